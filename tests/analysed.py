@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from dogbot_logtool.core.base.odometry import Odometry, no_odometry
+from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contact_rule import FootSensor, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
+from dogbot_logtool.core.corrections.sensor import estimate_level
 from dogbot_logtool.core.recording import Recording, Times, VectorTopic
-from dogbot_logtool.core.sensors.sensor_level import estimate_level
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.core.walk import analyse

@@ -13,7 +13,7 @@ from dogbot_logtool.conversion.annotate import DrawnCounts, Scene, draw
 from dogbot_logtool.conversion.plan import ConversionPlan, make_plan
 from dogbot_logtool.conversion.provenance import provenance_record
 from dogbot_logtool.conversion.writing import SpanWriter, annotations_of, cut_spans
-from dogbot_logtool.core.base.odometry import usable_poses
+from dogbot_logtool.core.base.poses import usable_poses
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.scene.arrows import ArrowCounts
 from dogbot_logtool.dataclass import dataclass

@@ -7,7 +7,7 @@ import numpy as np
 
 from dogbot_logtool.conversion.plan import ConversionPlan
 from dogbot_logtool.core.arrays import Ints, picked
-from dogbot_logtool.core.base.odometry import (
+from dogbot_logtool.core.base.poses import (
     Odometry,
     base_transforms,
     from_opening,
@@ -15,8 +15,8 @@ from dogbot_logtool.core.base.odometry import (
 )
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
+from dogbot_logtool.core.events.event import EventMessage, GaitState
 from dogbot_logtool.core.events.log_messages import event_messages, gait_states, to_log_time
-from dogbot_logtool.core.events.messages import EventMessage, GaitState
 from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.hulls import NEAR_NS
 from dogbot_logtool.core.metrics import WalkMetrics

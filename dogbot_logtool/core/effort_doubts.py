@@ -8,8 +8,7 @@ from dataclasses import replace
 from typing import Final
 
 from dogbot_logtool.core.arrays import median_of
-from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.base.pose_jumps import without_jumps
+from dogbot_logtool.core.base.poses import BaseHistory, without_jumps
 from dogbot_logtool.core.checks.loads import direction_is_doubtful
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.legs.effort_signs import LegSigns, leg_signs, shortfall

@@ -4,14 +4,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
+from dogbot_logtool.core.base.axes import leaning_walk_rad
+from dogbot_logtool.core.base.falls import find_tipping
 from dogbot_logtool.core.base.ground import swapped_pairs
-from dogbot_logtool.core.base.tipping import find_tipping
-from dogbot_logtool.core.base.up_axis import leaning_walk_rad
-from dogbot_logtool.core.command_tracking import command_track, tracking_in
+from dogbot_logtool.core.base.motion import FORWARD_ANGLES
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.foot_statistics import (
@@ -20,6 +21,7 @@ from dogbot_logtool.core.gait.foot_statistics import (
 )
 from dogbot_logtool.core.gait.reference_foot import any_strides, gait_input, reference_strides
 from dogbot_logtool.core.gait.segments import (
+    Segment,
     find_segments,
     main_segment,
     transition_strides,
@@ -31,9 +33,9 @@ from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.statistics import SegmentFigures, Stats
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.commands.tracking import CommandTrack
-    from dogbot_logtool.core.imu.comparison import ImuComparison
-    from dogbot_logtool.core.recorded.vectors import VectorHistory
+    from dogbot_logtool.core.commands import CommandTrack
+    from dogbot_logtool.core.imu import ImuComparison
+    from dogbot_logtool.core.vectors import VectorHistory
 
 
 def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
@@ -57,9 +59,6 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
     positions = [foot.leg_position for foot in settings.feet]
     forward_rad = FORWARD_ANGLES[settings.forward_axis]
     swapped, pairs = swapped_pairs(walk.placed_base, records, positions, forward_rad)
-    track = command_track(
-        recorded.commands, walk.base, walk.jumps, settings.forward_axis, segments, walk.period_s
-    )
     return Stats(
         settings=settings,
         origin=origin,
@@ -75,9 +74,7 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         jumps=walk.jumps,
         tipping=find_tipping(recorded.base, settings.forward_axis),
         segments=segments,
-        segment_figures=tuple(
-            _segment_figures(walk, each.spans, strides, track) for each in segments
-        ),
+        segment_figures=tuple(_segment_figures(walk, each.spans, strides) for each in segments),
         transition_strides=transition_strides(segments, feet[gait.reference].strides)
         if feet
         else 0,
@@ -99,15 +96,12 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         rise_m=walk.rise_m,
         all_silent=all_silent(records, walk.base),
         beside=tuple(each for each in (recorded.commands, recorded.inertial) if each),
-        command_track=track,
-        commands=tracking_in(track, None),
+        command_track=_command_track(walk, recorded.commands, segments),
         imu=_imu(walk, recorded.inertial),
     )
 
 
-def _segment_figures(
-    walk: MaskedWalk, spans: Ints, strides: Strides, track: "CommandTrack | None"
-) -> SegmentFigures:
+def _segment_figures(walk: MaskedWalk, spans: Ints, strides: Strides) -> SegmentFigures:
     """Measure a segment."""
     return SegmentFigures(
         base=walk.base_motion(spans),
@@ -115,7 +109,26 @@ def _segment_figures(
         support=walk.support(spans),
         loads=walk.loads(strides.within(spans).spans, spans),
         stability=walk.stability(spans),
-        commands=tracking_in(track, spans),
+    )
+
+
+def _command_track(
+    walk: MaskedWalk, commands: "VectorHistory | None", segments: Sequence[Segment]
+) -> "CommandTrack | None":
+    """Compare commands with the base's velocity over time, in logs that have any."""
+    if commands is None:
+        return None
+    from dogbot_logtool.core.commands import follow_commands  # noqa: PLC0415
+
+    # In segments with strides the robot steps.
+    steps = [each.spans for each in segments if each.strides]
+    return follow_commands(
+        commands,
+        walk.base,
+        walk.jumps.spans,
+        walk.settings.forward_axis,
+        timespans.merge(np.concatenate([timespans.no_spans(), *steps])),
+        walk.period_s,
     )
 
 
@@ -123,7 +136,7 @@ def _imu(walk: MaskedWalk, inertial: "VectorHistory | None") -> "ImuComparison |
     """Compare accelerometer, forces and poses, in logs that have all of them."""
     if inertial is None:
         return None
-    from dogbot_logtool.core.imu.comparison import compare_imu  # noqa: PLC0415
+    from dogbot_logtool.core.imu import compare_imu  # noqa: PLC0415
 
     comparable = walk.vertical_known and not (walk.feet_apart or walk.base_apart)
     strides = any_strides(walk.records, walk.fallen, walk.standing.without_steps)

@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, aggregate
-from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.base.pose_jumps import without_jumps
+from dogbot_logtool.core.base.poses import BaseHistory, without_jumps
+from dogbot_logtool.core.corrections.clock import ClockDifference, too_far_apart
 from dogbot_logtool.core.effort_doubts import with_effort_doubts
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.gait.standing import typical_period_s
@@ -37,7 +37,6 @@ from dogbot_logtool.core.legs.swings import (
     world_path,
 )
 from dogbot_logtool.core.load.slip import slip_m
-from dogbot_logtool.core.quality.clocks import ClockDifference, too_far_apart
 from dogbot_logtool.core.statistics import Stats
 
 IDLE: Final = 0.02

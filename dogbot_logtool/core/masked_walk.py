@@ -7,16 +7,15 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.base.base_motion import BaseMotion, BaseTrack, base_motion
+from dogbot_logtool.core.base.axes import with_forward_axis
 from dogbot_logtool.core.base.falls import fallen_spans
-from dogbot_logtool.core.base.forward_axis import with_forward_axis
 from dogbot_logtool.core.base.ground import height_drift_m, height_over_feet
-from dogbot_logtool.core.base.pose_jumps import PoseJumps, find_jumps, without_jumps
-from dogbot_logtool.core.base.travel import find_travel
+from dogbot_logtool.core.base.motion import BaseMotion, BaseTrack, base_motion, find_travel
+from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps, find_jumps, without_jumps
 from dogbot_logtool.core.consistency.stopped import without_stopped
 from dogbot_logtool.core.consistency.worlds import Worlds, placed_poses
 from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.corrections.clock import ClockDifference, too_far_apart
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics, foot_statistics
 from dogbot_logtool.core.gait.foot_steps import FootSteps, foot_steps, net_push
 from dogbot_logtool.core.gait.reference_foot import any_strides
@@ -28,15 +27,14 @@ from dogbot_logtool.core.load.load_figures import (
     is_stuck,
     load_figures,
 )
-from dogbot_logtool.core.quality.clocks import ClockDifference, too_far_apart
 from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.stability.stability import Stability, stability
 from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.consistency.delay import Delay
-    from dogbot_logtool.core.recorded.vectors import VectorHistory
+    from dogbot_logtool.core.consistency.heave import Delay
+    from dogbot_logtool.core.vectors import VectorHistory
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, all_finite
-from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 
 FARTHEST_M: Final = 1e9

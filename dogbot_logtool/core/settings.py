@@ -4,10 +4,10 @@ from dataclasses import field
 
 from dogbot_logtool.core.contact.contact_rule import FootSensor, Thresholds, contact_rule
 from dogbot_logtool.core.corrections.clock import TimeSource
+from dogbot_logtool.core.corrections.sensor import SensorLevel
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.load.loads import body_weight_n
-from dogbot_logtool.core.sensors.sensor_level import zero_reading
 from dogbot_logtool.dataclass import dataclass
 
 
@@ -80,7 +80,7 @@ class StatsSettings:
         known = self.feet[foot].sensor
         if known is not None:
             return known
-        level = zero_reading()
+        level = SensorLevel(zero_in_swing=True)
         return FootSensor(level, contact_rule(level, self.body_weight_n, self.thresholds))
 
     @property

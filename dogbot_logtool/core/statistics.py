@@ -5,34 +5,33 @@ from typing import TYPE_CHECKING
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.base.base_motion import BaseMotion
-from dogbot_logtool.core.base.pose_jumps import PoseJumps
-from dogbot_logtool.core.base.tipping import Tipping
+from dogbot_logtool.core.base.falls import Tipping
+from dogbot_logtool.core.base.motion import BaseMotion
+from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps
 from dogbot_logtool.core.consistency.worlds import Worlds
+from dogbot_logtool.core.corrections.clock import (
+    ClockDifference,
+)
 from dogbot_logtool.core.gait.foot_statistics import (
     FootStatistics,
 )
-from dogbot_logtool.core.gait.planned import PlannedFoot
 from dogbot_logtool.core.gait.segments import (
     Segment,
 )
 from dogbot_logtool.core.gait.support_pattern import Support
 from dogbot_logtool.core.load.load_figures import LoadFigures
-from dogbot_logtool.core.quality.clocks import (
-    ClockDifference,
-)
+from dogbot_logtool.core.planned import PlannedFoot
 from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.stability.stability import Stability
 from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking
-    from dogbot_logtool.core.consistency.delay import Delay
-    from dogbot_logtool.core.imu.comparison import ImuComparison
+    from dogbot_logtool.core.commands import CommandTrack
+    from dogbot_logtool.core.consistency.heave import Delay
+    from dogbot_logtool.core.imu import ImuComparison
     from dogbot_logtool.core.legs.leg_figures import LegFigures
-    from dogbot_logtool.core.recorded.vectors import VectorHistory
+    from dogbot_logtool.core.vectors import VectorHistory
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +43,6 @@ class SegmentFigures:
     support: Support | None
     loads: LoadFigures
     stability: Stability | None
-    commands: "Tracking | None" = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,8 +110,6 @@ class Stats:
     """Records of commands and accelerometer."""
     command_track: "CommandTrack | None" = None
     """Commanded and measured velocity; None without commands."""
-    commands: "Tracking | None" = None
-    """How the base follows them."""
     imu: "ImuComparison | None" = None
     """Comparison of the base's accelerometer with forces and poses; None without one."""
 

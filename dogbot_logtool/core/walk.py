@@ -13,14 +13,22 @@ from typing import TYPE_CHECKING
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.base.base_history import base_history
+from dogbot_logtool.core.base.poses import base_history
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import FootHistory, foot_history
-from dogbot_logtool.core.corrections.clock import TimeSource
+from dogbot_logtool.core.corrections.clock import (
+    ClockDifference,
+    LogClock,
+    OffsetTrack,
+    StampCheck,
+    TimeSource,
+    check_stamps,
+    choose_clock,
+    clock_differences,
+    without_bad_stamps,
+)
 from dogbot_logtool.core.evaluation import work_out
 from dogbot_logtool.core.masked_walk import Recorded
-from dogbot_logtool.core.quality.clocks import ClockDifference, OffsetTrack, clock_differences
-from dogbot_logtool.core.quality.log_clock import LogClock, choose_clock
 from dogbot_logtool.core.quality.quality import (
     TopicQuality,
     TopicTimes,
@@ -28,15 +36,14 @@ from dogbot_logtool.core.quality.quality import (
     topic_times,
     with_gaps,
 )
-from dogbot_logtool.core.quality.stamps import StampCheck, check_stamps, without_bad_stamps
 from dogbot_logtool.core.recording import Recording, VectorTopic
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.statistics import Stats
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
+    from dogbot_logtool.core.frames.transforms import TransformBuffer
     from dogbot_logtool.core.legs.settings import LegSettings
-    from dogbot_logtool.core.recorded.vectors import VectorHistory
+    from dogbot_logtool.core.vectors import VectorHistory
 
 
 def analyse(
@@ -76,9 +83,7 @@ def analyse(
         clocks=_differences(tracks, settings) if on_stamps else (),
         topics=_topic_qualities(settings, times, feet),
         commands=_vectors(settings, settings.command_topic, recording.commands, tracks),
-        inertial=_vectors(
-            settings, settings.imu_topic, recording.accelerations, tracks, averages=True
-        ),
+        inertial=_vectors(settings, settings.imu_topic, recording.accelerations, tracks),
     )
     stats = work_out(settings, recorded)
     return stats if legs is None else _with_legs(recording, stats, legs, tracks)
@@ -166,18 +171,14 @@ def _vectors(
     topic: str,
     recorded: VectorTopic | None,
     tracks: Mapping[str, OffsetTrack],
-    *,
-    averages: bool = False,
 ) -> "VectorHistory | None":
     """Return the vectors of a topic; None without any. Loaded for logs that have them."""
     if recorded is None:
         return None
-    from dogbot_logtool.core.recorded.vectors import vector_history  # noqa: PLC0415
+    from dogbot_logtool.core.vectors import vector_history  # noqa: PLC0415
 
     base = tracks.get(settings.odometry_topic)
-    return vector_history(
-        topic, recorded.samples, recorded.frames, settings.clock, base, averages=averages
-    )
+    return vector_history(topic, recorded.samples, recorded.frames, settings.clock, base)
 
 
 def _with_legs(

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from dogbot_logtool.core.arrays import Ints, concatenated, header_time, rows_by_group
-from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.contact.contacts import Samples, no_samples, samples_by_foot
-from dogbot_logtool.core.frames.recorded_transforms import (
+from dogbot_logtool.core.frames.transforms import (
     RecordedTransforms,
     concatenate_transforms,
     no_transforms,

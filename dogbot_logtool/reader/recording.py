@@ -9,9 +9,9 @@ from typing import Any, Final, Protocol, TypeVar
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Ints, Record, concatenated, median_of, picked
-from dogbot_logtool.core.base.odometry import Odometry, no_odometry
+from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contacts import Samples, no_samples, without_contact
-from dogbot_logtool.core.frames.recorded_transforms import concatenate_transforms, no_transforms
+from dogbot_logtool.core.frames.transforms import concatenate_transforms, no_transforms
 from dogbot_logtool.core.legs.joint_track import MOST_JOINTS, JointSamples, JointTable
 from dogbot_logtool.core.recording import Recording, Times, VectorTopic
 from dogbot_logtool.dataclass import dataclass

@@ -5,8 +5,13 @@ from typing import Any
 
 from rich.console import Console
 
-from dogbot_logtool.core.frames.frame_edges import FrameEdge
-from dogbot_logtool.core.frames.frame_tree import loops, roots, second_parents, trees
+from dogbot_logtool.core.frames.frame_tree import (
+    FrameEdge,
+    loops,
+    roots,
+    second_parents,
+    trees,
+)
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.report.documents.damage import damage_json

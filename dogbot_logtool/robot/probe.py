@@ -13,7 +13,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Ints, all_finite, median_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
+from dogbot_logtool.core.frames.transforms import TransformBuffer
 from dogbot_logtool.core.frames.wrench_frame import (
     FrameFit,
     WrenchFrame,

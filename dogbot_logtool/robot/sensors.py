@@ -5,31 +5,24 @@ from dataclasses import replace
 import numpy as np
 
 from dogbot_logtool.core.arrays import all_finite, median_of, norms
-from dogbot_logtool.core.contact.contact_rule import (
-    ContactRule,
-    FootSensor,
-    Thresholds,
-    contact_rule,
-)
+from dogbot_logtool.core.contact.contact_rule import FootSensor, Thresholds, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, samples_together
 from dogbot_logtool.core.contact.silent_swing import SilentFeet, learn_silences
 from dogbot_logtool.core.corrections.clock import usual_interval_s
-from dogbot_logtool.core.load.loads import body_weight_n
-from dogbot_logtool.core.sensors.sensor_level import (
+from dogbot_logtool.core.corrections.modes import CONSTANT
+from dogbot_logtool.core.corrections.moving_level import follow_level
+from dogbot_logtool.core.corrections.sensor import (
     Origin,
     SensorLevel,
     estimate_level,
-    no_offset,
     zero_level,
-    zero_reading,
 )
-from dogbot_logtool.core.sensors.sensor_modes import CONSTANT
-from dogbot_logtool.core.sensors.weighed_levels import (
-    checked_levels,
+from dogbot_logtool.core.corrections.weighed_levels import (
     turned_levels,
     weighed_levels,
     weight_of_levels,
 )
+from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.printable import listed
@@ -72,78 +65,49 @@ def learn_sensors(
         if name not in names:
             raise CallError(f"--tare {name}: the log has no such foot; it has {listed(names)}")
     weight = body_weight_n(selection.robot.mass_kg)
-    thresholds = _thresholds(selection, given or Thresholds())
-    levels = tuple(
-        _level(selection, samples, foot, topics) for foot, samples in enumerate(probe.feet)
-    )
-    if not selection.robot_is_guessed or topics.mass_kg is not None:
-        levels = checked_levels(weighed_levels(turned_levels(levels, weight), weight), weight)
-    else:
-        levels = turned_levels(levels, None)
-    varies = any(level.loaded_n and level.reason != CONSTANT for level in levels)
+    # A mass that is only guessed from the topics tells nothing of levels.
+    trusted = None if selection.robot_is_guessed and topics.mass_kg is None else weight
+    alone = [_level(selection, samples, foot, topics) for foot, samples in enumerate(probe.feet)]
+    levels = weighed_levels(turned_levels(alone, trusted), trusted)
     estimated = weight_of_levels(levels) if weight is None else None
-    return LearntSensors(
-        tuple(
-            FootSensor(
-                level,
-                _rule(
-                    level,
-                    weight or estimated,
-                    thresholds,
-                    others_vary=varies,
-                    by_flag=selection.has_flags(foot),
-                ),
-            )
-            for foot, level in enumerate(levels)
-        ),
-        _learn_silences(probe),
-        estimated,
-    )
+    thresholds = _thresholds(selection, given or Thresholds())
+    feet = []
+    for foot, level in enumerate(levels):
+        rule = contact_rule(level, weight or estimated, thresholds)
+        if selection.has_flags(foot):
+            rule = replace(rule, by_flag=True, backdates=False, unusable="")
+        elif _is_stuck(level) and any(each.loaded_n and not _is_stuck(each) for each in levels):
+            rule = replace(rule, unusable="its sensor reads one constant force while others vary")
+        feet.append(FootSensor(level, rule))
+    silent = SilentFeet({})
+    if probe.intervals:
+        together = samples_together(probe.feet)
+        silent = learn_silences(together, probe.intervals, probe.silence_clock)
+    return LearntSensors(tuple(feet), silent, estimated)
 
 
-def _learn_silences(probe: Probe) -> SilentFeet:
-    """Learn how long swings and flights of feet that are silent in swing usually are."""
-    if not probe.intervals:
-        return SilentFeet({})
-    samples = samples_together(probe.feet)
-    return learn_silences(samples, probe.intervals, probe.silence_clock)
-
-
-def _rule(
-    level: SensorLevel,
-    weight_n: float | None,
-    given: Thresholds,
-    *,
-    others_vary: bool,
-    by_flag: bool,
-) -> ContactRule:
-    """Return what counts as contact; a sensor that is stuck while others vary tells none."""
-    rule = contact_rule(level, weight_n, given)
-    if by_flag:
-        return replace(rule, by_flag=True, backdates=False, unusable="")
-    if level.reason == CONSTANT and level.loaded_n and others_vary:
-        return replace(rule, unusable="its sensor reads one constant force while others vary")
-    return rule
+def _is_stuck(level: SensorLevel) -> bool:
+    """Tell whether a sensor reads one force throughout."""
+    return level.reason == CONSTANT and bool(level.loaded_n)
 
 
 def _level(selection: Selection, samples: Samples, foot: int, topics: TopicOptions) -> SensorLevel:
     """Estimate a foot's level, or take the one that is given."""
-    known = (topics.offsets_n or {}).get(selection.robot.feet[foot].name)
-    origin: Origin = "option"
+    robot = selection.robot.feet[foot]
+    known = given = (topics.offsets_n or {}).get(robot.name)
     if known is None and topics.takes_offsets:
-        known, origin = selection.robot.feet[foot].offset_n, "robot"
+        known = robot.offset_n
     if known is None and (level := _zero(selection, samples, foot)) is not None:
         return level
     if known is None and topics.takes_offsets:
         level = estimate_level(samples.log_time, samples.force)
         if level.zero_in_swing or level.reason:
             return level
-        from dogbot_logtool.core.sensors.swing_levels import follow_level  # noqa: PLC0415
-
         return follow_level(samples.log_time, samples.force, level)
     offset = np.array([known or (0.0, 0.0, 0.0)])
     rest = estimate_level(samples.log_time, samples.force - offset)
-    return replace(rest, knots=no_offset()[0], offset=offset, origin=origin, reason="")
+    origin: Origin = "robot" if known is not None and given is None else "option"
+    return replace(rest, knots=np.zeros(1, np.int64), offset=offset, origin=origin, reason="")
 
 
 def _zero(selection: Selection, samples: Samples, foot: int) -> SensorLevel | None:
@@ -151,19 +115,20 @@ def _zero(selection: Selection, samples: Samples, foot: int) -> SensorLevel | No
     sources = selection.sources_of(foot)
     force = samples.force[all_finite(samples.force)]
     interval_s = usual_interval_s(samples.log_time)
+    zero = SensorLevel(zero_in_swing=True)
     if any(source.silent_in_swing for source in sources):
         # Its samples are those in contact only, and their mean is no mean over strides.
         level = zero_level(np.concatenate([np.zeros((len(force) + 3, 3)), force]), interval_s)
-        return replace(level or zero_reading(), mean_n=None)
+        return replace(level or zero, mean_n=None)
     if not selection.knows_force(foot):
-        return replace(zero_reading(), interval_s=interval_s)
+        return replace(zero, interval_s=interval_s)
     if not len(force):
         return None
     level = zero_level(force, interval_s)
     if level is None and all(source.lists_contacts for source in sources):
         # A foot that is down throughout: its messages would say if it were not.
         mean = float(median_of(norms(force)))
-        return replace(zero_reading(), loaded_n=mean, mean_n=mean, interval_s=interval_s)
+        return replace(zero, loaded_n=mean, mean_n=mean, interval_s=interval_s)
     return level
 
 

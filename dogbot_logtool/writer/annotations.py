@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.base.odometry import Transforms
+from dogbot_logtool.core.base.poses import Transforms
 from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.core.scene.labels import Labels

@@ -14,16 +14,15 @@ import pytest
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.arrays import concatenated
-from dogbot_logtool.core.base.base_history import base_history
-from dogbot_logtool.core.base.odometry import Odometry, concatenate_odometry
+from dogbot_logtool.core.base.poses import Odometry, base_history, concatenate_odometry
 from dogbot_logtool.core.contact.contact_rule import contact_rule
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import foot_history
 from dogbot_logtool.core.corrections.clock import TimeSource
+from dogbot_logtool.core.corrections.sensor import SensorLevel
 from dogbot_logtool.core.hulls import margin_in_hull
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.core.scene.support_scene import margin_colour
-from dogbot_logtool.core.sensors.sensor_level import zero_reading
 from dogbot_logtool.core.stability.stability import feet_down
 from dogbot_logtool.reader.messages.contact_messages import read_contacts
 from dogbot_logtool.reader.opening import open_log
@@ -260,7 +259,7 @@ def recorded(path: Path) -> tuple[list[Any], Any]:
     """Return what `stats` keeps of the feet and the base, on log time."""
     log = open_log(path)
     selection = select_topics(log, TopicOptions())
-    rule = contact_rule(zero_reading(), BODY_WEIGHT_N)
+    rule = contact_rule(SensorLevel(zero_in_swing=True), BODY_WEIGHT_N)
     samples: list[Samples] = []
     poses: list[Odometry] = []
     for span in log.spans():

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame

@@ -11,7 +11,7 @@ from rich.console import Console
 
 from dogbot_logtool.commands.stats import measurement_of
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.metrics import NEEDS, SCHEMA_VERSION, WalkMetrics

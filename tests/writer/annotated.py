@@ -8,7 +8,7 @@ import numpy as np
 from mcap import records
 from mcap.data_stream import ReadDataStream
 
-from dogbot_logtool.core.base.odometry import Transforms
+from dogbot_logtool.core.base.poses import Transforms
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.core.scene.loads import Loads
 from dogbot_logtool.writer.annotations import (

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
-from dogbot_logtool.core.base.odometry import Transforms
+from dogbot_logtool.core.base.poses import Transforms
 from dogbot_logtool.writer.annotations import (
     AnnotationColumns,
 )

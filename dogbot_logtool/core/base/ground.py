@@ -7,7 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of
-from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.rotations import along_heading

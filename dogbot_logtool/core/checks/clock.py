@@ -6,9 +6,8 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.checks.wording import counted
-from dogbot_logtool.core.consistency.delay import Delay
-from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.quality.clocks import ClockDifference
+from dogbot_logtool.core.consistency.heave import Delay
+from dogbot_logtool.core.corrections.clock import ClockDifference, TimeSource
 from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding

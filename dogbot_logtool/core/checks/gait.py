@@ -93,14 +93,15 @@ def against_plan(stats: Stats) -> Iterator[Finding]:
     for foot, plan in zip(stats.feet, stats.planned, strict=False):
         if plan is None or not plan.touchdowns:
             continue
+        found, delay = plan.metrics, plan.metrics.delay_s
         text = (
             f"{foot.name} against {plan.topic}: of {plan.touchdowns} planned touchdowns "
-            f"{plan.early} early, {plan.late} late, {plan.missed} missed, and {plan.unplanned} "
+            f"{plan.early} early, {plan.late} late, {found.missed} missed, and {found.unplanned} "
             "unplanned ones"
         )
-        if plan.delay is not None:
-            when = "late" if plan.delay.median >= 0.0 else "early"
-            text += f"; {1e3 * abs(plan.delay.median):.0f} ms {when} in the median"
+        if delay is not None:
+            when = "late" if delay.median >= 0.0 else "early"
+            text += f"; {1e3 * abs(delay.median):.0f} ms {when} in the median"
         yield Finding("AGAINST_PLAN", text, f"feet.{foot.name}.planned")
 
 

@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.imu import Reading
 from dogbot_logtool.core.load.load_figures import vertical_is_known
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
@@ -166,14 +167,18 @@ def _weight_not_compared(stats: Stats) -> str:
 def _no_imu(stats: Stats) -> str:
     if not stats.settings.imu_topic:
         return "the log has no accelerometer of the base"
-    return "all accelerations are zero" if stats.imu and stats.imu.is_zero else _no_poses(stats)
+    return (
+        "all accelerations are zero"
+        if stats.imu and stats.imu.mounting.reading is Reading.NOTHING
+        else _no_poses(stats)
+    )
 
 
 def _imu_not_compared(stats: Stats) -> str:
     if stats.imu is None:
         return "accelerometer and poses are not known together for 2 s"
     unsure = "the accelerometer does not follow the base's attitude"
-    return unsure if stats.imu.mounting.reading is None else ""
+    return unsure if stats.imu.mounting.reading is Reading.UNCLEAR else ""
 
 
 KINDS: Final = (

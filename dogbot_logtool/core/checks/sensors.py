@@ -10,9 +10,9 @@ from dogbot_logtool.core.arrays import median_of
 from dogbot_logtool.core.checks.wording import counted
 from dogbot_logtool.core.contact.contact_rule import FootSensor
 from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.corrections.sensor import SensorLevel
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.load.load_figures import is_stuck
-from dogbot_logtool.core.sensors.sensor_level import SensorLevel
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, all_finite, distinct, median_of
-from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.contact.track import FootTrack

@@ -2,8 +2,8 @@
 
 from typing import Final
 
-from dogbot_logtool.core.sensors.sensor_level import Origin, SensorLevel
-from dogbot_logtool.core.sensors.sensor_modes import ALTERNATE, NOISY, WIDE
+from dogbot_logtool.core.corrections.modes import ALTERNATE, NOISY, WIDE
+from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
 from dogbot_logtool.dataclass import dataclass
 
 ZERO_ON: Final = 0.05

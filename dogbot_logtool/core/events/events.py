@@ -1,21 +1,396 @@
 """The table of all events of a log."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import compress, pairwise
 from typing import Final
 
+import numpy as np
+
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, norms, percentiles_of
+from dogbot_logtool.core.checks.sensors import foot_is_saturated
+from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.events.event import Event, EventType
-from dogbot_logtool.core.events.recording_events import gaps, sensor_faults
-from dogbot_logtool.core.events.robot_events import (
-    carried,
-    falls,
-    gait_changes,
-    margins_below_zero,
-    pose_jumps,
-    tipping,
-)
-from dogbot_logtool.core.events.slips import slips
-from dogbot_logtool.core.events.steps import early_touchdowns, step_events
+from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.gait import IRREGULAR, STAND
+from dogbot_logtool.core.gait.segments import LASTING, PERIOD_CHANGE, Segment
+from dogbot_logtool.core.load.load_figures import is_stuck
+from dogbot_logtool.core.load.slip import LARGEST_FOOT_M
+from dogbot_logtool.core.load.spikes import has_lone_spikes
 from dogbot_logtool.core.statistics import Stats
+
+MARGIN_M: Final = 0.01
+"""m below zero that a margin must reach: contact points and poses are not known better."""
+LASTING_S: Final = 0.08
+"""s, two instants, that it must stay below zero."""
+BESIDE_S: Final = 1.0
+"""s before and after it is carried in which a robot shows how high it stands."""
+LOWER_M: Final = 0.02
+"""m below that height from which a robot without contact lies on its body."""
+
+
+def falls(stats: Stats) -> Iterator[Event]:
+    """Yield each fall, from the beginning of the descent until the robot lies no more."""
+    yield from _spans(stats.fallen, EventType.FALL, "FALL")
+
+
+def tipping(stats: Stats) -> Iterator[Event]:
+    """Yield how the robot tips as the recording ends, without a fall."""
+    found = stats.tipping
+    if found is not None and not len(stats.fallen):
+        lasts = int(stats.base_history.time[-1]) - found.since
+        yield Event(found.since, lasts, EventType.TIPPING, None, found.last_rad, "rad", "FALL")
+
+
+def carried(stats: Stats) -> Iterator[Event]:
+    """Yield when no foot is down, and the base is as high as while it stands, or higher."""
+    lifted = [each.spans for each in stats.segments if each.is_lifted]
+    spans = timespans.merge(np.concatenate(lifted)) if lifted else timespans.no_spans()
+    for start, end in spans.tolist():
+        rises_m = _rise_m(stats, start, end)
+        if rises_m is not None and rises_m > -LOWER_M:
+            yield Event(start, end - start, EventType.CARRIED, None, rises_m, "m")
+
+
+def _rise_m(stats: Stats, start: int, end: int) -> float | None:
+    """Return how much higher the base is in a span than beside it; None: it is not known."""
+    base, beside = stats.base_history, round(BESIDE_S * 1e9)
+    feet = [foot.record.in_contact for foot in stats.feet if len(foot.record.in_contact)]
+    if not feet or timespans.touches(stats.jumps.spans, *np.array([[start], [end]])).any():
+        return None
+    down = timespans.covers(timespans.merge(np.concatenate(feet)), base.time)
+    near = (base.time >= start - beside) & (base.time < end + beside)
+    inside = (base.time >= start) & (base.time < end)
+    stands = down & near & ~inside
+    if not stands.any() or not inside.any():
+        return None
+    z = base.position[:, 2]
+    return float(median_of(z[inside]) - median_of(z[stands]))
+
+
+def gait_changes(segments: Sequence[Segment]) -> Iterator[Event]:
+    """Yield each change from one gait to another, also between gaits and stands.
+
+    It happens half-way between the last stride of the gait before and the first of the next, or
+    where the stand begins or ends. Irregular strides between two gaits are no gait of their own.
+    """
+    for before, after in pairwise(_gaits(segments)):
+        if before.gait.name == after.gait.name and not _faster_or_slower(before, after):
+            continue
+        onset = (before.end + after.start) // 2
+        if after.gait.name == STAND:
+            onset = after.start
+        elif before.gait.name == STAND:
+            onset = before.end
+        frequency = after.stride_frequency_hz
+        unit = "" if frequency is None else "Hz"
+        code = f"{before.gait.name}>{after.gait.name}"
+        yield Event(onset, 0, EventType.GAIT_CHANGE, None, frequency, unit, code)
+
+
+def _gaits(segments: Sequence[Segment]) -> list[Segment]:
+    """Return stands and gaits, without what is too irregular or too short to be one."""
+    known = [each for each in segments if each.gait.name is not None]
+    names = [STAND, *(each.gait.name for each in known), STAND]
+    beside = zip(names[:-2], names[2:], strict=True)
+    gaits = [
+        each
+        for each, around in zip(known, beside, strict=True)
+        if each.gait.name != IRREGULAR or {STAND, IRREGULAR}.issuperset(around)
+    ]
+    lasting = [not _is_passing(*three) for three in zip(gaits, gaits[1:], gaits[2:], strict=False)]
+    return list(compress(gaits, [True, *lasting, True]))
+
+
+def _is_passing(before: Segment, segment: Segment, after: Segment) -> bool:
+    """Tell whether a gait goes on as it was, before it could be said to have changed."""
+    frequency = before.stride_frequency_hz
+    if segment.gait.name == STAND or frequency is None or before.gait.name != after.gait.name:
+        return False
+    lasts_s = (segment.end - segment.start) / 1e9
+    return lasts_s * frequency <= LASTING and not _faster_or_slower(before, after)
+
+
+def _faster_or_slower(before: Segment, after: Segment) -> bool:
+    first, then = before.stride_frequency_hz, after.stride_frequency_hz
+    if first is None or then is None:
+        return False
+    return abs(1.0 / then - 1.0 / first) > PERIOD_CHANGE / first
+
+
+def margins_below_zero(stats: Stats) -> Iterator[Event]:
+    """Yield the times in which the base's projection is clearly outside the support polygon.
+
+    After a jump of the pose it is not known where the base is among the feet; a robot that lies
+    does not lose its balance.
+    """
+    if stats.stability is None:
+        return
+    jump = stats.jumps.spans[0, 0] if len(stats.jumps.spans) else stats.end
+    below, least = stats.stability.below_zero, stats.stability.least_margin_m
+    counts = (below[:, 1] - below[:, 0] >= LASTING_S * 1e9) & (least < -MARGIN_M)
+    counts &= (below[:, 0] < jump) & ~timespans.covers(stats.fallen, below[:, 0])
+    for row in np.flatnonzero(counts).tolist():
+        start, end = below[row].tolist()
+        value = float(least[row])
+        yield Event(start, end - start, EventType.MARGIN_BELOW_ZERO, None, value, "m")
+
+
+def pose_jumps(stats: Stats) -> Iterator[Event]:
+    """Yield each jump of the base's pose, from the pose before it to the one after."""
+    sizes = norms(stats.jumps.size_m).tolist()
+    for (start, end), size in zip(stats.jumps.spans.tolist(), sizes, strict=True):
+        yield Event(start, end - start, EventType.POSE_JUMP, None, size, "m", "POSE_JUMP")
+
+
+def _spans(spans: Ints, kind: EventType, code: str) -> Iterator[Event]:
+    for start, end in spans.tolist():
+        yield Event(start, end - start, kind, code=code)
+
+
+AT_LIMIT: Final = 0.99
+"""Share of the highest force from which a stance of a saturated sensor is cut off."""
+
+
+def gaps(stats: Stats) -> Iterator[Event]:
+    """Yield the gaps of each foot's sensor, and of the base's poses."""
+    yield from _gaps(stats.base_history.gaps, None)
+    for row, foot in enumerate(stats.feet):
+        yield from _gaps(timespans.subtract(foot.record.gaps, foot.record.stopped), row)
+
+
+def _gaps(spans: Ints, foot: int | None) -> Iterator[Event]:
+    for start, end in spans.tolist():
+        lasts = end - start
+        yield Event(start, lasts, EventType.GAP, foot, lasts / 1e9, "s", "GAPS")
+
+
+def sensor_faults(stats: Stats) -> Iterator[Event]:
+    """Yield what findings call a fault of a foot's sensor, with the time that shows it."""
+    for row, foot in enumerate(stats.feet):
+        others = [other.record for other in stats.feet if other is not foot]
+        record, stances = foot.record, foot.record.stances
+        stopped = () if is_stuck(record, others) else record.stopped.tolist()
+        never = foot.is_dead and not len(record.stopped)
+        if never and record.start is not None and record.end is not None:
+            yield _fault(record.start, record.end, row, "DEAD")
+        if is_stuck(record, others):
+            yield _fault(int(stances.touchdown[0]), int(stances.liftoff[-1]), row, "STUCK")
+        for start, end in stopped:
+            yield _fault(start, end, row, "STOPPED")
+        if foot_is_saturated(stats, row) and np.isfinite(stances.figures.peak_n).any():
+            limit = float(np.nanmax(stances.figures.peak_n))
+            cut_off = np.flatnonzero(stances.figures.peak_n >= AT_LIMIT * limit)
+            times = int(stances.touchdown[cut_off[0]]), int(stances.liftoff[cut_off[-1]])
+            yield _fault(*times, row, "SATURATED", limit)
+        yield from _spikes(row, foot)
+
+
+def _spikes(row: int, foot: FootStatistics) -> Iterator[Event]:
+    """Yield the stances with lone spikes, at the highest of them."""
+    stances = foot.record.stances
+    for stance in np.flatnonzero(has_lone_spikes(foot.stances) & foot.stances.whole).tolist():
+        share = float(foot.stances.figures.spike_phase[stance])
+        onset = int(stances.touchdown[stance])
+        at = onset + round(share * (int(stances.liftoff[stance]) - onset))
+        yield _fault(at, at, row, "SPIKES", float(stances.figures.peak_n[stance]))
+
+
+def _fault(start: int, end: int, foot: int, code: str, newtons: float | None = None) -> Event:
+    unit = "" if newtons is None else "N"
+    return Event(start, end - start, EventType.SENSOR_FAULT, foot, newtons, unit, code)
+
+
+SLIP_M: Final = 0.005
+"""m that a slip is at least longer than the way of a foot that does not slip."""
+TIMES: Final = 2.0
+"""So many times that way, too."""
+FEWEST: Final = 5
+"""Stances of a segment that say which way is usual."""
+FAR_OUT: Final = 8.0
+"""Times the distance from the lower quartile to the median that a slip is above the median: the
+lower half of the ways has no slips in it."""
+AT_ONCE: Final = 0.7
+"""Share of a slip that is in its quick way, if it is over at once."""
+QUICK_TIMES: Final = 1.0
+"""Times the usual quick way that a quick slip is longer than that."""
+
+
+def slips(
+    foot: int,
+    figures: FootStatistics,
+    walks: list[Segment],
+    rolling_m: float | None,
+    stumbles: frozenset[int],
+) -> Iterator[Event]:
+    """Yield the stances in which a foot slips.
+
+    Args:
+        foot: its index.
+        figures: its stances.
+        walks: segments with strides.
+        rolling_m: m, way of the contact point of a foot that does not slip; None: not known.
+        stumbles: ns, touchdowns of contacts that are no steps.
+    """
+    stances, known = figures.stances, figures.stances.figures
+    steps = stances.whole & ~np.isin(stances.touchdown, list(stumbles))
+    way, quick = (
+        np.where(steps, each, np.nan) for each in (known.loaded_reach_m, known.quick_way_m)
+    )
+    usual = _usual_m(figures, way, walks, TIMES)
+    allowed = np.where(np.isnan(usual) & _is_far(way, rolling_m), rolling_m or 0.0, usual)
+    excess = way - allowed
+    quick_excess = quick - _usual_m(figures, quick, walks, QUICK_TIMES)
+    # Of a slip that is over at once, the quick way tells the time best, noise or not.
+    at_once = quick_excess >= np.where(np.isnan(excess), 0.0, AT_ONCE * excess)
+    metres = np.where(np.isnan(excess), quick_excess, excess)
+    for row in np.flatnonzero(np.isfinite(metres)).tolist():
+        times = known.reach_begins_s[row], known.reach_ends_s[row]
+        if at_once[row]:
+            times = known.quick_begins_s[row], known.quick_ends_s[row]
+        begins, ends = _times(figures, row, *times)
+        unknown = rolling_m is None and np.isnan(usual[row]) and np.isfinite(excess[row])
+        code = "SLIPS" if unknown else ""
+        yield Event(begins, ends - begins, EventType.SLIP, foot, float(metres[row]), "m", code)
+
+
+def _is_far(way: Floats, rolling_m: float | None) -> Flags:
+    """(stances,) tell which ways are too long for any foot that does not slip."""
+    if rolling_m is None:
+        return np.asarray(way > LARGEST_FOOT_M)
+    return np.asarray(way - rolling_m > max(SLIP_M, TIMES * rolling_m))
+
+
+def _usual_m(figures: FootStatistics, way: Floats, walks: list[Segment], times: float) -> Floats:
+    """(stances,) m, the usual way in the segment of stances that are unlike it; else NaN.
+
+    Args:
+        figures: the foot's stances.
+        way: (stances,) m; NaN where it does not count.
+        walks: segments with strides.
+        times: the usual way by which a way that is unlike it is longer.
+    """
+    touchdown = figures.stances.touchdown
+    usual = np.full(len(way), np.nan)
+    for segment in walks:
+        rows = (touchdown >= segment.start) & (touchdown < segment.end) & np.isfinite(way)
+        if rows.sum() < FEWEST:
+            continue
+        low, median = percentiles_of(way[rows], (25.0, 50.0))
+        far = max(FAR_OUT * (median - low), times * median, SLIP_M)
+        usual[rows & (way - median > far)] = median
+    return usual
+
+
+def _times(figures: FootStatistics, row: int, begins_s: float, ends_s: float) -> tuple[int, int]:
+    """Return when a stance's contact point moves, ns; the whole stance where samples are few."""
+    touchdown, liftoff = int(figures.stances.touchdown[row]), int(figures.stances.liftoff[row])
+    if not np.isfinite(begins_s + ends_s):
+        return touchdown, liftoff
+    return touchdown + round(float(begins_s) * 1e9), touchdown + round(float(ends_s) * 1e9)
+
+
+EARLY: Final = 0.7
+"""Share of the usual swing below which a swing ends early."""
+BOUNCE: Final = 0.2
+"""Share of the usual swing below which a swing is a bounce, at touchdown or lift-off."""
+SHORT_STANCE: Final = 0.5
+"""Share of the usual stance below which a contact is no step."""
+STRIDE_GOES_ON: Final = 1.4
+"""Times the usual swing that two swings and a contact between them last at most, if they are one
+swing in which the foot hits something."""
+NEIGHBOURS: Final = 5
+"""Swings before, and after, that say what is usual."""
+FEWEST_SWINGS: Final = 3
+
+
+def step_events(feet: tuple[FootStatistics, ...]) -> Iterator[Event]:
+    """Yield all touchdowns and lift-offs that were seen."""
+    for row, foot in enumerate(feet):
+        for times, kind in (
+            (foot.touchdown, EventType.TOUCHDOWN),
+            (foot.liftoff, EventType.LIFT_OFF),
+        ):
+            yield from (Event(time, 0, kind, row) for time in times.tolist())
+
+
+def early_touchdowns(foot: int, figures: FootStatistics, walks: list[Segment]) -> Iterator[Event]:
+    """Yield the touchdowns of a foot that come well before its usual swing is over.
+
+    The foot hits something in mid-swing and swings on: a stumble. Or it stays on the ground: an
+    early contact. A foot that bounces as it lands, or as it leaves, does neither.
+
+    Args:
+        foot: its index.
+        figures: its stances and strides.
+        walks: segments with strides; elsewhere no swing is usual.
+    """
+    stances = figures.stances
+    if len(stances.touchdown) < FEWEST_SWINGS + 2:
+        return
+    swing, stance = _swings_s(figures), stances.duration_s
+    usual_swing = _usual(swing, np.minimum)
+    usual_stance = _usual(np.where(stances.whole, stance, np.nan), np.maximum)
+    short = stance < SHORT_STANCE * usual_stance
+    early = (swing > BOUNCE * usual_swing) & (swing < EARLY * usual_swing) & stances.whole
+    # After a contact that is no step, a short swing is the rest of the swing before it.
+    early[1:] &= ~short[:-1]
+    early &= _inside(walks, stances.touchdown)
+    rest = np.append(swing[1:], np.nan)
+    whole_swing = swing + stance + rest
+    goes_on = (rest > BOUNCE * usual_swing) & (whole_swing < STRIDE_GOES_ON * usual_swing)
+    stumbles, lands = early & short & goes_on, early & ~short
+    for row in np.flatnonzero(stumbles | lands).tolist():
+        onset, lasts = int(stances.touchdown[row]), round(stance[row] * 1e9)
+        if stumbles[row]:
+            done = float(swing[row] / whole_swing[row])
+            yield Event(onset, lasts, EventType.STUMBLE, foot, done, "swing")
+        else:
+            by_s = float(usual_swing[row] - swing[row])
+            yield Event(onset, 0, EventType.EARLY_CONTACT, foot, by_s, "s")
+
+
+def _swings_s(figures: FootStatistics) -> Floats:
+    """(stances,) s, swing before each stance; NaN where it was not seen from end to end."""
+    stances, gaps = figures.stances, figures.record.gaps
+    swing = np.full(len(stances.touchdown), np.nan)
+    swing[1:] = (stances.touchdown[1:] - stances.liftoff[:-1]) / 1e9
+    swing[np.isin(stances.touchdown, gaps[:, 1])] = np.nan
+    broken = stances.cut != Cut.WHOLE
+    swing[1:][broken[:-1]] = np.nan
+    swing[broken] = np.nan
+    return swing
+
+
+def _usual(values: Floats, of: np.ufunc) -> Floats:
+    """(n,) the median of the values before each one, or of those after it; NaN of too few.
+
+    Where both are known, `of` chooses between them: a gait that changes is no event of one foot.
+    """
+    unknown = np.full(NEIGHBOURS, np.nan)
+    padded = np.concatenate([unknown, np.where(np.isfinite(values), values, np.nan), unknown])
+    windows = np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS)
+    before, after = _medians(windows[: len(values)]), _medians(windows[NEIGHBOURS + 1 :])
+    both = of(before, after)
+    usual: Floats = np.where(np.isnan(before), after, np.where(np.isnan(after), before, both))
+    return usual
+
+
+def _medians(windows: Floats) -> Floats:
+    """(n,) the median of what each row, (n, w), knows; NaN of fewer than `FEWEST_SWINGS`."""
+    known = np.isfinite(windows).sum(axis=1)
+    ordered, rows = np.sort(windows, axis=1), np.arange(len(windows))
+    # NaN is sorted to the end.
+    middle = ordered[rows, np.maximum(known - 1, 0) // 2] + ordered[rows, known // 2]
+    return np.where(known < FEWEST_SWINGS, np.nan, middle / 2.0)
+
+
+def _inside(segments: list[Segment], time: Ints) -> Flags:
+    inside = np.zeros(len(time), np.bool_)
+    for each in segments:
+        inside |= (time > each.start) & (time <= each.end)
+    return inside
+
 
 _RANK: Final = {kind: rank for rank, kind in enumerate(EventType)}
 

@@ -6,9 +6,16 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.events.event import STEPS, Event, EventType
+from dogbot_logtool.core.events.event import (
+    STEPS,
+    UNKNOWN,
+    Event,
+    EventMessage,
+    EventType,
+    GaitState,
+    Level,
+)
 from dogbot_logtool.core.events.events import find_events
-from dogbot_logtool.core.events.messages import UNKNOWN, EventMessage, GaitState, Level
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.statistics import Stats
 

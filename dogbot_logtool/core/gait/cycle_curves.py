@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, percentiles_of, rows_of_runs, trapezoids
-from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
+from dogbot_logtool.core.base.motion import FORWARD_ANGLES
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stance_curves import PARTS
 from dogbot_logtool.core.contact.stances import Stances

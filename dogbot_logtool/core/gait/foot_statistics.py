@@ -6,8 +6,8 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Aggregate, Floats, Ints, aggregate
-from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.base.base_motion import stride_lengths
+from dogbot_logtool.core.base.motion import stride_lengths
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.gait.cycle_curves import ForceCurves, force_curves

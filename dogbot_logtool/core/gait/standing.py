@@ -6,7 +6,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, median_of
-from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.stances import LONGEST_STANCE_S, Cut, Stances
 from dogbot_logtool.core.gait.support_pattern import Support
 

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.stance_curves import PARTS
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.gait.strides import Strides

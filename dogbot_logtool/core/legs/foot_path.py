@@ -11,7 +11,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.frames.kinematics import Joint, link_poses
-from dogbot_logtool.core.frames.transform_buffer import TransformBuffer, chain_of_frames
+from dogbot_logtool.core.frames.transforms import TransformBuffer, chain_of_frames
 from dogbot_logtool.core.legs.joint_track import JointTrack
 from dogbot_logtool.core.legs.silences import silent_before
 from dogbot_logtool.core.rotations import rotate

@@ -10,7 +10,12 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.corrections.clock import TimeSource, advancing, first_at_each_tick
+from dogbot_logtool.core.corrections.clock import (
+    TimeSource,
+    advancing,
+    check_stamps,
+    first_at_each_tick,
+)
 from dogbot_logtool.core.legs.joint_track import (
     JointHistory,
     JointLimits,
@@ -18,7 +23,6 @@ from dogbot_logtool.core.legs.joint_track import (
     JointTrack,
 )
 from dogbot_logtool.core.legs.silences import LONGEST_STEP_S
-from dogbot_logtool.core.quality.stamps import check_stamps
 from dogbot_logtool.dataclass import dataclass
 
 JOINT_RATE_HZ: Final = 100.0

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from dogbot_logtool.core.arrays import Aggregate
+from dogbot_logtool.core.corrections.clock import ClockDifference
 from dogbot_logtool.core.legs.joint_cycles import JointCurve, Work, no_work
 from dogbot_logtool.core.legs.joint_track import JointHistory
 from dogbot_logtool.core.legs.settings import JointPair, LegSettings
 from dogbot_logtool.core.legs.swings import Footfalls, Steps, Swings
-from dogbot_logtool.core.quality.clocks import ClockDifference
 from dogbot_logtool.dataclass import dataclass
 
 

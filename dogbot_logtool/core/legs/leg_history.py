@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
+from dogbot_logtool.core.corrections.clock import OffsetTrack, TimeSource, offset_track
+from dogbot_logtool.core.frames.transforms import TransformBuffer
 from dogbot_logtool.core.legs.foot_path import (
     FootPath,
     LegChain,
@@ -20,7 +20,6 @@ from dogbot_logtool.core.legs.joint_track import (
     JointTable,
 )
 from dogbot_logtool.core.legs.settings import LegSettings
-from dogbot_logtool.core.quality.clocks import OffsetTrack, offset_track
 from dogbot_logtool.dataclass import dataclass
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import field
 
-from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
+from dogbot_logtool.core.frames.transforms import TransformBuffer
 from dogbot_logtool.core.legs.foot_path import LegChain
 from dogbot_logtool.core.legs.joint_track import JointLimits
 from dogbot_logtool.dataclass import dataclass

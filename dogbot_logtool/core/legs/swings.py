@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
-from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.gait.cycle_curves import CYCLE_POINTS, CycleCurve, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, concatenated
-from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.hulls import NEAR_NS
 from dogbot_logtool.core.rotations import normalised, rotate
 from dogbot_logtool.core.scene.feet import DrawnFoot

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, all_finite
-from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.hulls import (
     NEAR_NS,
     Hulls,

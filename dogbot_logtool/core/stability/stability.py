@@ -15,8 +15,8 @@ from dogbot_logtool.core.arrays import (
     concatenated,
     nearest_rows,
 )
-from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
+from dogbot_logtool.core.base.motion import FORWARD_ANGLES
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.track import POINT_RATE_HZ
 from dogbot_logtool.core.corrections.clock import first_at_each_tick

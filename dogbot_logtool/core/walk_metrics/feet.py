@@ -95,11 +95,4 @@ def _swings(span: Span, row: int) -> tuple[dict[str, Spread], Shape]:
 def _planned(span: Span, row: int) -> Planned | None:
     """Return how a foot follows its plan over the whole log; None without one."""
     plan = span.stats.planned[row] if span.stats.planned and span.is_whole else None
-    if plan is None:
-        return None
-    return Planned(
-        delay_s=plan.delay,
-        missed=plan.missed,
-        unplanned=plan.unplanned,
-        agreement=plan.agreement,
-    )
+    return None if plan is None else plan.metrics

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from dogbot_logtool.core.base.base_motion import BaseMotion
+from dogbot_logtool.core.base.motion import BaseMotion
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.gait.support_pattern import Support

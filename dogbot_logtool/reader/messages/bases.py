@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.base.odometry import Odometry, concatenate_odometry
+from dogbot_logtool.core.base.poses import Odometry, concatenate_odometry
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError

@@ -7,8 +7,12 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
-from dogbot_logtool.core.frames.transform_buffer import FrameTrack, TransformBuffer, frame_track
+from dogbot_logtool.core.frames.transforms import (
+    FrameTrack,
+    RecordedTransforms,
+    TransformBuffer,
+    frame_track,
+)
 
 
 def static_tracks(recorded: RecordedTransforms, channels: AbstractSet[int]) -> TransformBuffer:

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
+from dogbot_logtool.core.frames.transforms import RecordedTransforms
 from dogbot_logtool.core.plausible import plausible_translations
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel

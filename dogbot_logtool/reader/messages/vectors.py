@@ -5,8 +5,8 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import concatenated
-from dogbot_logtool.core.recorded.vectors import VectorSamples
+from dogbot_logtool.core.arrays import concatenated, picked, stable_order
+from dogbot_logtool.core.vectors import VectorSamples
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel
@@ -61,7 +61,7 @@ def read_vectors(
     parts = [_samples(messages, source) for messages in decoded]
     samples = concatenated([_NONE, *parts])
     if len(parts) > 1:
-        samples = samples.pick(np.argsort(samples.log_time, kind="stable"))
+        samples = picked(samples, stable_order(samples.log_time))
     frames = {frame for messages in decoded for frame in _frames(messages, source)}
     return ReadVectors(samples, tuple(sorted(frames)), malformed_in(decoded))
 

@@ -9,7 +9,7 @@ from dogbot_logtool.core.arrays import Floats, Ints, distinct
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.load.load_figures import LoadFigures
 from dogbot_logtool.core.metrics import Forces, WalkMetrics
-from dogbot_logtool.core.quality.outliers import LEAST_SHARE, MOST_DEVIATIONS, Outliers, outliers
+from dogbot_logtool.core.quality.quality import LEAST_SHARE, MOST_DEVIATIONS, Outliers, outliers
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.files.stride_table import foot_strides

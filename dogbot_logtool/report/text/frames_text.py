@@ -6,8 +6,7 @@ from typing import Final
 from rich.console import Console
 from rich.text import Text
 
-from dogbot_logtool.core.frames.frame_edges import FrameEdge
-from dogbot_logtool.core.frames.frame_tree import Pair, TreeRow, walk
+from dogbot_logtool.core.frames.frame_tree import FrameEdge, Pair, TreeRow, walk
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.text.console import print_sentence
 from dogbot_logtool.report.text.text_layout import NameTable, Row

@@ -49,6 +49,7 @@ _SUBJECT: Final = 15
 _COLOURS: Final = {"OK": "bold green", "USABLE": "bold yellow"}
 _GRAVITY: Final = 9.80665
 """m/s^2."""
+_AXES: Final = ("m/s forward", "m/s to the left", "rad/s")
 SUMMARY_HEADERS: Final = (
     "log",
     "gait",
@@ -121,6 +122,11 @@ def print_report(console: Console, measured: Measurement, *, verbose: bool = Fal
         if words := line(shown):
             subject = f"{name:<{_SUBJECT}}", "bold"
             _print(console, HangingIndent(Text.assemble(subject, printable(words)), _SUBJECT))
+    track = measured.stats.command_track
+    for name, drift in track.drifts.items() if verbose and track else ():
+        parts = zip(drift.tolist(), _AXES, strict=True)
+        words = ", ".join(f"{round(value, 3) + 0.0:+.3f} {unit}" for value, unit in parts)
+        _print(console, Text(f"{'Drift':<{_SUBJECT}}{name}: {words}"))
     _print_notes(console, measured, verbose=verbose)
 
 
@@ -440,7 +446,8 @@ def _print_notes(console: Console, measured: Measurement, *, verbose: bool) -> N
         print_sentence(console, ("note  ", "dim"), text, (f"  {note.code}", "dim"), indent=6)
     causes: dict[str, dict[str, None]] = {}
     for path, cause in measured.metrics.null_because.items():
-        causes.setdefault(cause, {})[_folded(measured.metrics, path)] = None
+        if not path.startswith("gait.segments."):
+            causes.setdefault(cause, {})[_folded(measured.metrics, path)] = None
     if causes:
         _print(console, Text("Not measured because", style="bold"))
     for cause, paths in causes.items():

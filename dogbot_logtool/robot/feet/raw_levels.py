@@ -13,7 +13,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import concatenated, percentiles_of
 from dogbot_logtool.core.contact.contact_rule import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
-from dogbot_logtool.core.sensors.sensor_level import SensorLevel, estimate_level
+from dogbot_logtool.core.corrections.sensor import SensorLevel, estimate_level
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.messages.contact_messages import read_messages, source_of

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from typing import Final
 
 from dogbot_logtool.core.frames import frame_tree
-from dogbot_logtool.core.frames.frame_edges import MOST_EDGES, FrameEdge
+from dogbot_logtool.core.frames.frame_tree import MOST_EDGES, FrameEdge
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.robot.frames.frames import Frames

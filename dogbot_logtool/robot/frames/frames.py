@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from functools import partial
 
-from dogbot_logtool.core.frames.frame_edges import FrameEdge, RecordedFrames, recorded_frames
-from dogbot_logtool.core.frames.recorded_transforms import (
+from dogbot_logtool.core.frames.frame_tree import FrameEdge, RecordedFrames, recorded_frames
+from dogbot_logtool.core.frames.transforms import (
     RecordedTransforms,
     concatenate_transforms,
     no_transforms,

@@ -4,20 +4,20 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field
 from typing import Protocol
 
-from dogbot_logtool.core.base.odometry import Odometry, usable_poses
+from dogbot_logtool.core.base.poses import Odometry, usable_poses
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.link_frames import (
+from dogbot_logtool.core.frames.transforms import (
+    RecordedTransforms,
+    TransformBuffer,
+    chain_of_frames,
+    frame_track,
+)
+from dogbot_logtool.core.frames.wrench_frame import (
     FrameCounts,
     FramePoint,
     forces_in_world,
     points_from_frames,
-)
-from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
-from dogbot_logtool.core.frames.transform_buffer import (
-    TransformBuffer,
-    chain_of_frames,
-    frame_track,
 )
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.dataclass import dataclass

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
+from dogbot_logtool.core.frames.transforms import TransformBuffer
 from dogbot_logtool.core.legs.foot_path import LegChain, chain_to, moving_parents
 from dogbot_logtool.core.legs.joint_track import JointLimits
 from dogbot_logtool.core.legs.settings import JointPair, LegSettings

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from dogbot_logtool.core.contact.contact_rule import Thresholds
-from dogbot_logtool.core.corrections.clock import TimeSource
+from dogbot_logtool.core.corrections.clock import LogClock, TimeSource
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.quality.log_clock import LogClock
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.core.walk import on_clock

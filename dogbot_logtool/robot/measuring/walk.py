@@ -9,7 +9,7 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.offsets import without_offset
 from dogbot_logtool.core.contact.silent_swing import with_swings
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.gait.planned import follow_plan
+from dogbot_logtool.core.planned import follow_plan
 from dogbot_logtool.core.plausible import IMPLAUSIBLE
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.statistics import Stats
@@ -28,7 +28,7 @@ from dogbot_logtool.robot.options import StatsOptions
 from dogbot_logtool.robot.probe_findings import probe_findings
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
+    from dogbot_logtool.core.frames.transforms import TransformBuffer
     from dogbot_logtool.core.legs.settings import LegSettings
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, distinct
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.transform_buffer import (
+from dogbot_logtool.core.frames.transforms import (
     TransformBuffer,
     chain_of_frames,
     frame_track,

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from collections.abc import Set as AbstractSet
 
 from dogbot_logtool.core.frames.frame_tree import DEEPEST
-from dogbot_logtool.core.frames.transform_buffer import chain_of_frames
+from dogbot_logtool.core.frames.transforms import chain_of_frames
 from dogbot_logtool.dataclass import dataclass
 
 Point = tuple[float, float, float]

@@ -8,8 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import all_finite, median_of
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
-from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
+from dogbot_logtool.core.frames.transforms import RecordedTransforms, TransformBuffer
 from dogbot_logtool.core.rotations import conjugate, normalised, rotate
 from dogbot_logtool.robot.frames.world_frames import WorldFrames
 from dogbot_logtool.robot.robot_model.skeleton import FramePose, Point

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Final, Protocol
 
-from dogbot_logtool.core.events.messages import EventMessage, GaitState
+from dogbot_logtool.core.events.event import EventMessage, GaitState
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.writer.template import Kind, Template
 

@@ -25,7 +25,7 @@ from google.protobuf.message_factory import GetMessageClass
 from google.protobuf.timestamp_pb2 import DESCRIPTOR as TIMESTAMP_FILE
 from google.protobuf.timestamp_pb2 import Timestamp
 
-from dogbot_logtool.core.events.messages import EventMessage, GaitState
+from dogbot_logtool.core.events.event import EventMessage, GaitState
 from dogbot_logtool.writer.encodings.encoding import (
     EVENT_SOURCE,
     GAIT_NUMBERS,

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Final, Self
 import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from dogbot_logtool.core.events.messages import EventMessage, GaitState, Level
+from dogbot_logtool.core.events.event import EventMessage, GaitState, Level
 from dogbot_logtool.writer.encodings.encoding import (
     EVENT_SOURCE,
     GAIT_NUMBERS,

@@ -5,7 +5,7 @@ from typing import Any
 
 from rosbags.typesys import Stores
 
-from dogbot_logtool.core.events.messages import Level
+from dogbot_logtool.core.events.event import Level
 from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.encodings.ros import TF, RosEncoding
 from dogbot_logtool.writer.template import Number

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from rosbags.typesys import Stores
 
-from dogbot_logtool.core.events.messages import Level
+from dogbot_logtool.core.events.event import Level
 from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.encodings.ros import RosEncoding
 from dogbot_logtool.writer.template import Number

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.base.odometry import Transforms
+from dogbot_logtool.core.base.poses import Transforms
 from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.writer.encodings.encoding import Encoding
 from dogbot_logtool.writer.message_records import kept_template, write_log_time, write_pose

@@ -5,17 +5,15 @@ import pytest
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.base.base_history import BaseHistory, base_history
-from dogbot_logtool.core.base.base_motion import (
+from dogbot_logtool.core.base.motion import (
     BaseMotion,
     BaseTrack,
     base_motion,
+    find_travel,
     froude_number,
     stride_lengths,
 )
-from dogbot_logtool.core.base.odometry import Odometry
-from dogbot_logtool.core.base.pose_jumps import find_jumps
-from dogbot_logtool.core.base.travel import find_travel
+from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history, find_jumps
 from dogbot_logtool.core.corrections.clock import TimeSource
 
 START = 5_000_000_000

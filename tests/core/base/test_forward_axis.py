@@ -2,8 +2,8 @@
 
 import pytest
 
-from dogbot_logtool.core.base.base_motion import base_motion
-from dogbot_logtool.core.base.forward_axis import axis_by_motion
+from dogbot_logtool.core.base.axes import axis_by_motion
+from dogbot_logtool.core.base.motion import base_motion
 from tests.core.base.test_base_motion import circle, track
 
 

@@ -5,8 +5,8 @@ import pytest
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.ground import height_drift_m, slope_rad, swapped_pairs
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.leg_position import CORNERS
 from tests.core.load.feet import foot, seconds, vertical

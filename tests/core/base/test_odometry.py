@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dogbot_logtool.core.base.odometry import Odometry, base_transforms, usable_poses
+from dogbot_logtool.core.base.poses import Odometry, base_transforms, usable_poses
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 
 NAN: Final = math.nan

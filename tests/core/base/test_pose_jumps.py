@@ -3,9 +3,8 @@ import pytest
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.base.pose_jumps import find_jumps, without_jumps
-from dogbot_logtool.core.base.travel import find_travel, path_length_m, pose_noise_m
+from dogbot_logtool.core.base.motion import find_travel, path_length_m, pose_noise_m
+from dogbot_logtool.core.base.poses import BaseHistory, find_jumps, without_jumps
 
 
 def history(time_s: Floats, position: Floats) -> BaseHistory:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.base.up_axis import leaning_walk_rad
+from dogbot_logtool.core.base.axes import leaning_walk_rad
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
 from tests.core.base.test_falls import base, foot

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.statistics import Stats

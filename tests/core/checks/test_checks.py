@@ -5,7 +5,7 @@ from dataclasses import replace
 from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.core.checks.questions import KINDS, Outcome, checks_of
 from dogbot_logtool.core.contact.contact_rule import FootSensor, contact_rule
-from dogbot_logtool.core.sensors.sensor_level import zero_reading
+from dogbot_logtool.core.corrections.sensor import SensorLevel
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Severity, finding_kinds
 from tests.core.checks.measured_walk import WALK, feet, late, measure
@@ -79,7 +79,9 @@ def test_every_check_can_fail() -> None:
 
 def test_an_unloaded_level_that_is_not_seen_is_no_check_passed() -> None:
     stats = measure(feet(), WALK.odometry())
-    level = replace(zero_reading(), reason="the foot is seen unloaded fewer than twice")
+    level = replace(
+        SensorLevel(zero_in_swing=True), reason="the foot is seen unloaded fewer than twice"
+    )
     sensor = FootSensor(level, contact_rule(level, stats.settings.body_weight_n))
     settings = replace(
         stats.settings, feet=tuple(replace(foot, sensor=sensor) for foot in stats.settings.feet)

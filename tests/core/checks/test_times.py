@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from dogbot_logtool.core.base.tipping import Tipping
+from dogbot_logtool.core.base.falls import Tipping
 from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.core.statistics import Stats
 from tests.oracles.straight_walk import Walk

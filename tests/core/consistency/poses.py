@@ -3,7 +3,7 @@
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.base.poses import BaseHistory
 
 
 def base(seconds: float, speed_mps: float, start_s: float = 1.0) -> BaseHistory:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.consistency.delay import fit_delay
+from dogbot_logtool.core.consistency.heave import fit_delay
 
 TIME = np.arange(0.0, 20.0, 0.01)
 LAGS = np.linspace(-0.3, 0.3, 61)

@@ -8,7 +8,7 @@ import pytest
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.consistency.worlds import compare_worlds
 from dogbot_logtool.core.contact.track import FootTrack, foot_track
 

@@ -5,12 +5,17 @@ from dataclasses import replace
 import pytest
 
 from dogbot_logtool.core.contact.contact_rule import FootSensor, contact_rule
-from dogbot_logtool.core.sensors.sensor_level import SensorLevel, zero_reading
-from dogbot_logtool.core.sensors.sensor_modes import WIDE
+from dogbot_logtool.core.corrections.modes import WIDE
+from dogbot_logtool.core.corrections.sensor import SensorLevel
 
 WEIGHT_N = 200.0
 UNKNOWN = replace(
-    zero_reading(), zero_in_swing=False, reason=WIDE, loaded_n=60.0, lightest_n=3.0, heaviest_n=70.0
+    SensorLevel(zero_in_swing=True),
+    zero_in_swing=False,
+    reason=WIDE,
+    loaded_n=60.0,
+    lightest_n=3.0,
+    heaviest_n=70.0,
 )
 
 
@@ -32,13 +37,15 @@ def test_a_load_that_varies_less_than_a_contact_is_steady() -> None:
 
 
 def test_swings_much_shorter_than_usual_are_filled() -> None:
-    rule = contact_rule(replace(zero_reading(), swing_s=0.8, interval_s=0.02), WEIGHT_N)
+    rule = contact_rule(
+        replace(SensorLevel(zero_in_swing=True), swing_s=0.8, interval_s=0.02), WEIGHT_N
+    )
     assert rule.debounce_s == pytest.approx(0.03)
     assert rule.fill_s == pytest.approx(0.05)
 
 
 @pytest.mark.parametrize(("loaded_n", "told"), [(20.0, ""), (19.99, "more than half")])
 def test_contact_may_need_half_of_the_usual_load_and_no_more(loaded_n: float, told: str) -> None:
-    rule = contact_rule(replace(zero_reading(), loaded_n=loaded_n), WEIGHT_N)
+    rule = contact_rule(replace(SensorLevel(zero_in_swing=True), loaded_n=loaded_n), WEIGHT_N)
     assert rule.on_n == 10.0
     assert rule.unusable == "" if not told else told in rule.unusable

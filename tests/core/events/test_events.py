@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.events.event import STEPS, Event, EventType
-from dogbot_logtool.core.events.events import find_events
-from dogbot_logtool.core.events.steps import early_touchdowns
+from dogbot_logtool.core.events.events import early_touchdowns, find_events
 from dogbot_logtool.core.statistics import Stats
 from tests.analysed import with_learnt_sensors
 from tests.truth import gaits, planted, scenes, time_faults, world_faults

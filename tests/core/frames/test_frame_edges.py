@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames import frame_edges
-from dogbot_logtool.core.frames.frame_edges import FrameEdge, RecordedFrames, recorded_frames
-from dogbot_logtool.core.frames.recorded_transforms import (
+from dogbot_logtool.core.frames import frame_tree as frame_edges
+from dogbot_logtool.core.frames.frame_tree import FrameEdge, RecordedFrames, recorded_frames
+from dogbot_logtool.core.frames.transforms import (
     RecordedTransforms,
     concatenate_transforms,
 )

@@ -6,9 +6,9 @@ from itertools import pairwise
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dogbot_logtool.core.frames.frame_edges import FrameEdge
 from dogbot_logtool.core.frames.frame_tree import (
     DEEPEST,
+    FrameEdge,
     Pair,
     SecondParent,
     loops,

@@ -5,7 +5,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.link_frames import (
+from dogbot_logtool.core.frames.wrench_frame import (
     FrameCounts,
     FramePoint,
     forces_in_world,

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.frames.transform_buffer import Poses, TransformBuffer
+from dogbot_logtool.core.frames.transforms import Poses, TransformBuffer
 from dogbot_logtool.core.rotations import rotate
 from tests.core.frames.turning import about_z, at, buffer_of, spinning
 

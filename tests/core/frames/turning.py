@@ -3,7 +3,7 @@
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.frames.transform_buffer import TransformBuffer, frame_track
+from dogbot_logtool.core.frames.transforms import TransformBuffer, frame_track
 
 MS = 1_000_000
 

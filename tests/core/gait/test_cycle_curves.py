@@ -5,8 +5,7 @@ import pytest
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.base.base_history import BaseHistory, base_history
-from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.gait.cycle_curves import (

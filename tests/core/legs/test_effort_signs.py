@@ -5,7 +5,7 @@ import pytest
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.effort_signs import shortfall
 from dogbot_logtool.core.legs.joint_cycles import Work

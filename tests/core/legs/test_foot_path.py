@@ -5,7 +5,7 @@ import pytest
 
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.frames.kinematics import Joint
-from dogbot_logtool.core.frames.transform_buffer import TransformBuffer, frame_track
+from dogbot_logtool.core.frames.transforms import TransformBuffer, frame_track
 from dogbot_logtool.core.legs.foot_path import (
     LegChain,
     chain_to,

@@ -7,7 +7,7 @@ import pytest
 
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
+from dogbot_logtool.core.frames.transforms import TransformBuffer
 from dogbot_logtool.core.legs.joint_history import joint_histories
 from dogbot_logtool.core.legs.joint_track import (
     MOST_JOINTS,

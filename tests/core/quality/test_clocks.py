@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.quality.clocks import (
+from dogbot_logtool.core.corrections.clock import (
     ClockDifference,
     OffsetTrack,
     clock_differences,

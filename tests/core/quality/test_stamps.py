@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.quality.stamps import StampCheck, check_stamps, set_spans, why_unusable
+from dogbot_logtool.core.corrections.clock import StampCheck, check_stamps, set_spans, why_unusable
 
 MS = 1_000_000
 S = 1_000 * MS

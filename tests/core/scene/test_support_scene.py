@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.hulls import hulls
 from dogbot_logtool.core.scene.support_scene import (

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.arrays import Flags, Floats
-from dogbot_logtool.core.base.base_history import BaseHistory, base_history
-from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.hulls import NEAR_NS

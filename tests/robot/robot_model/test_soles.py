@@ -8,7 +8,7 @@ import pytest
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
+from dogbot_logtool.core.frames.transforms import TransformBuffer
 from dogbot_logtool.robot.frames.world_frames import WorldFrames
 from dogbot_logtool.robot.robot_model.skeleton import Point
 from dogbot_logtool.robot.robot_model.soles import find_soles

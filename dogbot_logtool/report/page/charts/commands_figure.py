@@ -7,31 +7,29 @@ from dogbot_logtool.report.page.charts.drawing import SECOND, Drawing
 from dogbot_logtool.report.page.charts.stacked_rows import Line, Row, stacked
 
 _ROWS: Final = (
-    (0, "forward", "forward", "m/s", 0.1),
-    (1, "lateral", "to the left", "m/s", 0.1),
-    (2, "yaw", "yaw rate", "rad/s", 0.1),
+    ("forward", "m/s", 0.1),
+    ("to the left", "m/s", 0.1),
+    ("yaw rate", "rad/s", 0.1),
 )
-"""Column of the velocities, its figures, title, unit, and the span that fills the row at least."""
+"""Title of each column of the velocities, unit, and the span that fills the row at least."""
 
 
 def tracked_commands(stats: Stats) -> Drawing | None:
     """Draw commanded and measured velocity, an axis a row; None without commands."""
-    track, found = stats.command_track, stats.commands
-    if track is None or found is None or len(track.time) == 0:
+    track = stats.command_track
+    if track is None or len(track.time) == 0:
         return None
     rows, words = [], []
-    for column, key, title, unit, least in _ROWS:
-        axis = getattr(found, key)
-        if axis is None:
+    for column, (title, unit, least) in enumerate(_ROWS):
+        rms = track.errors(column)[3]
+        if rms is None:
             continue
         lines = (
             Line("measured", track.time, track.measured[:, column]),
             Line("commanded", track.time, track.commanded[:, column], SECOND, "dash"),
         )
         rows.append(Row(title, unit, 3, least, lines))
-        words.append(f"{title.capitalize()}: error {axis.rms_error:.3f} {unit} (root mean square).")
-    if not rows:
-        return None
+        words.append(f"{title.capitalize()}: error {rms:.3f} {unit} (root mean square).")
     caption = (
         "Velocity of the base in its own axes (line) and as commanded (dashed), both averaged over "
         f"{track.window_ns / 1e9:.2f} s, so that the gait's own swing is left out. No line where "

@@ -7,9 +7,9 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES, roll_and_pitch
 from dogbot_logtool.core.base.ground import height_over_feet
+from dogbot_logtool.core.base.motion import FORWARD_ANGLES, roll_and_pitch
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.core.stability.stability import margins
 from dogbot_logtool.core.statistics import Stats

@@ -1,0 +1,305 @@
+"""How the base moved: path, speed, height, attitude. From poses, never from the recorded twist."""
+
+from collections.abc import Sequence
+from math import hypot, prod
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Aggregate, Flags, Floats, Ints, aggregate, median_of
+from dogbot_logtool.core.base.ground import LOWEST_M, slope_rad
+from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.corrections.clock import first_at_each_tick
+from dogbot_logtool.core.load.loads import GRAVITY_MPS2
+from dogbot_logtool.core.rotations import along_heading
+from dogbot_logtool.dataclass import dataclass
+
+AWAY_M: Final = 0.05
+"""m, a base that does not get so far away goes nowhere: it stands, and sways."""
+_LOOK_HZ: Final = 5.0
+_PACE: Final = 2
+"""Times the last way of `AWAY_M` that the rest of it may take."""
+_NEGLIGIBLE: Final = 0.01
+"""Share by which noise may lengthen the path before it is taken off."""
+_NORMAL_MEDIAN: Final = 0.6745
+"""Median of |x| of a normal distribution, in standard deviations."""
+_LONGEST_BLOCK: Final = 100
+"""Poses that are averaged at most: a second of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Travel:
+    """When the base goes somewhere, and how noisy its poses are."""
+
+    spans: Ints
+    """(t, 2) ns."""
+    noise_m: float
+    """m, standard deviation of the noise on one horizontal coordinate."""
+    block: int
+    """Poses whose mean makes one point of the path."""
+
+
+def find_travel(base: BaseHistory) -> Travel:
+    """Find when the base goes somewhere.
+
+    Args:
+        base: poses, without jumps.
+    """
+    spans = timespans.intersect([_away_spans(base), base.known])
+    noise = pose_noise_m(base)
+    return Travel(spans, noise, _block(base, spans, noise))
+
+
+def _away_spans(base: BaseHistory) -> Ints:
+    """(t, 2) ns, from each place to the time at which the base is `AWAY_M` away from it."""
+    rows = np.flatnonzero(first_at_each_tick(base.time, _LOOK_HZ, None))
+    time = base.time[rows].tolist()
+    points = base.position[rows, :2].tolist()
+    spans = []
+    start = 0
+    for row, (x, y) in enumerate(points):
+        from_x, from_y = points[start]
+        if hypot(x - from_x, y - from_y) >= AWAY_M:
+            spans.append((time[start], time[row]))
+            start = row
+    if spans:
+        # What is left of the way, as far as the base keeps its pace.
+        began, ended = spans[-1]
+        spans.append((ended, min(int(base.time[-1]), ended + _PACE * (ended - began))))
+    return timespans.merge(np.array(spans, np.int64).reshape(-1, 2))
+
+
+def pose_noise_m(base: BaseHistory) -> float:
+    """Return the standard deviation of white noise on the horizontal position, m.
+
+    From third divided differences, which smooth motion hardly shows in, whatever the intervals.
+    The median keeps jumps out.
+    """
+    if len(base.time) < _LONGEST_BLOCK:
+        return 0.0
+    seconds = (base.time - base.time[0]) / 1e9
+    difference = base.position[:, :2]
+    for order in (1, 2, 3):
+        apart = seconds[order:] - seconds[:-order]
+        difference = np.diff(difference, axis=0) / apart[:, None]
+    weights = _difference_weights(seconds)
+    return float(median_of(np.abs(difference) / weights[:, None])) / _NORMAL_MEDIAN
+
+
+def _difference_weights(seconds: Floats) -> Floats:
+    """(n - 3,) standard deviation of third divided differences of unit white noise, 1/s^3."""
+    count = len(seconds) - 3
+    window = [seconds[first : first + count] for first in range(4)]
+    apart = [prod(one - other for other in window if other is not one) for one in window]
+    return np.sqrt(sum(np.asarray(each) ** -2.0 for each in apart))
+
+
+def _block(base: BaseHistory, spans: Ints, noise: float) -> int:
+    """Return of how many poses the mean is taken, so that noise lengthens the path by 1 %."""
+    if noise == 0.0 or len(spans) == 0 or len(base.time) < 2:
+        return 1
+    step_s = float(median_of(np.diff(base.time))) / 1e9
+    begin, end = base.position_at(spans[:, 0]), base.position_at(spans[:, 1])
+    way = np.nansum(np.hypot(*(end - begin)[:, :2].T))
+    speed = max(float(way) / (timespans.total(spans) / 1e9), AWAY_M / 10.0)
+    size = (4.0 * noise**2 / (2.0 * _NEGLIGIBLE * (speed * step_s) ** 2)) ** (1.0 / 3.0)
+    return int(min(max(np.ceil(size), 1), _LONGEST_BLOCK))
+
+
+def path_length_m(base: BaseHistory, travel: Travel, moves: Flags) -> float:
+    """Return the length of the base's horizontal path above its noise, m.
+
+    Means of some poses are joined; what noise adds to each squared step on average is taken off.
+
+    Args:
+        base: poses, without jumps.
+        travel: when the base goes somewhere.
+        moves: (n - 1,) which steps between poses count.
+    """
+    counted = moves & timespans.covers(travel.spans, base.time[:-1])
+    edges = np.diff(np.concatenate([[False], counted, [False]]).astype(np.int8))
+    starts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+    return sum(
+        _way(base.position[start : end + 1, :2], travel)
+        for start, end in zip(starts.tolist(), ends.tolist(), strict=True)
+    )
+
+
+def _way(path: Floats, travel: Travel) -> float:
+    """Length of an unbroken path, m."""
+    size = min(travel.block, max(1, len(path) // 4))
+    blocks = len(path) // size
+    points = path[: blocks * size].reshape(blocks, size, 2).mean(axis=1)
+    step = np.diff(points, axis=0)
+    noise = 4.0 * travel.noise_m**2 / size
+    length = float(np.sqrt(np.clip((step * step).sum(axis=1) - noise, 0.0, None)).sum())
+    # The means lie half a block inside the path's ends.
+    return length * (len(path) - 1) / ((blocks - 1) * size) if blocks > 1 else 0.0
+
+
+FORWARD_ANGLES: Final = {"+x": 0.0, "+y": np.pi / 2.0, "-x": np.pi, "-y": -np.pi / 2.0}
+"""rad from the body's x axis to the axis that points forward."""
+_CHUNK: Final = 1_000_000
+"""Poses that are worked on at once, to spare memory."""
+
+
+@dataclass(frozen=True, slots=True)
+class BaseMotion:
+    """Figures of the base over the time that poses are known, in the log or in a part of it."""
+
+    duration_s: float
+    """s, first to last pose, gaps left out."""
+    path_length_m: float | None
+    """m, horizontal path above the noise of the poses; steps over gaps, jumps and stands left
+    out."""
+    net_displacement_m: float | None
+    """m, horizontal distance of last and first pose, jumps left out."""
+    mean_speed_mps: float | None
+    """m/s, path length over duration."""
+    forward_speed_mps: float | None
+    """m/s, mean of the displacement rate along the forward axis, yaw only."""
+    lateral_speed_mps: float | None
+    """m/s, the same to the left of it."""
+    yaw_change_rad: float
+    """rad, last minus first yaw, unwrapped, jumps left out."""
+    yaw_rate_radps: float | None
+    """rad/s, mean: turns within the known time over the duration."""
+    height_m: Aggregate | None
+    """m, base over the feet's latest contact points; None where these do not tell."""
+    climb_m: float | None
+    """m, z of the last pose less that of the first, jumps left out; None where z drifts."""
+    slope_rad: float | None
+    """rad, angle of the plane through the contact points against the horizontal."""
+    roll_rad: Aggregate | None
+    """rad, about the robot's own forward axis; positive: its left side is higher."""
+    pitch_rad: Aggregate | None
+    """rad, about the axis to its left; positive: its front is lower."""
+    froude: float | None
+    """v^2 / (g h), v the mean forward speed and h the mean height (Alexander 1984)."""
+
+
+@dataclass(frozen=True, slots=True)
+class BaseTrack:
+    """The poses that the base's motion is measured on."""
+
+    history: BaseHistory
+    """Poses without jumps."""
+    travel: Travel
+    height_m: Floats
+    """(n,) over the feet, at each pose; NaN where not known."""
+    feet: Sequence[FootHistory]
+    standing: Ints
+    """(s, 2) ns, time in which the robot stands."""
+    jumps: PoseJumps
+    """Jumps that are taken out of the poses' places, but not out of their yaw."""
+
+
+def base_motion(
+    track: BaseTrack, forward_axis: str, within: Ints | None = None
+) -> BaseMotion | None:
+    """Measure the motion of the base; None without two poses.
+
+    Args:
+        track: poses, and what the feet say of them.
+        forward_axis: the body's axis that points forward, ``+x`` and so on.
+        within: (w, 2) ns, a part of the log; None: all of it.
+    """
+    base = track.history
+    inside = np.ones(len(base.time), np.bool_)
+    if within is not None:
+        inside = timespans.covers(within, base.time)
+    rows = np.flatnonzero(inside)
+    if len(rows) < 2:
+        return None
+    first, last = int(rows[0]), int(rows[-1])
+    moves = inside[:-1] & inside[1:] & ~np.isin(base.time[:-1], base.gaps[:, 0])
+    duration, forward, left, turned = _travelled(base, moves, forward_axis)
+    walked = moves & ~timespans.covers(track.standing, base.time[:-1])
+    path = path_length_m(base, track.travel, walked)
+    height = aggregate(track.height_m[rows])
+    roll, pitch = roll_and_pitch(base.angles[rows], forward_axis)
+    jumped = track.jumps.turned_rad(int(base.time[first]), int(base.time[last]))
+    net = base.position[last] - base.position[first]
+    forward_speed = forward / duration if duration > 0.0 else None
+    return BaseMotion(
+        duration_s=duration,
+        path_length_m=path,
+        net_displacement_m=float(np.hypot(net[0], net[1])),
+        mean_speed_mps=path / duration if duration > 0.0 else None,
+        forward_speed_mps=forward_speed,
+        lateral_speed_mps=left / duration if duration > 0.0 else None,
+        yaw_change_rad=float(base.angles[last, 2] - base.angles[first, 2]) - jumped,
+        yaw_rate_radps=(turned - jumped) / duration if duration > 0.0 else None,
+        height_m=height,
+        climb_m=float(net[2]),
+        slope_rad=slope_rad(track.feet, within),
+        roll_rad=aggregate(roll),
+        pitch_rad=aggregate(pitch),
+        froude=froude_number(forward_speed, height.mean if height else None),
+    )
+
+
+def _travelled(
+    base: BaseHistory, moves: Flags, forward_axis: str
+) -> tuple[float, float, float, float]:
+    """Add up the steps from pose to pose that count.
+
+    Returns:
+        s known; m along the forward axis, m to the left of it; rad turned.
+    """
+    total = np.zeros(4)
+    for start in range(0, len(base.time) - 1, _CHUNK):
+        rows = slice(start, start + _CHUNK + 1)
+        chosen = moves[start : start + _CHUNK]
+        time, yaw = base.time[rows], base.angles[rows, 2]
+        step = np.diff(base.position[rows, :2], axis=0)[chosen]
+        heading = (yaw[1:] + yaw[:-1])[chosen] / 2.0 + FORWARD_ANGLES[forward_axis]
+        forward, left = along_heading(step, heading)
+        seconds = np.diff(time)[chosen].sum() / 1e9
+        total += (seconds, forward.sum(), left.sum(), np.diff(yaw)[chosen].sum())
+    duration, ahead, aside, turned = total.tolist()
+    return duration, ahead, aside, turned
+
+
+def roll_and_pitch(angles: Floats, forward_axis: str) -> tuple[Floats, Floats]:
+    """Return roll and pitch about the robot's own forward axis and the axis to its left.
+
+    Args:
+        angles: (n, 3) rad, roll, pitch, yaw of the body's x, y, z axes (REP-103).
+        forward_axis: the body's axis that points forward.
+
+    Returns:
+        (n,) rad each.
+    """
+    turn = FORWARD_ANGLES[forward_axis]
+    roll, pitch = angles[:, 0], angles[:, 1]
+    # Heights of the ends of the body's unit vectors.
+    x, y, z = -np.sin(pitch), np.cos(pitch) * np.sin(roll), np.cos(pitch) * np.cos(roll)
+    forward = np.cos(turn) * x + np.sin(turn) * y
+    left = np.cos(turn) * y - np.sin(turn) * x
+    return np.arctan2(left, z), -np.arcsin(np.clip(forward, -1.0, 1.0))
+
+
+def froude_number(speed_mps: float | None, height_m: float | None) -> float | None:
+    """Return v^2 / (g h); None without a speed, or a height over the ground."""
+    if speed_mps is None or height_m is None or height_m < LOWEST_M:
+        return None
+    return speed_mps**2 / (GRAVITY_MPS2 * height_m)
+
+
+def stride_lengths(base: BaseHistory, touchdown: Ints, end: Ints) -> Floats:
+    """Return the horizontal distance of the base between consecutive touchdowns of a foot.
+
+    Args:
+        base: poses.
+        touchdown: (n,) ns, of each stride.
+        end: (n,) ns, the next touchdown.
+
+    Returns:
+        (n,) m; NaN where the poses do not tell.
+    """
+    travel = base.position_at(end) - base.position_at(touchdown)
+    length: Floats = np.hypot(travel[:, 0], travel[:, 1])
+    return length

@@ -1,0 +1,360 @@
+"""Poses of the base: as recorded, as a history at up to 100 Hz, and without jumps."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Floats,
+    Ints,
+    all_finite,
+    concatenated,
+    header_time,
+    median_of,
+    median_of_known,
+    norms,
+    picked,
+)
+from dogbot_logtool.core.corrections.clock import (
+    TimeSource,
+    advancing,
+    first_at_each_tick,
+)
+from dogbot_logtool.core.quality.quality import steady_gap_ns
+from dogbot_logtool.core.rotations import (
+    from_roll_pitch_yaw,
+    normalised,
+    roll_pitch_yaw,
+    rotate,
+)
+from dogbot_logtool.dataclass import dataclass
+
+LARGEST_LAG_NS: Final = 100_000_000
+"""ns: stamps further behind log time are of another clock."""
+
+
+@dataclass(frozen=True, slots=True)
+class Odometry:
+    """Messages that give the pose of the robot's base, in the order of the log."""
+
+    log_time: Ints
+    """(n,) ns, when each was recorded."""
+    stamp: Ints
+    """(n,) ns, header stamp as recorded; 0 where the source never set one."""
+    position: Floats
+    """(n, 3) m, base origin in the world frame."""
+    orientation: Floats
+    """(n, 4) quaternion x, y, z, w, base in the world frame, as recorded (any norm)."""
+    linear_velocity: Floats
+    """(n, 3) m/s. World or body frame: sources differ, so never trust it blindly."""
+    angular_velocity: Floats
+    """(n, 3) rad/s, same caution."""
+
+    @property
+    def time(self) -> Ints:
+        """(n,) ns, header stamp, or log time where the stamp is zero."""
+        return header_time(self.stamp, self.log_time)
+
+    def pick(self, rows: Flags | Ints) -> "Odometry":
+        """Return the chosen rows (a mask or row numbers)."""
+        return picked(self, rows)
+
+
+def no_odometry() -> Odometry:
+    """Return none."""
+    times: Ints = np.empty(0, np.int64)
+    vectors, quaternions = np.empty((0, 3)), np.empty((0, 4))
+    return Odometry(times, times, vectors, quaternions, vectors, vectors)
+
+
+def concatenate_odometry(parts: Sequence[Odometry]) -> Odometry:
+    """Join messages of several senders, in the order of their log times."""
+    if len(parts) == 1:
+        return parts[0]
+    if not parts:
+        return no_odometry()
+    joined = concatenated(parts)
+    return joined.pick(np.argsort(joined.log_time, kind="stable"))
+
+
+@dataclass(frozen=True, slots=True)
+class Transforms:
+    """Poses of one frame in its parent frame."""
+
+    log_time: Ints
+    """(n,) ns."""
+    stamp: Ints
+    """(n,) ns, the time at which the pose holds."""
+    translation: Floats
+    """(n, 3) m, in the parent frame."""
+    rotation: Floats
+    """(n, 4) quaternion x, y, z, w."""
+
+
+def usable_poses(odometry: Odometry) -> Flags:
+    """Tell which poses can be a transform: all numbers finite and the quaternion not zero.
+
+    Returns:
+        (n,) bool.
+    """
+    finite = all_finite(odometry.position)
+    finite &= all_finite(odometry.orientation)
+    turned: Flags = (odometry.orientation != 0.0).any(axis=1)
+    return finite & turned
+
+
+def base_transforms(odometry: Odometry) -> Transforms:
+    """Turn poses into transforms of the base in the world, verbatim: nothing is normalised."""
+    return Transforms(odometry.log_time, odometry.time, odometry.position, odometry.orientation)
+
+
+def from_opening(transforms: Transforms, opening: int) -> Transforms:
+    """Return transforms of which the first also stands at the log's first time.
+
+    Its stamp is that time, too, unless the clock of the stamps is another one: a stamp from the
+    future of the others would hold for ever.
+
+    Args:
+        transforms: the first of a log.
+        opening: ns, log time.
+    """
+    if not len(transforms.stamp):
+        return transforms
+    first = int(transforms.stamp[0])
+    if int(transforms.log_time[0]) <= opening and first <= opening:
+        return transforms
+    stamp = opening if first > opening - LARGEST_LAG_NS else first
+    return Transforms(
+        log_time=np.concatenate([[opening], transforms.log_time]),
+        stamp=np.concatenate([[stamp], transforms.stamp]),
+        translation=np.concatenate([transforms.translation[:1], transforms.translation]),
+        rotation=np.concatenate([transforms.rotation[:1], transforms.rotation]),
+    )
+
+
+POSE_RATE_HZ: Final = 100.0
+"""Interpolation between poses 10 ms apart misses 0.1 mm at 10 m/s^2; an hour of them is 20 MB."""
+LOOKUP_S: Final = 0.1
+"""A pose further from a time than this does not tell where the base was."""
+
+
+@dataclass(frozen=True, slots=True)
+class BaseHistory:
+    """Poses of the base at up to 100 Hz."""
+
+    messages: int
+    not_usable: int
+    """Messages with a number that is not finite or a zero quaternion; left out."""
+    not_advancing: int
+    """Messages that repeat a time or step back; left out."""
+    time: Ints
+    """(n,) ns, strictly increasing."""
+    position: Floats
+    """(n, 3) m, world frame."""
+    angles: Floats
+    """(n, 3) rad, roll, pitch, yaw; yaw unwrapped."""
+    gaps: Ints
+    """(g, 2) ns, silences: last pose before, first one after."""
+
+    @property
+    def known(self) -> Ints:
+        """(k, 2) ns, the time between first and last pose without the gaps."""
+        if len(self.time) == 0:
+            return timespans.no_spans()
+        return timespans.subtract(self.time[[0, -1]][None, :], self.gaps)
+
+    def without_poses(self) -> "BaseHistory":
+        """Return the history of poses of which none can be used."""
+        none = np.empty((0, 3))
+        return replace(self, time=self.time[:0], position=none, angles=none, gaps=self.gaps[:0])
+
+    def position_at(self, time: Ints) -> Floats:
+        """Interpolate the position linearly between poses.
+
+        Args:
+            time: (n,) ns.
+
+        Returns:
+            (n, 3) m, NaN in gaps, and before and after the poses.
+        """
+        return self._interpolated(time, self.position)
+
+    def point_at(self, time: Ints, in_body_m: Floats) -> Floats:
+        """Return where a point of the body is; (n, 3) m, NaN like `position_at`.
+
+        Args:
+            time: (n,) ns.
+            in_body_m: (3,) m, from the base's frame, in its axes.
+        """
+        position = self.position_at(time)
+        if not in_body_m.any():
+            return position
+        turn = from_roll_pitch_yaw(self.angles_at(time))
+        return position + rotate(turn, np.broadcast_to(in_body_m, position.shape))
+
+    def angles_at(self, time: Ints) -> Floats:
+        """Interpolate roll, pitch and unwrapped yaw; (n, 3) rad, NaN like `position_at`."""
+        return self._interpolated(time, self.angles)
+
+    def _interpolated(self, time: Ints, values: Floats) -> Floats:
+        if len(self.time) == 0:
+            return np.full((len(time), 3), np.nan)
+        last = len(self.time) - 1
+        after = np.minimum(np.searchsorted(self.time, time), last)
+        before = np.where(self.time[after] > time, np.maximum(after - 1, 0), after)
+        since, step = time - self.time[before], self.time[after] - self.time[before]
+        share = np.clip(since / np.maximum(step, 1), 0.0, 1.0)[:, None]
+        # `take` picks rows of vectors four times as fast as an index does.
+        first = values.take(before, axis=0)
+        at: Floats = first + share * (values.take(after, axis=0) - first)
+        # Both poses around a time must be near; beyond the ends there is only one.
+        away = np.maximum(np.abs(since), np.abs(self.time[after] - time))
+        at[away > LOOKUP_S * 1e9] = np.nan
+        return at
+
+    def unplaced(self, spans: Ints) -> int:
+        """Return the time in spans, ns, that lies further than 0.1 s from every pose."""
+        reach = round(LOOKUP_S * 1e9)
+        if len(self.time) == 0:
+            return timespans.total(spans)
+        edges = np.concatenate([self.time[:1], self.gaps.ravel(), self.time[-1:]]).reshape(-1, 2)
+        placed = timespans.merge(edges + np.array([-reach, reach]))
+        return timespans.total(timespans.subtract(spans, placed))
+
+
+def base_history(odometry: Odometry, clock: TimeSource, breaks: Ints | None = None) -> BaseHistory:
+    """Return the poses of a log.
+
+    Args:
+        odometry: in the order of the log.
+        clock: which time counts; on header stamps zeros are unknown times.
+        breaks: (b, 2) ns, spans that nothing is measured across, as if they were gaps.
+    """
+    time = clock.of(odometry)
+    usable = usable_poses(odometry)
+    good = usable & ((time != 0) | (clock is TimeSource.LOG))
+    good[good] = advancing(time[good], None)
+    longest = steady_gap_ns(np.diff(time[good]))
+    rows = np.flatnonzero(good)
+    kept = odometry.pick(rows[first_at_each_tick(time[rows], POSE_RATE_HZ, None)])
+    time = clock.of(kept)
+    angles = roll_pitch_yaw(normalised(kept.orientation))
+    angles[:, 2] = np.unwrap(angles[:, 2])
+    return BaseHistory(
+        messages=len(usable),
+        not_usable=int((~usable).sum()),
+        not_advancing=int((usable & ~good).sum()),
+        time=time,
+        position=kept.position,
+        angles=angles,
+        gaps=_gaps(time, longest, timespans.no_spans() if breaks is None else breaks),
+    )
+
+
+def _gaps(time: Ints, longest_ns: float, breaks: Ints) -> Ints:
+    """(g, 2) ns, steps that are longer than usual or touch a break."""
+    broken = np.diff(time) > longest_ns
+    broken |= timespans.touches(breaks, time[:-1], time[1:])
+    rows = np.flatnonzero(broken)
+    return np.stack([time[rows], time[rows + 1]], axis=1)
+
+
+SMALLEST_JUMP_M: Final = 0.05
+"""m, what is smaller may be noise."""
+SMALLEST_TURN_RAD: Final = 0.02
+"""rad, the same."""
+GRAVITY_MPS2: Final = 9.81
+FALLS_AT_MPS: Final = 3.0
+"""m/s, a falling base is not faster."""
+COARSE_M: Final = 0.5
+"""m, smallest jump at rates so low that the base may change its speed between poses."""
+UNUSUAL: Final = 5.0
+"""Times by which a jump exceeds the third largest of the deviations around it."""
+_AROUND: Final = np.concatenate([np.arange(-10, 0), np.arange(1, 11)])
+"""Steps before and after that tell the base's own speed."""
+_FEWEST: Final = 6
+_CHUNK: Final = 20_000
+
+
+@dataclass(frozen=True, slots=True)
+class PoseJumps:
+    """Steps between neighbouring poses that are no motion of the base."""
+
+    spans: Ints
+    """(j, 2) ns, the pose before and the one after each jump."""
+    size_m: Floats
+    """(j, 3) m, the step less what the base's own speed explains."""
+    turn_rad: Floats
+    """(j,) rad, by how much the yaw jumps, too."""
+
+    def turned_rad(self, start: int, end: int) -> float:
+        """Return how far all jumps between two times, ns, turn the base."""
+        inside = (self.spans[:, 0] >= start) & (self.spans[:, 1] <= end)
+        return float(self.turn_rad[inside].sum())
+
+
+def find_jumps(base: BaseHistory) -> PoseJumps:
+    """Find the steps that the median of the velocities around them does not explain.
+
+    A step counts that deviates from it by more than the other steps around do, more than a fall
+    explains, and more than a change of speed between two poses may be.
+    """
+    step = np.diff(base.position, axis=0)
+    in_gap = np.isin(base.time[:-1], base.gaps[:, 0])
+    candidates = np.flatnonzero((norms(step) > SMALLEST_JUMP_M) & ~in_gap)
+    parts = [
+        _unexplained(base.time, step, in_gap, candidates[first : first + _CHUNK])
+        for first in range(0, len(candidates), _CHUNK)
+    ]
+    size = np.concatenate(parts) if parts else np.empty((0, 3))
+    jumps = np.isfinite(size[:, 0])
+    rows = candidates[jumps]
+    spans = np.stack([base.time[rows], base.time[rows + 1]], axis=1)
+    return PoseJumps(spans, size[jumps], _turns(np.diff(base.angles[:, 2]), rows))
+
+
+def _turns(turn: Floats, rows: Ints) -> Floats:
+    """(j,) rad, the turns of some steps less the usual one of those around, where that is much."""
+    around = np.clip(rows[:, None] + _AROUND, 0, max(len(turn) - 1, 0))
+    unexplained: Floats = turn[rows] - median_of(turn[around], axis=1) if len(rows) else turn[:0]
+    return np.where(np.abs(unexplained) > SMALLEST_TURN_RAD, unexplained, 0.0)
+
+
+def _unexplained(time: Ints, step: Floats, in_gap: Flags, rows: Ints) -> Floats:
+    """(c, 3) m by which steps are no motion; NaN for those that are explained."""
+    seconds = np.diff(time) / 1e9
+    around = rows[:, None] + _AROUND
+    inside = (around >= 0) & (around < len(step))
+    around = np.clip(around, 0, len(step) - 1)
+    velocity = step[around] / seconds[around][:, :, None]
+    velocity[~inside | in_gap[around]] = np.nan
+    enough = np.isfinite(velocity[:, :, 0]).sum(axis=1) >= _FEWEST
+    velocity[~enough] = 0.0
+    usual = median_of_known(velocity, axis=1)
+    duration = seconds[rows][:, None]
+    size: Floats = step[rows] - usual * duration
+    deviation = np.nan_to_num(np.linalg.norm(velocity - usual[:, None, :], axis=2)) * duration
+    third = np.sort(deviation, axis=1)[:, -3]
+    change = np.minimum(GRAVITY_MPS2 * seconds[rows] ** 2 / 2.0, COARSE_M)
+    unexplained = size.copy()
+    unexplained[:, 2] = np.where(
+        size[:, 2] < 0.0,
+        np.minimum(size[:, 2] + FALLS_AT_MPS * seconds[rows], 0.0),
+        size[:, 2],
+    )
+    limit = np.maximum(np.maximum(SMALLEST_JUMP_M, change), UNUSUAL * third)
+    size[~enough | (norms(unexplained) <= limit)] = np.nan
+    return size
+
+
+def without_jumps(base: BaseHistory, jumps: PoseJumps) -> BaseHistory:
+    """Return the poses with the jumps taken out: the motion that the base made itself."""
+    if len(jumps.spans) == 0:
+        return base
+    passed = np.searchsorted(jumps.spans[:, 1], base.time, side="right")
+    moved = np.concatenate([np.zeros((1, 3)), np.cumsum(jumps.size_m, axis=0)])
+    return replace(base, position=base.position - moved[passed])

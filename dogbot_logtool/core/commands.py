@@ -1,0 +1,267 @@
+"""How the base follows its velocity commands: error and drift.
+
+All velocities are means over one stride: a robot's gait swings about its speed once or twice a
+stride, which is no error. Commands are averaged alike, so that this delays nothing. A command holds
+until the next, but not beyond a time-out.
+"""
+
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.base.motion import FORWARD_ANGLES
+from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.metrics import Commands, Tracking, Turning
+from dogbot_logtool.core.records import Number
+from dogbot_logtool.core.rotations import along_heading
+from dogbot_logtool.core.vectors import Integral, VectorHistory
+from dogbot_logtool.dataclass import dataclass
+
+TRACKING_HZ: Final = 50.0
+"""Commanded and measured velocity are compared so often."""
+USUAL_WINDOW_S: Final = 0.5
+"""s, what velocities are averaged over in a log without strides."""
+TIMEOUT_S: Final = 0.5
+"""s; what ros2_controllers' diff_drive_controller waits for a command before it stops."""
+SPARSE_NS: Final = 1_000_000_000
+"""ns; poses further apart than this tell no speed."""
+AXES: Final = ("forward", "lateral", "yaw")
+"""The columns of velocities: m/s forward, m/s to the left, rad/s to the left."""
+ZERO: Final = 0.01
+"""m/s or rad/s; commands up to it stand for none."""
+STRAIGHT_MPS: Final = 0.05
+"""m/s; a forward command from which a robot walks."""
+SETTLED_S: Final = 1.0
+"""s after a change of the command before a drift is measured."""
+_LEAST_DRIFT_S: Final = 1.0
+_WORLD_FRAMES: Final = frozenset({"world", "odom", "map", "earth"})
+_CLEARLY: Final = 0.7
+"""The better of two readings of the axes has at most this share of the other's error."""
+OPPOSED: Final = -0.7
+"""Correlation up to which the base does the opposite of its command."""
+_DELAYS_NS: Final = (0, 200_000_000, 400_000_000)
+"""ns, by which the base may follow later: it does the opposite only if it does with each."""
+_LEAST_CHANGE: Final = 0.03
+"""m/s or rad/s, standard deviation from which a correlation means something."""
+_FEWEST_WINDOWS: Final = 4
+"""Times the window; a correlation over less time means nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class CommandTrack:
+    """Commanded and measured velocity over time."""
+
+    history: VectorHistory
+    axes: str | None
+    """``forward``: a command's x is the robot's forward direction; ``body``: x of the base's frame.
+    None: cannot be told."""
+    window_ns: int
+    timeout_ns: int
+    commanded_s: float
+    """s with a command, of the time that is known of the base; also `no_command_s`, without."""
+    no_command_s: float
+    time: Ints
+    """(n,) ns, times whose window is known of the base and of the command."""
+    commanded: Floats
+    """(n, 3) as in `AXES`; also `measured`."""
+    measured: Floats
+    opposed: tuple[str, ...]
+    """The axes of which the base does the opposite of the command."""
+    drifts: Mapping[str, Floats]
+    """(3,) mean velocity while ``straight`` ahead is commanded, and while the robot steps ``in
+    place``, where it does so for long enough."""
+
+    @property
+    def breaks(self) -> Ints:
+        """(b, 2) ns, holes between neighbouring times, over which no line leads."""
+        rows = np.flatnonzero(np.diff(self.time) > 1.5e9 / TRACKING_HZ)
+        return np.stack([self.time[rows], self.time[rows + 1]], axis=1)
+
+    def errors(self, axis: int) -> tuple[Number, Number, Number, Number]:
+        """Return means of command and measurement, mean and rms of measured less commanded."""
+        if not len(self.time) or (axis < 2 and self.axes is None):
+            return None, None, None, None
+        commanded, measured = self.commanded[:, axis], self.measured[:, axis]
+        error = measured - commanded
+        rms = float(np.sqrt((error * error).mean()))
+        return float(commanded.mean()), float(measured.mean()), float(error.mean()), rms
+
+    def metrics(self) -> Commands:
+        """Return how the base follows its commands."""
+        forward, lateral, yaw = (self.errors(axis) for axis in range(3))
+        return Commands(
+            topic=self.history.topic,
+            commanded_s=self.commanded_s,
+            forward=Tracking(*forward),
+            lateral=Tracking(*lateral),
+            yaw=Turning(*yaw),
+        )
+
+
+def follow_commands(
+    history: VectorHistory,
+    base: BaseHistory,
+    jumps: Ints,
+    forward_axis: str,
+    stepping: Ints,
+    period_s: float | None,
+) -> CommandTrack | None:
+    """Compare commands with the base's velocity over time.
+
+    Args:
+        history: commands: linear x and y, angular z.
+        base: poses without jumps.
+        jumps: (j, 2) ns.
+        forward_axis: the body's axis that points forward.
+        stepping: (s, 2) ns, time in which the robot steps.
+        period_s: s, the usual stride; None: there are none.
+
+    Returns:
+        None without commands or poses.
+    """
+    if len(base.time) < 2 or not len(history.time):
+        return None
+    window = round((period_s or USUAL_WINDOW_S) * 1e9)
+    timeout = round(max(TIMEOUT_S * 1e9, history.gap_ns if np.isfinite(history.gap_ns) else 0.0))
+    until = np.append(history.time[1:], history.time[-1:] + timeout)
+    held = np.stack([history.time, np.minimum(until, history.time + timeout)], axis=1)
+    holds = timespans.merge(held)
+    way, known = _base_way(base, forward_axis, jumps)
+    both = timespans.intersect([known, holds])
+    time = timespans.ticks(both, round(1e9 / TRACKING_HZ))
+    half = window // 2
+    time = time[timespans.hold_window(both, time, half, half)]
+    measured = way.mean(time, window)
+    axes, velocity = _in_axes(history, held, time, window, measured, forward_axis)
+    command = _command(held, velocity)
+    longest = timespans.hold_window(holds, time, half + max(_DELAYS_NS), half)
+    opposed = [
+        name
+        for axis, name in enumerate(AXES)
+        if (axes or axis == 2)
+        and longest.sum() / TRACKING_HZ >= _FEWEST_WINDOWS * window / 1e9
+        and _is_opposed(command, axis, time[longest], measured[longest, axis], window)
+    ]
+    still = np.abs(velocity) <= ZERO
+    ahead = (np.abs(velocity[:, 0]) >= STRAIGHT_MPS) & still[:, 1:].all(axis=1)
+    spans = {
+        "straight": [timespans.merge(held[ahead])] if axes else [],
+        "in place": [timespans.merge(held[still.all(axis=1)]), stepping],
+    }
+    drifts = {name: _drift(time, measured, each, half) for name, each in spans.items() if each}
+    return CommandTrack(
+        history=history,
+        axes=axes,
+        window_ns=window,
+        timeout_ns=timeout,
+        commanded_s=timespans.total(both) / 1e9,
+        no_command_s=(timespans.total(known) - timespans.total(both)) / 1e9,
+        time=time,
+        commanded=command.mean(time, window),
+        measured=measured,
+        opposed=tuple(opposed),
+        drifts={name: drift for name, drift in drifts.items() if drift is not None},
+    )
+
+
+def _base_way(base: BaseHistory, forward_axis: str, jumps: Ints) -> tuple[Integral, Ints]:
+    """Add up the steps from pose to pose along axes that turn with the robot (yaw only).
+
+    Returns:
+        The way as in `AXES`, and the time in which it is known, (k, 2) ns.
+    """
+    yaw = base.angles[:, 2]
+    heading = (yaw[1:] + yaw[:-1]) / 2.0 + FORWARD_ANGLES[forward_axis]
+    forward, left = along_heading(np.diff(base.position[:, :2], axis=0), heading)
+    steps = np.stack([forward, left, np.diff(yaw)], axis=1)
+    total = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
+    sparse = np.flatnonzero(np.diff(base.time) > SPARSE_NS)
+    broken = np.stack([base.time[sparse], base.time[sparse + 1]], axis=1)
+    known = timespans.subtract(base.known, timespans.merge(np.concatenate([jumps, broken])))
+    origin = int(base.time[0])
+    return Integral(origin, (base.time - origin).astype(np.float64), total), known
+
+
+def _command(held: Ints, velocity: Floats) -> Integral:
+    """Add up commands: (n, 2) ns for which each holds, (n, 3) as in `AXES`; none counts as zero."""
+    each = velocity * ((held[:, 1] - held[:, 0]) / 1e9)[:, None]
+    total = np.zeros((2 * len(held), 3))
+    total[1::2] = np.cumsum(each, axis=0)
+    total[2::2] = total[1:-1:2]
+    origin = int(held[0, 0])
+    return Integral(origin, (held.ravel() - origin).astype(np.float64), total)
+
+
+def _in_axes(
+    history: VectorHistory,
+    held: Ints,
+    time: Ints,
+    window_ns: int,
+    measured: Floats,
+    forward_axis: str,
+) -> tuple[str | None, Floats]:
+    """Tell by the smaller error whose axes the commands are in, where that makes a difference.
+
+    Returns:
+        The axes, see `CommandTrack`, and (n, 3) velocities in the robot's own.
+    """
+    in_world = not _WORLD_FRAMES.isdisjoint(name.strip("/") for name in history.frames)
+    turn_rad = FORWARD_ANGLES[forward_axis]
+    forward, left = along_heading(history.vector, np.full(len(history.time), turn_rad))
+    readings = {
+        "forward": history.vector,
+        "body": np.stack([forward, left, history.vector[:, 2]], axis=1),
+    }
+    if in_world or turn_rad == 0.0:
+        return None if in_world else "forward", readings["forward"]
+    means = {key: _command(held, each).mean(time, window_ns) for key, each in readings.items()}
+    errors = {key: _rms((measured - each)[:, :2]) for key, each in means.items()}
+    better, worse = sorted(errors, key=lambda key: errors[key])
+    told = errors[better] <= _CLEARLY * errors[worse] or not means[worse][:, :2].any()
+    return better if told else None, readings[better]
+
+
+def _rms(vectors: Floats) -> float:
+    """Return the root mean square length of vectors, (n, 2); 0 of none."""
+    return float(np.sqrt((vectors * vectors).sum(axis=1).mean())) if len(vectors) else 0.0
+
+
+def _is_opposed(command: Integral, axis: int, time: Ints, measured: Floats, window_ns: int) -> bool:
+    """Tell whether the base does the opposite of the command, however late it follows.
+
+    Args:
+        command: to be averaged.
+        axis: column of the velocities.
+        time: (n,) ns, with a command for long enough.
+        measured: (n,) m/s or rad/s.
+        window_ns: ns that is averaged over.
+    """
+    for delay in _DELAYS_NS:
+        commanded = command.mean(time - delay, window_ns)[:, axis]
+        if min(measured.std(), commanded.std()) < _LEAST_CHANGE:
+            return False
+        if float(np.corrcoef(measured, commanded)[0, 1]) > OPPOSED:
+            return False
+    return True
+
+
+def _drift(time: Ints, measured: Floats, spans: list[Ints], half_ns: int) -> Floats | None:
+    """Return the mean velocity while commands have held for some time; None: not long enough.
+
+    Args:
+        time: (n,) ns.
+        measured: (n, 3) as in `AXES`.
+        spans: in which the commands hold, and in which else it counts.
+        half_ns: ns, half of what is averaged over.
+    """
+    settling = [half_ns + round(SETTLED_S * 1e9), *[half_ns] * (len(spans) - 1)]
+    chosen: Flags = np.ones(len(time), np.bool_)
+    for within, before in zip(spans, settling, strict=True):
+        chosen &= timespans.hold_window(within, time, before, half_ns)
+    if chosen.sum() / TRACKING_HZ < _LEAST_DRIFT_S:
+        return None
+    mean: Floats = measured[chosen].mean(axis=0)
+    return mean

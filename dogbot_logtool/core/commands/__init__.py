@@ -1,1 +1,0 @@
-"""How well the base follows its velocity commands."""

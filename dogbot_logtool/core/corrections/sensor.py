@@ -1,0 +1,392 @@
+"""The level that a force sensor reads without load, with its noise, drift and limits.
+
+A simulated sensor reads exactly zero in swing. A real one reads tens of newtons of either sign,
+drifts and is noisy. In a walk a foot's forces have two modes, swing and stance (`modes.py`); where
+nothing tells which is which, as where weight is shifted in a stand, the level stays unknown.
+The level is that of the swings around each moment, so that it may drift, or be re-zeroed.
+"""
+
+from dataclasses import field, replace
+from typing import Final, Literal
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Floats,
+    Ints,
+    all_finite,
+    distinct,
+    median_of,
+    median_of_known,
+    norms,
+    percentiles_of,
+)
+from dogbot_logtool.core.corrections.clock import usual_interval_s
+from dogbot_logtool.core.corrections.modes import (
+    ALTERNATE,
+    MIDDLE_SHARE,
+    NOISY,
+    ONCE,
+    WIDE,
+    Modes,
+    judged,
+    strays,
+    two_modes,
+    visit_medians,
+    visit_quantiles,
+)
+from dogbot_logtool.dataclass import dataclass
+
+Origin = Literal["option", "robot", "estimated", "default"]
+"""The origin of a setting."""
+
+FEWEST_SAMPLES: Final = 20
+CLEAR_OF_NOISE: Final = 5.0
+"""Least distance between both modes, in standard deviations of the noise."""
+DROPOUTS: Final = 3
+"""Lone zeros under load that make a sensor one that drops out."""
+SURE: Final = 3.0
+"""Lead in score from which it is certain which way a load turns what a sensor reads."""
+UNSURE: Final = 1.0
+"""Lead in score up to which that is not known, unless the weight tells."""
+AROUND: Final = 9
+"""Swings around each moment whose median is the level."""
+_STRAYS: Final = 98.0
+"""Percentile of the unloaded forces, against the offset, that stands for the furthest."""
+_LONG_ROWS: Final = 8
+"""Samples in the middle of a visit, from which its ends are surely left out."""
+_DRIFT_S: Final = 30.0
+"""Shortest time from the first to the last swing over which a drift is stated."""
+_FEWEST_FOR_DRIFT: Final = 8
+_NORMAL_SD: Final = 1.4826
+"""Standard deviation over median absolute deviation, of a normal distribution."""
+
+IN_RUNS: Final = 0.25
+"""Share of the zeros that stand in runs of three and more in a sensor that reads zero in swing;
+messages that are lost here and there make single zeros."""
+LIGHT: Final = 0.05
+"""Share of the usual load below which a sample counts as light."""
+PULL: Final = 0.02
+"""Share of the usual load by which no ground can pull at a foot."""
+LIGHTLY: Final = 0.35
+"""Times the usual load: a reading in swing stays below."""
+PULLS: Final = 0.1
+"""Share of the zeros from which so many such pulls make a sensor that does not rest at zero."""
+
+SATURATED_SAMPLES: Final = 3
+"""Samples in a row at the very same highest force that make a flat top."""
+STEEP: Final = 10.0
+"""Steps of the sensor's resolution beyond which the rise to its limit is steep. The round top of a
+force that is recorded in steps is flat for m samples and at most 8 steps lower m samples before."""
+SATURATED_STANCES: Final = 3
+"""Stances with the same flat top that make a saturated sensor."""
+FAR_FROM_SWING: Final = 0.5
+"""Share of the usual load that a limit is from the unloaded level; else it is that of swing."""
+
+
+@dataclass(frozen=True, slots=True)
+class SensorLevel:
+    """Readings of one foot's sensor without load and under load."""
+
+    knots: Ints = field(default_factory=lambda: np.zeros(1, np.int64))
+    """(k,) ns, log times at which the offset is known, ascending; between them it is linear."""
+    offset: Floats = field(default_factory=lambda: np.zeros((1, 3)))
+    """(k, 3) N, what the unloaded sensor reads at the knots."""
+    noise_n: float | None = None
+    """N, standard deviation of the unloaded sensor's noisiest component, from one sample to the
+    next; None: not known."""
+    wobble_n: float = 0.0
+    """N, how far the unloaded sensor strays from the offset: the inertia of a leg that swings."""
+    drift_n_per_min: float | None = None
+    """N a minute, towards the load; None: the swings span too short a time."""
+    moved_n: float = 0.0
+    """N, how far the offset moves in the log, where it does not stay and was followed."""
+    loaded_n: float | None = None
+    """N, median force above the offset while loaded; None: not known."""
+    mean_n: float | None = None
+    """N, mean load over all samples. All feet are sampled over the same time, in which their sum
+    is the weight."""
+    mean_recorded_n: float | None = None
+    """N, the same with the offset left in."""
+    interval_s: float | None = None
+    """s, usual sampling interval."""
+    swing_s: float | None = None
+    """s, about how long the sensor is unloaded in a stride; None: not known."""
+    zero_in_swing: bool = False
+    """Whether the sensor reads exactly zero, or lists no contact, in swing."""
+    origin: Origin = "default"
+    """The origin of the offset."""
+    limit_n: float | None = None
+    """N, where one of the sensor's axes is cut off; None: none is seen to be."""
+    drops_out: bool = False
+    """Whether single samples are zero under load, as where messages are lost on a sensor's bus."""
+    reason: str = ""
+    """Why the level could not be estimated; empty where it is known."""
+    alternative: "SensorLevel | None" = None
+    """The level if the lower of two loads were none, where that is not clear."""
+    lightest_n: float | None = None
+    """N, magnitude that the lightest samples stay below; only where the level is not known. Also
+    `heaviest_n`, that the heaviest ones exceed."""
+    heaviest_n: float | None = None
+    raises: bool = True
+    """Whether load raises what the sensor reads."""
+    lead: float = np.inf
+    """How much better that fits than that load lowers it, or the other way round."""
+    opposite: "SensorLevel | None" = None
+    """The level if load turned it the other way, known or not."""
+    refuted: str = ""
+    """Why nothing is known although swings and stances are seen; zero cannot be assumed either."""
+
+    @property
+    def offset_n(self) -> Floats:
+        """(3,) N, the offset in the middle of the log."""
+        if self.moved_n:
+            return np.asarray(self.offset_at((self.knots[:1] + self.knots[-1:]) // 2)[0])
+        return np.asarray(median_of(self.offset, axis=0))
+
+    def offset_at(self, log_time: Ints) -> Floats:
+        """Return the offset at some log times, ns, (n,); (n, 3) N."""
+        if len(self.knots) == 1:
+            return np.broadcast_to(self.offset[0], (len(log_time), 3))
+        since = (log_time - self.knots[0]).astype(np.float64)
+        knots = (self.knots - self.knots[0]).astype(np.float64)
+        return np.stack([np.interp(since, knots, part) for part in self.offset.T], axis=1)
+
+
+def estimate_level(log_time: Ints, force: Floats) -> SensorLevel:
+    """Estimate offset, noise and drift of one foot's sensor from its own samples.
+
+    Args:
+        log_time: (n,) ns, ascending; there may be gaps.
+        force: (n, 3) N, as recorded; rows that are not finite are left out.
+    """
+    finite = all_finite(force)
+    log_time, force = log_time[finite], force[finite]
+    interval_s = usual_interval_s(log_time)
+    if len(force) < FEWEST_SAMPLES:
+        return _unknown("too few samples", interval_s, force)
+    zero = zero_level(force, interval_s)
+    if zero is not None:
+        return zero
+    axis, runs = load_axis(force), run_numbers(log_time)
+    along, step = without_spikes(force @ axis), _resolution_n(force)
+    up, down = two_modes(along, runs, raises=True), two_modes(-along, runs, raises=False)
+    both = judged(up, down.width, step), judged(down, up.width, step)
+    likely, other = sorted(both, key=lambda modes: -modes.score)
+    level, opposite = (_judged_level(modes, log_time, force, axis) for modes in (likely, other))
+    if level.reason:
+        return level
+    lead = likely.fit - other.fit
+    if not opposite.reason and (level.limit_n is None) != (opposite.limit_n is None):
+        # What is cut off at a limit does not vary there: that says nothing of swing.
+        lead -= 2.0 * likely.width_fit
+    if opposite.reason and lead < (SURE if opposite.reason == ONCE else UNSURE):
+        return replace(opposite, alternative=None)
+    if lead < 0.0:
+        level, opposite, lead = opposite, level, -lead
+    return replace(level, lead=lead, opposite=replace(opposite, lead=lead))
+
+
+def zero_level(force: Floats, interval_s: float | None) -> SensorLevel | None:
+    """Return the level of a sensor that reads exactly zero in swing; None: it does not.
+
+    Args:
+        force: (n, 3) N, finite.
+        interval_s: s, the usual sampling interval.
+    """
+    if not _rests_at_zero(force):
+        return None
+    magnitude = norms(force)
+    loaded = float(median_of(magnitude[magnitude > 0.0])) if magnitude.any() else None
+    return SensorLevel(
+        zero_in_swing=True,
+        noise_n=0.0,
+        drift_n_per_min=0.0,
+        loaded_n=loaded,
+        limit_n=_limit_n(force, np.zeros(3), loaded) if loaded else None,
+        mean_n=float(magnitude.mean()),
+        interval_s=interval_s,
+        origin="estimated",
+    )
+
+
+def _rests_at_zero(force: Floats) -> bool:
+    """Tell whether a sensor reads exactly zero where its load is light, (n, 3) N, finite."""
+    magnitude = norms(force)
+    zero = magnitude == 0.0
+    if _in_runs(zero).sum() <= IN_RUNS * zero.sum():
+        return False
+    if zero.all():
+        return True
+    usual = median_of(magnitude[~zero])
+    light = magnitude < LIGHT * usual
+    # One that counts in steps may also read less than nothing. Full loads the other way are those
+    # of a sensor that turns with its link.
+    load = force @ force.mean(axis=0)
+    pulled = (load < -PULL * median_of(load[~zero])) & (magnitude < LIGHTLY * usual)
+    if 2 * zero.sum() < light.sum() or pulled.sum() > PULLS * zero.sum():
+        return False
+    # A sensor that has died reads zero in one visit.
+    visit = np.cumsum(light & ~np.concatenate([[False], light[:-1]]))
+    visits = distinct(visit[_in_runs(light)])
+    return 2 * len(distinct(visit[_in_runs(zero)])) >= len(visits)
+
+
+def _in_runs(flags: Flags) -> Flags:
+    """(n,) whether a row is one of at least three flagged ones in a row."""
+    middle = flags[2:] & flags[1:-1] & flags[:-2]
+    within = np.zeros(len(flags), np.bool_)
+    for shift in range(3):
+        within[shift : shift + len(middle)] |= middle
+    return within
+
+
+def _judged_level(modes: Modes, log_time: Ints, force: Floats, axis: Floats) -> SensorLevel:
+    """Return the level that modes stand for, or why it is not known; see `level_of`."""
+    if modes.reason not in {"", ALTERNATE, ONCE, WIDE}:
+        return _unknown(modes.reason, usual_interval_s(log_time), force)
+    level = level_of(modes, log_time, force, axis)
+    noisy = (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0)
+    reason = modes.reason or (NOISY if noisy else "")
+    if not reason:
+        return level
+    unknown = _unknown(reason, level.interval_s, force)
+    if reason == ONCE:
+        return replace(unknown, wobble_n=level.wobble_n)
+    return replace(unknown, alternative=level)
+
+
+def _unknown(reason: str, interval_s: float | None, force: Floats) -> SensorLevel:
+    """Return the level of a sensor that does not show it; its noise shows between samples."""
+    level = SensorLevel(interval_s=interval_s, reason=reason)
+    if not len(force):
+        return level
+    usual = float(percentiles_of(norms(force), 75.0))
+    level = replace(level, loaded_n=usual, mean_n=usual)
+    if len(force) < FEWEST_SAMPLES:
+        return level
+    lightest, heaviest = percentiles_of(without_spikes(norms(force)), (3.0, 97.0)).tolist()
+    noise = _noisiest_sd(np.diff(force, axis=0)) / np.sqrt(2.0)
+    return replace(level, noise_n=noise, lightest_n=lightest, heaviest_n=heaviest)
+
+
+def level_of(modes: Modes, log_time: Ints, force: Floats, axis: Floats) -> SensorLevel:
+    """Work out the level of a sensor with two clear modes.
+
+    Args:
+        modes: swing and stance.
+        log_time: (n,) ns.
+        force: (n, 3) N.
+        axis: (3,) unit vector along which the force varies.
+    """
+    swings, towards = modes.swings, axis if modes.raises else -axis
+    first, last = swings[:, 0], swings[:, 1] - 1
+    levels, middle = visit_medians(force, swings), log_time[(first + last) // 2]
+    stray, rows = strays(force, swings)
+    noise, steps = _noisiest_sd(stray), np.diff(stray, axis=0)[np.diff(rows) == 1]
+    if len(steps):
+        noise = min(noise, _noisiest_sd(steps) / np.sqrt(2.0))
+    # Swings that last too few samples do not tell how far forces stray.
+    long = modes.rest[np.diff(modes.rest)[:, 0] >= _LONG_ROWS]
+    wobble = percentiles_of(norms(strays(force, long)[0]), _STRAYS) if len(long) else 0.0
+    swing_s = median_of(log_time[last] - log_time[first]) / (MIDDLE_SHARE * 1e9)
+    level = SensorLevel(middle, _rolling_median(levels, AROUND))
+    load = (force - level.offset_at(log_time)) @ towards
+    loaded = float(median_of(visit_quantiles(load, modes.stances, 0.5)))
+    # Messages that are lost read zero between loaded ones.
+    magnitude = norms(force)
+    high = magnitude > loaded / 2.0
+    lost = (magnitude[1:-1] == 0.0) & high[:-2] & high[2:]
+    return replace(
+        level,
+        noise_n=noise,
+        wobble_n=float(wobble),
+        drift_n_per_min=_drift(middle, levels @ towards),
+        interval_s=usual_interval_s(log_time),
+        swing_s=float(swing_s),
+        origin="estimated",
+        raises=modes.raises,
+        loaded_n=loaded,
+        mean_n=float(load.mean()),
+        mean_recorded_n=float(np.linalg.norm(force.mean(axis=0))),
+        limit_n=_limit_n(force, level.offset_n, loaded),
+        drops_out=int(lost.sum()) >= DROPOUTS,
+    )
+
+
+def _drift(time: Ints, level: Floats) -> float | None:
+    """Return the slope of levels, N a minute, from their first third to their last."""
+    if time[-1] - time[0] < _DRIFT_S * 1e9 or len(time) < _FEWEST_FOR_DRIFT:
+        return None
+    third = len(time) // 3
+    minutes = (time - time[0]) / 6e10
+    rise, run = (median_of(each[-third:]) - median_of(each[:third]) for each in (level, minutes))
+    return float(rise / run)
+
+
+def load_axis(force: Floats) -> Floats:
+    """(3,) unit vector along which the force varies most; lone spikes do not count."""
+    low, high = percentiles_of(force, [1.0, 99.0], axis=0)
+    axis: Floats = np.linalg.eigh(np.cov(np.clip(force, low, high).T))[1][:, -1]
+    return axis if axis[np.abs(axis).argmax()] > 0.0 else -axis
+
+
+def without_spikes(values: Floats) -> Floats:
+    """(n,): the median of each value and its two neighbours."""
+    padded = np.concatenate([values[:1], values, values[-1:]])
+    return np.asarray(median_of(np.stack([padded[:-2], padded[1:-1], padded[2:]]), axis=0))
+
+
+def run_numbers(log_time: Ints) -> Ints:
+    """(n,): samples with the same number have no silence between them."""
+    steps = np.diff(log_time, prepend=log_time[:1])
+    return np.cumsum(steps > max(5.0 * median_of(steps[1:]), 5e7))
+
+
+def _rolling_median(values: Floats, width: int) -> Floats:
+    """(v, k): the median of each row and its neighbours, fewer at the ends."""
+    half = min(width, len(values)) // 2
+    padded = np.pad(values, ((half, half), (0, 0)), constant_values=np.nan)
+    return np.asarray(median_of_known(sliding_window_view(padded, 2 * half + 1, axis=0), axis=2))
+
+
+def _noisiest_sd(residual: Floats) -> float:
+    """Return the standard deviation of the noisiest component, N, of (m, 3) N; robust."""
+    return _NORMAL_SD * float(median_of(np.abs(residual), axis=0).max())
+
+
+def _resolution_n(force: Floats) -> float:
+    """Return the step in which a sensor's coarsest axis counts, N, (n, 3) N as recorded."""
+    steps = [np.diff(distinct(part)) for part in force.T]
+    return max((float(each.min()) for each in steps if len(each)), default=0.0)
+
+
+def _limit_n(force: Floats, offset_n: Floats, loaded_n: float) -> float | None:
+    """Return the value at which an axis of a sensor is cut off, N; None: none is.
+
+    Args:
+        force: (n, 3) N, as recorded.
+        offset_n: (3,) N, what the sensor reads without load.
+        loaded_n: N, the usual load.
+    """
+    for axis, sign in ((axis, sign) for axis in range(3) for sign in (1.0, -1.0)):
+        values = sign * force[:, axis]
+        limit = float(values.max())
+        is_far = limit - sign * offset_n[axis] > FAR_FROM_SWING * loaded_n
+        if is_far and _flat_tops(values, limit) >= SATURATED_STANCES:
+            return sign * limit
+    return None
+
+
+def _flat_tops(values: Floats, limit: float) -> int:
+    """Return how often values rise steeply to a limit, and stay there."""
+    edges = np.flatnonzero(np.diff(values == limit, prepend=False, append=False))
+    start, length = edges[::2], edges[1::2] - edges[::2]
+    flat = length >= SATURATED_SAMPLES
+    if flat.sum() < SATURATED_STANCES:
+        return 0
+    start, length = start[flat], length[flat]
+    rise = limit - values[np.maximum(start - length, 0)]
+    return int((rise > STEEP * np.diff(distinct(values)).min()).sum())

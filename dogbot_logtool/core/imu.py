@@ -1,0 +1,420 @@
+"""The base's accelerometer against the feet's forces and the base's poses.
+
+Over whole strides the accelerometer of a robot that climbs at constant speed reads g, whatever the
+robot weighs; the feet's vertical forces over its mass are the same; and both are g and what the
+poses say of its acceleration. So of the three the one that is odd can be told. All are compared as
+means over one stride about each of 25 instants a second. How the sensor sits on the base, and in
+which unit it reads, is told by gravity.
+"""
+
+from collections.abc import Sequence
+from enum import StrEnum
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Floats, Ints, all_finite, distinct
+from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.contact.stance_curves import PARTS
+from dogbot_logtool.core.load.impulses import CELL_RATE_HZ, mean_impulses
+from dogbot_logtool.core.load.load_figures import vertical_is_known
+from dogbot_logtool.core.load.loads import GRAVITY_MPS2
+from dogbot_logtool.core.metrics import Imu
+from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, rotate
+from dogbot_logtool.core.vectors import Integral, VectorHistory
+from dogbot_logtool.dataclass import dataclass
+
+STANDING_WINDOW_S: Final = 0.5
+"""s, what means are over in a log without strides."""
+SPARSE_NS: Final = 1_000_000_000
+"""ns; readings further apart than this tell no acceleration."""
+LEAST_S: Final = 2.0
+"""s that all that is compared must be known for."""
+_CELL_NS: Final = round(1e9 / CELL_RATE_HZ)
+_SPEED_NS: Final = 50_000_000
+"""ns before and after: the base's speed is its way over this time."""
+
+TOLERANCE: Final = 0.05
+"""Share by which an accelerometer of g may read too much or too little."""
+NO_GRAVITY: Final = 0.04
+"""Share of g: a mean specific force below it has no gravity in it; one in g reads 0.1 of it."""
+TILTED_RAD: Final = np.deg2rad(5.0)
+"""A mounting that is less off is as good as mountings are."""
+STEADY: Final = 0.1
+"""Share of g: root mean square of means over strides that a mounting need not explain."""
+
+MOVES_MPS2: Final = 0.15
+"""m/s^2, root mean square of a horizontal acceleration that tells directions."""
+COHERENT: Final = 0.8
+"""Coherence |sum a conj(b)| / sqrt(sum |a|^2 sum |b|^2) from which a turn is told."""
+TURNED_RAD: Final = np.deg2rad(20.0)
+"""A smaller turn is as good as yaw and means over strides are."""
+
+ODD: Final = 0.15
+"""A factor that is further from 1, and from the others, is odd."""
+_CERTAIN: Final = 0.1
+"""Error up to which a factor is told."""
+_AS_GOOD: Final = 0.02
+"""Share of g by which one factor for all feet may explain less than one for each."""
+_SHIFTS: Final = 0.05
+"""Standard deviation of a foot's share from which the load shifts to and from it."""
+
+
+class Reading(StrEnum):
+    """The kind of readings of an accelerometer."""
+
+    SOUND = "m/s^2"
+    IN_G = "g"
+    WITHOUT_GRAVITY = "without gravity"
+    NOTHING = "nothing"
+    OTHER_SCALE = "another scale"
+    UNCLEAR = "not what attitude and gravity say"
+
+
+_COMPARABLE: Final = frozenset({Reading.SOUND, Reading.IN_G, Reading.WITHOUT_GRAVITY})
+"""Readings that tell of accelerations, once they are levelled and in m/s^2."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mounting:
+    """How an accelerometer sits on the base, as far as gravity tells."""
+
+    reading: Reading
+    mean_mps2: float
+    """Mean specific force, as recorded, along its own direction."""
+    scale: float
+    """Reading over expected value."""
+    tilt_rad: float | None = None
+    """Angle of its mean specific force against what is up for the base; None: not known."""
+    turn: tuple[float, ...] = (0.0, 0.0, 0.0, 1.0)
+    """x, y, z, w: what levels it, in the base's frame. About the vertical gravity tells nothing."""
+
+    @property
+    def is_tilted(self) -> bool:
+        """Whether it is turned against the frame that it is said to be in."""
+        return self.tilt_rad is not None and self.tilt_rad > TILTED_RAD
+
+    @property
+    def roll_pitch_rad(self) -> tuple[float, float]:
+        """How it is turned about the base's x and y axis."""
+        size = float(np.linalg.norm(self.turn[:3]))
+        share = (self.tilt_rad or 0.0) / size if size > 0.0 else 0.0
+        return share * self.turn[0], share * self.turn[1]
+
+
+@dataclass(frozen=True, slots=True)
+class ForceComparison:
+    """The feet's forces over the mass against the accelerometer, in time known to all of them."""
+
+    ratio: float
+    """Vertical force over the mass over what the levelled accelerometer reads; 1 is right."""
+    magnitude_ratio: float
+    """The same of |F|."""
+    turned_rad: float | None
+    """Turn of the horizontal forces against those of poses; None: none that is clear."""
+    is_common: bool | None
+    """Whether one factor for all feet explains as much as one for each: the mass is wrong, or all
+    sensors alike. None: the load does not shift, so that it cannot be told."""
+    odd_foot: tuple[int, float] | None
+    """The one foot whose factor is not that of the others, which are right, and by what its force
+    must be multiplied."""
+
+
+@dataclass(frozen=True, slots=True)
+class ImuComparison:
+    """Comparison of the acceleration by accelerometer, forces and poses."""
+
+    topic: str
+    mounting_recorded: bool
+    known_s: float
+    """s in which accelerometer and poses are known."""
+    mounting: Mounting
+    turned_rad: float | None
+    """Turn of the horizontal accelerations against those of poses, to the left; None: none that is
+    clear."""
+    forces: ForceComparison | None
+    """None: no mass, or vertical forces are not known."""
+
+    def metrics(self) -> Imu:
+        """Return what the accelerometer says of forces and poses."""
+        return Imu(
+            topic=self.topic,
+            known_s=self.known_s,
+            accelerometer_mps2=self.mounting.mean_mps2,
+            tilt_rad=self.mounting.tilt_rad,
+            forces_over_accelerometer=None if self.forces is None else self.forces.ratio,
+        )
+
+
+def compare_imu(
+    sensed: VectorHistory,
+    base: BaseHistory,
+    jumps: Ints,
+    feet: Sequence[FootHistory],
+    *,
+    mass_kg: float | None,
+    mounting: Sequence[float] | None,
+    period_s: float | None,
+    fallen: Ints,
+    strides: Ints,
+) -> ImuComparison | None:
+    """Compare accelerometer, forces and poses.
+
+    Args:
+        sensed: what the accelerometer reads, in its frame.
+        base: poses without jumps.
+        jumps: (j, 2) ns, spans that nothing is measured across.
+        feet: histories of all feet.
+        mass_kg: None: not known.
+        mounting: x, y, z, w: the sensor's frame in the base's; None: it is the base's.
+        period_s: s, the usual stride; None: there are none.
+        fallen: (f, 2) ns, time in which the robot lies.
+        strides: (s, 2) ns, whole strides: only in them it is sure that the feet carry the robot.
+
+    Returns:
+        None where accelerometer and poses have too little time in common.
+    """
+    angles = base.angles_at(sensed.time)
+    rows = np.flatnonzero(all_finite(angles))
+    if len(rows) < 2:
+        return None
+    at, attitude = sensed.time[rows], from_roll_pitch_yaw(angles[rows])
+    body = sensed.vector[rows]
+    if mounting is not None:
+        body = rotate(np.array([mounting]), body)
+    half = round((period_s or STANDING_WINDOW_S) * 5e8)
+    masks = timespans.merge(np.concatenate([jumps, fallen]))
+    known = timespans.intersect([_spoken(at, sensed.gap_ns), base.known])
+    known = timespans.subtract(known, masks)
+    time = timespans.ticks(known, _CELL_NS)
+    time = time[timespans.hold_window(known, time, half + _SPEED_NS, half + _SPEED_NS)]
+    if len(time) < LEAST_S * CELL_RATE_HZ:
+        return None
+    poses = _acceleration(base, time, half)
+    up = rotate(conjugate(attitude), np.broadcast_to([0.0, 0.0, GRAVITY_MPS2], body.shape))
+    means = _integral(at, np.concatenate([body, up], axis=1)).mean(time, 2 * half)
+    turned = from_roll_pitch_yaw(base.angles_at(time))
+    seat = find_mounting(means[:, :3], means[:, 3:] + rotate(conjugate(turned), poses))
+    turn_rad, forces = None, None
+    if seat.reading in _COMPARABLE:
+        level = rotate(attitude, rotate(np.array([seat.turn]), body))
+        level *= GRAVITY_MPS2 if seat.reading is Reading.IN_G else 1.0
+        world = _integral(at, level)
+        turn_rad = find_turn(world.mean(time, 2 * half)[:, :2], poses[:, :2])
+        lacks_mps2 = GRAVITY_MPS2 if seat.reading is Reading.WITHOUT_GRAVITY else 0.0
+        if mass_kg is not None:
+            forces = _compare_forces(
+                feet, mass_kg, world, lacks_mps2, time, half, poses[:, :2], strides
+            )
+    return ImuComparison(
+        topic=sensed.topic,
+        mounting_recorded=mounting is not None,
+        known_s=len(time) / CELL_RATE_HZ,
+        mounting=seat,
+        turned_rad=turn_rad,
+        forces=forces,
+    )
+
+
+def _spoken(time: Ints, gap_ns: float) -> Ints:
+    """(k, 2) ns, the time between readings without gaps."""
+    silent = np.flatnonzero(np.diff(time) > min(gap_ns, SPARSE_NS))
+    gaps = np.stack([time[silent], time[silent + 1]], axis=1)
+    return timespans.subtract(time[[0, -1]][None, :], gaps)
+
+
+def _integral(time: Ints, values: Floats) -> Integral:
+    """Add up values, (n, k), over times, (n,) ns, by the trapezoidal rule."""
+    parts = (values[1:] + values[:-1]) / 2.0 * (np.diff(time) / 1e9)[:, None]
+    total = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(parts, axis=0)])
+    return Integral(int(time[0]), (time - time[0]).astype(np.float64), total)
+
+
+def _acceleration(base: BaseHistory, time: Ints, half_ns: int) -> Floats:
+    """(n, 3) m/s^2, the base's mean acceleration in the world over a window about each time."""
+    before, after = (
+        (base.position_at(at + _SPEED_NS) - base.position_at(at - _SPEED_NS)) / (2e-9 * _SPEED_NS)
+        for at in (time - half_ns, time + half_ns)
+    )
+    mean: Floats = np.nan_to_num((after - before) / (2e-9 * half_ns))
+    return mean
+
+
+def find_mounting(sensed: Floats, expected: Floats) -> Mounting:
+    """Find what turns and scales means over strides into those that are expected.
+
+    Args:
+        sensed: (n, 3) m/s^2, means over a stride, in the base's frame.
+        expected: (n, 3) m/s^2, the same from attitude, gravity and poses.
+    """
+    mean, wanted = sensed.mean(axis=0), expected.mean(axis=0)
+    size = float(np.linalg.norm(mean))
+    scale = size / float(np.linalg.norm(wanted))
+    if not sensed.any():
+        return Mounting(Reading.NOTHING, size, scale)
+    if size < NO_GRAVITY * GRAVITY_MPS2:
+        return Mounting(Reading.WITHOUT_GRAVITY, size, scale)
+    turn, angle = _between(mean, wanted)
+    rest = rotate(turn[None, :], sensed) / scale - expected
+    if float(np.sqrt((rest * rest).sum(axis=1).mean())) > STEADY * GRAVITY_MPS2:
+        return Mounting(Reading.UNCLEAR, size, scale)
+    reading = Reading.OTHER_SCALE
+    if abs(scale - 1.0) <= TOLERANCE:
+        reading = Reading.SOUND
+    elif abs(scale * GRAVITY_MPS2 - 1.0) <= TOLERANCE:
+        reading = Reading.IN_G
+    return Mounting(reading, size, scale, angle, tuple(turn.tolist()))
+
+
+def _between(first: Floats, second: Floats) -> tuple[Floats, float]:
+    """Return the shortest rotation from one direction to another, x, y, z, w, and its angle."""
+    one, other = (each / np.linalg.norm(each) for each in (first, second))
+    axis = np.cross(one, other)
+    sine = float(np.linalg.norm(axis))
+    angle = float(np.arctan2(sine, one @ other))
+    if sine < 1e-9:
+        # Any axis at a right angle will do.
+        axis = np.cross(one, np.eye(3)[int(np.abs(one).argmin())])
+        sine = float(np.linalg.norm(axis))
+    return np.append(axis / sine * np.sin(angle / 2.0), np.cos(angle / 2.0)), angle
+
+
+def find_turn(first: Floats, second: Floats) -> float | None:
+    """Compare horizontal accelerations as complex numbers.
+
+    Args:
+        first: (n, 2) m/s^2.
+        second: (n, 2) m/s^2, what the first should be.
+
+    Returns:
+        rad about the vertical, to the left, where they are one acceleration in two directions; None
+        where they are not, or either hardly accelerates.
+    """
+    if not len(first):
+        return None
+    one, other = (each[:, 0] + 1j * each[:, 1] for each in (first, second))
+    sizes = [float((np.abs(each) ** 2).sum()) for each in (one, other)]
+    if min(sizes) < len(one) * MOVES_MPS2**2:
+        return None
+    product = complex(np.vdot(other, one))
+    angle = float(np.angle(product))
+    is_one = abs(product) >= COHERENT * np.sqrt(sizes[0] * sizes[1])
+    return angle if is_one and abs(angle) > TURNED_RAD else None
+
+
+def _compare_forces(
+    feet: Sequence[FootHistory],
+    mass_kg: float,
+    world: Integral,
+    lacks_mps2: float,
+    time: Ints,
+    half_ns: int,
+    poses: Floats,
+    strides: Ints,
+) -> ForceComparison | None:
+    """Return what the forces say; None where they are not known for long enough.
+
+    Args:
+        feet: histories of all feet.
+        mass_kg: of the robot.
+        world: of the levelled accelerometer, m/s along the world's axes.
+        lacks_mps2: gravity that is not in its readings.
+        time: (n,) ns, 25 a second: means over the window about them are known.
+        half_ns: half of the window, which is a stride.
+        poses: (n, 2) m/s^2, means of the base's horizontal acceleration from poses.
+        strides: (s, 2) ns, time in which the feet carry the robot.
+    """
+    loaded = [foot for foot in feet if len(foot.in_contact)]
+    if not loaded or not all(vertical_is_known(foot) for foot in loaded):
+        return None
+    known = timespans.intersect([strides, *(foot.vertical_known for foot in feet)])
+    rows = timespans.hold_window(known, time, half_ns, half_ns)
+    time, poses = time[rows], poses[rows]
+    if len(time) < LEAST_S * CELL_RATE_HZ:
+        return None
+    expected = mass_kg * (float(world.mean(time, 2 * half_ns)[:, 2].mean()) + lacks_mps2)
+    cells = time + _CELL_NS // 2
+    wanted = mass_kg * (world.mean(cells, _CELL_NS // 2 * 2)[:, 2] + lacks_mps2)
+    is_common, odd_foot = odd_scale(
+        mean_impulses(feet, "vertical_impulse", cells, _CELL_NS // 2), wanted, mass_kg
+    )
+    vertical, magnitude = (
+        float(mean_impulses(feet, impulse, time, half_ns).sum(axis=1).mean())
+        for impulse in ("vertical_impulse", "force_impulse")
+    )
+    sideways, told = _horizontal_impulses(feet)
+    held = timespans.hold_window(told, time, half_ns, half_ns)
+    pushed = sideways.mean(time[held], 2 * half_ns) / mass_kg
+    return ForceComparison(
+        ratio=vertical / expected,
+        magnitude_ratio=magnitude / expected,
+        turned_rad=find_turn(pushed, poses[held]),
+        is_common=is_common,
+        odd_foot=odd_foot,
+    )
+
+
+def odd_scale(
+    vertical: Floats, wanted: Floats, mass_kg: float
+) -> tuple[bool | None, tuple[int, float] | None]:
+    """Fit mass x vertical specific force = sum of factor x force, for all feet and for each.
+
+    Args:
+        vertical: (n, feet) N.
+        wanted: (n,) N, mass times vertical specific force at the same times.
+        mass_kg: of the robot.
+
+    Returns:
+        Whether one factor explains as much as one for each foot, and the odd foot, as in
+        `ForceComparison`.
+    """
+    total = vertical.sum(axis=1)
+    shares = vertical / np.where(total > 0.0, total, np.inf)[:, None]
+    if not total.any() or (shares.std(axis=0) < _SHIFTS).any():
+        return None, None
+    inverse = np.linalg.pinv(vertical.T @ vertical)
+    factors = inverse @ (vertical.T @ wanted)
+    common = float(total @ wanted) / float(total @ total)
+    left = [_rms(wanted - common * total), _rms(wanted - vertical @ factors)]
+    is_common = left[0] <= left[1] + _AS_GOOD * mass_kg * GRAVITY_MPS2
+    # What is left may come back in every stride: more of them make a factor no surer.
+    spread = left[1] * np.sqrt(len(total) * np.diag(inverse))
+    # Feet that always press together have no factors of their own.
+    certain = np.linalg.cond(vertical) < 1e3 and bool((spread <= _CERTAIN).all())
+    off = np.flatnonzero(np.abs(factors - 1.0) > ODD)
+    if is_common or not certain or len(off) != 1:
+        return is_common, None
+    return is_common, (int(off[0]), float(factors[off[0]]))
+
+
+def _rms(values: Floats) -> float:
+    return float(np.sqrt((values * values).mean()))
+
+
+def _horizontal_impulses(feet: Sequence[FootHistory]) -> tuple[Integral, Ints]:
+    """Add up the horizontal forces of all feet, from the parts of their stances.
+
+    Returns:
+        N s along the world's x and y, and the time in which they are known, (k, 2) ns.
+    """
+    known = timespans.intersect([foot.known for foot in feet])
+    origin = min(int(foot.stances.touchdown[0]) for foot in feet if len(foot.stances.touchdown))
+    curves = []
+    for foot in feet:
+        stances, forces = foot.stances, foot.stance_forces[:, :2]
+        told = np.isfinite(forces).all(axis=(1, 2))
+        spans = np.stack([stances.touchdown, stances.liftoff], axis=1)
+        known = timespans.subtract(known, timespans.merge(spans[~told]))
+        begin, end = (spans[told] - origin).T
+        knots = np.linspace(begin, end, PARTS + 1, axis=1)
+        each = np.zeros((len(knots), PARTS + 1, 2))
+        each[:, 1:] = forces[told].transpose(0, 2, 1) * np.diff(knots)[:, :, None] / 1e9
+        total = np.cumsum(each.reshape(-1, 2), axis=0)
+        curves.append((np.append(0.0, knots), np.concatenate([np.zeros((1, 2)), total])))
+    time = distinct(np.concatenate([knots for knots, _ in curves]))
+    total = np.zeros((len(time), 2))
+    for knots, sums in curves:
+        total += np.stack([np.interp(time, knots, along) for along in sums.T], axis=1)
+    return Integral(origin, time, total), known

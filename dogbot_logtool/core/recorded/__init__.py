@@ -1,1 +1,0 @@
-"""Recorders of topics beside feet and base, kept while they stream past."""

@@ -1,1 +1,0 @@
-"""How force sensors read: unloaded level, noise, limits."""

@@ -1,0 +1,157 @@
+"""Vectors of one topic at a bounded rate, and their times on the clock that is measured on.
+
+Header stamps are used where they are of the base's clock. Times of messages without such stamps are
+their log times, put on the clock of the base by how far the base's stamps lie behind log time: a
+delay then includes that of the recorder, and a finding says so.
+"""
+
+from collections.abc import Iterable
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import Floats, Ints, added_within, all_finite, picked
+from dogbot_logtool.core.corrections.clock import (
+    WINDOW_NS,
+    OffsetTrack,
+    StampCheck,
+    TimeSource,
+    advancing,
+    check_stamps,
+    clock_differences,
+    first_at_each_tick,
+    offset_track,
+    too_far_apart,
+)
+from dogbot_logtool.core.quality.quality import steady_gap_ns
+from dogbot_logtool.dataclass import dataclass
+
+RATE_HZ: Final = 100.0
+"""A day at this rate is half a gigabyte."""
+MOST: Final = 1e6
+"""m/s, rad/s or m/s^2; no robot reaches more."""
+
+
+@dataclass(frozen=True, slots=True)
+class VectorSamples:
+    """Vectors that messages of one topic hold, in the order of the log."""
+
+    log_time: Ints
+    """(n,) ns."""
+    stamp: Ints
+    """(n,) ns, header stamp as recorded; 0: none."""
+    vector: Floats
+    """(n, 3), as recorded."""
+
+
+@dataclass(frozen=True, slots=True)
+class VectorHistory:
+    """Vectors of one topic at up to 100 Hz."""
+
+    topic: str
+    frames: tuple[str, ...]
+    """Header frame ids that were seen, sorted."""
+    messages: int
+    refused: int
+    """Messages with a number that is not finite, or that no robot reaches; left out."""
+    time: Ints
+    """(n,) ns on the clock that is measured on, strictly increasing."""
+    vector: Floats
+    """(n, 3)"""
+    gap_ns: float
+    """ns: a longer silence is a gap."""
+    on_log_time: bool
+    """Whether the times are log times, put on the clock that is measured on."""
+
+
+def vector_history(
+    topic: str,
+    samples: VectorSamples,
+    frames: Iterable[str],
+    clock: TimeSource,
+    base: OffsetTrack | None,
+) -> VectorHistory:
+    """Return the vectors of a topic.
+
+    Args:
+        topic: its name.
+        samples: in the order of the log.
+        frames: header frame ids among them.
+        clock: what is measured on.
+        base: how far the stamps of the base lie behind log time; None: it has none.
+    """
+    usable = all_finite(samples.vector)
+    usable[usable] = (np.abs(samples.vector[usable]) <= MOST).all(axis=1)
+    check = check_stamps(topic, samples.stamp, samples.log_time)
+    by_stamps = clock is TimeSource.HEADER and _is_stamped_like(samples, check, base)
+    good = usable & check.usable if by_stamps else usable.copy()
+    good[good] = advancing(samples.log_time[good], None)
+    kept = picked(samples, good)
+    steps = np.diff(kept.log_time)
+    if len(kept.log_time):
+        kept = _averaged(kept)
+    time = kept.stamp if by_stamps else kept.log_time
+    if clock is TimeSource.HEADER and not by_stamps:
+        time = time - _behind(base, time)
+    goes_on = advancing(time, None)
+    return VectorHistory(
+        topic=topic,
+        frames=tuple(sorted(set(frames))),
+        messages=len(usable),
+        refused=int((~usable).sum()),
+        time=time[goes_on],
+        vector=kept.vector[goes_on],
+        gap_ns=steady_gap_ns(steps),
+        on_log_time=not by_stamps,
+    )
+
+
+def _averaged(samples: VectorSamples) -> VectorSamples:
+    """Return the means of all rows in each 10 ms of log time."""
+    first = np.flatnonzero(first_at_each_tick(samples.log_time, RATE_HZ, None))
+    number = np.diff(first, append=len(samples.log_time))
+    log_time, stamp = (
+        each[0] + (np.add.reduceat(each - each[0], first) // number)
+        for each in (samples.log_time, samples.stamp)
+    )
+    vector = np.add.reduceat(samples.vector, first, axis=0) / number[:, None]
+    return VectorSamples(log_time, stamp, vector)
+
+
+def _is_stamped_like(samples: VectorSamples, check: StampCheck, base: OffsetTrack | None) -> bool:
+    """Tell whether messages have stamps, of the same clock as the base's."""
+    if not check.mostly_usable:
+        return False
+    if base is None:
+        return True
+    own = offset_track(samples.log_time[check.usable], samples.stamp[check.usable])
+    tracks = {check.topic: own, "": base}
+    return check.topic not in too_far_apart(clock_differences(tracks, ("",)), None)
+
+
+def _behind(base: OffsetTrack | None, log_time: Ints) -> Ints:
+    """(n,) ns by which the base's stamps lie behind log time; zeros where that is not known."""
+    if base is None or len(base.window) == 0 or len(log_time) == 0:
+        return np.zeros(len(log_time), np.int64)
+    middle = (base.window - base.window[0]) * WINDOW_NS + WINDOW_NS // 2
+    since = log_time - base.window[0] * WINDOW_NS
+    growth = np.interp(since, middle, base.least_ns - base.least_ns[0])
+    behind: Ints = growth.astype(np.int64) + base.least_ns[0]
+    return behind
+
+
+@dataclass(frozen=True, slots=True)
+class Integral:
+    """Integrals of some columns over time, so that means over any time can be asked for."""
+
+    origin: int
+    """ns."""
+    time: Floats
+    """(n,) ns since the origin, increasing."""
+    total: Floats
+    """(n, k) unit times s; between rows it grows evenly."""
+
+    def mean(self, time: Ints, window_ns: int) -> Floats:
+        """(m, k) means over a window about each time; ask only where the columns are known."""
+        since = (time - self.origin).astype(np.float64)
+        return added_within(self.total, self.time, since, window_ns / 2.0) / (window_ns / 1e9)
