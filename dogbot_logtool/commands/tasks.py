@@ -113,7 +113,7 @@ def figures_of(measured: "Measurement", *, whole: bool = False, detail: bool = T
     from dogbot_logtool.core.checks.voids import void_patterns  # noqa: PLC0415
     from dogbot_logtool.report.documents.stats_json import stats_json  # noqa: PLC0415
     from dogbot_logtool.report.files.stride_table import stride_table  # noqa: PLC0415
-    from dogbot_logtool.report.text.stats_text import summary_row  # noqa: PLC0415
+    from dogbot_logtool.report.verdict import summary_row  # noqa: PLC0415
 
     intervals = [foot.record.median_interval_s for foot in measured.stats.feet]
     return Figures(

@@ -7,12 +7,15 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import fields, replace
+from pathlib import PurePath
 from typing import Final
 
 from dogbot_logtool.core.checks.wording import counted
 from dogbot_logtool.core.metrics import Gait, Segment, WalkMetrics
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, Severity
+from dogbot_logtool.io.printable import printable
+from dogbot_logtool.report.numbers import NOTHING, decimal
 from dogbot_logtool.results import Measurement
 
 FEWEST_STRIDES: Final = 3
@@ -27,6 +30,19 @@ _SOURCES: Final = {
     "joint_torques": ", contact estimated from joint torques",
     "kinematics": ", contact estimated from the motion of the legs",
 }
+
+SUMMARY_HEADERS: Final = (
+    "log",
+    "gait",
+    "conf.",
+    "speed\nm/s",
+    "strides\n1/s",
+    "duty",
+    "load\n%",
+    "quality",
+    "worst",
+)
+"""Headings of a `summary_row`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,4 +216,25 @@ def during(walk: WalkMetrics, segment: Segment) -> WalkMetrics:
         feet=segment.feet,
         forces=segment.forces,
         stability=segment.stability,
+    )
+
+
+def summary_row(measured: Measurement) -> tuple[str, ...]:
+    """Return the row of a log among several."""
+    whole, quality = measured.metrics, quality_of(measured)
+    part, others = main_part(whole), len(whole.gait.segments) - 1
+    walk = whole if part is None else during(whole, part)
+    gait, load = walk.gait, walk.forces.vertical_impulse_over_weight
+    codes = [first.code for first, *_ in quality.warnings]
+    more = f" +{len(codes) - 1}" if len(codes) > 1 else ""
+    return (
+        printable(PurePath(whole.log.path).name),
+        NOTHING if gait.name is None else gait.name + (f" +{others}" if others > 0 else ""),
+        confidence(gait) if how_sure(gait) else NOTHING,
+        decimal(walk.base.forward_speed_mps, 2),
+        decimal(gait.stride_frequency_hz, 2),
+        decimal(gait.duty_factor, 2),
+        decimal(load and load * 100.0, 0),
+        quality.word,
+        f"{codes[0]}{more}" if codes else "",
     )

@@ -23,7 +23,8 @@ from dogbot_logtool.report.documents.metrics_schema import schema
 from dogbot_logtool.report.documents.stats_json import stats_json
 from dogbot_logtool.report.files.stride_table import stride_table
 from dogbot_logtool.report.text.gait_diagram import ASCII, default_window, gait_diagram
-from dogbot_logtool.report.text.stats_text import print_report, print_summary, summary_row
+from dogbot_logtool.report.text.stats_text import print_report, print_summary
+from dogbot_logtool.report.verdict import summary_row
 from dogbot_logtool.results import LogFacts
 from tests.analysed import analysed
 

@@ -26,6 +26,7 @@ from dogbot_logtool.report.text.console import print_command, print_damage, prin
 from dogbot_logtool.report.text.gait_diagram import ASCII, UNICODE, gait_diagram
 from dogbot_logtool.report.text.text_layout import HangingIndent, NameTable, Row
 from dogbot_logtool.report.verdict import (
+    SUMMARY_HEADERS,
     Quality,
     confidence,
     during,
@@ -50,18 +51,6 @@ _COLOURS: Final = {"OK": "bold green", "USABLE": "bold yellow"}
 _GRAVITY: Final = 9.80665
 """m/s^2."""
 _AXES: Final = ("m/s forward", "m/s to the left", "rad/s")
-SUMMARY_HEADERS: Final = (
-    "log",
-    "gait",
-    "conf.",
-    "speed\nm/s",
-    "strides\n1/s",
-    "duty",
-    "load\n%",
-    "quality",
-    "worst",
-)
-"""Headings of a `summary_row`."""
 
 
 class _Column(NamedTuple):
@@ -471,27 +460,6 @@ def _folded(walk: WalkMetrics, path: str) -> str:
 
 
 # Several logs
-
-
-def summary_row(measured: Measurement) -> tuple[str, ...]:
-    """Return the row of a log among several."""
-    whole, quality = measured.metrics, quality_of(measured)
-    part, others = main_part(whole), len(whole.gait.segments) - 1
-    walk = whole if part is None else during(whole, part)
-    gait, load = walk.gait, walk.forces.vertical_impulse_over_weight
-    codes = [first.code for first, *_ in quality.warnings]
-    more = f" +{len(codes) - 1}" if len(codes) > 1 else ""
-    return (
-        printable(PurePath(whole.log.path).name),
-        NOTHING if gait.name is None else gait.name + (f" +{others}" if others > 0 else ""),
-        confidence(gait) if how_sure(gait) else NOTHING,
-        decimal(walk.base.forward_speed_mps, 2),
-        decimal(gait.stride_frequency_hz, 2),
-        decimal(gait.duty_factor, 2),
-        decimal(load and load * 100.0, 0),
-        quality.word,
-        f"{codes[0]}{more}" if codes else "",
-    )
 
 
 def print_summary(
