@@ -2,8 +2,10 @@
 
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
+from typing import Final
 
-from dogbot_logtool.conversion.plan import make_plan
+from dogbot_logtool.conversion.copying import channels_left_out
+from dogbot_logtool.conversion.plan import writes_tf
 from dogbot_logtool.core.quality.quality import mean_rate_hz
 from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.io.storage import Location
@@ -11,6 +13,7 @@ from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES
 from dogbot_logtool.reader.opening import open_joined
+from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.results import LogInfo, TopicInfo
 from dogbot_logtool.robot.feet.message_feet import is_planned
@@ -18,13 +21,15 @@ from dogbot_logtool.robot.frames.frame_findings import frame_findings
 from dogbot_logtool.robot.frames.frames import Frames, read_frames
 from dogbot_logtool.robot.measuring.side_types import has_side_topics
 from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
-from dogbot_logtool.robot.probe import Probe, probe_log
-from dogbot_logtool.robot.probe_findings import probe_findings
+from dogbot_logtool.robot.probe import Probe, frame_names, probe_recording
+from dogbot_logtool.robot.probe_findings import name_findings, stamp_findings
 from dogbot_logtool.robot.robot_model.joint_motion import joint_channels
-from dogbot_logtool.robot.sensors import learn_sensors
 from dogbot_logtool.robot.topics.annotated import without_annotations
 from dogbot_logtool.robot.topics.selection import Selection, select_topics
 from dogbot_logtool.run.runner import OnProgress
+
+_FIRST_NS: Final = 5_000_000_000
+"""ns of a log that are read for the names and stamps in its messages."""
 
 
 def describe(
@@ -35,12 +40,12 @@ def describe(
     jobs: int = 1,
     progress: OnProgress | None = None,
 ) -> LogInfo:
-    """Look at a log: its index, and a few chunks for what an index does not tell.
+    """Look at a log: its index, and its first seconds for what an index does not tell.
 
     Args:
         path: the log.
         options: which topics to use.
-        all_frames: read every transform, not only those in a few chunks.
+        all_frames: read every transform, not only those of the first seconds.
         jobs: how many batches are read at once.
         progress: called with bytes done and bytes in all.
 
@@ -53,7 +58,7 @@ def describe(
         recorded = without_annotations(log)
         ours = frozenset(log.channels.keys() - recorded.channels.keys())
         selection = select_topics(recorded, options)
-        probe = probe_log(recorded, selection, with_soles=True)
+        probe, chunks_seen = _first_seconds(recorded, selection)
         frames = None
         if all_frames:
             added_transforms = [
@@ -83,7 +88,7 @@ def describe(
             robot=selection.robot.name,
             parents=probe.parents if frames is None else frames.parents(),
             added_transform=added,
-            chunks_seen=probe.chunks_seen,
+            chunks_seen=chunks_seen,
             frames=frames,
             findings=tuple(sorted(findings, key=by_severity)),
             damage=damage_of(log, (*log.losses, *(frames.losses if frames else ()))),
@@ -92,8 +97,17 @@ def describe(
         log.close()
 
 
+def _first_seconds(log: Log, selection: Selection) -> tuple[Probe, int]:
+    """Return what the first messages tell, and how many chunks they stand in."""
+    start = log.start_time
+    used = (*selection.odometry, *selection.contacts, *selection.transforms)
+    end = None if start is None else start + (_FIRST_NS if used else 0)
+    read = read_recording(log, replace(selection.wanted(), limits=(start, end)), 1)
+    return probe_recording(read.recording, selection), sum(len(each.chunks) for each in read.spans)
+
+
 def _with_all_frames(probe: Probe, frames: Frames, ours: AbstractSet[int]) -> Probe:
-    """Return the evidence, with every recorded transform instead of those in a few chunks."""
+    """Return the evidence, with every recorded transform instead of the first ones."""
     slashed = {*probe.slashed_frames, *frames.recorded.slashed}
     return replace(
         probe,
@@ -105,14 +119,18 @@ def _with_all_frames(probe: Probe, frames: Frames, ours: AbstractSet[int]) -> Pr
 def _outlook(
     log: Log, selection: Selection, probe: Probe
 ) -> tuple[list[Finding], tuple[str, str] | None]:
-    """Return the findings, and the transform that `convert` would add."""
+    """Return the findings, and the transform that `convert` would add.
+
+    What forces tell, only the whole log does: `stats` says that.
+    """
+    findings = [*selection.findings, *stamp_findings(selection, probe), *name_findings(probe)]
     if not selection.odometry and not selection.contacts:
-        return [*selection.findings, *probe_findings(selection, probe)], None
-    selection, options = selection.without_forces(probe.forceless), ConvertOptions()
-    learnt = learn_sensors(selection, probe, options.topics)
-    plan = make_plan(log, selection, probe, learnt, options)
-    added = (plan.world_frame, plan.base_frame) if plan.write_tf else None
-    return list(plan.findings), added
+        return findings, None
+    options = ConvertOptions()
+    frames = frame_names(selection.robot, probe)
+    left_out = channels_left_out(log, options)
+    added = writes_tf(selection, probe, options, frames, left_out, findings)
+    return findings, frames if added else None
 
 
 def _base_use(selection: Selection) -> str:

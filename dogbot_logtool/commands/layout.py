@@ -10,6 +10,7 @@ from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.plausible import STRONGEST_N
 from dogbot_logtool.errors import LogError
+from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.report.layouts.view import View, upper_bound
 from dogbot_logtool.robot.feet.selection import assign_feet
@@ -19,7 +20,7 @@ from dogbot_logtool.robot.probe import (
     DEFAULT_WORLD,
     Probe,
     frame_names,
-    probe_log,
+    probe_recording,
 )
 from dogbot_logtool.robot.robot import Robot, load_robot
 from dogbot_logtool.robot.robot_model.primitives import body_size_m
@@ -31,7 +32,7 @@ from dogbot_logtool.robot.topics.selection import nothing_to_do, select_topics
 _NEARLY_ALL: Final = 0.995
 """Share of the loads that lie within the curves' bounds: a spike shall not flatten the rest."""
 _ROOM: Final = 1.1
-"""Bound over the load: only a part of the log was seen."""
+"""Bound over the load."""
 
 
 def view_of(log: Path | None, options: TopicOptions) -> View:
@@ -51,7 +52,8 @@ def view_of(log: Path | None, options: TopicOptions) -> View:
         selection = select_topics(opened, options)
         if not selection.odometry and not selection.contacts:
             raise LogError(nothing_to_do(opened, selection))
-        probe = probe_log(opened, selection, with_soles=True)
+        recording = read_recording(opened, selection.wanted(), 1).recording
+        probe = probe_recording(recording, selection, with_soles=True)
         selection = selection.without_forces(probe.forceless)
         learnt = learn_sensors(selection, probe, options)
         view = _view(selection.robot, *frame_names(selection.robot, probe))

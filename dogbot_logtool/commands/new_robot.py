@@ -2,17 +2,16 @@
 
 from dataclasses import replace
 
-from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.commands.stats import measure_log
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.files.robot_file import RobotEvidence, robot_file
-from dogbot_logtool.robot.feet.candidates import FootCandidates
+from dogbot_logtool.robot.feet.unknown import FootCandidates
 from dogbot_logtool.robot.options import StatsOptions, TopicOptions
-from dogbot_logtool.robot.probe import frame_names, probe_log
+from dogbot_logtool.robot.probe import frame_names
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.sensors import learn_sensors
 from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.robot.topics.selection import Selection, nothing_to_do, select_topics
 from dogbot_logtool.run.runner import OnProgress
@@ -55,20 +54,19 @@ def new_robot(
             selection = select_topics(log, options)
         if not selection.odometry and not selection.contacts:
             raise LogError(nothing_to_do(log, selection))
-        probe = probe_log(log, selection)
-        selection = selection.without_forces(probe.forceless)
-        sensors = learn_sensors(selection, probe, options)
-        world, base = frame_names(selection.robot, probe)
+        found = measure_log(log, StatsOptions(topics=options), progress)
     finally:
         log.close()
-    measured = measure(path, StatsOptions(topics=options), progress)
+    learnt, measured = found.learnt, found.measurement
+    selection = learnt.selection
+    world, base = frame_names(selection.robot, learnt.probe)
     evidence = RobotEvidence(
         log=file_name(path),
         world_frame=world,
         base_frame=base,
         has_base=bool(selection.odometry),
         feet_because=because,
-        weight_n=sensors.estimated_weight_n,
+        weight_n=learnt.sensors.estimated_weight_n,
         damage=measured.damage.text,
         metrics=measured.metrics,
     )

@@ -107,7 +107,7 @@ def make_plan(
         encoding=encoding,
         world_frame=world,
         base_frame=base,
-        write_tf=_write_tf(selection, probe, options, (world, base), left_out, findings),
+        write_tf=writes_tf(selection, probe, options, (world, base), left_out, findings),
         frames=frames,
         body_weight_n=known_weight_n,
         arrow_scale=arrow_scale(robot.newtons_per_metre, weight_n, description.height_m),
@@ -214,7 +214,7 @@ def _without_states(selection: Selection, style: ArrowStyle) -> list[Finding]:
     ]
 
 
-def _write_tf(
+def writes_tf(
     selection: Selection,
     probe: Probe,
     options: ConvertOptions,
@@ -222,6 +222,7 @@ def _write_tf(
     left_out: frozenset[int],
     findings: list[Finding],
 ) -> bool:
+    """Tell whether `/tf` is written; a finding says why not."""
     if not selection.odometry or options.tf == "never":
         return False
     world, base = frames

@@ -1,8 +1,4 @@
-"""What a recording tells of its frames, wrenches and sensors.
-
-`convert` must know this before the first message is written, and learns it from a recording of a
-few chunks, spread over the log; what is measured rests on the recording of the whole log.
-"""
+"""What a recording tells of its frames, wrenches and sensors."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
@@ -25,10 +21,7 @@ from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import normalised, roll_pitch_yaw
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.reader.containers.log import Chunk, Log
 from dogbot_logtool.reader.messages.frame_tracks import static_tracks
-from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.robot.chunks import spread_chunks
 from dogbot_logtool.robot.frames.world_frames import WorldFrames, follow_frames
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.robot_model.skeleton import FramePose, Point
@@ -53,7 +46,7 @@ _USUAL_INTERVAL_NS: Final = 10_000_000
 
 @dataclass(frozen=True, slots=True)
 class Probe:
-    """The results of the probe."""
+    """What a recording tells of its frames, wrenches and sensors."""
 
     wrench_frame: WrenchFrameEvidence
     world_frames: tuple[str, ...]
@@ -77,7 +70,6 @@ class Probe:
     """Contact samples of each foot, as recorded."""
     zero_stamps: frozenset[str]
     """Topics whose header stamps are all zero."""
-    chunks_seen: int = 0
     frame_poses: Mapping[str, FramePose] = field(default_factory=dict)
     """The first pose that was seen of each frame, by name without a leading slash."""
     soles: Mapping[int, Point] = field(default_factory=dict)
@@ -100,34 +92,16 @@ class Probe:
         )
 
 
-def probe_log(log: Log, selection: Selection, *, with_soles: bool = False) -> Probe:
-    """Look into chunks from the start to the end of a log.
-
-    Args:
-        log: an open log.
-        selection: its topics.
-        with_soles: find `soles` and `stances`, too, which pictures of the robot need.
-    """
-    chunks = _spread(log, selection)
-    spans = log.grouped(chunks)
-    recording = read_recording(log, selection.wanted(), 1, spans=spans).recording
-    probe = probe_recording(recording, selection, with_soles=with_soles)
-    return replace(probe, chunks_seen=len(chunks))
-
-
-def _spread(log: Log, selection: Selection) -> list[Chunk]:
-    """Choose chunks: evenly spaced among those that hold used topics, and all static frames."""
-    used = {c.id for c in (*selection.odometry, *selection.contacts, *selection.transforms)}
-    static = selection.static_transforms
-    chosen = {chunk.offset for chunk in spread_chunks(log, used)}
-    chosen |= {c.offset for c in log.chunks if c.counts and not static.isdisjoint(c.counts)}
-    return [chunk for chunk in log.chunks if chunk.offset in chosen]
-
-
 def probe_recording(
     recording: Recording, selection: Selection, *, with_soles: bool = False
 ) -> Probe:
-    """Return what a recording tells; see `probe_log`."""
+    """Return what a recording tells.
+
+    Args:
+        recording: its columns.
+        selection: what they are read of.
+        with_soles: find `soles` and `stances`, too, which pictures of the robot need.
+    """
     transforms = recording.transforms
     parents: dict[str, set[str]] = {}
     names = {*recording.world_frames, *recording.base_frames}

@@ -12,24 +12,32 @@ from dogbot_logtool.robot.topics.selection import Selection
 
 def probe_findings(selection: Selection, probe: Probe) -> list[Finding]:
     """Return them, in the order in which they are printed."""
-    findings: list[Finding] = []
+    findings = [*stamp_findings(selection, probe), *name_findings(probe)]
+    feet = range(len(selection.robot.feet))
+    if any(selection.sources_of(foot) and selection.knows_force(foot) for foot in feet):
+        findings.append(_wrench_frame_finding(probe))
+    return findings
+
+
+def stamp_findings(selection: Selection, probe: Probe) -> Iterator[Finding]:
+    """Say which topics have no header stamps."""
     if probe.zero_stamps:
         used = {c.topic for c in (*selection.odometry, *selection.contacts)}
         everywhere = probe.zero_stamps >= used
         topics = "everywhere" if everywhere else "on " + ", ".join(sorted(probe.zero_stamps))
         text = f"header stamps are zero {topics}: log time is used instead"
-        findings.append(Finding("BAD_STAMPS", text))
+        yield Finding("BAD_STAMPS", text)
+
+
+def name_findings(probe: Probe) -> Iterator[Finding]:
+    """Say what is odd in the names of frames."""
     if probe.slashed_frames:
         frames = ", ".join(probe.slashed_frames)
         text = f"frame ids begin with a slash, which viewers of today do not accept: {frames}"
-        findings.append(Finding("FRAME_NAMES", text))
-    feet = range(len(selection.robot.feet))
-    if any(selection.sources_of(foot) and selection.knows_force(foot) for foot in feet):
-        findings.append(_wrench_frame_finding(probe))
+        yield Finding("FRAME_NAMES", text)
     if len(probe.world_frames) > 1 or len(probe.base_frames) > 1:
         frames = ", ".join((*probe.world_frames, *probe.base_frames))
-        findings.append(Finding("FRAME_NAMES", f"the odometry names several frames: {frames}"))
-    return findings
+        yield Finding("FRAME_NAMES", f"the odometry names several frames: {frames}")
 
 
 def order_findings(log: Log, out_of_order: int) -> Iterator[Finding]:

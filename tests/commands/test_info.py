@@ -90,9 +90,9 @@ def test_uses(log: Path) -> None:
 @pytest.mark.parametrize("log", LOGS, ids=lambda log: log.stem)
 def test_findings(log: Path) -> None:
     codes = {finding.code for finding in describe(log, TopicOptions()).findings}
-    wanted = {"ROBOT_GUESSED", "WRENCH_FRAME"}
+    wanted = {"ROBOT_GUESSED"}
     if log == TROUBLED:
-        wanted |= {"BAD_STAMPS", "FRAME_NAMES", "NO_SUPPORT_DRAWN"}
+        wanted |= {"BAD_STAMPS", "FRAME_NAMES"}
     assert codes == wanted
 
 

@@ -8,11 +8,11 @@ import pytest
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.robot import chunks
 from dogbot_logtool.robot.options import TopicOptions
-from dogbot_logtool.robot.probe import Probe, probe_log
+from dogbot_logtool.robot.probe import Probe
 from dogbot_logtool.robot.topics.selection import select_topics
 from tests.paths import SAMPLE_LOGS
+from tests.probes import probe_log
 
 LOGS = ("dogbot_trot.bag", "dogbot_walk.mcap", "dogbot_troubled.bag")
 
@@ -73,14 +73,6 @@ def test_parents_are_those_of_the_legs(name: str) -> None:
     assert len(parents) == 20
 
 
-@pytest.mark.parametrize("name", LOGS)
-def test_only_a_few_chunks_are_read(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    # Chunks as small as those of the sample logs are looked at until they are a mebibyte.
-    monkeypatch.setattr(chunks, "_LEAST_SIZE", 1)
-    seen = look(name)
-    assert 1 <= seen.chunks_seen <= 9
-
-
 def test_without_feet_the_wrench_frame_is_unknown() -> None:
     log = open_log(SAMPLE_LOGS / "dogbot_trot.bag")
     try:
@@ -92,4 +84,3 @@ def test_without_feet_the_wrench_frame_is_unknown() -> None:
     assert bare.wrench_frame.world is None
     assert (bare.world_frames, bare.base_frames, bare.parents) == ((), (), {})
     assert bare.zero_stamps == frozenset()
-    assert bare.chunks_seen == 0

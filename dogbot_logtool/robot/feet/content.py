@@ -53,14 +53,12 @@ class Content:
     """Threshold of each foot; empty: values are near zero without load."""
 
 
-def judge_content(samples: Samples, feet: int) -> Content | None:
+def judge_content(own: Sequence[Samples]) -> Content | None:
     """Judge values that were read as forces; None: too few were seen.
 
     Args:
-        samples: of all feet.
-        feet: how many there are.
+        own: samples of each foot, by log time.
     """
-    own = [samples.pick(samples.foot == foot) for foot in range(feet)]
     on_change = bool(own) and all(map(_always_changes, own))
     signed = _side_by_side(own, on_change=on_change)
     if signed is None:
@@ -76,7 +74,7 @@ def judge_content(samples: Samples, feet: int) -> Content | None:
     if not is_contact:
         found += [_together(values), _one_way(signed)]
     thresholds: tuple[float, ...] = ()
-    is_number = not is_contact and not samples.force[:, :2].any()
+    is_number = not is_contact and not any(each.force[:, :2].any() for each in own)
     low, high = percentiles_of(values, _ENDS, axis=0)
     if is_number and bool((signed > 0.0).all()) and bool((low > _NOT_UNLOADED * high).all()):
         thresholds = tuple((low + _ON * (high - low)).tolist())
@@ -91,7 +89,7 @@ def judge_content(samples: Samples, feet: int) -> Content | None:
 
 def _always_changes(foot: Samples) -> bool:
     """Tell whether a foot's messages come when its contact changes, and only then."""
-    states = norms(foot.force)[np.argsort(foot.log_time, kind="stable")]
+    states = norms(foot.force)
     if len(states) < FEWEST_CHANGES or not np.isin(states, (0.0, 1.0)).all():
         return False
     return float((np.diff(states) != 0.0).mean()) >= _MOSTLY
@@ -113,10 +111,8 @@ def _side_by_side(own: Sequence[Samples], *, on_change: bool) -> Floats | None:
     time = np.sort(np.concatenate([each.log_time for each in told]))
     columns = []
     for each in own:
-        order = np.argsort(each.log_time, kind="stable")
-        before = np.searchsorted(each.log_time[order], time, side="right") - 1
-        force = each.force[order]
-        column = norms(force) if force[:, :2].any() else force[:, 2]
+        before = np.searchsorted(each.log_time, time, side="right") - 1
+        column = norms(each.force) if each.force[:, :2].any() else each.force[:, 2]
         columns.append(column[np.maximum(before, 0)])
     return np.stack(columns, axis=1)
 

@@ -1,14 +1,12 @@
-"""Feet that are fields of messages of any type: named, checked against a log, and offered."""
+"""Feet that are fields of messages of any type: named, and checked against a log."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import islice
-from pathlib import PurePath
 from typing import Final
 
 from dogbot_logtool.errors import CallError, DefinitionError
-from dogbot_logtool.finding import Finding
-from dogbot_logtool.io.printable import listed, shell_joined, shell_quoted
+from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.definition import type_text
@@ -16,15 +14,11 @@ from dogbot_logtool.reader.decode.field_path import readable_fields
 from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.contact_messages import source_of
 from dogbot_logtool.reader.messages.messages import definition_of
-from dogbot_logtool.robot.feet.candidates import FootCandidates, word_of
 
 _MOST_LISTED: Final = 12
 _MOST_COMPARED: Final = 2000
 _LIKELY: Final = ("contact", "force", "grf", "load", "stance", "touch", "wrench")
 """Parts of names of fields that may be feet."""
-
-_ALTERNATIVES: Final = 2
-"""Sets that are offered beside the most likely one."""
 
 
 def _is_likely(path: str) -> bool:
@@ -96,37 +90,3 @@ def fields_text(log: Log, topic: str) -> str:
         if some:
             return f"A field of its messages can be named: {listed(some, _MOST_LISTED)}"
     return ""
-
-
-def candidates_finding(log: Log, found: Sequence[FootCandidates], call: str, base: str) -> Finding:
-    """Return which fields may be feet, why, and the command that measures with them.
-
-    Args:
-        log: the log.
-        found: what `find_candidates` finds, at least one.
-        call: a call of `stats` without the feet.
-        base: poses that may be the base's, as ``--odom-topic`` takes them; empty: none.
-    """
-    first, *others = found
-    text = f"fields of {first.type_name} look like feet: {first.text}"
-    for other in others[:_ALTERNATIVES]:
-        text += f"; or {other.text}"
-    if any(foot.leg_position is None for foot in first.feet):
-        text += (
-            "; which leg each is, they do not say: put front_left, back_right ... for "
-            f"{first.feet[0].name} and the others, and gaits have names"
-        )
-    file = f"{PurePath(log.words[0]).stem}.toml"
-    chosen = ["--odom-topic", base] if base else []
-    draft = shell_joined(["dogbot-logtool", "robots", "new", *log.words, *chosen, "-o", file])
-    if any(foot.field and foot.field.kind for foot in first.feet):
-        # What the fields are can only be said in a robot's file.
-        text += f"; they are not used unasked. This writes a robot's file with them: {draft}"
-        return Finding("FEET_UNSURE", text, command=draft, cases=("possible",))
-    words = " ".join(f"--foot {foot.name}={shell_quoted(word_of(foot))}" for foot in first.feet)
-    command = f"{call} {words}"
-    text += (
-        f"; they are not used unasked. `{draft}` writes a robot's file with them; this measures "
-        f"with them: {command}"
-    )
-    return Finding("FEET_UNSURE", text, command=command, cases=("possible",))

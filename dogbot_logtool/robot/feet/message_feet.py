@@ -16,6 +16,7 @@ from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_chan
 from dogbot_logtool.reader.messages.source import Source
 from dogbot_logtool.robot.feet.names import label_names, leg_position
 from dogbot_logtool.robot.feet.words import Part, words_of
+from dogbot_logtool.robot.first_messages import first_messages
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics.readable import why_unreadable
 from dogbot_logtool.robot.topics.topics import most_frequent
@@ -51,10 +52,10 @@ def feet_of_messages(log: Log, topic: str) -> tuple[Foot, ...]:
 
 
 def _feet_in(log: Log, channel: Channel, source: Source) -> Sequence[MessageFoot]:
-    """Find the feet in a few messages; all labels that these have."""
+    """Find the feet in the first messages; all labels that these have."""
     if not source.tells_all_feet:
         return ()
-    found = [feet_in(source, messages) for messages in sampled_messages(log, channel, source)]
+    found = [feet_in(source, each) for each in first_messages(log, channel, source.fields)]
     most = max(found, key=len, default=())
     if not any(foot.label for foot in most):
         return most

@@ -14,10 +14,13 @@ from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.definition import Primitive, Struct
 from dogbot_logtool.reader.messages.bases import Base, choices, path_source
-from dogbot_logtool.reader.messages.messages import decode_channels, definition_of
+from dogbot_logtool.reader.messages.feet import FootChannels
+from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.source import BASE_TYPES, Source, base_source, base_type
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
-from dogbot_logtool.robot.chunks import spread_chunks
+from dogbot_logtool.reader.recording import read_recording
+from dogbot_logtool.reader.wanted import Wanted
+from dogbot_logtool.robot.first_messages import first_messages
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics.readable import why_no_poses
 
@@ -134,13 +137,13 @@ def likely_base(log: Log, candidates: Sequence[BaseCandidate], feet: Collection[
 
 
 def _moves(log: Log, candidate: BaseCandidate) -> bool:
-    """Tell whether a candidate's poses move, in some chunks of the log."""
+    """Tell whether a candidate's poses move."""
     channels = log.channels_by_topic[candidate.topic]
     base = Base(candidate.source, candidate.element)
-    seen = [np.empty((0, 3))]
-    for span in log.grouped(spread_chunks(log, {channel.id for channel in channels})):
-        seen += [read.poses.position for read in base.read(log.read(span), channels)]
-    position = np.concatenate(seen)
+    ids = {channel.id for channel in channels}
+    chunks = (c for c in log.chunks if c.counts is None or not ids.isdisjoint(c.counts))
+    wanted = Wanted((), FootChannels((), {}), base, channels)
+    position = read_recording(log, wanted, 1, spans=log.grouped(chunks)).recording.base.position
     position = position[all_finite(position)]
     return bool(len(position)) and bool(np.ptp(position, axis=0).max() > _MOVING_M)
 
@@ -198,15 +201,15 @@ def _is_base(topic: str, source: Source) -> bool:
 
 
 def elements_in(log: Log, topic: str, source: Source) -> frozenset[str]:
-    """Return what a topic's messages hold poses of, in some chunks of the log."""
+    """Return what a topic's messages hold poses of, by its first messages."""
     channels = [
         channel
         for channel in log.channels_by_topic[topic]
         if base_type(channel.type_name) == source.type_name and not why_no_poses(channel)
     ]
     found: set[str] = set()
-    for span in log.grouped(spread_chunks(log, {channel.id for channel in channels})):
-        for messages in decode_channels(log.read(span), channels, source.fields):
+    for channel in channels:
+        for messages in first_messages(log, channel, source.fields):
             found |= choices(source, messages)
     return frozenset(found)
 

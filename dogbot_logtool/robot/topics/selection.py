@@ -19,9 +19,6 @@ from dogbot_logtool.reader.messages.source import Source
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
 from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.reader.wanted import Wanted
-from dogbot_logtool.robot.feet.candidates import FootCandidates, find_candidates
-from dogbot_logtool.robot.feet.cells import split_cells
-from dogbot_logtool.robot.feet.field_feet import candidates_finding
 from dogbot_logtool.robot.feet.flag_check import compare_flags, flag_findings
 from dogbot_logtool.robot.feet.message_feet import is_planned
 from dogbot_logtool.robot.feet.raw_levels import RawLevels, with_raw_levels
@@ -32,6 +29,12 @@ from dogbot_logtool.robot.feet.selection import (
     check_topics,
     find_feet,
     foot_channels,
+)
+from dogbot_logtool.robot.feet.unknown import (
+    FootCandidates,
+    candidates_finding,
+    find_candidates,
+    split_cells,
 )
 from dogbot_logtool.robot.options import TopicOptions
 from dogbot_logtool.robot.robot import Robot

@@ -18,10 +18,10 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.documents.stats_json import stats_json
 from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
-from dogbot_logtool.robot.probe import probe_log
 from dogbot_logtool.robot.topics.selection import select_topics
 from tests.oracles import walks
 from tests.oracles.foot_logs import WRENCH, write_log
+from tests.probes import probe_log
 
 FLAGS_ONLY = ("spot_msgs/msg/FootStateArray", "champ_msgs/msg/ContactsStamped")
 RAW = tuple(kind for kind in walks.KINDS if kind.startswith("unitree"))

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import concatenated
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.robot.feet.content import judge_content
 
@@ -14,14 +13,14 @@ TIME = np.arange(600) * 10_000_000
 PHASE = TIME / 1e9
 
 
-def samples(values: NDArray[np.floating[Any]]) -> Samples:
+def samples(values: NDArray[np.floating[Any]]) -> list[Samples]:
     """Values of some feet, (n, feet), as forces."""
     parts = []
     for foot, column in enumerate(values.T):
         force = np.zeros((len(column), 3))
         force[:, 2] = column
         parts.append(of_foot(foot, TIME[: len(column)], force))
-    return concatenated(parts)
+    return parts
 
 
 def of_foot(foot: int, time: NDArray[np.int64], force: NDArray[np.float64]) -> Samples:
@@ -38,7 +37,7 @@ def trot() -> NDArray[np.bool_]:
 
 def test_a_walk_is_recognised_with_its_reasons() -> None:
     down = trot()
-    found = judge_content(samples(down * 100.0 / down.sum(axis=1)[:, None]), 4)
+    found = judge_content(samples(down * 100.0 / down.sum(axis=1)[:, None]))
     assert found is not None
     assert found.points >= 7
     assert not found.is_contact
@@ -49,7 +48,7 @@ def test_a_walk_is_recognised_with_its_reasons() -> None:
 
 
 def test_flags_are_contacts() -> None:
-    found = judge_content(samples(trot() * 1.0), 4)
+    found = judge_content(samples(trot() * 1.0))
     assert found is not None
     assert found.is_contact
     assert found.points == 4
@@ -62,12 +61,12 @@ def test_what_is_no_feet(name: str) -> None:
         "swings_about_zero": np.sin(2.0 * np.pi * PHASE[:, None] + np.arange(4)),
         "same": np.repeat(trot()[:, :1] * 50.0, 4, axis=1),
     }[name]
-    found = judge_content(samples(values), 4)
+    found = judge_content(samples(values))
     assert found is None or found.points <= 0
 
 
 def test_too_few_samples_say_nothing() -> None:
-    assert judge_content(samples(trot()[:10] * 1.0), 4) is None
+    assert judge_content(samples(trot()[:10] * 1.0)) is None
 
 
 def changes(foot: int, down: NDArray[np.bool_]) -> Samples:
@@ -78,9 +77,7 @@ def changes(foot: int, down: NDArray[np.bool_]) -> Samples:
 
 
 def test_contacts_that_are_published_on_change_are_recognised() -> None:
-    found = judge_content(
-        concatenated([changes(foot, down) for foot, down in enumerate(trot().T)]), 4
-    )
+    found = judge_content([changes(foot, down) for foot, down in enumerate(trot().T)])
     assert found is not None
     assert found.is_contact
     assert found.points >= 6
@@ -89,4 +86,4 @@ def test_contacts_that_are_published_on_change_are_recognised() -> None:
 
 def test_few_changes_say_nothing() -> None:
     few = [changes(foot, down[:300]) for foot, down in enumerate(trot().T)]
-    assert judge_content(concatenated(few), 4) is None
+    assert judge_content(few) is None
