@@ -7,6 +7,8 @@ from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contact_rule import FootSensor, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.corrections.sensor import estimate_level
+from dogbot_logtool.core.gait.foot_steps import foot_metrics
+from dogbot_logtool.core.metrics import Foot
 from dogbot_logtool.core.recording import Recording, Times, VectorTopic
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.statistics import Stats
@@ -41,3 +43,8 @@ def analysed(
         feet[int(each.foot[0])] = each
     recording = Recording(feet=tuple(feet), base=poses, accelerations=accelerations, topics=topics)
     return analyse(recording, settings)
+
+
+def feet_of(stats: Stats) -> list[Foot]:
+    """Return the metrics of each foot over the whole log, before any is void."""
+    return [foot_metrics(foot, stats.loads.weight_n, stats.origin) for foot in stats.feet]

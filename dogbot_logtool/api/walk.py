@@ -18,7 +18,7 @@ from dogbot_logtool.core.arrays import Floats, Ints, norms
 from dogbot_logtool.core.checks.voids import void_columns, void_patterns
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.stances import Cut
-from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.foot_steps import FootSteps
 from dogbot_logtool.core.metrics import (
     Event,
     Finding,
@@ -331,7 +331,7 @@ class Walk:
         return states
 
 
-def _stance_columns(foot: FootStatistics, void: Sequence[str]) -> Mapping[str, Floats]:
+def _stance_columns(foot: FootSteps, void: Sequence[str]) -> Mapping[str, Floats]:
     """Return metrics of a foot's stances, (k,) by name; NaN where not known or void."""
     figures = foot.stances.figures
     columns = {name: getattr(figures, figure) for name, figure in _STANCE_FIGURES.items()}

@@ -10,7 +10,7 @@ from typing import Final
 from dogbot_logtool.core.arrays import median_of
 from dogbot_logtool.core.base.poses import BaseHistory, without_jumps
 from dogbot_logtool.core.checks.loads import direction_is_doubtful
-from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.foot_steps import FootSteps
 from dogbot_logtool.core.legs.effort_signs import LegSigns, leg_signs, shortfall
 from dogbot_logtool.core.legs.foot_path import FootPath
 from dogbot_logtool.core.legs.leg_figures import LegFigures, LegFoot, SignDoubt
@@ -59,15 +59,14 @@ def _other_unit(stats: Stats, judged: Mapping[str, LegSigns]) -> str:
 
 
 def _leg(
-    foot: FootStatistics,
+    foot: FootSteps,
     leg: LegFoot,
     path: FootPath | None,
     base: BaseHistory,
     legs: LegFigures,
 ) -> LegSigns | None:
     """Judge the efforts of a leg by the force on its foot, where both are known."""
-    curves = foot.force_curves
-    told = curves.vertical_over_stride is not None and curves.forward_over_stride is not None
+    told = foot.vertical_over_stride is not None and foot.forward_over_stride is not None
     if path is None or leg.footfalls is None or not told:
         return None
     own = [each.history for each in legs.joints if each.foot == leg.name]

@@ -1,7 +1,7 @@
 """All figures of a walk, worked out from what was kept of its log."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,22 +15,19 @@ from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.gait.foot_statistics import (
-    contact_time_without_pose_s,
-    overlap,
-)
-from dogbot_logtool.core.gait.reference_foot import any_strides, gait_input, reference_strides
-from dogbot_logtool.core.gait.segments import (
-    Segment,
-    find_segments,
-    main_segment,
-    transition_strides,
-)
-from dogbot_logtool.core.gait.strides import Strides
+from dogbot_logtool.core.gait.reference_foot import any_strides, gait_input
+from dogbot_logtool.core.gait.segments import Segment, find_segments, main_segment
 from dogbot_logtool.core.leg_position import quadruped
-from dogbot_logtool.core.masked_walk import MaskedWalk, Recorded, mask_walk
+from dogbot_logtool.core.masked_walk import (
+    MaskedWalk,
+    Recorded,
+    loads_in,
+    mask_walk,
+    stability_in,
+    support_in,
+)
 from dogbot_logtool.core.settings import StatsSettings
-from dogbot_logtool.core.statistics import SegmentFigures, Stats
+from dogbot_logtool.core.statistics import Stats
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands import CommandTrack
@@ -49,67 +46,51 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
     if leaning is not None:
         recorded = replace(recorded, base=recorded.base.without_poses())
     walk = mask_walk(settings, recorded)
-    settings, records = walk.settings, walk.records
-    feet = walk.feet()
-    supported = walk.support()
+    settings, records, feet = walk.settings, walk.records, walk.feet
+    supported = support_in(walk)
     gait = gait_input(feet, walk.standing, supported)
-    segments = find_segments(gait) if feet and not walk.feet_apart else ()
-    strides = reference_strides(feet)
-    origin, end = _extent(records, walk.base)
+    segments = find_segments(gait) if feet and not walk.feet_clocks_are_apart else ()
+    origin, end = _extent(records, walk.poses)
     positions = [foot.leg_position for foot in settings.feet]
     forward_rad = FORWARD_ANGLES[settings.forward_axis]
-    swapped, pairs = swapped_pairs(walk.placed_base, records, positions, forward_rad)
+    swapped, pairs = swapped_pairs(walk.placed_poses, records, positions, forward_rad)
+    stable, unstable = stability_in(walk)
     return Stats(
-        settings=settings,
+        **{each.name: getattr(walk, each.name) for each in fields(walk)},
         origin=origin,
         end=end,
-        feet=feet,
         reference=gait.reference,
         corners=quadruped(positions),
         swapped=swapped,
         pairs=pairs,
         base_history=recorded.base,
-        base=walk.base_motion(),
         leaning_rad=leaning,
-        jumps=walk.jumps,
         tipping=find_tipping(recorded.base, settings.forward_axis),
         segments=segments,
-        segment_figures=tuple(_segment_figures(walk, each.spans, strides) for each in segments),
-        transition_strides=transition_strides(segments, feet[gait.reference].strides)
-        if feet
-        else 0,
         main=main_segment(segments),
         support=supported,
-        loads=walk.loads(strides.spans),
-        stability=walk.stability(),
-        fallen=walk.fallen,
+        loads=loads_in(walk),
+        stability=stable,
+        unstable=unstable,
         topics=recorded.topics,
-        overlap_s=timespans.total(overlap(records, walk.base)) / 1e9,
+        overlap_s=timespans.total(_overlap(records, walk.poses)) / 1e9,
         contact_without_pose_s=tuple(
-            contact_time_without_pose_s(record, walk.base) for record in records
+            walk.poses.unplaced(record.in_contact) / 1e9 for record in records
         ),
         clocks=recorded.clocks,
-        clocks_apart=walk.apart,
-        base_delay=walk.base_delay,
-        worlds=walk.worlds,
-        push=walk.push,
-        rise_m=walk.rise_m,
-        all_silent=all_silent(records, walk.base),
+        all_silent=all_silent(records, walk.poses),
         beside=tuple(each for each in (recorded.commands, recorded.inertial) if each),
         command_track=_command_track(walk, recorded.commands, segments),
         imu=_imu(walk, recorded.inertial),
     )
 
 
-def _segment_figures(walk: MaskedWalk, spans: Ints, strides: Strides) -> SegmentFigures:
-    """Measure a segment."""
-    return SegmentFigures(
-        base=walk.base_motion(spans),
-        feet=walk.feet(spans),
-        support=walk.support(spans),
-        loads=walk.loads(strides.within(spans).spans, spans),
-        stability=walk.stability(spans),
-    )
+def _overlap(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
+    """Return the time known to all feet that have samples, and to the base if it has poses."""
+    known = [foot.known for foot in feet if foot.start is not None]
+    if len(base.time):
+        known.append(base.known)
+    return timespans.intersect(known)
 
 
 def _command_track(
@@ -124,7 +105,7 @@ def _command_track(
     steps = [each.spans for each in segments if each.strides]
     return follow_commands(
         commands,
-        walk.base,
+        walk.poses,
         walk.jumps.spans,
         walk.settings.forward_axis,
         timespans.merge(np.concatenate([timespans.no_spans(), *steps])),
@@ -138,11 +119,11 @@ def _imu(walk: MaskedWalk, inertial: "VectorHistory | None") -> "ImuComparison |
         return None
     from dogbot_logtool.core.imu import compare_imu  # noqa: PLC0415
 
-    comparable = walk.vertical_known and not (walk.feet_apart or walk.base_apart)
+    comparable = walk.vertical_known and not (walk.feet_clocks_are_apart or walk.base_is_apart)
     strides = any_strides(walk.records, walk.fallen, walk.standing.without_steps)
     return compare_imu(
         inertial,
-        walk.base,
+        walk.poses,
         walk.jumps.spans,
         walk.records if comparable else (),
         mass_kg=walk.settings.mass_kg,

@@ -11,7 +11,7 @@ from dogbot_logtool.core.arrays import Floats, aggregate
 from dogbot_logtool.core.base.poses import BaseHistory, without_jumps
 from dogbot_logtool.core.corrections.clock import ClockDifference, too_far_apart
 from dogbot_logtool.core.effort_doubts import with_effort_doubts
-from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.foot_steps import FootSteps
 from dogbot_logtool.core.gait.standing import typical_period_s
 from dogbot_logtool.core.legs.foot_path import FootPath
 from dogbot_logtool.core.legs.joint_cycles import (
@@ -67,14 +67,7 @@ def with_legs(stats: Stats, history: LegHistory, clocks: Sequence[ClockDifferenc
     slipping = [_slip_of(stats, leg) for leg in legs.feet]
     if not any(falls is not None for falls in slipping):
         return replace(stats, legs=legs)
-    return replace(
-        stats,
-        legs=legs,
-        feet=_slips(stats.feet, slipping),
-        segment_figures=tuple(
-            replace(each, feet=_slips(each.feet, slipping)) for each in stats.segment_figures
-        ),
-    )
+    return replace(stats, legs=legs, feet=_slips(stats.feet, slipping))
 
 
 def _slip_of(stats: Stats, leg: LegFoot) -> tuple[Floats, Floats] | None:
@@ -92,8 +85,8 @@ def _slip_of(stats: Stats, leg: LegFoot) -> tuple[Floats, Floats] | None:
 
 
 def _slips(
-    feet: Sequence[FootStatistics], slipping: Sequence[tuple[Floats, Floats] | None]
-) -> tuple[FootStatistics, ...]:
+    feet: Sequence[FootSteps], slipping: Sequence[tuple[Floats, Floats] | None]
+) -> tuple[FootSteps, ...]:
     """Return feet with the slips of their frames."""
     return tuple(
         foot
@@ -101,9 +94,8 @@ def _slips(
         else replace(
             foot,
             slip_m=falls[0],
-            slip_source="foot_frame",
-            slip_distance_m=aggregate(falls[0][foot.stances.whole]),
-            largest_slip_m=aggregate(falls[1][foot.stances.whole]),
+            slip_largest_m=falls[1],
+            slip_from="foot_frame",
         )
         for foot, falls in zip(feet, slipping, strict=True)
     )
@@ -140,7 +132,7 @@ def _named(found: Sequence[LegFoot], history: LegHistory) -> list[LegFoot]:
     ]
 
 
-def _foot(foot: FootStatistics, path: FootPath | None, base: BaseHistory, reason: str) -> LegFoot:
+def _foot(foot: FootSteps, path: FootPath | None, base: BaseHistory, reason: str) -> LegFoot:
     """Return the swings of a foot, if its frame is at rest in stances."""
     count = len(foot.strides.stance)
     unknown = np.full(count, np.nan)
@@ -272,7 +264,7 @@ def _incomplete(stats: Stats, history: LegHistory) -> str:
     return ""
 
 
-def _end(foot: FootStatistics) -> str | None:
+def _end(foot: FootSteps) -> str | None:
     return foot.leg_position[0] if foot.leg_position else None
 
 

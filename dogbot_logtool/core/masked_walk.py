@@ -10,15 +10,14 @@ from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.axes import with_forward_axis
 from dogbot_logtool.core.base.falls import fallen_spans
 from dogbot_logtool.core.base.ground import height_drift_m, height_over_feet
-from dogbot_logtool.core.base.motion import BaseMotion, BaseTrack, base_motion, find_travel
+from dogbot_logtool.core.base.motion import BaseTrack, base_motion, find_travel
 from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps, find_jumps, without_jumps
 from dogbot_logtool.core.consistency.stopped import without_stopped
 from dogbot_logtool.core.consistency.worlds import Worlds, placed_poses
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import ClockDifference, too_far_apart
-from dogbot_logtool.core.gait.foot_statistics import FootStatistics, foot_statistics
 from dogbot_logtool.core.gait.foot_steps import FootSteps, foot_steps, net_push
-from dogbot_logtool.core.gait.reference_foot import any_strides
+from dogbot_logtool.core.gait.reference_foot import any_strides, reference_strides
 from dogbot_logtool.core.gait.standing import Standing, standing_in, typical_period_s
 from dogbot_logtool.core.gait.support_pattern import Support, support
 from dogbot_logtool.core.load.load_figures import (
@@ -27,9 +26,10 @@ from dogbot_logtool.core.load.load_figures import (
     is_stuck,
     load_figures,
 )
+from dogbot_logtool.core.metrics import Base, Stability
 from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.settings import StatsSettings
-from dogbot_logtool.core.stability.stability import Stability, stability
+from dogbot_logtool.core.stability.stability import Unstable, stability
 from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
@@ -53,32 +53,30 @@ class Recorded:
 
 @dataclass(frozen=True, slots=True)
 class MaskedWalk:
-    """The source of the metrics of a log, or of a part of it, and what of it counts."""
+    """The columns that metrics are measured on, and what of them counts."""
 
     settings: StatsSettings
     records: tuple[FootHistory, ...]
-    base: BaseHistory
+    """Of each foot, without what its sensor cannot have measured."""
+    poses: BaseHistory
     """Poses without jumps."""
     jumps: PoseJumps
-    placed_base: BaseHistory
+    placed_poses: BaseHistory
     """Poses among the contact points: with jumps, if these jump with the odometry."""
     track: BaseTrack
-    motion: BaseMotion | None
+    base: Base | None
     """Motion of the base in the whole log."""
     fallen: Ints
+    """(f, 2) ns, spans in which the robot lies."""
     standing: Standing
-    steps: tuple[FootSteps, ...]
+    feet: tuple[FootSteps, ...]
     """Steps of each foot."""
-    dead: tuple[bool, ...]
-    """Which feet never touch, and nothing says that they are lifted."""
-    refuted: tuple[bool, ...]
-    """Which feet's sensors were taken to read zero without load, on a robot that then makes no
-    steps although it moves."""
-    apart: frozenset[str]
-    """Topics whose clocks are too far from the others'."""
+    clocks_apart: frozenset[str]
+    """Topics whose clocks are too far from the others' for figures of both."""
     base_delay: "Delay | None"
     """By how much the base comes after the forces that drive it; None: not known, or little."""
     worlds: Worlds | None
+    """Position of the base among the feet; None without contact points."""
     push: float | None
     """Share of the weight by which the feet push the robot on over whole stances; None: not
     known."""
@@ -87,15 +85,30 @@ class MaskedWalk:
     vertical_known: bool
 
     @property
-    def feet_apart(self) -> bool:
-        """Whether the clock of a foot is too far from that of the others."""
-        return _feet_apart(self.settings, self.apart)
+    def base_clock_is_apart(self) -> bool:
+        """Whether the odometry's clock is too far from that of the feet."""
+        return self.settings.odometry_topic in self.clocks_apart
 
     @property
-    def base_apart(self) -> bool:
+    def feet_clocks_are_apart(self) -> bool:
+        """Whether the clock of a foot is too far from that of the others."""
+        return _feet_apart(self.settings, self.clocks_apart)
+
+    @property
+    def worlds_differ(self) -> bool:
+        """Whether contact points and base are not in one world."""
+        return self.worlds is not None and not self.worlds.agree
+
+    @property
+    def base_is_apart(self) -> bool:
         """Whether the base is on another clock than the feet, or in another world."""
-        differ = self.worlds is not None and not self.worlds.agree
-        return self.settings.odometry_topic in self.apart or differ
+        return self.base_clock_is_apart or self.worlds_differ
+
+    @property
+    def loses_way(self) -> bool:
+        """Whether the base drifts so far among the contact points that speeds are not known."""
+        path_m = 0.0 if self.base is None else self.base.path_length_m or 0.0
+        return self.worlds is not None and self.worlds.lose_way(path_m)
 
     @property
     def period_s(self) -> float | None:
@@ -105,51 +118,48 @@ class MaskedWalk:
     @property
     def contacts_known(self) -> bool:
         """Whether the contacts of all feet are known, on one clock."""
-        return not (any(self.dead) or any(self.refuted) or self.feet_apart)
+        known = all(foot.contact_known or foot.record.start is None for foot in self.feet)
+        return known and not self.feet_clocks_are_apart
 
-    def feet(self, within: Ints | None = None) -> tuple[FootStatistics, ...]:
-        """Return the figures of all feet, in some spans or in the whole log."""
-        rolling_m = self.settings.foot_rolling_m
-        return tuple(
-            foot_statistics(
-                foot, self.base, rolling_m, within, is_dead=is_dead, is_refuted=is_refuted
-            )
-            for foot, is_dead, is_refuted in zip(self.steps, self.dead, self.refuted, strict=True)
-        )
 
-    def base_motion(self, within: Ints | None = None) -> BaseMotion | None:
-        """Return how the base moved."""
-        if within is None:
-            return self.motion
-        return base_motion(self.track, self.settings.forward_axis, within)
+def base_in(walk: MaskedWalk, within: Ints) -> Base | None:
+    """Return how the base moved in a part of the log."""
+    return base_motion(walk.track, walk.settings.forward_axis, within)
 
-    def support(self, within: Ints | None = None) -> Support | None:
-        """Return the support pattern; where one foot's state is not known, none is."""
-        return support(self.records, within) if self.contacts_known else None
 
-    def stability(self, within: Ints | None = None) -> Stability | None:
-        """Return the figures of stability."""
-        if not self.contacts_known or self.base_apart:
-            return None
-        return stability(
-            self.records,
-            self.placed_base,
-            self.settings.forward_axis,
-            vertical_known=self.vertical_known,
-            height_known=bool(np.isfinite(self.track.height_m).any()),
-            com_offset_m=self.settings.com_offset_m or (0.0, 0.0, 0.0),
-            within=within,
-        )
+def support_in(walk: MaskedWalk, within: Ints | None = None) -> Support | None:
+    """Return the support pattern; where one foot's state is not known, none is."""
+    return support(walk.records, within) if walk.contacts_known else None
 
-    def loads(self, strides: Ints, within: Ints | None = None) -> LoadFigures:
-        """Return the loads of all feet over whole strides, (s, 2) ns."""
-        return load_figures(
-            self.records,
-            self.settings.body_weight_n,
-            strides,
-            within,
-            mass_is_assumed=self.settings.mass_is_assumed,
-        )
+
+def stability_in(
+    walk: MaskedWalk, within: Ints | None = None
+) -> tuple[Stability, Unstable] | tuple[None, None]:
+    """Return the stability, and when the robot is not stable."""
+    if not walk.contacts_known or walk.base_is_apart:
+        return None, None
+    found = stability(
+        walk.records,
+        walk.placed_poses,
+        walk.settings.forward_axis,
+        vertical_known=walk.vertical_known,
+        height_known=bool(np.isfinite(walk.track.height_m).any()),
+        com_offset_m=walk.settings.com_offset_m or (0.0, 0.0, 0.0),
+        within=within,
+    )
+    return found or (None, None)
+
+
+def loads_in(walk: MaskedWalk, within: Ints | None = None) -> LoadFigures:
+    """Return the loads of all feet over whole strides of the first foot that has any."""
+    strides = reference_strides(walk.feet)
+    return load_figures(
+        walk.records,
+        walk.settings.body_weight_n,
+        (strides if within is None else strides.within(within)).spans,
+        within,
+        mass_is_assumed=walk.settings.mass_is_assumed,
+    )
 
 
 def mask_walk(settings: StatsSettings, recorded: Recorded) -> MaskedWalk:
@@ -162,8 +172,8 @@ def mask_walk(settings: StatsSettings, recorded: Recorded) -> MaskedWalk:
     jumps = find_jumps(recorded.base)
     base = without_jumps(recorded.base, jumps)
     records = without_stopped(_without_stuck(recorded.feet), base)
-    placed_base, worlds = placed_poses(records, recorded.base, base)
-    height = _steadiest_height(records, placed_base, base)
+    placed, worlds = placed_poses(records, recorded.base, base)
+    height = _steadiest_height(records, placed, base)
     fallen = fallen_spans(recorded.base, records, height, jumps.spans)
     weighed = load_figures(
         records, settings.body_weight_n, any_strides(records, fallen, timespans.no_spans())
@@ -183,33 +193,26 @@ def mask_walk(settings: StatsSettings, recorded: Recorded) -> MaskedWalk:
     settings = with_forward_axis(settings, track, motion)
     if settings.forward_axis != guessed:
         motion = base_motion(track, settings.forward_axis)
-    steps = tuple(
-        foot_steps(
-            *foot, base, forward_axis=settings.forward_axis, fallen=fallen, standing=standing
-        )
-        for foot in zip(settings.feet, records, strict=True)
+    feet = tuple(
+        foot_steps(settings, row, record, base, fallen, standing, is_dead=dead[row])
+        for row, record in enumerate(records)
     )
     return MaskedWalk(
         settings=settings,
         records=records,
-        base=base,
+        poses=base,
         jumps=jumps,
-        placed_base=placed_base,
+        placed_poses=placed,
         track=track,
-        motion=motion,
+        base=motion,
         fallen=fallen,
         standing=standing,
-        steps=steps,
-        dead=dead,
-        refuted=tuple(
-            bool(settings.sensor(row).level.reason and len(standing.moving))
-            for row in range(len(records))
-        ),
-        push=net_push(steps),
-        rise_m=rise_m,
-        apart=apart,
+        feet=feet,
+        clocks_apart=apart,
         base_delay=delay,
         worlds=worlds,
+        push=net_push(feet),
+        rise_m=rise_m,
         vertical_known=weighed.share_of == "vertical_impulse",
     )
 

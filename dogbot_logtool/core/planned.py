@@ -6,7 +6,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints, aggregate, median_of, nearest_rows
-from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.foot_steps import FootSteps
 from dogbot_logtool.core.metrics import Planned
 from dogbot_logtool.dataclass import dataclass
 
@@ -30,7 +30,7 @@ class PlannedFoot:
     metrics: Planned
 
 
-def follow_plan(measured: FootStatistics, planned: FootStatistics) -> PlannedFoot:
+def follow_plan(measured: FootSteps, planned: FootSteps) -> PlannedFoot:
     """Compare a foot's steps with its plan.
 
     A planned touchdown is matched with the nearest measured one if it is the nearest of that one,

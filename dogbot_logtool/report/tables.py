@@ -14,7 +14,6 @@ from dogbot_logtool.core.metrics import (
     WalkMetrics,
 )
 from dogbot_logtool.core.records import Number, Spread
-from dogbot_logtool.core.walk_metrics.values import scaled
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
 
@@ -23,6 +22,15 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.statistics import Stats
 
 S = TypeVar("S")
+
+
+def _scaled(value: Spread, factor: float | None) -> Spread:
+    """Return an aggregate in another unit; None where the factor is not known."""
+    if value is None or factor is None:
+        return None
+    std = None if value.std is None else value.std * factor
+    mean, middle = value.mean * factor, value.median * factor
+    return Aggregate(value.n, mean, std, middle, value.min * factor, value.max * factor)
 
 
 # Without slots, which `Column[...](...)` cannot be called with before Python 3.12.
@@ -134,7 +142,7 @@ LOADS: Final[Sequence[Column[FootRow]]] = (
     Column("peak |F|", lambda row: row.foot.peak_force_n, 1),
     Column("peak |F|", lambda row: row.foot.peak_force_bw, 2),
     Column("mean |F|", lambda row: row.foot.mean_force_n, 1),
-    Column("mean |F|", lambda row: scaled(row.foot.mean_force_n, row.per_weight), 2),
+    Column("mean |F|", lambda row: _scaled(row.foot.mean_force_n, row.per_weight), 2),
     Column("peak Fz", lambda row: row.foot.peak_vertical_force_n, 1),
     Column("peak Fz", lambda row: row.foot.peak_vertical_force_bw, 2),
     Column("impact", lambda row: row.foot.impact_ratio, 2),

@@ -1,4 +1,4 @@
-"""Write `docs/validation.md`: what `stats` makes of logs whose truth is known.
+"""Write what `stats` makes of logs whose truth is known: a page, and a table with a row a log.
 
     python -m tests.truth.validate
 
@@ -6,6 +6,7 @@ Real logs with labelled events are those in the folder that LOGTOOL_LABELLED nam
 NAME.bag beside NAME.events.json. Without it, their part of the page stays as it is.
 """
 
+import csv
 import os
 import tempfile
 from collections import Counter
@@ -24,18 +25,19 @@ from tests.truth.recording import Recording
 from tests.truth.sample_truth import sample_rows
 
 PAGE: Final = ROOT / "docs" / "validation.md"
+TABLE: Final = ROOT / "docs" / "validation.csv"
 REAL: Final = "## Real logs with labelled events\n"
 _HEAD: Final = """# Validation
 
 What `stats --json` and the verdict of `report` make of logs whose truth is known. This page is
-written by `make validate`; `tests/truth/` has the logs and the tolerances.
+written by `make validate`; [validation.csv](validation.csv) has a row for each log, and
+`tests/truth/` the logs and the tolerances.
 
 Closed-form logs come from a walker that shares no code with the program: every touchdown, lift-off,
 force and pose is a formula, and the vertical impulse of all feet over whole strides is the weight
 times the time exactly. Each kind of log adds one fault of sensors, clocks or worlds. A figure is
 *right* within its tolerance, or *null* with a finding that names the cause; anything else is
-**wrong**. After ± stands the standard deviation: of events over all events of all feet, of other
-figures over strides.
+**wrong**.
 """
 _COLUMNS: Final = (
     "log",
@@ -52,22 +54,32 @@ _COLUMNS: Final = (
 
 
 def main() -> None:
-    """Write the page."""
-    parts = [_HEAD]
+    """Write the page and the table."""
+    subjects: list[str] = []
     verdicts: Counter[str] = Counter()
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, TABLE.open("w", encoding="utf-8") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(("subject", *_COLUMNS))
         for subject, cases in groups().items():
-            parts.append(f"\n## {subject}\n\n{_table_head(_COLUMNS)}")
+            statuses: Counter[str] = Counter()
             for case in cases:
                 recording = case.record()
                 found = outcome(recording, Path(folder))
                 judged = judge(case, recording, found)
                 verdicts["wrong" if faults(judged) else "right or null with the cause named"] += 1
-                parts.append(_table_row(_row(case, recording, found, judged)))
-    parts.insert(1, f"\nOf {verdicts.total()} kinds of closed-form logs: {_counted(verdicts)}.\n")
-    parts.append(_samples())
-    parts.append(_real())
-    PAGE.write_text("".join(parts), encoding="utf-8")
+                statuses.update(each.status for each in judged)
+                table.writerow((subject, *_row(case, recording, found, judged)))
+            subjects.append(_table_row(_of_subject(subject, len(cases), statuses)))
+        table.writerows(("Sample logs", *row) for row in sample_rows())
+    counts = f"Of {verdicts.total()} kinds of closed-form logs: {_counted(verdicts)}."
+    head = _table_head(("subject", "logs", "figures right", "null, cause named", "wrong"))
+    PAGE.write_text(f"{_HEAD}\n{counts}\n\n{head}{''.join(subjects)}{_real()}", "utf-8")
+
+
+def _of_subject(subject: str, logs: int, statuses: Counter[str]) -> tuple[str, ...]:
+    """Count the figures of a subject's logs: right, null with the cause named, all others."""
+    wrong = statuses.total() - statuses["right"] - statuses["null"]
+    return subject, str(logs), str(statuses["right"]), str(statuses["null"]), str(wrong)
 
 
 def _row(
@@ -119,12 +131,6 @@ def _judgement(judged: Sequence[Judged]) -> str:
     if wrong:
         return f"**wrong**: {'; '.join(wrong)}"
     return f"right; null: {', '.join(null)}" if null else "right"
-
-
-def _samples() -> str:
-    head = "\n## Sample logs\n\nTruth is written with the logs by `sample_logs/generate.py`.\n\n"
-    columns = ("log", "figure", "truth", "result", "error")
-    return head + _table_head(columns) + "".join(map(_table_row, sample_rows()))
 
 
 def _real() -> str:

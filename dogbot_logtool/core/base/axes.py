@@ -9,9 +9,10 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats, median_of
 from dogbot_logtool.core.base.falls import TILT_RAD, UPRIGHT_RAD, tilt_rad
 from dogbot_logtool.core.base.ground import axis_by_legs, nearest_axis
-from dogbot_logtool.core.base.motion import FORWARD_ANGLES, BaseMotion, BaseTrack
+from dogbot_logtool.core.base.motion import FORWARD_ANGLES, BaseTrack
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.metrics import Base
 from dogbot_logtool.core.settings import StatsSettings
 
 WALKED_M: Final = 0.5
@@ -19,7 +20,7 @@ WALKED_M: Final = 0.5
 
 
 def with_forward_axis(
-    settings: StatsSettings, track: BaseTrack, motion: BaseMotion | None
+    settings: StatsSettings, track: BaseTrack, motion: Base | None
 ) -> StatsSettings:
     """Let evidence correct a guessed forward axis.
 
@@ -45,12 +46,12 @@ def with_forward_axis(
     return replace(settings, forward_axis=measured, forward_axis_reason=reason)
 
 
-def axis_by_motion(motion: BaseMotion | None, forward_axis: str) -> str | None:
+def axis_by_motion(motion: Base | None, forward_axis: str) -> str | None:
     """Return the body's axis that the motion follows, if it is to a side of the given one."""
     if motion is None or motion.forward_speed_mps is None or motion.lateral_speed_mps is None:
         return None
     forward, left = motion.forward_speed_mps, motion.lateral_speed_mps
-    if abs(left) * motion.duration_s < WALKED_M or abs(left) <= abs(forward):
+    if abs(left) * (motion.duration_s or 0.0) < WALKED_M or abs(left) <= abs(forward):
         return None
     turn = FORWARD_ANGLES[forward_axis]
     along = np.array([forward * np.cos(turn), forward * np.sin(turn)])

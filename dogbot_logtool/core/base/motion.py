@@ -7,12 +7,13 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Aggregate, Flags, Floats, Ints, aggregate, median_of
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, median_of
 from dogbot_logtool.core.base.ground import LOWEST_M, slope_rad
 from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
+from dogbot_logtool.core.metrics import Base
 from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.dataclass import dataclass
 
@@ -146,41 +147,6 @@ _CHUNK: Final = 1_000_000
 
 
 @dataclass(frozen=True, slots=True)
-class BaseMotion:
-    """Figures of the base over the time that poses are known, in the log or in a part of it."""
-
-    duration_s: float
-    """s, first to last pose, gaps left out."""
-    path_length_m: float | None
-    """m, horizontal path above the noise of the poses; steps over gaps, jumps and stands left
-    out."""
-    net_displacement_m: float | None
-    """m, horizontal distance of last and first pose, jumps left out."""
-    mean_speed_mps: float | None
-    """m/s, path length over duration."""
-    forward_speed_mps: float | None
-    """m/s, mean of the displacement rate along the forward axis, yaw only."""
-    lateral_speed_mps: float | None
-    """m/s, the same to the left of it."""
-    yaw_change_rad: float
-    """rad, last minus first yaw, unwrapped, jumps left out."""
-    yaw_rate_radps: float | None
-    """rad/s, mean: turns within the known time over the duration."""
-    height_m: Aggregate | None
-    """m, base over the feet's latest contact points; None where these do not tell."""
-    climb_m: float | None
-    """m, z of the last pose less that of the first, jumps left out; None where z drifts."""
-    slope_rad: float | None
-    """rad, angle of the plane through the contact points against the horizontal."""
-    roll_rad: Aggregate | None
-    """rad, about the robot's own forward axis; positive: its left side is higher."""
-    pitch_rad: Aggregate | None
-    """rad, about the axis to its left; positive: its front is lower."""
-    froude: float | None
-    """v^2 / (g h), v the mean forward speed and h the mean height (Alexander 1984)."""
-
-
-@dataclass(frozen=True, slots=True)
 class BaseTrack:
     """The poses that the base's motion is measured on."""
 
@@ -196,9 +162,7 @@ class BaseTrack:
     """Jumps that are taken out of the poses' places, but not out of their yaw."""
 
 
-def base_motion(
-    track: BaseTrack, forward_axis: str, within: Ints | None = None
-) -> BaseMotion | None:
+def base_motion(track: BaseTrack, forward_axis: str, within: Ints | None = None) -> Base | None:
     """Measure the motion of the base; None without two poses.
 
     Args:
@@ -223,11 +187,10 @@ def base_motion(
     jumped = track.jumps.turned_rad(int(base.time[first]), int(base.time[last]))
     net = base.position[last] - base.position[first]
     forward_speed = forward / duration if duration > 0.0 else None
-    return BaseMotion(
+    return Base(
         duration_s=duration,
         path_length_m=path,
         net_displacement_m=float(np.hypot(net[0], net[1])),
-        mean_speed_mps=path / duration if duration > 0.0 else None,
         forward_speed_mps=forward_speed,
         lateral_speed_mps=left / duration if duration > 0.0 else None,
         yaw_change_rad=float(base.angles[last, 2] - base.angles[first, 2]) - jumped,

@@ -140,7 +140,7 @@ def forward_axis(stats: Stats) -> Iterator[Finding]:
         text = f"forward is the body's {settings.forward_axis} axis: {settings.forward_axis_reason}"
         yield Finding("FORWARD_AXIS", text, "settings.forward_axis")
     forward, left = base.forward_speed_mps, base.lateral_speed_mps
-    if forward is None or left is None or abs(left) * base.duration_s < WALKED_M:
+    if forward is None or left is None or abs(left) * (base.duration_s or 0.0) < WALKED_M:
         return
     if abs(left) > 2.0 * abs(forward):
         axis, side = settings.forward_axis, "left" if left > 0.0 else "right"

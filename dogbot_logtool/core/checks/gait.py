@@ -108,7 +108,7 @@ def against_plan(stats: Stats) -> Iterator[Finding]:
 def slips(stats: Stats) -> Iterator[Finding]:
     """Yield contact points that travel further in a stance than a foot is long."""
     for foot in stats.feet:
-        if stats.settings.foot_rolling_m is not None or foot.slip_source is not None:
+        if stats.settings.foot_rolling_m is not None or foot.slip_from is not None:
             continue
         reach = foot.stances.figures.contact_reach_m[foot.stances.whole]
         far = int((reach > LARGEST_FOOT_M).sum())

@@ -11,7 +11,7 @@ from dogbot_logtool.core.checks.wording import counted
 from dogbot_logtool.core.contact.contact_rule import FootSensor
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.sensor import SensorLevel
-from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.foot_steps import FootSteps
 from dogbot_logtool.core.load.load_figures import is_stuck
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
@@ -200,8 +200,9 @@ def chatter(stats: Stats) -> Iterator[Finding]:
 def sampled_slowly(stats: Stats) -> Iterator[Finding]:
     """Yield feet that are loaded within one sampling interval."""
     for foot in _touching(stats):
-        told = foot.stance_s is not None and foot.record.has_force
-        if told and foot.loading_rate_nps is None:
+        whole = foot.stances.whole
+        rates = foot.stances.figures.loading_rate_nps[whole]
+        if whole.any() and foot.record.has_force and not np.isfinite(rates).any():
             text = f"{foot.name} is loaded within one sampling interval: its loading rate is not "
             where = f"feet.{foot.name}.loading_rate_nps"
             cases = ("loading",)
@@ -210,17 +211,17 @@ def sampled_slowly(stats: Stats) -> Iterator[Finding]:
             )
 
 
-def _telling(stats: Stats) -> Iterator[FootStatistics]:
+def _telling(stats: Stats) -> Iterator[FootSteps]:
     """Yield the feet with usable messages from which contact can be told."""
     for row, foot in enumerate(stats.feet):
         if foot.record.start is not None and not stats.settings.sensor(row).rule.unusable:
             yield foot
 
 
-def _touching(stats: Stats) -> Iterator[FootStatistics]:
+def _touching(stats: Stats) -> Iterator[FootSteps]:
     """Yield those that touch the ground."""
     return (foot for foot in _telling(stats) if len(foot.stances.touchdown))
 
 
-def _is_stuck(stats: Stats, foot: FootStatistics) -> bool:
+def _is_stuck(stats: Stats, foot: FootSteps) -> bool:
     return is_stuck(foot.record, [other.record for other in stats.feet if other is not foot])

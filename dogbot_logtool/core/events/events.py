@@ -11,7 +11,7 @@ from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, norms, pe
 from dogbot_logtool.core.checks.sensors import foot_is_saturated
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.events.event import Event, EventType
-from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.foot_steps import FootSteps
 from dogbot_logtool.core.gait.gait import IRREGULAR, STAND
 from dogbot_logtool.core.gait.segments import LASTING, PERIOD_CHANGE, Segment
 from dogbot_logtool.core.load.load_figures import is_stuck
@@ -124,10 +124,10 @@ def margins_below_zero(stats: Stats) -> Iterator[Event]:
     After a jump of the pose it is not known where the base is among the feet; a robot that lies
     does not lose its balance.
     """
-    if stats.stability is None:
+    if stats.unstable is None:
         return
     jump = stats.jumps.spans[0, 0] if len(stats.jumps.spans) else stats.end
-    below, least = stats.stability.below_zero, stats.stability.least_margin_m
+    below, least = stats.unstable.spans, stats.unstable.least_margin_m
     counts = (below[:, 1] - below[:, 0] >= LASTING_S * 1e9) & (least < -MARGIN_M)
     counts &= (below[:, 0] < jump) & ~timespans.covers(stats.fallen, below[:, 0])
     for row in np.flatnonzero(counts).tolist():
@@ -186,7 +186,7 @@ def sensor_faults(stats: Stats) -> Iterator[Event]:
         yield from _spikes(row, foot)
 
 
-def _spikes(row: int, foot: FootStatistics) -> Iterator[Event]:
+def _spikes(row: int, foot: FootSteps) -> Iterator[Event]:
     """Yield the stances with lone spikes, at the highest of them."""
     stances = foot.record.stances
     for stance in np.flatnonzero(has_lone_spikes(foot.stances) & foot.stances.whole).tolist():
@@ -218,7 +218,7 @@ QUICK_TIMES: Final = 1.0
 
 def slips(
     foot: int,
-    figures: FootStatistics,
+    figures: FootSteps,
     walks: list[Segment],
     rolling_m: float | None,
     stumbles: frozenset[int],
@@ -261,7 +261,7 @@ def _is_far(way: Floats, rolling_m: float | None) -> Flags:
     return np.asarray(way - rolling_m > max(SLIP_M, TIMES * rolling_m))
 
 
-def _usual_m(figures: FootStatistics, way: Floats, walks: list[Segment], times: float) -> Floats:
+def _usual_m(figures: FootSteps, way: Floats, walks: list[Segment], times: float) -> Floats:
     """(stances,) m, the usual way in the segment of stances that are unlike it; else NaN.
 
     Args:
@@ -282,7 +282,7 @@ def _usual_m(figures: FootStatistics, way: Floats, walks: list[Segment], times: 
     return usual
 
 
-def _times(figures: FootStatistics, row: int, begins_s: float, ends_s: float) -> tuple[int, int]:
+def _times(figures: FootSteps, row: int, begins_s: float, ends_s: float) -> tuple[int, int]:
     """Return when a stance's contact point moves, ns; the whole stance where samples are few."""
     touchdown, liftoff = int(figures.stances.touchdown[row]), int(figures.stances.liftoff[row])
     if not np.isfinite(begins_s + ends_s):
@@ -304,7 +304,7 @@ NEIGHBOURS: Final = 5
 FEWEST_SWINGS: Final = 3
 
 
-def step_events(feet: tuple[FootStatistics, ...]) -> Iterator[Event]:
+def step_events(feet: tuple[FootSteps, ...]) -> Iterator[Event]:
     """Yield all touchdowns and lift-offs that were seen."""
     for row, foot in enumerate(feet):
         for times, kind in (
@@ -314,7 +314,7 @@ def step_events(feet: tuple[FootStatistics, ...]) -> Iterator[Event]:
             yield from (Event(time, 0, kind, row) for time in times.tolist())
 
 
-def early_touchdowns(foot: int, figures: FootStatistics, walks: list[Segment]) -> Iterator[Event]:
+def early_touchdowns(foot: int, figures: FootSteps, walks: list[Segment]) -> Iterator[Event]:
     """Yield the touchdowns of a foot that come well before its usual swing is over.
 
     The foot hits something in mid-swing and swings on: a stumble. Or it stays on the ground: an
@@ -350,7 +350,7 @@ def early_touchdowns(foot: int, figures: FootStatistics, walks: list[Segment]) -
             yield Event(onset, 0, EventType.EARLY_CONTACT, foot, by_s, "s")
 
 
-def _swings_s(figures: FootStatistics) -> Floats:
+def _swings_s(figures: FootSteps) -> Floats:
     """(stances,) s, swing before each stance; NaN where it was not seen from end to end."""
     stances, gaps = figures.stances, figures.record.gaps
     swing = np.full(len(stances.touchdown), np.nan)

@@ -11,6 +11,7 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stance_curves import PARTS
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.gait.strides import Strides
+from dogbot_logtool.core.records import Curve, Shape
 from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.dataclass import dataclass
 
@@ -41,32 +42,6 @@ class ForeAftImpulses:
     """(n,) N s, at least 0: what slows the robot; NaN where direction or heading is not known."""
     propulsive: Floats
     """(n,) N s, at least 0: what drives it forward."""
-
-    def unknown(self) -> "ForeAftImpulses":
-        """Return the same where the direction of the force is not known."""
-        return ForeAftImpulses(*np.full((2, len(self.braking)), np.nan))
-
-
-@dataclass(frozen=True, slots=True)
-class ForceCurves:
-    """The usual forces of a foot over its whole strides; None where not known."""
-
-    vertical_over_stride: CycleCurve | None
-    forward_over_stride: CycleCurve | None
-
-
-def force_curves(vertical: Floats, forward: Floats, strides: Strides) -> ForceCurves:
-    """Return the curves of a foot.
-
-    Args:
-        vertical: (stances, PARTS) N, mean vertical force in each part of each stance.
-        forward: (stances, PARTS) N, the same along the base's forward axis.
-        strides: of the foot.
-    """
-    return ForceCurves(
-        vertical_over_stride=stride_curve(vertical, strides),
-        forward_over_stride=stride_curve(forward, strides),
-    )
 
 
 def forward_forces(foot: FootHistory, heading: Floats) -> Floats:
@@ -131,3 +106,11 @@ def cycle_curve(percent: Floats, values: Floats) -> CycleCurve | None:
         return None
     lower, median, upper = percentiles_of(values, QUARTILES, axis=0)
     return CycleCurve(percent, lower, median, upper, len(values))
+
+
+def curve_of(curve: CycleCurve | None) -> Shape:
+    """Return a curve as a metric."""
+    if curve is None:
+        return None
+    parts = (curve.percent, curve.lower, curve.median, curve.upper)
+    return Curve(*(tuple(each.tolist()) for each in parts))

@@ -1,24 +1,41 @@
-"""A foot's steps over a whole log, and what is known of the sensor that tells of them."""
+"""A foot's steps over a whole log, and its metrics over the log or a part of it."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate
+from dogbot_logtool.core.base.motion import stride_lengths
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.stances import Stances
+from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.gait.cycle_curves import (
+    CycleCurve,
     ForeAftImpulses,
+    curve_of,
     fore_aft_impulses,
     forward_forces,
     stance_headings,
+    stride_curve,
 )
 from dogbot_logtool.core.gait.standing import Standing, steps_apart
-from dogbot_logtool.core.gait.strides import Strides, cut_by_fall, cut_by_standing, strides_of
+from dogbot_logtool.core.gait.strides import (
+    Strides,
+    cut_by_fall,
+    cut_by_standing,
+    cut_outside,
+    strides_of,
+)
+from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.core.load.load_figures import vertical_impulse_ns
+from dogbot_logtool.core.load.slip import slip_m
 from dogbot_logtool.core.load.spikes import has_lone_spikes, without_spikes
-from dogbot_logtool.core.settings import FootSettings
+from dogbot_logtool.core.metrics import Foot
+from dogbot_logtool.core.records import Numbers, unknown
+from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.dataclass import dataclass
 
 FEWEST_STANCES: Final = 8
@@ -29,13 +46,31 @@ FEWEST_STANCES: Final = 8
 class FootSteps:
     """Stances and strides of a foot over the whole log, and the forces in them."""
 
-    settings: FootSettings
+    name: str
+    topic: str
+    leg_position: LegPosition | None
     record: FootHistory
     stances: Stances
     """All stances, those in a fall or a stand marked as cut; peaks are without lone spikes."""
     strides: Strides
     discarded: Mapping[str, int]
     """Stances that begin no whole stride, by reason."""
+    touchdown: Ints
+    """(t,) ns, touchdowns that were seen."""
+    liftoff: Ints
+    """(l,) ns, lift-offs that were seen."""
+    length_m: Floats
+    """(strides) m, horizontal distance of the base over the stride; NaN where not known."""
+    slip_m: Floats
+    """(stances) m, net slip; NaN where not known."""
+    slip_largest_m: Floats
+    """(stances) m, the furthest that the foot slips from where it stood."""
+    slip_from: str | None
+    """What slips are measured by: ``points`` or ``foot_frame``; None: not known."""
+    is_dead: bool
+    """Whether its sensor never reports a contact, and nothing says that it is lifted."""
+    contact_known: bool
+    """Whether its sensor tells contact, and nothing refutes it."""
     has_spikes: Flags
     """(stances,) which have lone spikes."""
     vertical: Floats
@@ -44,6 +79,144 @@ class FootSteps:
     """(stances, PARTS) N, the same along the base's forward axis."""
     fore_aft: ForeAftImpulses
     """N s, along that axis, in each stance."""
+
+    @property
+    def spikes(self) -> int:
+        """Lone spikes of its force in whole stances; kept out of the peaks."""
+        return int(self.stances.figures.spikes[self.has_spikes & self.stances.whole].sum())
+
+    @property
+    def vertical_over_stride(self) -> CycleCurve | None:
+        """The usual vertical force over a stride; None: not known."""
+        return stride_curve(self.vertical, self.strides)
+
+    @property
+    def forward_over_stride(self) -> CycleCurve | None:
+        """The usual force along the base's forward axis over a stride; None: not known."""
+        return stride_curve(self.forward, self.strides)
+
+
+def foot_steps(
+    settings: StatsSettings,
+    row: int,
+    record: FootHistory,
+    base: BaseHistory,
+    fallen: Ints,
+    standing: Standing,
+    *,
+    is_dead: bool = False,
+) -> FootSteps:
+    """Find the steps of a foot.
+
+    Args:
+        settings: what decides the figures.
+        row: of the foot.
+        record: its stances and track.
+        base: poses.
+        fallen: (f, 2) ns, spans in which the robot lies.
+        standing: spans without steps.
+        is_dead: whether its sensor never reports a contact, and nothing says that it is lifted.
+    """
+    foot, rolling_m = settings.feet[row], settings.foot_rolling_m
+    stances = without_spikes(cut_by_fall(record.stances, fallen))
+    stances = cut_by_standing(stances, steps_apart(standing.without_steps, stances))
+    strides, discarded = strides_of(stances, record.gaps, fallen)
+    heading = stance_headings(record.stances, base, settings.forward_axis)
+    slip = slip_m(stances.figures.contact_travel_m, rolling_m)
+    # A sensor that is taken to read zero without load, on a robot that moves without steps.
+    is_refuted = bool(settings.sensor(row).level.reason and len(standing.moving))
+    return FootSteps(
+        name=foot.name,
+        topic=foot.topic,
+        leg_position=foot.leg_position,
+        record=record,
+        stances=stances,
+        strides=strides,
+        discarded=discarded,
+        touchdown=_seen(stances.touchdown, record, Cut.LOG_START, stances),
+        liftoff=_seen(stances.liftoff, record, Cut.LOG_END, stances),
+        length_m=stride_lengths(base, strides.touchdown, strides.end),
+        slip_m=slip,
+        slip_largest_m=slip_m(stances.figures.contact_reach_m, rolling_m),
+        slip_from="points" if np.isfinite(slip[stances.whole]).any() else None,
+        is_dead=is_dead,
+        contact_known=record.start is not None and not (is_dead or is_refuted),
+        has_spikes=has_lone_spikes(stances),
+        vertical=record.stance_forces[:, 2],
+        forward=forward_forces(record, heading),
+        fore_aft=fore_aft_impulses(record, heading),
+    )
+
+
+def _seen(time: Ints, record: FootHistory, unseen: Cut, stances: Stances) -> Ints:
+    """Leave out the events that the log's ends or a gap hide."""
+    seen: Ints = time[(stances.cut != unseen) & ~np.isin(time, record.gaps[:, 1])]
+    # A stance may last from the log's first sample to its last.
+    outside = (record.start, record.end) if len(stances.cut) == 1 else ()
+    return seen[~np.isin(seen, [each for each in outside if each is not None])]
+
+
+def foot_metrics(
+    foot: FootSteps, weight_n: float | None, origin: int, within: Ints | None = None
+) -> Foot:
+    """Return the metrics of a foot but for what its leg tells of its swings.
+
+    Args:
+        foot: its steps.
+        weight_n: N, what forces in body weights are divided by; None: not known.
+        origin: ns, what times are counted from.
+        within: (w, 2) ns, a part of the log; its stances and strides are those with their middle in
+            it. None: all of it.
+    """
+    stances, strides, record, lengths = foot.stances, foot.strides, foot.record, foot.length_m
+    if within is not None:
+        lengths = lengths[strides.rows_within(within)]
+        stances, strides = cut_outside(stances, within), strides.within(within)
+    whole, figures = stances.whole, stances.figures
+    slip = aggregate(foot.slip_m[whole])
+    # A spike of a leaning force is as large as all that brakes.
+    clean = whole & ~(figures.spikes > 0)
+    length = aggregate(lengths)
+    per_weight = np.nan if weight_n is None else 1.0 / weight_n
+    return replace(
+        unknown(Foot),
+        contact_fraction=record.contact_fraction(within),
+        strides=len(strides.stance),
+        stance_s=aggregate(stances.duration_s[whole]),
+        swing_s=aggregate(strides.swing_s),
+        stride_period_s=aggregate(strides.period_s),
+        duty_factor=aggregate(strides.duty_factor),
+        stride_frequency_hz=strides.frequency_hz,
+        stride_length_m=length,
+        stride_length_from=None if length is None else "base",
+        contact_travel_m=aggregate(figures.contact_travel_m[whole]),
+        slip_m=slip,
+        slip_largest_m=aggregate(foot.slip_largest_m[whole]),
+        slip_from=foot.slip_from if slip or foot.slip_from == "foot_frame" else None,
+        touchdown_s=_seconds(foot.touchdown, origin, within),
+        lift_off_s=_seconds(foot.liftoff, origin, within),
+        peak_force_n=aggregate(figures.peak_n[whole]),
+        peak_force_bw=aggregate(figures.peak_n[whole] * per_weight),
+        mean_force_n=aggregate(figures.mean_n[whole]),
+        peak_vertical_force_n=aggregate(figures.peak_vertical_n[whole]),
+        peak_vertical_force_bw=aggregate(figures.peak_vertical_n[whole] * per_weight),
+        mean_vertical_force_n=aggregate(figures.mean_vertical_n[whole]),
+        vertical_impulse_ns=vertical_impulse_ns(record, within),
+        braking_impulse_ns=aggregate(foot.fore_aft.braking[clean]),
+        propulsive_impulse_ns=aggregate(foot.fore_aft.propulsive[clean]),
+        loading_rate_nps=aggregate(figures.loading_rate_nps[whole]),
+        impact_ratio=aggregate(figures.impact_ratio[whole]),
+        friction_use=aggregate(figures.friction_use[whole]),
+        vertical_over_stride_n=curve_of(stride_curve(foot.vertical, strides)),
+        forward_over_stride_n=curve_of(stride_curve(foot.forward, strides)),
+    )
+
+
+def _seconds(time: Ints, origin: int, within: Ints | None) -> Numbers:
+    """Return times as seconds since the log's start, to the nanosecond."""
+    if within is not None:
+        time = time[timespans.covers(within, time)]
+    return tuple(each / 1e9 for each in (time - origin).tolist())
 
 
 def net_push(feet: Sequence[FootSteps]) -> float | None:
@@ -70,39 +243,3 @@ def _impulses(foot: FootSteps) -> Floats:
     both = np.stack([each.mean(axis=1) * duration for each in (foot.forward, foot.vertical)])
     known: Floats = both[:, foot.stances.whole & np.isfinite(both).all(axis=0)]
     return known
-
-
-def foot_steps(
-    settings: FootSettings,
-    record: FootHistory,
-    base: BaseHistory,
-    *,
-    forward_axis: str,
-    fallen: Ints,
-    standing: Standing,
-) -> FootSteps:
-    """Find the steps of a foot.
-
-    Args:
-        settings: of the foot.
-        record: its stances and track.
-        base: poses.
-        forward_axis: the body's axis that points forward.
-        fallen: (f, 2) ns, spans in which the robot lies.
-        standing: spans without steps.
-    """
-    stances = without_spikes(cut_by_fall(record.stances, fallen))
-    stances = cut_by_standing(stances, steps_apart(standing.without_steps, stances))
-    strides, discarded = strides_of(stances, record.gaps, fallen)
-    heading = stance_headings(record.stances, base, forward_axis)
-    return FootSteps(
-        settings=settings,
-        record=record,
-        stances=stances,
-        strides=strides,
-        discarded=discarded,
-        has_spikes=has_lone_spikes(stances),
-        vertical=record.stance_forces[:, 2],
-        forward=forward_forces(record, heading),
-        fore_aft=fore_aft_impulses(record, heading),
-    )

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.gait.foot_statistics import FootStatistics
-from dogbot_logtool.core.gait.segments import GaitInput
+from dogbot_logtool.core.gait.foot_steps import FootSteps
+from dogbot_logtool.core.gait.segments import FootEvents, GaitInput
 from dogbot_logtool.core.gait.standing import Standing, steps_apart
 from dogbot_logtool.core.gait.strides import (
     Strides,
@@ -36,13 +36,13 @@ def any_strides(records: Sequence[FootHistory], fallen: Ints, standing: Ints) ->
     return timespans.no_spans()
 
 
-def reference_strides(feet: Sequence[FootStatistics]) -> Strides:
+def reference_strides(feet: Sequence[FootSteps]) -> Strides:
     """Return the whole strides of the first foot that has any."""
     return next((foot.strides for foot in feet if len(foot.strides.stance)), no_strides())
 
 
 def gait_input(
-    feet: Sequence[FootStatistics], standing: Standing, supported: Support | None
+    feet: Sequence[FootSteps], standing: Standing, supported: Support | None
 ) -> GaitInput:
     """Choose the feet that phases are measured against."""
     leg_positions = [foot.leg_position for foot in feet]
@@ -50,7 +50,7 @@ def gait_input(
     walking = [row for row in order or range(len(feet)) if len(feet[row].strides.stance)]
     hind = leg_positions.index(("back", "left")) if ("back", "left") in leg_positions else None
     return GaitInput(
-        feet=tuple(foot.events for foot in feet),
+        feet=tuple(FootEvents(foot.strides, foot.touchdown) for foot in feet),
         reference=walking[0] if walking else 0,
         hind_reference=hind if hind in walking else None,
         order=order,

@@ -7,7 +7,6 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import (
-    Aggregate,
     Flags,
     Floats,
     Ints,
@@ -27,6 +26,7 @@ from dogbot_logtool.core.hulls import (
     hulls,
     margin_in,
 )
+from dogbot_logtool.core.metrics import Stability
 from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.dataclass import dataclass
 
@@ -39,30 +39,11 @@ _CHUNK_NUMBERS: Final = 500_000
 
 
 @dataclass(frozen=True, slots=True)
-class Stability:
-    """Figures at up to 100 Hz over the time in which the base and all feet down are known.
+class Unstable:
+    """Time in which there is a support polygon and the static margin is negative."""
 
-    Of all the time, what is stable, unstable, undefined and unknown adds up to 1.
-    """
-
-    static_margin_m: Aggregate | None
-    """m, signed distance of the body's ground projection to the support polygon's edge, positive
-    inside (McGhee and Frank 1968)."""
-    energy_margin_m: Aggregate | None
-    """m, see `energy_margin_in`; None where the body's height over the feet is not known."""
-    unknown_fraction: float
-    """Share of the time in which the base, or whether and where a foot stands, is not known; the
-    other figures leave it out."""
-    undefined_fraction: float | None
-    """Share of the time with fewer than three feet down: no polygon. None where all is unknown."""
-    unstable_fraction: float | None
-    """Share of the time with a polygon whose margin is negative; None without a margin."""
-    pressure_forward_m: Aggregate | None
-    """m, centre of pressure ahead of the base."""
-    pressure_left_m: Aggregate | None
-    """m, centre of pressure to the left of the base."""
-    below_zero: Ints
-    """(b, 2) ns, spans in which there is a polygon and the margin is negative."""
+    spans: Ints
+    """(b, 2) ns."""
     least_margin_m: Floats
     """(b,) m, the least margin in each of them."""
 
@@ -95,8 +76,10 @@ def stability(
     height_known: bool = True,
     com_offset_m: Sequence[float] = AT_BASE,
     within: Ints | None = None,
-) -> Stability | None:
+) -> tuple[Stability, Unstable] | None:
     """Measure static stability; None where feet and base have no time in common.
+
+    Each of up to 100 instants a second speaks for the same part of the known time.
 
     Args:
         feet: records of all feet.
@@ -112,24 +95,20 @@ def stability(
     found = _instants(feet, base, known, forward_axis, com_offset_m)
     if found is None:
         return None
-    # Each instant speaks for the same part of the known time.
     known_share = timespans.total(known) / max(timespans.total(extent), 1)
-    unstable = found.polygon & (found.margin < 0.0)
+    unstable, placed = found.polygon & (found.margin < 0.0), found.placed
     margins = aggregate(found.margin)
-    below_zero, least = _below_zero(found.time, np.where(unstable, found.margin, 0.0))
-    return Stability(
+    undefined = known_share * float((placed & ~found.polygon).mean())
+    measured = Stability(
         static_margin_m=margins,
         energy_margin_m=aggregate(found.energy) if height_known else None,
-        unknown_fraction=1.0 - known_share * float(found.placed.mean()),
-        undefined_fraction=known_share * float((found.placed & ~found.polygon).mean())
-        if found.placed.any()
-        else None,
         unstable_fraction=known_share * float(unstable.mean()) if margins else None,
-        pressure_forward_m=aggregate(found.ahead) if vertical_known else None,
-        pressure_left_m=aggregate(found.left) if vertical_known else None,
-        below_zero=below_zero,
-        least_margin_m=least,
+        undefined_fraction=undefined if placed.any() else None,
+        unknown_fraction=1.0 - known_share * float(placed.mean()),
+        centre_of_pressure_forward_m=aggregate(found.ahead) if vertical_known else None,
+        centre_of_pressure_left_m=aggregate(found.left) if vertical_known else None,
     )
+    return measured, _unstable(found.time, np.where(unstable, found.margin, 0.0))
 
 
 def margins(
@@ -149,8 +128,8 @@ def margins(
     return (np.empty(0, np.int64), np.empty(0)) if found is None else (found.time, found.margin)
 
 
-def _below_zero(instants: Ints, margin: Floats) -> tuple[Ints, Floats]:
-    """(b, 2) ns, spans with a negative margin, and (b,) m, the least in each.
+def _unstable(instants: Ints, margin: Floats) -> Unstable:
+    """Find the spans with a negative margin.
 
     An instant speaks for the time until the next one, if that is near.
     """
@@ -158,7 +137,7 @@ def _below_zero(instants: Ints, margin: Floats) -> tuple[Ints, Floats]:
     spans = timespans.spans_where(instants, (margin[:-1] < 0.0) & near)
     rows = np.searchsorted(instants, spans)
     least = [margin[first:last].min() for first, last in rows.tolist()]
-    return spans, np.array(least, np.float64)
+    return Unstable(spans, np.array(least, np.float64))
 
 
 def _common_time(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:

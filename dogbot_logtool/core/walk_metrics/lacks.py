@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.foot_steps import FootSteps
 from dogbot_logtool.core.load.load_figures import vertical_is_known
 from dogbot_logtool.core.records import KeyPath
 from dogbot_logtool.core.statistics import Stats
@@ -77,7 +77,7 @@ def _log(stats: Stats) -> dict[str, bool]:
 
 def _foot(stats: Stats, row: int) -> dict[str, bool]:
     foot, legs = stats.feet[row], stats.legs
-    rolls_unknown = stats.settings.foot_rolling_m is None and foot.slip_source != "foot_frame"
+    rolls_unknown = stats.settings.foot_rolling_m is None and foot.slip_from != "foot_frame"
     return {
         "contact": foot.record.contact_fraction() is None,
         "strides": not len(foot.strides.stance),
@@ -93,5 +93,5 @@ def _foot(stats: Stats, row: int) -> dict[str, bool]:
     }
 
 
-def _has_points(foot: FootStatistics) -> bool:
+def _has_points(foot: FootSteps) -> bool:
     return bool(np.isfinite(foot.record.track.point).any())

@@ -6,31 +6,56 @@ walk.gait.name, walk.feet["front_left"].stance_s.median
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Final
 
 from dogbot_logtool.core import metrics
+from dogbot_logtool.core.arrays import Aggregate, CircularMean, Ints, aggregate
 from dogbot_logtool.core.events.events import find_events
+from dogbot_logtool.core.gait.cycle_curves import curve_of
+from dogbot_logtool.core.gait.foot_steps import foot_metrics
+from dogbot_logtool.core.gait.gait import STAND
+from dogbot_logtool.core.gait.gait_classes import TOLERANCE
+from dogbot_logtool.core.gait.phases import diagonality, limb_phases
+from dogbot_logtool.core.gait.segments import Segment
+from dogbot_logtool.core.gait.support_pattern import Support
+from dogbot_logtool.core.load.load_figures import (
+    LoadFigures,
+    grouped_shares,
+    symmetry_index_percent,
+)
+from dogbot_logtool.core.masked_walk import base_in, loads_in, stability_in, support_in
 from dogbot_logtool.core.metrics import (
     SCHEMA_VERSION,
+    Base,
     Event,
+    Foot,
+    Forces,
+    Gait,
     GaitOfLog,
+    LimbPhase,
+    LoadShare,
     Log,
-    Segment,
+    Phase,
+    Planned,
+    Stability,
+    SupportSet,
+    Symmetry,
     WalkMetrics,
     void,
 )
-from dogbot_logtool.core.records import fields_of
+from dogbot_logtool.core.records import fields_of, unknown
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.core.walk_metrics.base import base_metrics
-from dogbot_logtool.core.walk_metrics.feet import feet_metrics
-from dogbot_logtool.core.walk_metrics.gait import gait_metrics
 from dogbot_logtool.core.walk_metrics.legs import legs_metrics
-from dogbot_logtool.core.walk_metrics.loads import forces_metrics, stability_metrics
 from dogbot_logtool.core.walk_metrics.nulls import null_because
 from dogbot_logtool.core.walk_metrics.quality import quality_metrics
 from dogbot_logtool.core.walk_metrics.settings import Chosen, settings_metrics
 from dogbot_logtool.core.walk_metrics.side_topics import commands_metrics, imu_metrics
-from dogbot_logtool.core.walk_metrics.span import Span, segments, whole_log
 from dogbot_logtool.finding import Finding
+
+FEWEST_STRIDES: Final = 3
+"""Strides from which phases can be consistent."""
+_PAIRS: Final = {"fore": (0, 1), "hind": (2, 3)}
+"""Corners, left and right, of the pairs of a quadruped."""
 
 
 def metrics_of(stats: Stats, log: Log, chosen: Chosen, findings: Sequence[Finding]) -> WalkMetrics:
@@ -42,16 +67,29 @@ def metrics_of(stats: Stats, log: Log, chosen: Chosen, findings: Sequence[Findin
         chosen: robot and sources of contact.
         findings: about the log and its metrics, the worst first.
     """
-    span = whole_log(stats)
+    gait = _gait(stats, stats.main, stats.support, _flight(stats.support))
+    feet = {
+        foot.name: replace(_foot(stats, row), planned=_planned(stats, row))
+        for row, foot in enumerate(stats.feet)
+    }
+    main = stats.main
+    strides = sum(segment.strides for segment in stats.segments)
+    own = len(stats.feet[stats.reference].strides.stance) if stats.feet else None
+    if main is None:
+        gait = replace(gait, strides=own)
     measured = WalkMetrics(
         schema_version=SCHEMA_VERSION,
         log=log,
         settings=settings_metrics(stats, chosen),
-        base=base_metrics(span),
-        gait=_gait(span),
-        feet=feet_metrics(span),
-        forces=forces_metrics(span),
-        stability=stability_metrics(span),
+        base=stats.base or unknown(Base),
+        gait=GaitOfLog(
+            **{field.name: getattr(gait, field.name) for field in fields_of(Gait)},
+            transition_strides=0 if own is None else own - strides,
+            segments=tuple(_segment(stats, each) for each in stats.segments),
+        ),
+        feet=feet,
+        forces=_forces(stats, stats.loads, feet),
+        stability=stats.stability or unknown(Stability),
         legs=legs_metrics(stats.legs),
         commands=commands_metrics(stats),
         imu=imu_metrics(stats),
@@ -64,27 +102,169 @@ def metrics_of(stats: Stats, log: Log, chosen: Chosen, findings: Sequence[Findin
     return replace(walk, null_because=null_because(walk, stats, findings))
 
 
-def _gait(span: Span) -> GaitOfLog:
-    own = gait_metrics(span)
-    return GaitOfLog(
-        **{field.name: getattr(own, field.name) for field in fields_of(metrics.Gait)},
-        transition_strides=span.stats.transition_strides,
-        segments=tuple(map(_segment, segments(span.stats))),
+def _segment(stats: Stats, segment: Segment) -> metrics.Segment:
+    """Measure a segment: the same metrics over another span."""
+    within = segment.spans
+    feet = {foot.name: _foot(stats, row, within) for row, foot in enumerate(stats.feet)}
+    stable, _ = stability_in(stats, within)
+    return metrics.Segment(
+        start_s=(segment.start - stats.origin) / 1e9,
+        end_s=(segment.end - stats.origin) / 1e9,
+        base=base_in(stats, within) or unknown(Base),
+        gait=_gait(stats, segment, support_in(stats, within), segment.flight_fraction),
+        feet=feet,
+        forces=_forces(stats, loads_in(stats, within), feet),
+        stability=stable or unknown(Stability),
     )
 
 
-def _segment(span: Span) -> Segment:
-    origin, segment = span.stats.origin, span.segment
-    start, end = (0, 0) if segment is None else (segment.start, segment.end)
-    return Segment(
-        start_s=(start - origin) / 1e9,
-        end_s=(end - origin) / 1e9,
-        base=base_metrics(span),
-        gait=gait_metrics(span),
-        feet=feet_metrics(span),
-        forces=forces_metrics(span),
-        stability=stability_metrics(span),
+def _foot(stats: Stats, row: int, within: Ints | None = None) -> Foot:
+    """Return the metrics of a foot, and of its swings where its leg tells them."""
+    foot = stats.feet[row]
+    found = foot_metrics(foot, stats.loads.weight_n, stats.origin, within)
+    if stats.legs is None:
+        return found
+    leg = stats.legs.feet[row]
+    inside = slice(None) if within is None else foot.strides.rows_within(within)
+    return replace(
+        found,
+        step_length_m=aggregate(leg.steps.length_m[inside]),
+        step_width_m=aggregate(leg.steps.width_m[inside]),
+        clearance_m=aggregate(leg.swings.clearance_m[inside]),
+        swing_length_m=aggregate(leg.swings.length_m[inside]),
+        touchdown_down_mps=aggregate(leg.swings.touchdown_down_mps[inside]),
+        touchdown_along_mps=aggregate(leg.swings.touchdown_along_mps[inside]),
+        height_over_stride_m=curve_of(leg.swings.height) if within is None else None,
     )
+
+
+def _planned(stats: Stats, row: int) -> Planned | None:
+    """Return how a foot follows its plan over the whole log; None without one."""
+    plan = stats.planned[row] if stats.planned else None
+    return None if plan is None else plan.metrics
+
+
+def _gait(
+    stats: Stats, segment: Segment | None, support: Support | None, flight: float | None
+) -> Gait:
+    """Return the gait of a span.
+
+    Args:
+        stats: of the whole log.
+        segment: whose phases make the gait; of the whole log the longest; None: there is none.
+        support: of the span.
+        flight: its share of flight.
+    """
+    names = [foot.name for foot in stats.feet]
+    found = unknown(Gait)
+    if segment is None:
+        found = replace(found, phase={name: unknown(Phase) for name in names})
+    else:
+        found = _gait_of_phases(stats, segment, names)
+    if support is not None:
+        found = replace(
+            found,
+            double_support_fraction=support.double_support_fraction,
+            support=_feet_down(support),
+            support_sets=_support_sets(support, names),
+        )
+    return replace(found, flight_fraction=flight)
+
+
+def _gait_of_phases(stats: Stats, segment: Segment, names: Sequence[str]) -> Gait:
+    """Return the gait of a segment but for its support."""
+    gait, corners = segment.gait, _corner_phases(stats, segment)
+    hind = segment.hind_phases or (None,) * len(names)
+    phases = zip(names, segment.phases, hind, strict=True)
+    return replace(
+        unknown(Gait),
+        name=gait.name,
+        confidence=_confidence(segment),
+        sequence=gait.sequence,
+        nearest_name=gait.nearest,
+        class_distance=gait.distance,
+        diagonality=None if corners is None else diagonality(corners),
+        limb_phase=LimbPhase(*((None, None) if corners is None else limb_phases(corners))),
+        duty_factor=segment.duty_factor,
+        stride_frequency_hz=segment.stride_frequency_hz,
+        strides=segment.strides,
+        phase={name: _phase(own, of_hind) for name, own, of_hind in phases},
+    )
+
+
+def _confidence(segment: Segment) -> float | None:
+    """Return how sure the class is, 0 to 1; None where phases do not tell."""
+    gait = segment.gait
+    if gait.name == STAND:
+        return 1.0
+    consistency = [phase.consistency for phase in segment.phases if phase is not None]
+    if gait.name is None or gait.distance is None or not consistency:
+        return None
+    fit = max(0.0, 1.0 - gait.distance / (2.0 * TOLERANCE))
+    return fit * min(consistency) * min(1.0, segment.strides / FEWEST_STRIDES)
+
+
+def _flight(support: Support | None) -> float | None:
+    return None if support is None else support.flight_fraction
+
+
+def _corner_phases(stats: Stats, segment: Segment) -> list[float] | None:
+    """Return the mean phases of the four corners; None unless all are known."""
+    corners = [segment.phases[foot] for foot in stats.corners or ()]
+    phases = [phase.mean for phase in corners if phase is not None]
+    return phases if len(phases) == 4 else None
+
+
+def _feet_down(support: Support) -> dict[str, float]:
+    return {str(number): fraction for number, fraction in enumerate(support.feet_down)}
+
+
+def _support_sets(support: Support, names: Sequence[str]) -> tuple[SupportSet, ...]:
+    return tuple(
+        SupportSet(tuple(names[foot] for foot in feet), fraction) for feet, fraction in support.sets
+    )
+
+
+def _phase(own: CircularMean | None, hind: CircularMean | None) -> Phase:
+    return Phase(
+        mean=None if own is None else own.mean,
+        consistency=None if own is None else own.consistency,
+        left_hind=None if hind is None else hind.mean,
+    )
+
+
+def _forces(stats: Stats, loads: LoadFigures, feet: dict[str, Foot]) -> Forces:
+    """Return the loads of the whole robot over a span."""
+    share = unknown(LoadShare)
+    if loads.shares is not None:
+        groups = grouped_shares(loads.shares, [foot.leg_position for foot in stats.feet])
+        by_name = dict(zip(feet, loads.shares, strict=True))
+        share = LoadShare(feet=by_name, fore=groups["fore"], left=groups["left"])
+    corners, each = stats.corners, list(feet.values())
+    return Forces(
+        vertical_impulse_over_weight=loads.vertical_impulse_over_weight,
+        load_share=share,
+        symmetry_index_percent={}
+        if corners is None
+        else {
+            name: _symmetry(each[corners[left]], each[corners[right]])
+            for name, (left, right) in _PAIRS.items()
+        },
+    )
+
+
+def _symmetry(left: Foot, right: Foot) -> Symmetry:
+    return Symmetry(
+        stance_s=_index(left.stance_s, right.stance_s),
+        duty_factor=_index(left.duty_factor, right.duty_factor),
+        peak_force_n=_index(left.peak_force_n, right.peak_force_n),
+    )
+
+
+def _index(left: Aggregate | None, right: Aggregate | None) -> float | None:
+    """Return the symmetry index of two means, percent."""
+    means = [None if each is None else each.mean for each in (left, right)]
+    return symmetry_index_percent(*means)
 
 
 def _events(stats: Stats) -> tuple[Event, ...]:

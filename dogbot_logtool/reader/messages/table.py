@@ -1,6 +1,7 @@
 """The table of message types that are read, of feet and of base the best first."""
 
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import Any, Final
 
 from dogbot_logtool.reader.messages.message_type import MessageType as Row
@@ -198,6 +199,7 @@ TABLE: Final = (
 )  # fmt: skip
 
 
+@lru_cache(maxsize=1024)
 def rows_of(type_name: str) -> tuple[Row, ...]:
     """Return the rows that may read a type: its own, else those of drivers that copied it."""
     own = tuple(row for row in TABLE if row.name == type_name)

@@ -14,7 +14,7 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.contact.curves import Curve, LoadCurves
-from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.foot_steps import FootSteps
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
@@ -215,7 +215,7 @@ def _draw_load(
 
 
 def _line(
-    stats: Stats, foot: FootStatistics, force: Curve, window: tuple[float, float]
+    stats: Stats, foot: FootSteps, force: Curve, window: tuple[float, float]
 ) -> tuple[Floats, Floats]:
     """Return s since the log's start, and body weights or N, over a window and no further."""
     time, load = force.line(foot.record.gaps)
@@ -229,7 +229,7 @@ def _line(
 def _shade_unknown(
     axes: "Axes",
     stats: Stats,
-    foot: FootStatistics,
+    foot: FootSteps,
     window: tuple[float, float],
     height: Mapping[str, Any],
 ) -> None:

@@ -6,7 +6,7 @@ from typing import Final, TypeVar
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, distinct
-from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.foot_steps import FootSteps
 from dogbot_logtool.core.load.load_figures import LoadFigures
 from dogbot_logtool.core.metrics import Forces, WalkMetrics
 from dogbot_logtool.core.quality.quality import LEAST_SHARE, MOST_DEVIATIONS, Outliers, outliers
@@ -111,7 +111,7 @@ def _stride_caption(every: int, marked: int, shown: int) -> str:
 
 
 def _stride_rows(
-    stats: Stats, foot: int, figures: FootStatistics, void: Sequence[str]
+    stats: Stats, foot: int, figures: FootSteps, void: Sequence[str]
 ) -> list[tuple[float, int, tuple[Cell, ...]]]:
     strides = figures.strides
     columns = foot_strides(stats, foot, void)

@@ -6,7 +6,6 @@ import pytest
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.motion import (
-    BaseMotion,
     BaseTrack,
     base_motion,
     find_travel,
@@ -15,6 +14,7 @@ from dogbot_logtool.core.base.motion import (
 )
 from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history, find_jumps
 from dogbot_logtool.core.corrections.clock import TimeSource
+from dogbot_logtool.core.metrics import Base
 
 START = 5_000_000_000
 
@@ -41,7 +41,7 @@ def track(odometry: Odometry, height_m: float = 0.3) -> BaseTrack:
     return BaseTrack(base, find_travel(base), height, (), timespans.no_spans(), find_jumps(base))
 
 
-def motion(odometry: Odometry, forward_axis: str = "+x") -> BaseMotion:
+def motion(odometry: Odometry, forward_axis: str = "+x") -> Base:
     result = base_motion(track(odometry), forward_axis)
     assert result is not None
     return result
@@ -52,7 +52,6 @@ def test_a_circle_has_its_length_speed_and_turn() -> None:
     assert result.duration_s == pytest.approx(4.0)
     assert result.path_length_m == pytest.approx(2.0, rel=1e-5)
     assert result.net_displacement_m == pytest.approx(4.0 * np.sin(0.5))
-    assert result.mean_speed_mps == pytest.approx(0.5, rel=1e-5)
     assert result.forward_speed_mps == pytest.approx(0.5, rel=1e-5)
     assert result.lateral_speed_mps == pytest.approx(0.0, abs=1e-9)
     assert result.yaw_change_rad == pytest.approx(1.0)
@@ -130,7 +129,7 @@ def test_yaw_is_unwrapped() -> None:
 def test_speed_comes_from_poses_whatever_the_twist_says() -> None:
     odometry = circle()
     odometry.linear_velocity[:] = 99.0
-    assert motion(odometry).mean_speed_mps == pytest.approx(0.5, rel=1e-5)
+    assert motion(odometry).forward_speed_mps == pytest.approx(0.5, rel=1e-5)
 
 
 def test_a_gap_counts_neither_as_path_nor_as_time() -> None:
@@ -139,7 +138,6 @@ def test_a_gap_counts_neither_as_path_nor_as_time() -> None:
     kept[301:500] = False
     result = motion(odometry.pick(kept))
     assert result.duration_s == pytest.approx(3.0)
-    assert result.mean_speed_mps == pytest.approx(0.5, rel=1e-5)
 
 
 def test_poses_that_cannot_be_used_are_counted() -> None:

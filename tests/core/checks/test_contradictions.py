@@ -9,6 +9,7 @@ from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding, Severity
+from tests.analysed import feet_of
 from tests.core.checks.measured_walk import WALK, S, feet, late, measure
 from tests.core.checks.voided import metrics
 
@@ -22,7 +23,7 @@ def test_a_walk_without_contradictions_has_no_such_finding() -> None:
     codes = {each.code for each in findings_of(stats)}
     assert codes.isdisjoint({"CLOCK_OFFSET", "WORLDS_DIFFER", "CLOCK_SET"})
     assert stats.stability is not None
-    assert stats.feet[0].stride_length_m is not None
+    assert feet_of(stats)[0].stride_length_m is not None
 
 
 @pytest.mark.parametrize("seconds", [0.1, 0.2, 0.3, -0.2])
@@ -61,7 +62,7 @@ def test_a_foot_on_another_clock_makes_the_gait_null() -> None:
     assert stats.main is None
     assert stats.support is None
     assert "clocks" in found(stats, "CLASS_UNKNOWN")[0].text
-    assert stats.feet[2].stride_frequency_hz == pytest.approx(1.25, rel=2e-3)
+    assert feet_of(stats)[2].stride_frequency_hz == pytest.approx(1.25, rel=2e-3)
 
 
 def test_wall_and_simulation_time_mixed_are_named_and_log_time_is_used() -> None:

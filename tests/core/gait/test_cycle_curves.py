@@ -10,10 +10,10 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.gait.cycle_curves import (
     CycleCurve,
-    force_curves,
     fore_aft_impulses,
     forward_forces,
     stance_headings,
+    stride_curve,
 )
 from dogbot_logtool.core.gait.strides import strides_of
 from tests.core.load.feet import DUTY, PERIOD_S, RATE_HZ, RULE, foot, seconds, stance_phase
@@ -66,37 +66,6 @@ def test_braking_and_propulsion_are_the_halves_of_a_sine(yaw: float, lateral_n: 
     assert found.propulsive[whole] == pytest.approx(expected, rel=0.01)
 
 
-def test_the_forward_axis_is_the_robots_own() -> None:
-    record = walking_foot(np.pi / 2.0)
-    expected = forward_forces(record, headings(record, heading_base(np.pi / 2.0), "+x"))
-    assert forward_forces(record, headings(record, heading_base(0.0), "+y")) == pytest.approx(
-        expected, abs=1e-9
-    )
-    backwards = forward_forces(record, headings(record, heading_base(0.0), "-y"))
-    assert backwards == pytest.approx(-expected, abs=1e-9)
-
-
-def test_parts_add_up_to_the_vertical_impulse() -> None:
-    record = walking_foot(0.3)
-    stances, vertical = record.stances, record.stance_forces[:, 2]
-    impulse = vertical.mean(axis=1) * stances.duration_s
-    assert impulse[stances.whole] == pytest.approx(
-        stances.figures.vertical_impulse_ns[stances.whole], rel=1e-3
-    )
-
-
-def test_without_heading_or_direction_nothing_is_known() -> None:
-    record = walking_foot(0.0)
-    early = heading_base(0.0, TIME[TIME < 2.0])
-    late = record.stances.touchdown > 4_000_000_000
-    assert np.isnan(forward_forces(record, headings(record, early, "+x"))[late]).all()
-    hidden = walking_foot(0.0, world=False)
-    forward = forward_forces(hidden, headings(hidden, heading_base(0.0), "+x"))
-    strides = strides_of(hidden.stances, hidden.gaps, timespans.no_spans())[0]
-    curves = force_curves(hidden.stance_forces[:, 2], forward, strides)
-    assert (curves.vertical_over_stride, curves.forward_over_stride) == (None, None)
-
-
 def value_at(curve: CycleCurve | None, percent: float) -> float:
     assert curve is not None
     return float(np.interp(percent, curve.percent, curve.median))
@@ -106,7 +75,8 @@ def test_curves_follow_the_force_over_the_stride() -> None:
     record = walking_foot(0.4)
     forward = forward_forces(record, headings(record, heading_base(0.4), "+x"))
     strides = strides_of(record.stances, record.gaps, timespans.no_spans())[0]
-    curves = force_curves(record.stance_forces[:, 2], forward, strides)
+    upward = stride_curve(record.stance_forces[:, 2], strides)
+    ahead = stride_curve(forward, strides)
     # Contact begins where the force reaches the threshold.
     late = np.arcsin(RULE.on_n / TOP_N) / np.pi + 0.5 / (RATE_HZ * STANCE_S)
     for percent in (10.0, 30.0, 50.0, 90.0):
@@ -114,20 +84,7 @@ def test_curves_follow_the_force_over_the_stride() -> None:
         vertical, along = np.sin(np.pi * stance), -np.sin(2.0 * np.pi * stance)
         at_stride = percent * DUTY * (1.0 - late)
         near = pytest.approx(TOP_N * vertical, abs=0.1 * TOP_N)
-        assert value_at(curves.vertical_over_stride, at_stride) == near
+        assert value_at(upward, at_stride) == near
         near = pytest.approx(FORE_AFT_N * along, abs=0.2 * FORE_AFT_N)
-        assert value_at(curves.forward_over_stride, at_stride) == near
-    assert value_at(curves.vertical_over_stride, 80.0) == 0.0
-
-
-def test_quartiles_are_those_of_the_strides() -> None:
-    """Every other stance is a fifth heavier."""
-    stance = stance_phase(TIME, 0.0)
-    heavier = 1.0 + 0.2 * (np.floor((TIME - 0.002) / PERIOD_S) % 2.0)
-    record = foot(TIME, np.where(stance < 1.0, heavier * TOP_N * np.sin(np.pi * stance), 0.0))
-    forward = forward_forces(record, headings(record, heading_base(0.0), "+x"))
-    strides = strides_of(record.stances, record.gaps, timespans.no_spans())[0]
-    curve = force_curves(record.stance_forces[:, 2], forward, strides).vertical_over_stride
-    assert curve is not None
-    top = int(curve.median.argmax())
-    assert curve.upper[top] / curve.lower[top] == pytest.approx(1.2, abs=0.01)
+        assert value_at(ahead, at_stride) == near
+    assert value_at(upward, 80.0) == 0.0

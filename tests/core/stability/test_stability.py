@@ -10,9 +10,9 @@ from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.hulls import NEAR_NS
+from dogbot_logtool.core.metrics import Stability
 from dogbot_logtool.core.stability.stability import (
-    Stability,
-    _below_zero,
+    _unstable,
     stability,
 )
 from tests.core.load.feet import TROT, WEIGHT_N, foot, seconds, vertical
@@ -46,7 +46,7 @@ def robot(
         feet.append(foot(TIME[rows], force[rows], np.tile(place, (int(rows.sum()), 1))))
     found = stability(feet, base(), "+x", vertical_known=True, com_offset_m=com_offset_m)
     assert found is not None
-    return found
+    return found[0]
 
 
 STANDING = [np.full(len(TIME), WEIGHT_N / 4.0)] * 4
@@ -67,8 +67,8 @@ def test_the_centre_of_mass_counts_where_it_is_known() -> None:
     assert found.energy_margin_m is not None
     assert found.static_margin_m.mean == pytest.approx(0.10)
     assert found.energy_margin_m.mean == pytest.approx(np.hypot(0.10, 0.3) - 0.3)
-    assert found.pressure_left_m is not None
-    assert found.pressure_left_m.mean == pytest.approx(0.0, abs=1e-9)
+    assert found.centre_of_pressure_left_m is not None
+    assert found.centre_of_pressure_left_m.mean == pytest.approx(0.0, abs=1e-9)
 
 
 def test_two_feet_down_are_undefined_not_unknown() -> None:
@@ -95,6 +95,6 @@ def test_a_foot_that_stands_nowhere_is_unknown_while_it_is_down() -> None:
 
 def test_an_instant_speaks_until_the_next_one_if_that_is_near() -> None:
     instants = np.cumsum([0, NEAR_NS, 2 * NEAR_NS, 2 * NEAR_NS + 1, NEAR_NS])
-    spans, least = _below_zero(instants, np.array([0.1, -0.2, -0.3, -0.1, 0.2]))
-    assert spans.tolist() == [instants[1:3].tolist(), instants[3:].tolist()]
-    assert least.tolist() == [-0.2, -0.1]
+    found = _unstable(instants, np.array([0.1, -0.2, -0.3, -0.1, 0.2]))
+    assert found.spans.tolist() == [instants[1:3].tolist(), instants[3:].tolist()]
+    assert found.least_margin_m.tolist() == [-0.2, -0.1]

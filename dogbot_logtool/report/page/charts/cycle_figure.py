@@ -17,8 +17,8 @@ _CAPTION: Final = (
 
 def force_over_cycle(stats: Stats) -> Drawing | None:
     """Draw a panel a pair of legs; None where no force over a stride is known."""
-    vertical = [foot.force_curves.vertical_over_stride for foot in stats.feet]
-    forward = [foot.force_curves.forward_over_stride for foot in stats.feet]
+    vertical = [foot.vertical_over_stride for foot in stats.feet]
+    forward = [foot.forward_over_stride for foot in stats.feet]
     known = [
         (name, each) for name, each in (("vertical", vertical), ("forward", forward)) if any(each)
     ]

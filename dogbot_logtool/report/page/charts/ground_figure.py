@@ -93,7 +93,7 @@ def _path(stats: Stats, rows: Ints) -> Trace:
 
 
 def _centre_of_pressure(stats: Stats) -> Trace | None:
-    if stats.stability is None or stats.stability.pressure_forward_m is None:
+    if stats.stability is None or stats.stability.centre_of_pressure_forward_m is None:
         return None
     centre = pressure_path([foot.record for foot in stats.feet])
     rows = thinned(len(centre.time), MOST_POINTS)

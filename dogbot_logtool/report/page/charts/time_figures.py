@@ -7,7 +7,7 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.contact.curves import Curve
-from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.foot_steps import FootSteps
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
@@ -62,9 +62,9 @@ def gait_diagram(stats: Stats) -> Drawing | None:
         },
     )
     down = ", ".join(
-        f"{foot.name} {percent(foot.contact_fraction)}"
+        f"{foot.name} {percent(fraction)}"
         for foot in stats.feet
-        if foot.contact_fraction is not None and foot.contact_known
+        if (fraction := foot.record.contact_fraction()) is not None and foot.contact_known
     )
     return Drawing(
         "gait",
@@ -94,7 +94,7 @@ def _partly(stats: Stats, parts: list[Ints]) -> str:
     )
 
 
-def _stances_drawn(stats: Stats, foot: FootStatistics) -> Ints:
+def _stances_drawn(stats: Stats, foot: FootSteps) -> Ints:
     """(s, 2) ns, the contacts around the typical strides, as many as can be drawn."""
     spans = timespans.no_spans() if foot.is_dead else foot.record.in_contact
     middle = stats.origin + round(sum(default_window(stats)) / 2.0 * 1e9)
@@ -103,7 +103,7 @@ def _stances_drawn(stats: Stats, foot: FootStatistics) -> Ints:
     return spans[first : first + MOST_STANCES]
 
 
-def _bars(stats: Stats, foot: FootStatistics, spans: Ints, row: int) -> Trace:
+def _bars(stats: Stats, foot: FootSteps, spans: Ints, row: int) -> Trace:
     start, end = seconds(stats, spans[:, 0]), seconds(stats, spans[:, 1])
     return bars(
         base=start,
@@ -118,7 +118,7 @@ def _bars(stats: Stats, foot: FootStatistics, spans: Ints, row: int) -> Trace:
     )
 
 
-def _unknown_bars(stats: Stats, foot: FootStatistics, row: int) -> Trace:
+def _unknown_bars(stats: Stats, foot: FootSteps, row: int) -> Trace:
     known = timespans.no_spans() if foot.is_dead else foot.record.known
     everything = np.array([[stats.origin, stats.end]], np.int64)
     spans = timespans.subtract(everything, known)
@@ -141,7 +141,7 @@ def _unknown_bars(stats: Stats, foot: FootStatistics, row: int) -> Trace:
     )
 
 
-def _contact_share(stats: Stats, foot: FootStatistics, drawn: Ints, row: int) -> Trace:
+def _contact_share(stats: Stats, foot: FootSteps, drawn: Ints, row: int) -> Trace:
     edges = np.linspace(stats.origin, stats.end, SHARE_BINS + 1).astype(np.int64)
     known = timespans.covered(foot.record.known, edges)
     share = np.full(SHARE_BINS, np.nan)
@@ -208,13 +208,13 @@ def _extent(stats: Stats) -> tuple[float, float]:
     return min(0.0, 1.05 * low), max(1.05 * high, 1.0)
 
 
-def _curves(foot: FootStatistics) -> list[Curve]:
+def _curves(foot: FootSteps) -> list[Curve]:
     curves = foot.record.curves
     return [each for each in (curves.force, curves.vertical) if each] if curves else []
 
 
 def _load_traces(
-    stats: Stats, foot: FootStatistics, row: int, extent: tuple[float, float]
+    stats: Stats, foot: FootSteps, row: int, extent: tuple[float, float]
 ) -> list[Trace]:
     curves, colour = foot.record.curves, foot_colour(row)
     traces = [_shading(stats, _stances_drawn(stats, foot), colour, extent)]
