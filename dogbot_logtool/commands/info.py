@@ -19,7 +19,7 @@ from dogbot_logtool.results import LogInfo, TopicInfo
 from dogbot_logtool.robot.feet.message_feet import is_planned
 from dogbot_logtool.robot.frames.frame_findings import frame_findings
 from dogbot_logtool.robot.frames.frames import Frames, read_frames
-from dogbot_logtool.robot.measuring.side_types import has_side_topics
+from dogbot_logtool.robot.measuring.side_topics import side_topics
 from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.robot.probe import Probe, frame_names, probe_recording
 from dogbot_logtool.robot.probe_findings import name_findings, stamp_findings
@@ -144,10 +144,6 @@ def _base_use(selection: Selection) -> str:
 def _side_uses(log: Log) -> dict[int, str]:
     """Return what `stats` uses channels beside feet and base for, by id."""
     joints = {channel.id: "joints" for channel in joint_channels(log)}
-    if not has_side_topics(log):
-        return joints
-    from dogbot_logtool.robot.measuring.side_topics import side_topics  # noqa: PLC0415
-
     side = side_topics(log, StatsOptions())
     uses = ((side.commands, "commands"), (side.inertial, "accelerometer"))
     return joints | {each.id: use for topic, use in uses if topic for each in topic.channels}

@@ -17,7 +17,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite, distinct
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.stance_curves import PARTS
+from dogbot_logtool.core.contact.stance_samples import PARTS
 from dogbot_logtool.core.load.impulses import CELL_RATE_HZ, mean_impulses
 from dogbot_logtool.core.load.load_figures import vertical_is_known
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2

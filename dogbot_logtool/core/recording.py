@@ -7,7 +7,7 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.transforms import RecordedTransforms, no_transforms
-from dogbot_logtool.core.legs.joint_track import JointTable
+from dogbot_logtool.core.legs.joints import JointTable
 from dogbot_logtool.core.vectors import VectorSamples
 from dogbot_logtool.dataclass import dataclass
 

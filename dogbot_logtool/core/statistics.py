@@ -19,7 +19,7 @@ from dogbot_logtool.dataclass import dataclass
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands import CommandTrack
     from dogbot_logtool.core.imu import ImuComparison
-    from dogbot_logtool.core.legs.leg_figures import LegFigures
+    from dogbot_logtool.core.legs.legs import LegFigures
     from dogbot_logtool.core.vectors import VectorHistory
 
 

@@ -25,6 +25,7 @@ from dogbot_logtool.core.corrections.clock import (
     check_stamps,
     choose_clock,
     clock_differences,
+    offset_track,
     without_bad_stamps,
 )
 from dogbot_logtool.core.evaluation import work_out
@@ -42,7 +43,7 @@ from dogbot_logtool.core.statistics import Stats
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.frames.transforms import TransformBuffer
-    from dogbot_logtool.core.legs.settings import LegSettings
+    from dogbot_logtool.core.legs.paths import LegSettings
     from dogbot_logtool.core.vectors import VectorHistory
 
 
@@ -189,14 +190,17 @@ def _with_legs(
 ) -> Stats:
     """Add the figures of the legs."""
     from dogbot_logtool.core.leg_evaluation import with_legs  # noqa: PLC0415
-    from dogbot_logtool.core.legs.leg_history import leg_history  # noqa: PLC0415
 
-    settings = stats.settings
-    leg_settings, frames = legs
-    history = leg_history(recording.joints, frames, leg_settings, settings.clock)
-    on_stamps = settings.clock is TimeSource.HEADER
-    clocks = _differences({**history.offsets, **tracks}, settings) if on_stamps else ()
-    return with_legs(stats, history, clocks)
+    settings, frames = legs
+    offsets = {}
+    for table in recording.joints:
+        own = table.samples
+        # Messages without a stamp have their log time.
+        stamped = own.stamp != own.log_time
+        offsets[table.topic] = offset_track(own.log_time[stamped], own.stamp[stamped])
+    on_stamps = stats.settings.clock is TimeSource.HEADER
+    clocks = _differences({**offsets, **tracks}, stats.settings) if on_stamps else ()
+    return with_legs(stats, recording.joints, settings, frames, clocks)
 
 
 def _topic_qualities(

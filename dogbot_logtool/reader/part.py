@@ -14,7 +14,7 @@ from dogbot_logtool.core.frames.transforms import (
     concatenate_transforms,
     no_transforms,
 )
-from dogbot_logtool.core.legs.joint_track import MOST_JOINTS, JointSamples, JointTable
+from dogbot_logtool.core.legs.joints import MOST_JOINTS, JointSamples, JointTable
 from dogbot_logtool.core.plausible import plausible_odometry
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss, Span

@@ -12,7 +12,7 @@ from dogbot_logtool.core.arrays import Flags, Ints, Record, concatenated, median
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contacts import Samples, no_samples, without_contact
 from dogbot_logtool.core.frames.transforms import concatenate_transforms, no_transforms
-from dogbot_logtool.core.legs.joint_track import MOST_JOINTS, JointSamples, JointTable
+from dogbot_logtool.core.legs.joints import MOST_JOINTS, JointSamples, JointTable
 from dogbot_logtool.core.recording import Recording, Times, VectorTopic
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Chunk, Log, Loss, Span

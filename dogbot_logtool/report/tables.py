@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
 
-from dogbot_logtool.core.arrays import Aggregate, aggregate
+from dogbot_logtool.core.arrays import Aggregate
 from dogbot_logtool.core.metrics import (
     Foot,
     Joint,
@@ -18,7 +18,7 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.legs.leg_figures import LegFoot
+    from dogbot_logtool.core.legs.legs import LegFoot
     from dogbot_logtool.core.statistics import Stats
 
 S = TypeVar("S")
@@ -122,10 +122,6 @@ def cell(column: Column[S], value: Any) -> str:  # noqa: ANN401 - any value
     return decimal(value * column.scale, column.decimals)
 
 
-def _of_leg(of: "Callable[[LegFoot], Spread]") -> Callable[[FootRow], Spread]:
-    return lambda row: None if row.leg is None else of(row.leg)
-
-
 STEPS: Final[Sequence[Column[FootRow]]] = (
     Column("contact", lambda row: row.foot.contact_fraction, is_share=True),
     Column("strides", lambda row: row.foot.strides),
@@ -171,11 +167,8 @@ LEGS: Final[Sequence[Column[FootRow]]] = (
     Column("width m", lambda row: row.foot.step_width_m, 3),
     Column("down m/s", lambda row: row.foot.touchdown_down_mps, 3),
     Column("along m/s", lambda row: row.foot.touchdown_along_mps, 3),
-    Column("work+ J", _of_leg(lambda leg: aggregate(leg.work.positive_j)), 2),
-    Column("|work| J", _of_leg(lambda leg: aggregate(leg.work.absolute_j)), 2),
-    Column("at rest", _of_leg(lambda leg: leg.travel_m), 1, 1e3),
 )
-"""Swings of each foot, and the work of its leg."""
+"""Swings of each foot."""
 JOINTS: Final[Sequence[Column[Joint]]] = (
     Column("range", lambda joint: joint.range_of_motion, 3),
     Column("peak speed", lambda joint: joint.peak_speed, 2),

@@ -6,8 +6,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import all_finite, median_of, norms
 from dogbot_logtool.core.contact.contact_rule import FootSensor, Thresholds, contact_rule
-from dogbot_logtool.core.contact.contacts import Samples, samples_together
-from dogbot_logtool.core.contact.silent_swing import SilentFeet, learn_silences
+from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import usual_interval_s
 from dogbot_logtool.core.corrections.modes import CONSTANT
 from dogbot_logtool.core.corrections.moving_level import follow_level
@@ -37,8 +36,6 @@ class LearntSensors:
 
     feet: tuple[FootSensor, ...]
     """In the order of the robot's feet."""
-    silent: SilentFeet
-    """Those that send no messages in swing."""
     estimated_weight_n: float | None
     """N, the feet's mean sum of loads, where no mass is given and thresholds rest on it."""
 
@@ -79,11 +76,7 @@ def learn_sensors(
         elif _is_stuck(level) and any(each.loaded_n and not _is_stuck(each) for each in levels):
             rule = replace(rule, unusable="its sensor reads one constant force while others vary")
         feet.append(FootSensor(level, rule))
-    silent = SilentFeet({})
-    if probe.intervals:
-        together = samples_together(probe.feet)
-        silent = learn_silences(together, probe.intervals, probe.silence_clock)
-    return LearntSensors(tuple(feet), silent, estimated)
+    return LearntSensors(tuple(feet), estimated)
 
 
 def _is_stuck(level: SensorLevel) -> bool:

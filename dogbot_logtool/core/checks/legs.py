@@ -1,11 +1,27 @@
 """Checks of joints and of the feet's frames."""
 
+from collections import Counter
 from collections.abc import Iterator
+from typing import Final
 
+import numpy as np
+
+from dogbot_logtool.core.arrays import median_of
+from dogbot_logtool.core.base.poses import without_jumps
+from dogbot_logtool.core.checks.loads import direction_is_doubtful
+from dogbot_logtool.core.gait.standing import typical_period_s
+from dogbot_logtool.core.leg_evaluation import paired
+from dogbot_logtool.core.legs.doubts import LegSigns, contradiction, leg_signs, shortfall
+from dogbot_logtool.core.legs.legs import LegFigures
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 
-_MOST_NAMED = 6
+FEWEST_STATES: Final = 16
+"""States of a joint in a stride; with fewer its work may be off by a tenth."""
+OTHER_UNIT: Final = 3.0
+"""Work of legs over that of the ground's forces: a larger factor, or one over it, is of units."""
+_MOST_NAMED: Final = 6
+_WORK: Final = "legs.absolute_work_j"
 
 
 def foot_frames(stats: Stats) -> Iterator[Finding]:
@@ -17,20 +33,14 @@ def foot_frames(stats: Stats) -> Iterator[Finding]:
 
 
 def sampled_slowly(stats: Stats) -> Iterator[Finding]:
-    """Yield what is sampled too slowly for touchdown velocities, or for the work of joints."""
-    legs = stats.legs
-    if legs is None:
-        return
-    slow = tuple(leg.name for leg in legs.feet if leg.swings.is_slow)
+    """Yield what is sampled too slowly for touchdown velocities."""
+    slow = tuple(leg.name for leg in stats.legs.feet if leg.is_slow) if stats.legs else ()
     if slow:
         text = (
             f"legs or contacts of {', '.join(slow)} are sampled below 100 Hz: "
             "the velocity of their touchdowns is not known"
         )
         yield Finding("SAMPLED_SLOWLY", text, "legs.feet", cases=("touchdown",), feet=slow)
-    if legs.joints_slow and not legs.clocks_apart:
-        text = f"no work is known: {legs.work_unknown}"
-        yield Finding("SAMPLED_SLOWLY", text, "legs.absolute_work_j", cases=("work",))
 
 
 def joint_clocks(stats: Stats) -> Iterator[Finding]:
@@ -43,31 +53,132 @@ def joint_clocks(stats: Stats) -> Iterator[Finding]:
         yield Finding("CLOCK_OFFSET", text, topic, cases=("joints",))
 
 
-def joints_missing(stats: Stats) -> Iterator[Finding]:
-    """Yield joints or efforts that joint states leave out."""
-    legs, where = stats.legs, "legs.absolute_work_j"
-    if legs is None or legs.clocks_apart or legs.work_refuted or legs.joints_slow:
-        return
-    if legs.work_unknown:
-        text = f"no work is known: {legs.work_unknown}"
-        yield Finding("JOINTS_MISSING", text, where, cases=("work",))
-    elif legs.without_effort:
-        named = ", ".join(legs.without_effort[:_MOST_NAMED])
-        more = len(legs.without_effort) - _MOST_NAMED
-        text = f"joints that move without an effort, whose work is missing: {named}"
-        yield Finding("JOINTS_MISSING", text + (f" and {more} more" if more > 0 else ""), where)
-
-
-def joint_values(stats: Stats) -> Iterator[Finding]:
-    """Yield joint states that contradict themselves or the forces on the feet."""
+def joint_work(stats: Stats) -> Iterator[Finding]:
+    """Yield why the work of joints is not known: the first reason of those that there are."""
     legs = stats.legs
-    if legs is not None and legs.work_refuted and not legs.clocks_apart:
-        text = f"no work is known: {legs.work_unknown}"
-        yield Finding("JOINT_VALUES", text, "legs.absolute_work_j")
+    if legs is None or legs.clocks_apart:
+        return
+    if missing := _no_work(legs) or _lacking(stats, legs):
+        text = f"no work is known: {missing}"
+        yield Finding("JOINTS_MISSING", text, _WORK, cases=("work",))
+        return
+    if slow := _too_slow(stats, legs):
+        yield Finding("SAMPLED_SLOWLY", f"no work is known: {slow}", _WORK, cases=("work",))
+        return
+    signs = _signs(stats, legs)
+    odd = contradiction(legs.moving, legs.settings.foot_of_joint, stats.loads.weight_n)
+    if odd := odd or _other_unit(stats, signs):
+        yield Finding("JOINT_VALUES", f"no work is known: {odd}", _WORK)
+        return
+    without = [joint.name for joint in legs.moving if not joint.has_effort]
+    if without:
+        text = "joints that move without an effort, whose work is missing: "
+        yield Finding("JOINTS_MISSING", text + _named(without), _WORK)
+    yield from _effort_signs(stats, legs, signs, judges_all=not without)
 
 
-def effort_signs(stats: Stats) -> Iterator[Finding]:
-    """Yield efforts of the wrong sign."""
-    for doubt in stats.legs.sign_doubts if stats.legs else ():
-        text = f"{doubt.text}; absolute work does not depend on signs"
-        yield Finding("EFFORT_SIGN", text, doubt.key)
+def _named(names: list[str]) -> str:
+    """Return some names, not too many."""
+    more = len(names) - _MOST_NAMED
+    return ", ".join(names[:_MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
+
+
+def _no_work(legs: LegFigures) -> str:
+    """Say which efforts are missing; empty if none are."""
+    moving = legs.moving
+    if not moving:
+        return "no joint states tell of joints that move"
+    if not any(joint.has_effort for joint in moving):
+        peaks = [joint.peak_effort for joint in moving if np.isfinite(joint.peak_effort)]
+        how = ("constant" if any(peaks) else "constantly zero") if peaks else "empty"
+        return f"the joint states' efforts are {how}"
+    of_legs = legs.settings.foot_of_joint
+    lacking = [each.name for each in moving if each.name in of_legs and not each.has_effort]
+    return f"joints of legs tell no effort: {', '.join(lacking)}" if lacking else ""
+
+
+def _lacking(stats: Stats, legs: LegFigures) -> str:
+    """Say which joints of legs are missing; empty if none are known to be."""
+    if legs.settings.untold:
+        return f"joint states do not tell of {', '.join(legs.settings.untold)}"
+    count = Counter(legs.settings.foot_of_joint.get(name) for name in legs.joints)
+    for row, foot in enumerate(stats.feet):
+        for other, beside in enumerate(stats.feet):
+            if 0 < count[row] < count[other] and paired(stats, row, other):
+                return (
+                    f"joint states tell of fewer joints of {foot.name} ({count[row]}) than of "
+                    f"{beside.name} ({count[other]})"
+                )
+    return ""
+
+
+def _too_slow(stats: Stats, legs: LegFigures) -> str:
+    """Say that joint states of legs come too rarely for work; empty if they do not."""
+    period = typical_period_s([foot.stances for foot in stats.feet])
+    of_legs = legs.settings.foot_of_joint
+    own = [joint for joint in legs.moving if joint.name in of_legs] or legs.moving
+    states = min(joint.rate_hz for joint in own) * period if period else FEWEST_STATES
+    if period is None or states >= FEWEST_STATES:
+        return ""
+    return f"joint states come {states:.3g} times in a stride of {period:.2f} s"
+
+
+def _signs(stats: Stats, legs: LegFigures) -> dict[str, LegSigns]:
+    """Judge the efforts of each leg by the force on its foot, where both are known."""
+    if not stats.feet or direction_is_doubtful(stats):
+        return {}
+    base = without_jumps(stats.base_history, stats.jumps)
+    found = {}
+    for row, (foot, leg) in enumerate(zip(stats.feet, legs.feet, strict=True)):
+        told = foot.vertical_over_stride is not None and foot.forward_over_stride is not None
+        if leg.path is None or leg.reason or not told:
+            continue
+        moving = [joint for joint in legs.joints_of(row) if joint.moves]
+        signs = leg_signs(foot.record.stance_forces, foot.stances, leg.path, base, moving)
+        if signs is not None:
+            found[leg.name] = signs
+    return found
+
+
+def _other_unit(stats: Stats, judged: dict[str, LegSigns]) -> str:
+    """Say that the work of legs is of another size than that of the forces on their feet."""
+    over_weight = stats.loads.vertical_impulse_over_weight
+    newtons = over_weight is None or 0.5 < over_weight < 2.0
+    scale = median_of([signs.scale for signs in judged.values()]) if judged else 1.0
+    if not newtons or 1.0 / OTHER_UNIT <= scale <= OTHER_UNIT:
+        return ""
+    return f"the work of joints is {scale:.3g} times that of the forces on the feet"
+
+
+def _effort_signs(
+    stats: Stats, legs: LegFigures, judged: dict[str, LegSigns], *, judges_all: bool
+) -> Iterator[Finding]:
+    """Yield efforts of the wrong sign: of legs, or else by energy of all joints together."""
+    odd = {foot: signs.odd for foot, signs in judged.items() if not signs.agree}
+    if odd:
+        names = [name for each in odd.values() for name in each]
+        text = (
+            "motors do not do the work of the forces on the feet, but would with the other sign "
+            f"of some efforts ({_named(names)}); absolute work does not depend on signs"
+        )
+        where = f"legs.feet.{next(iter(odd))}.positive_work_j"
+        sound = judged.keys() - odd.keys()
+        doubted = tuple(foot.name for foot in stats.feet if foot.name not in sound)
+        yield Finding("EFFORT_SIGN", text, where, feet=doubted)
+        return
+    weight = stats.loads.weight_n
+    astray = stats.base_clock_is_apart or stats.loses_way
+    if weight is None or astray or not judges_all or len(judged) == len(legs.feet):
+        return
+    strides = stats.feet[stats.reference].strides
+    base = without_jumps(stats.base_history, stats.jumps)
+    short = shortfall(legs.work, strides, base, weight)
+    if short is not None:
+        text = (
+            f"the joints' work is {short:.3g} J a stride short of what lifts and speeds up the "
+            "robot, before any losses: efforts have the wrong sign, or something else drives it "
+            "(it is pushed, or goes down a slope that the poses do not tell); absolute work does "
+            "not depend on signs"
+        )
+        feet = tuple(foot.name for foot in stats.feet)
+        yield Finding("EFFORT_SIGN", text, "legs.positive_work_j", feet=feet)

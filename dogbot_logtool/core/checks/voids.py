@@ -9,8 +9,12 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.finding import Finding
 
-_METRICS: Final[Mapping[str, str]] = {"length_m": "stride_length_m"}
-"""Metrics of a foot whose columns have another name."""
+_METRICS: Final[Mapping[str, Sequence[str]]] = {
+    "length_m": ("feet.{foot}.stride_length_m",),
+    "absolute_work_j": ("legs.absolute_work_j",),
+    "positive_work_j": ("feet.{foot}.positive_work_j", "legs.absolute_work_j"),
+}
+"""Metrics that void columns, where these are not the foot's of the same name."""
 
 
 def void_patterns(findings: Iterable[Finding]) -> tuple[str, ...]:
@@ -35,5 +39,6 @@ def void_columns(
 
 
 def _is_void(column: str, foot: str, patterns: Sequence[str]) -> bool:
-    path = f"feet.{foot}.{_METRICS.get(column, column)}"
-    return any(fnmatchcase(path, pattern) for pattern in patterns)
+    metrics = _METRICS.get(column, ("feet.{foot}." + column,))
+    paths = [metric.replace("{foot}", foot) for metric in metrics]
+    return any(fnmatchcase(path, pattern) for path in paths for pattern in patterns)

@@ -17,22 +17,9 @@ import numpy as np
 from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.corrections.clock import SILENCE_NS
-from dogbot_logtool.dataclass import dataclass
 
 LONGEST_RISE_S: Final = 0.1
 """s: a touchdown is dated back by no more."""
-
-
-@dataclass(frozen=True, slots=True)
-class StanceRows:
-    """The stances of a foot after debouncing, as rows of its samples, in order."""
-
-    touchdown: Ints
-    """(k,) the first row in contact."""
-    liftoff: Ints
-    """(k,) the first row after it that is not; the last row where the log ends in the stance."""
-    filled_swings: int
-    dropped_stances: int
 
 
 def schmitt(force: Floats, rule: ContactRule) -> Flags:
@@ -77,30 +64,30 @@ def backdated(contact: Flags, time: Ints, force: Floats, off_n: float) -> Flags:
         (n,) bool.
     """
     begins = np.flatnonzero(contact[1:] & ~contact[:-1]) + 1
-    after_low = _last_up_to(begins, np.flatnonzero((force < off_n) | (force == 0.0))) + 1
-    after_silence = _last_up_to(begins, np.flatnonzero(silent_before(time)))
+    # The row after the last low one, or the last after a silence, up to each touchdown.
+    rises = silent_before(time)
+    rises[1:] |= ((force < off_n) | (force == 0.0))[:-1]
+    edges = np.flatnonzero(rises)
+    since = edges[np.searchsorted(edges, begins, side="right") - 1]
     earliest = np.searchsorted(time, time[begins] - round(LONGEST_RISE_S * 1e9))
-    since = np.maximum(np.maximum(after_low, after_silence), earliest)
     change = np.zeros(len(contact) + 1, np.int32)
-    np.add.at(change, np.minimum(since, begins), 1)
+    np.add.at(change, np.minimum(np.maximum(since, earliest), begins), 1)
     np.add.at(change, begins, -1)
     return contact | (np.cumsum(change[:-1], dtype=np.int32) > 0)
 
 
-def _last_up_to(rows: Ints, marks: Ints) -> Ints:
-    """(k,) the last of some ascending marks up to each row; -1 before the first one."""
-    led = np.concatenate([[-1], marks])
-    last: Ints = led[np.searchsorted(marks, rows, side="right")]
-    return last
-
-
-def find_stances(time: Ints, contact: Flags, rule: ContactRule) -> StanceRows:
+def find_stances(time: Ints, contact: Flags, rule: ContactRule) -> tuple[Ints, Ints, int, int]:
     """Fill swings that are too short, then drop stances that are.
 
     Args:
         time: (n,) ns, strictly increasing.
         contact: (n,) state of the Schmitt trigger.
         rule: what is too short.
+
+    Returns:
+        (k,) the first row of each stance in contact, (k,) the first row after it that is not, or
+        the last row where the log ends in the stance; how many swings were filled, how many
+        stances dropped.
     """
     silent, fill_ns = silent_before(time), round(rule.fill_s * 1e9)
     edges = np.flatnonzero(np.diff(contact, prepend=False, append=False))
@@ -111,22 +98,14 @@ def find_stances(time: Ints, contact: Flags, rule: ContactRule) -> StanceRows:
     ends = breaks[np.append(parts, True)[:runs]]
     # Where the log ends in a stance, its last sample ends it.
     last = np.minimum(ends, len(time) - 1)
-    brief = _loaded_ns(time, contact, starts, last) < round(rule.debounce_s * 1e9)
-    brief &= ~silent[starts]
-    # A short one at the log's end may be part of a longer one.
-    over = (ends < len(time)) & (silent[last] | (time[-1:] - time[last] >= fill_ns))
-    brief &= over
-    return StanceRows(starts[~brief], last[~brief], runs - len(starts), int(brief.sum()))
-
-
-def _loaded_ns(time: Ints, contact: Flags, starts: Ints, ends: Ints) -> Ints:
-    """(k,) ns in contact between some rows, without the swings that were filled.
-
-    A single sample stands for no more than the interval before it: the next may be lost.
-    """
+    # Swings that were filled do not count. A single sample stands for no more than the interval
+    # before it: the next may be lost.
     step = np.diff(time)
     total = np.concatenate([[0], np.cumsum(step * contact[:-1])])
-    loaded: Ints = total[ends] - total[starts]
-    single = np.flatnonzero((ends - starts == 1) & (starts > 0))
-    loaded[single] = np.minimum(loaded[single], step[starts[single] - 1])
-    return loaded
+    loaded_ns = total[last] - total[starts]
+    single = np.flatnonzero((last - starts == 1) & (starts > 0))
+    loaded_ns[single] = np.minimum(loaded_ns[single], step[starts[single] - 1])
+    brief = (loaded_ns < round(rule.debounce_s * 1e9)) & ~silent[starts]
+    # A short one at the log's end may be part of a longer one.
+    brief &= (ends < len(time)) & (silent[last] | (time[-1:] - time[last] >= fill_ns))
+    return starts[~brief], last[~brief], runs - len(starts), int(brief.sum())

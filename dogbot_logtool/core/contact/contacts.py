@@ -1,6 +1,5 @@
 """Contact messages as columns, reduced to one sample a message."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -11,7 +10,6 @@ from dogbot_logtool.core.arrays import (
     Flags,
     Floats,
     Ints,
-    concatenated,
     header_time,
     norms,
     picked,
@@ -114,12 +112,6 @@ def samples_by_foot(samples: Samples, feet: int) -> tuple[Samples, ...]:
     return tuple(found)
 
 
-def samples_together(feet: Sequence[Samples]) -> Samples:
-    """Return the samples of all feet in the order of their log times."""
-    together = concatenated([no_samples(), *feet])
-    return together.pick(np.argsort(together.log_time, kind="stable"))
-
-
 def without_contact(samples: Samples, rows: Flags) -> Samples:
     """Return samples of which the chosen ones, (n,), tell that nothing touches."""
     if not rows.any():
@@ -143,48 +135,34 @@ def contact_samples(contacts: Contacts) -> Samples:
     adding steps up multiplies the load. Where the foot is the second body of a pair the force
     is turned round. States of other pairs are left out.
     """
+    messages = len(contacts.log_time)
     used = contacts.newest & (contacts.foot_side != NOT_THIS_FOOT)
-    if not used.all():
-        contacts = _of_states(contacts, used)
-    messages, message = len(contacts.log_time), contacts.state_message
     turned = contacts.foot_side == FOOT_IS_COLLISION2
-
-    states_of = np.bincount(message, minlength=messages)
-    turned_of = np.bincount(message[turned], minlength=messages)
-    in_contact = states_of > 0
-    points, position = _mean_point(contacts)
+    # States that do not count are those of one message more.
+    message = np.where(used, contacts.state_message, messages)
+    states_of = np.bincount(message, minlength=messages + 1)
+    turned_of = np.bincount(message[turned], minlength=messages + 1)
+    in_contact = states_of[:messages] > 0
+    force = sum_by_group(_where_turned(turned, contacts.total_force), message, messages + 1)
+    points, position = _mean_point(contacts, message[contacts.point_state])
+    state = contacts.normal_state
+    normals = _where_turned(turned[state], contacts.normal)
+    normal = sum_by_group(normals, message[state], messages + 1)[:messages]
+    length = norms(normal)
+    # Of numbers whose squares overflow, no direction is known.
+    length[~np.isfinite(length)] = np.nan
+    with np.errstate(invalid="ignore", divide="ignore"):
+        normal /= length[:, None]
     return Samples(
         foot=contacts.foot,
         log_time=contacts.log_time,
         stamp=contacts.stamp,
         in_contact=in_contact,
-        force=sum_by_group(_where_turned(turned, contacts.total_force), message, messages),
-        in_world=in_contact & (turned_of == states_of),
+        force=force[:messages],
+        in_world=in_contact & (turned_of == states_of)[:messages],
         points=points,
         position=position,
-        normal=_mean_normal(contacts, turned),
-    )
-
-
-def _of_states(contacts: Contacts, used: Flags) -> Contacts:
-    """Keep the chosen states, and what belongs to them."""
-    number = np.cumsum(used) - 1
-    point, wrench, normal = (
-        used[state]
-        for state in (contacts.point_state, contacts.wrench_state, contacts.normal_state)
-    )
-    return replace(
-        contacts,
-        state_message=contacts.state_message[used],
-        foot_side=contacts.foot_side[used],
-        newest=contacts.newest[used],
-        total_force=contacts.total_force[used],
-        point_state=number[contacts.point_state[point]],
-        point=contacts.point[point],
-        wrench_state=number[contacts.wrench_state[wrench]],
-        wrench_force=contacts.wrench_force[wrench],
-        normal_state=number[contacts.normal_state[normal]],
-        normal=contacts.normal[normal],
+        normal=normal,
     )
 
 
@@ -193,55 +171,38 @@ def _where_turned(turned: Flags, vectors: Floats) -> Floats:
     return np.where(turned[:, None], -vectors, vectors) if turned.any() else vectors
 
 
-def _mean_point(contacts: Contacts) -> tuple[Ints, Floats]:
-    """(n,) number of each message's contact points, (n, 3) m their force-weighted mean."""
+def _mean_point(contacts: Contacts, message: Ints) -> tuple[Ints, Floats]:
+    """(n,) number of each message's contact points, (n, 3) m their force-weighted mean.
+
+    Args:
+        contacts: of n messages.
+        message: (p,) the message that each point counts for; n: none.
+    """
     messages = len(contacts.log_time)
-    message = contacts.state_message[contacts.point_state]
     weight = _point_weights(contacts)
-    total = sum_by_group(weight, message, messages)
+    total = sum_by_group(weight, message, messages + 1)
     # Sensors of other physics engines may report no force at all: then every point counts alike.
-    unweighted = total == 0.0
-    if unweighted[message].any():
-        weight = np.where(unweighted[message], 1.0, weight)
-        total = sum_by_group(weight, message, messages)
+    unweighted = (total == 0.0)[message]
+    if unweighted.any():
+        weight = np.where(unweighted, 1.0, weight)
+        total = sum_by_group(weight, message, messages + 1)
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-        weighted = sum_by_group(contacts.point * weight[:, None], message, messages)
-        return np.bincount(message, minlength=messages), weighted / total[:, None]
+        weighted = sum_by_group(contacts.point * weight[:, None], message, messages + 1)
+        mean = (weighted / total[:, None])[:messages]
+    return np.bincount(message, minlength=messages + 1)[:messages], mean
 
 
 def _point_weights(contacts: Contacts) -> Floats:
     """(p,) N: the force at each point, or an equal part of its state's where lengths differ."""
-    if np.array_equal(contacts.point_state, contacts.wrench_state):
+    of_point, of_wrench = contacts.point_state, contacts.wrench_state
+    if np.array_equal(of_point, of_wrench):
         return norms(contacts.wrench_force)
     states = len(contacts.state_message)
-    points_of = np.bincount(contacts.point_state, minlength=states)
-    wrenches_of = np.bincount(contacts.wrench_state, minlength=states)
-    paired = points_of == wrenches_of
-
-    weight = np.empty(len(contacts.point_state))
-    point_paired = paired[contacts.point_state]
-    points = np.flatnonzero(point_paired)
-    wrenches = np.flatnonzero(paired[contacts.wrench_state])
-    if not np.array_equal(contacts.point_state[points], contacts.wrench_state[wrenches]):
-        points = points[np.argsort(contacts.point_state[points], kind="stable")]
-        wrenches = wrenches[np.argsort(contacts.wrench_state[wrenches], kind="stable")]
+    points_of = np.bincount(of_point, minlength=states)
+    paired = points_of == np.bincount(of_wrench, minlength=states)
+    weight = norms(contacts.total_force)[of_point] / points_of[of_point]
+    points, wrenches = np.flatnonzero(paired[of_point]), np.flatnonzero(paired[of_wrench])
+    points = points[np.argsort(of_point[points], kind="stable")]
+    wrenches = wrenches[np.argsort(of_wrench[wrenches], kind="stable")]
     weight[points] = norms(contacts.wrench_force[wrenches])
-    if not point_paired.all():
-        lone = contacts.point_state[~point_paired]
-        weight[~point_paired] = norms(contacts.total_force[lone]) / points_of[lone]
     return weight
-
-
-def _mean_normal(contacts: Contacts, turned: Flags) -> Floats:
-    """(n, 3): unit mean of each message's normals, turned to point into the foot."""
-    state = contacts.normal_state
-    total = sum_by_group(
-        _where_turned(turned[state], contacts.normal),
-        contacts.state_message[state],
-        len(contacts.log_time),
-    )
-    length = norms(total)
-    # Of numbers whose squares overflow, no direction is known.
-    length[~np.isfinite(length)] = np.nan
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return total / length[:, None]

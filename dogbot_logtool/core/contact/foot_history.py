@@ -1,6 +1,5 @@
 """Everything that is measured on one foot, from the columns of its samples."""
 
-from collections.abc import Iterator
 from dataclasses import field, replace
 from typing import Final
 
@@ -8,17 +7,17 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, norms
-from dogbot_logtool.core.contact.contact_detection import (
-    StanceRows,
-    backdated,
-    find_stances,
-    schmitt,
-)
+from dogbot_logtool.core.contact.contact_detection import backdated, find_stances, schmitt
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
-from dogbot_logtool.core.contact.curves import CurveDetail, LoadCurves, load_curves
-from dogbot_logtool.core.contact.stance_curves import AXES, PARTS, mean_forces
-from dogbot_logtool.core.contact.stance_samples import FootSignal, stance_samples
+from dogbot_logtool.core.contact.curves import CurveDetail, LoadCurves, curve_of
+from dogbot_logtool.core.contact.stance_samples import (
+    AXES,
+    PARTS,
+    FootSignal,
+    mean_forces,
+    stance_samples,
+)
 from dogbot_logtool.core.contact.stances import (
     LONGEST_STANCE_S,
     Cut,
@@ -131,7 +130,10 @@ class FootHistory:
         if not self.has_force:
             return None
         track = self.track
-        return load_curves(track.time, track.force, track.vertical_force, detail)
+        return LoadCurves(
+            curve_of(track.time, track.force, detail),
+            curve_of(track.time, track.vertical_force, detail),
+        )
 
     @property
     def vertical_known(self) -> Ints:
@@ -161,150 +163,109 @@ def foot_history(
     messages = len(samples.foot)
     if not has_force:
         rule = replace(rule, on_n=_TOUCH_N, off_n=0.0, backdates=False, unusable="")
-        samples = replace(samples, force=_touches(samples.in_contact))
+        touches = np.outer(np.where(samples.in_contact, _TOUCH_N, 0.0), [0.0, 0.0, 1.0])
+        samples = replace(samples, force=touches)
     if rule.unusable:
         samples = no_samples()
-    signal, row, not_finite, not_advancing = _signal(samples, clock, force_in_world=force_in_world)
-    time, force = signal.time, signal.force
-    contact = _contact_states(signal, rule)
-    loaded, repeated = int(contact.sum()), _repeats(force, contact)
+    used = len(samples.foot)
+    signal, not_finite = _signal(samples, clock, force_in_world=force_in_world)
+    samples, time, force = signal.samples, signal.time, signal.force
+    contact = samples.in_contact if rule.by_flag else schmitt(force, rule)
+    loaded = int(contact.sum())
+    # Turned into the world, a constant force differs in its last digits.
+    equal = np.abs(np.diff(force)) <= _SAME * force[1:]
+    repeated = int((equal & contact[1:] & contact[:-1]).sum())
     if rule.backdates:
         contact = backdated(contact, time, force, rule.off_n)
-    rows = find_stances(time, contact, rule)
-    figures, stance_forces = _stance_values(signal, rows, rule.on_n)
+    starts, ends, filled, dropped = find_stances(time, contact, rule)
 
-    median, longest = _intervals(time)
-    gaps = _gaps(time, longest, breaks)
+    steps = np.diff(time)
+    longest = steady_gap_ns(steps)
+    last = np.flatnonzero(steps > longest)
+    gaps = np.stack([time[last], time[last + 1]], axis=1)
+    if breaks is not None and len(breaks):
+        gaps = timespans.merge(np.concatenate([gaps, breaks]))
     known = timespans.subtract(np.stack([time[:1], time[-1:]], axis=1), gaps)
-    stances = _stances(time, contact, rows, figures, gaps)
-    contacts = np.stack([stances.touchdown, stances.liftoff], axis=1)
+
+    touchdown, liftoff = time[starts], time[ends]
+    cut = np.full(len(starts), Cut.WHOLE, np.int8)
+    cut[timespans.touches(gaps, touchdown, liftoff)] = Cut.GAP
+    if contact[-1:].any():
+        cut[-1:] = Cut.LOG_END
+    cut[starts == 0] = Cut.LOG_START
+    change = np.zeros(len(time) + 1, np.int8)
+    change[starts] += 1
+    change[ends] -= 1
+    down = np.cumsum(change[:-1], dtype=np.int8) > 0
+    # The last sample is in a stance where the log ends in one.
+    down[-1:] |= contact[-1:]
+    figures, stance_forces = _stance_values(signal, starts, ends, rule.on_n)
     history = FootHistory(
         messages=messages,
         not_finite=not_finite,
-        not_advancing=not_advancing,
+        not_advancing=used - not_finite - len(time),
         loaded=loaded,
         repeated=repeated if has_force else 0,
         start=int(time[0]) if len(time) else None,
         end=int(time[-1]) if len(time) else None,
-        median_interval_s=median,
+        median_interval_s=float(median_of(steps)) / 1e9 if len(steps) else None,
         gaps=gaps,
         known=known,
-        stances=stances,
+        stances=Stances(touchdown, liftoff, cut, figures),
         stance_forces=stance_forces,
-        in_contact=timespans.intersect([contacts, known]),
-        filled_swings=rows.filled_swings,
-        dropped_stances=rows.dropped_stances,
-        track=foot_track(
-            time,
-            force,
-            signal.vertical,
-            signal.samples.force[:, :2],
-            signal.samples.position,
-            longest,
-        ),
-        row=row,
-        log_time=signal.samples.log_time,
-        down=_down(contact, rows),
+        in_contact=timespans.intersect([np.stack([touchdown, liftoff], axis=1), known]),
+        filled_swings=filled,
+        dropped_stances=dropped,
+        track=foot_track(signal, longest),
+        row=signal.row,
+        log_time=samples.log_time,
+        down=down,
     )
     return history if has_force else history.without_force()
 
 
-def _touches(in_contact: Flags) -> Floats:
-    """(n, 3) N, what stands for the forces of contacts that are told without one."""
-    return np.outer(np.where(in_contact, _TOUCH_N, 0.0), [0.0, 0.0, 1.0])
-
-
-def _signal(
-    samples: Samples, clock: TimeSource, *, force_in_world: bool
-) -> tuple[FootSignal, Ints, int, int]:
-    """Choose the samples that can be used.
+def _signal(samples: Samples, clock: TimeSource, *, force_in_world: bool) -> tuple[FootSignal, int]:
+    """Choose the samples with a finite force and a time later than all before.
 
     Returns:
-        those with a finite force and a time later than all before, and their rows; how many have
-        no such force, and how many of the others no such time.
+        them, and how many have no such force.
     """
     time, force = clock.of(samples), norms(samples.force.astype(np.float64, copy=False))
-    finite = np.isfinite(force)
-    usable = finite & (time != 0) if clock is TimeSource.HEADER else finite.copy()
+    usable = np.isfinite(force)
+    not_finite = len(usable) - int(usable.sum())
+    if clock is TimeSource.HEADER:
+        usable &= time != 0
     usable[usable] = advancing(time[usable], None)
     row = np.flatnonzero(usable)
-    counts = int((~finite).sum()), int((finite & ~usable).sum())
-    if not usable.all():
+    if len(row) < len(usable):
         samples, time, force = samples.pick(usable), time[usable], force[usable]
     known = samples.in_world | force_in_world | (force == 0.0)
     vertical = np.where(known, samples.force[:, 2].astype(np.float64), np.nan)
-    return FootSignal(samples, time, force, vertical), row, *counts
+    return FootSignal(samples, row, time, force, vertical), not_finite
 
 
-def _contact_states(signal: FootSignal, rule: ContactRule) -> Flags:
-    """(n,) tell which samples are in contact, by the messages' flags or by the force."""
-    return signal.samples.in_contact if rule.by_flag else schmitt(signal.force, rule)
-
-
-def _down(contact: Flags, rows: StanceRows) -> Flags:
-    """(n,) tell which samples are in a stance; the last one is where the log ends in one."""
-    change = np.zeros(len(contact) + 1, np.int8)
-    change[rows.touchdown] += 1
-    change[rows.liftoff] -= 1
-    down = np.cumsum(change[:-1], dtype=np.int8) > 0
-    down[-1:] |= contact[-1:]
-    return down
-
-
-def _repeats(force: Floats, contact: Flags) -> int:
-    """Count the samples in contact whose force, (n,) N, is that of the one before."""
-    # Turned into the world, a constant force differs in its last digits.
-    equal = np.abs(np.diff(force)) <= _SAME * force[1:]
-    return int((equal & contact[1:] & contact[:-1]).sum())
-
-
-def _intervals(time: Ints) -> tuple[float | None, float]:
-    """Return the median interval between samples, s, and the longest one, ns, that is no gap."""
-    steps = np.diff(time)
-    median = float(median_of(steps)) / 1e9 if len(steps) else None
-    return median, steady_gap_ns(steps)
-
-
-def _gaps(time: Ints, longest_interval_ns: float, breaks: Ints | None) -> Ints:
-    """(g, 2) ns, intervals that are too long, and spans that nothing is measured across."""
-    last = np.flatnonzero(np.diff(time) > longest_interval_ns)
-    gaps = np.stack([time[last], time[last + 1]], axis=1)
-    if breaks is None or not len(breaks):
-        return gaps
-    return timespans.merge(np.concatenate([gaps, breaks]))
-
-
-def _stance_values(signal: FootSignal, rows: StanceRows, on_n: float) -> tuple[Floats, Floats]:
+def _stance_values(
+    signal: FootSignal, starts: Ints, ends: Ints, on_n: float
+) -> tuple[StanceFigures, Floats]:
     """Reduce stances that are short enough to be a step's; the others are NaN.
 
+    Args:
+        signal: samples of a foot.
+        starts: (k,) rows of touchdowns.
+        ends: (k,) rows that end the stances.
+        on_n: N, load from which friction tells something.
+
     Returns:
-        (figures, k) in the order of `StanceFigures`, and (k, AXES, PARTS) N, see `mean_forces`.
+        figures, and (k, AXES, PARTS) N, see `mean_forces`.
     """
-    count = len(rows.touchdown)
-    figures = np.full((len(StanceFigures._fields), count), np.nan)
-    forces = np.full((count, AXES * PARTS), np.nan)
-    duration = signal.time[rows.liftoff] - signal.time[rows.touchdown]
+    figures = np.full((len(StanceFigures._fields), len(starts)), np.nan)
+    forces = np.full((len(starts), AXES, PARTS), np.nan)
+    duration = signal.time[ends] - signal.time[starts]
     steps = np.flatnonzero((duration > 0) & (duration <= LONGEST_STANCE_S * 1e9))
-    for part in _portions(steps, (rows.liftoff - rows.touchdown)[steps]):
-        samples = stance_samples(signal, rows.touchdown[part], rows.liftoff[part], on_n)
-        figures[:, part] = np.stack(reduce_stances(samples))
-        forces[part] = mean_forces(samples)
-    return figures, forces.reshape(-1, AXES, PARTS)
-
-
-def _portions(stances: Ints, samples: Ints) -> Iterator[Ints]:
-    """Yield some stances in portions of so many samples, (k,), that memory is spared."""
-    portion = np.cumsum(samples) // _PORTION_ROWS
-    edges = np.flatnonzero(np.diff(portion)) + 1
-    return (part for part in np.split(stances, edges) if len(part))
-
-
-def _stances(time: Ints, contact: Flags, rows: StanceRows, figures: Floats, gaps: Ints) -> Stances:
-    """Say of each stance what cuts it."""
-    touchdown, liftoff = time[rows.touchdown], time[rows.liftoff]
-    cut = np.full(len(touchdown), Cut.WHOLE, np.int8)
-    cut[timespans.touches(gaps, touchdown, liftoff)] = Cut.GAP
-    if contact[-1:].any():
-        cut[-1:] = Cut.LOG_END
-    cut[rows.touchdown == 0] = Cut.LOG_START
-    return Stances(touchdown, liftoff, cut, StanceFigures(*figures))
+    portion = np.cumsum((ends - starts)[steps]) // _PORTION_ROWS
+    for part in np.split(steps, np.flatnonzero(np.diff(portion)) + 1):
+        if len(part):
+            samples = stance_samples(signal, starts[part], ends[part], on_n)
+            figures[:, part] = np.stack(reduce_stances(samples))
+            forces[part] = mean_forces(samples)
+    return StanceFigures(*figures), forces

@@ -1,19 +1,24 @@
 """The samples of stances, as their figures are worked out from them."""
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, dots
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.dataclass import dataclass
+
+PARTS: Final = 25
+"""Equal parts of a stance in which its mean force is known. Sums over them are exact."""
+AXES: Final = 3
 
 
-@dataclass(frozen=True, slots=True)
-class FootSignal:
+class FootSignal(NamedTuple):
     """The n samples of one foot that are used."""
 
     samples: Samples
+    row: Ints
+    """(n,) the sample of the recording that each is."""
     time: Ints
     """(n,) ns, strictly increasing."""
     force: Floats
@@ -41,25 +46,26 @@ class StanceSamples(NamedTuple):
     """(n,) s since the stance's touchdown."""
     force: Floats
     """(n,) N, magnitude; never higher before touchdown than after it."""
-    vertical: Floats
-    """(n,) N, vertical part; NaN where its direction is not known."""
-    force_x: Floats
-    """(n,) N, horizontal parts along the world's axes, also `force_y`; NaN like `vertical`."""
-    force_y: Floats
-    x: Floats
-    """(n,) m, contact point in the world; NaN where there is none; also `y`."""
-    y: Floats
+    vector: Floats
+    """(n, 3) N, along the world's axes; NaN where its direction is not known."""
+    point: NDArray[np.complex128]
+    """(n,) m, contact point in the world, x + i y; not finite where there is none."""
     single: Flags
     """(n,) whether that is one contact point, not the mean of several."""
     friction: Floats
     """(n,) tangential over normal force; NaN where not known or hardly loaded."""
 
+    @property
+    def own(self) -> Flags:
+        """(n,) whether a row is in contact: neither before its stance, nor the one that ends it."""
+        rows = np.arange(len(self.force))
+        own: Flags = rows >= self.touchdown[self.stance]
+        return own & (rows < self.end[self.stance])
 
-def own_rows(samples: StanceSamples) -> Flags:
-    """(n,) whether a row is in contact: not the one before a stance, nor the one that ends it."""
-    rows = np.arange(len(samples.force))
-    own: Flags = rows >= samples.touchdown[samples.stance]
-    return own & (rows < samples.end[samples.stance])
+    @property
+    def phase(self) -> Floats:
+        """(n,) share of its stance that has passed at each row."""
+        return np.asarray(self.time / self.time[self.end][self.stance])
 
 
 def stance_samples(signal: FootSignal, starts: Ints, ends: Ints, on_n: float) -> StanceSamples:
@@ -74,14 +80,16 @@ def stance_samples(signal: FootSignal, starts: Ints, ends: Ints, on_n: float) ->
     counts = ends - starts + 2
     behind = np.cumsum(counts)
     stance = np.repeat(np.arange(len(starts)), counts)
-    rows = np.arange(len(stance)) + (ends + 1 - behind)[stance]
-    np.maximum(rows, 0, out=rows)
+    rows = np.maximum(np.arange(len(stance)) + (ends + 1 - behind)[stance], 0)
     touchdown = behind - counts + 1
-    force, vertical = signal.force[rows], signal.vertical[rows]
-    vector = signal.samples.force.take(rows, axis=0).astype(np.float64, copy=False)
-    known = ~np.isnan(vertical)
-    friction = _friction(force, vector, signal.samples.normal.take(rows, axis=0))
-    point = signal.samples.position.take(rows, axis=0).astype(np.float64, copy=False)
+    force, samples = signal.force[rows], signal.samples
+    vector = samples.force.take(rows, axis=0).astype(np.float64, copy=False)
+    point = samples.position.take(rows, axis=0).astype(np.float64, copy=False)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        pressing = dots(vector, samples.normal.take(rows, axis=0))
+        friction = np.sqrt(np.maximum(force * force - pressing * pressing, 0.0)) / np.abs(pressing)
+    unknown = np.isnan(signal.vertical[rows])
+    friction[unknown | (force < on_n)] = np.nan
     return StanceSamples(
         first=touchdown - (starts > 0),
         touchdown=touchdown,
@@ -89,20 +97,36 @@ def stance_samples(signal: FootSignal, starts: Ints, ends: Ints, on_n: float) ->
         stance=stance,
         time=(signal.time[rows] - signal.time[starts][stance]) / 1e9,
         force=force,
-        vertical=vertical,
-        force_x=np.where(known, vector[:, 0], np.nan),
-        force_y=np.where(known, vector[:, 1], np.nan),
-        x=np.where(np.isfinite(point[:, 0]), point[:, 0], np.nan),
-        y=np.where(np.isfinite(point[:, 1]), point[:, 1], np.nan),
-        single=signal.samples.points[rows] == 1,
-        friction=np.where(known & (force >= on_n), friction, np.nan),
+        vector=np.where(unknown[:, None], np.nan, vector),
+        point=point[:, 0] + 1j * point[:, 1],
+        single=samples.points[rows] == 1,
+        friction=friction,
     )
 
 
-@np.errstate(over="ignore", invalid="ignore", divide="ignore")
-def _friction(force: Floats, vector: Floats, normal: Floats) -> Floats:
-    """(n,) tangential over normal force, of |F|, (n,) N, F, (n, 3) N, and (n, 3) unit normals."""
-    pressing = dots(vector, normal)
-    tangential = np.sqrt(np.maximum(force * force - pressing * pressing, 0.0))
-    friction: Floats = tangential / np.abs(pressing)
-    return friction
+def mean_forces(samples: StanceSamples) -> Floats:
+    """Return the mean force in each part of each stance, from touchdown to lift-off.
+
+    The part before touchdown that `StanceSamples` has counts in a stance's first part, so that a
+    stance's impulse is the mean of its parts times its duration.
+
+    Returns:
+        (k, AXES, PARTS) N, along x, y and z; NaN where the direction of the force is not known at
+        some time of the stance.
+    """
+    duration = samples.time[samples.end]
+    # Stances are laid end to end, so that all their edges are looked up at once.
+    start = samples.time[samples.first]
+    shift = np.concatenate([[0.0], np.cumsum(duration - start)[:-1]]) - start
+    time = samples.time + shift[samples.stance]
+    edges = shift[:, None] + duration[:, None] * np.linspace(0.0, 1.0, PARTS + 1)
+    edges[:, 0] = time[samples.first]
+    means = np.empty((len(duration), AXES, PARTS))
+    for axis, value in enumerate(samples.vector.T):
+        area = np.zeros(len(value))
+        area[1:] = np.nan_to_num((value[1:] + value[:-1]) / 2.0) * np.diff(time)
+        area[samples.first] = 0.0
+        impulse = np.diff(np.interp(edges, time, np.cumsum(area)), axis=1)
+        means[:, axis] = impulse * (PARTS / duration)[:, None]
+        means[samples.stance[np.isnan(value)], axis] = np.nan
+    return means

@@ -18,7 +18,7 @@ from dogbot_logtool.core.arrays import (
     trapezoids,
 )
 from dogbot_logtool.core.contact.contact_way import contact_ways, ways_under_load
-from dogbot_logtool.core.contact.stance_samples import StanceSamples, own_rows
+from dogbot_logtool.core.contact.stance_samples import StanceSamples
 from dogbot_logtool.dataclass import dataclass
 
 IMPACT_S: Final = 0.050
@@ -130,20 +130,24 @@ def reduce_stances(samples: StanceSamples) -> StanceFigures:
     Forces may be anything finite: what overflows is infinite, and no warning.
     """
     begin, end = samples.touchdown, samples.end
-    force, vertical = samples.force, samples.vertical
+    force, vertical = samples.force, samples.vector[:, 2]
     ordered = sorted_runs(force, begin, end)
-    peak = ordered[end - 1]
-    spike = _spikes(samples)
-    travel, reach = contact_ways(samples)
+    peak, median = ordered[end - 1], quantiles(ordered, begin, end, 0.5)
     mean = sums(force, begin, end) / (end - begin)
+    travel, reach = contact_ways(samples)
     loaded, quick = ways_under_load(samples, mean)
+    spike = _spikes(samples)
+    spikes = np.flatnonzero(spike)
+    spikes = spikes[np.argsort(force[spikes], kind="stable")]
+    phase = np.full(len(begin), np.nan)
+    phase[samples.stance[spikes]] = samples.phase[spikes]
     impact_end = np.minimum(first_where(samples.time > IMPACT_S, begin), end)
-    impact, median = highest(force, begin, impact_end), quantiles(ordered, begin, end, 0.5)
+    impact = highest(force, begin, impact_end)
     return StanceFigures(
         peak_n=peak,
         mean_n=mean,
-        spikes=np.bincount(samples.stance[spike], minlength=len(begin)).astype(np.float64),
-        spike_phase=_spike_phases(samples, spike),
+        spikes=np.bincount(samples.stance[spikes], minlength=len(begin)).astype(np.float64),
+        spike_phase=phase,
         calm_peak_n=highest(np.where(spike, -np.inf, force), begin, end),
         calm_peak_vertical_n=highest(np.where(spike, -np.inf, vertical), begin, end),
         peak_vertical_n=highest(vertical, begin, end),
@@ -169,7 +173,7 @@ def _spikes(samples: StanceSamples) -> Flags:
     It is at least `SPIKE` times its neighbours, and as much above every sample of the stance that
     does not stand out of its neighbours so. The first sample is the foot's impact, whatever it is.
     """
-    force, own = samples.force, own_rows(samples)
+    force, own = samples.force, samples.own
     own[samples.touchdown] = False
     before, after = np.roll(force, 1), np.roll(force, -1)
     alone = own & (force > SPIKE * before) & (force > SPIKE * after)
@@ -177,16 +181,6 @@ def _spikes(samples: StanceSamples) -> Flags:
     enough = samples.end - samples.touchdown >= FEWEST_FOR_SPIKES
     high: Flags = force > SPIKE * others[samples.stance]
     return alone & high & enough[samples.stance]
-
-
-def _spike_phases(samples: StanceSamples, spike: Flags) -> Floats:
-    """(k,) share of each stance before its highest spike; NaN without any."""
-    rows = np.flatnonzero(spike)
-    rows = rows[np.argsort(samples.force[rows], kind="stable")]
-    stance = samples.stance[rows]
-    phase = np.full(len(samples.end), np.nan)
-    phase[stance] = samples.time[rows] / samples.time[samples.end[stance]]
-    return phase
 
 
 def _friction_use(samples: StanceSamples) -> Floats:

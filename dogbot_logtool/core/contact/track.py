@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, all_finite
+from dogbot_logtool.core.contact.stance_samples import FootSignal
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.dataclass import dataclass
 
@@ -76,46 +77,35 @@ class FootTrack:
         return float((at[:, 1] - at[:, 0]).sum())
 
 
-def foot_track(
-    time: Ints,
-    force: Floats,
-    vertical: Floats,
-    horizontal: Floats | Float32s,
-    point: Floats | Float32s,
-    longest_interval_ns: float,
-) -> FootTrack:
+def foot_track(signal: FootSignal, longest_interval_ns: float) -> FootTrack:
     """Integrate the samples of a foot.
 
     Args:
-        time: (n,) ns, strictly increasing.
-        force: (n,) N, |F|.
-        vertical: (n,) N; NaN where not known.
-        horizontal: (n, 2) N, where that is known.
-        point: (n, 3) m; not finite where there is none.
+        signal: the samples.
         longest_interval_ns: a longer interval is a gap, over which nothing is added.
     """
+    time, vertical, point = signal.time, signal.vertical, signal.samples.position
     with np.errstate(over="ignore"):
-        stored = [each.astype(np.float32) for each in (force, vertical, horizontal)]
+        columns = signal.force, vertical, signal.samples.force[:, :2]
+        stored = [each.astype(np.float32) for each in columns]
     gap = np.diff(time) > longest_interval_ns
+    rows = np.flatnonzero(all_finite(point))
+    placed = first_at_each_tick(time[rows], POINT_RATE_HZ, None)
+    placed |= np.diff(rows, prepend=-2) > 1
+    # From the last known vertical force, or the start, to the next known one.
+    edges = np.flatnonzero(np.diff(np.isnan(vertical), prepend=False, append=False))
+    first, behind = np.maximum(edges[::2] - 1, 0), np.minimum(edges[1::2], len(time) - 1)
     return FootTrack(
         time=time,
         force=stored[0],
         vertical_force=stored[1],
         horizontal_force=stored[2],
         point=point,
-        placed=_placed(time, point),
-        force_impulse=_running_total(time, force, gap),
+        placed=rows[placed],
+        force_impulse=_running_total(time, signal.force, gap),
         vertical_impulse=_running_total(time, vertical, gap),
-        vertical_unknown=_unknown(time, vertical),
+        vertical_unknown=np.stack([time[first], time[behind]], axis=1),
     )
-
-
-def _placed(time: Ints, point: Floats | Float32s) -> Ints:
-    """Choose rows with a contact point; see `FootTrack.placed`."""
-    rows = np.flatnonzero(all_finite(point))
-    chosen = first_at_each_tick(time[rows], POINT_RATE_HZ, None)
-    chosen |= np.diff(rows, prepend=-2) > 1
-    return rows[chosen]
 
 
 @np.errstate(over="ignore", invalid="ignore")
@@ -127,10 +117,3 @@ def _running_total(time: Ints, value: Floats, gap: Flags) -> Floats:
     part[gap | np.isnan(part)] = 0.0
     np.cumsum(part, out=total[1:])
     return total
-
-
-def _unknown(time: Ints, vertical: Floats) -> Ints:
-    """(u, 2) ns, from the last known vertical force, or the start, to the next known one."""
-    edges = np.flatnonzero(np.diff(np.isnan(vertical), prepend=False, append=False))
-    first, behind = np.maximum(edges[::2] - 1, 0), np.minimum(edges[1::2], len(time) - 1)
-    return np.stack([time[first], time[behind]], axis=1)

@@ -18,20 +18,24 @@ class Lacking:
 
     def __init__(self, stats: Stats) -> None:
         """Look at what a log has."""
-        joints = () if stats.legs is None else stats.legs.joints
+        legs = stats.legs
         self._log = _log(stats)
         self._feet = {
             foot.name: self._log | _foot(stats, row) for row, foot in enumerate(stats.feet)
         }
-        self._joints = {
-            joint.history.name: {
-                **self._log,
-                "efforts": not joint.history.has_effort,
-                "limits": not joint.history.has_limits,
-                "strides": joint.curve is None,
+        self._joints = (
+            {
+                name: {
+                    **self._log,
+                    "efforts": not legs.joints[name].has_effort,
+                    "limits": not legs.joints[name].has_limits,
+                    "strides": joint.position_over_stride is None,
+                }
+                for name, joint in legs.metrics.joints.items()
             }
-            for joint in joints
-        }
+            if legs
+            else {}
+        )
         self._topics = {each.topic: {"stamps": each.zero_stamps is None} for each in stats.topics}
 
     def at(self, path: KeyPath) -> Lacks:
@@ -51,7 +55,7 @@ def _log(stats: Stats) -> dict[str, bool]:
     feet, legs, stability = stats.feet, stats.legs, stats.stability
     touching = [foot.record for foot in feet if len(foot.record.in_contact)]
     undefined = None if stability is None else stability.undefined_fraction
-    histories = [] if legs is None else [joint.history for joint in legs.joints]
+    joints = [] if legs is None else [legs.joints[name] for name in legs.metrics.joints]
     return {
         "feet": not feet,
         "two feet": len(feet) != 2,
@@ -67,9 +71,9 @@ def _log(stats: Stats) -> dict[str, bool]:
         "force": not all(foot.record.has_force for foot in feet),
         "vertical force": not all(map(vertical_is_known, touching)),
         "weight": stats.settings.mass_kg is None,
-        "joints": not histories,
-        "efforts": not any(each.has_effort for each in histories),
-        "limits": not any(each.has_limits for each in histories),
+        "joints": not joints,
+        "efforts": not any(each.has_effort for each in joints),
+        "limits": not any(each.has_limits for each in joints),
         "commands": stats.command_track is None and stats.base is not None,
         "imu": not stats.settings.imu_topic,
     }
@@ -83,7 +87,7 @@ def _foot(stats: Stats, row: int) -> dict[str, bool]:
         "strides": not len(foot.strides.stance),
         "points": not _has_points(foot),
         "foot frame": legs is None or not legs.feet[row].frame,
-        "leg rate": legs is not None and legs.feet[row].swings.is_slow,
+        "leg rate": legs is not None and legs.feet[row].is_slow,
         "rolling": rolls_unknown,
         "force": not foot.record.has_force,
         "vertical force": not vertical_is_known(foot.record),

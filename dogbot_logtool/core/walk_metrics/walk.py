@@ -6,7 +6,7 @@ walk.gait.name, walk.feet["front_left"].stance_s.median
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final
 
 from dogbot_logtool.core import metrics
 from dogbot_logtool.core.arrays import Aggregate, CircularMean, Ints, aggregate
@@ -18,6 +18,7 @@ from dogbot_logtool.core.gait.gait_classes import TOLERANCE
 from dogbot_logtool.core.gait.phases import diagonality, limb_phases
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.gait.support_pattern import Support
+from dogbot_logtool.core.legs.swings import STEPS, SWINGS
 from dogbot_logtool.core.load.load_figures import (
     LoadFigures,
     grouped_shares,
@@ -32,6 +33,7 @@ from dogbot_logtool.core.metrics import (
     Forces,
     Gait,
     GaitOfLog,
+    Legs,
     LimbPhase,
     LoadShare,
     Log,
@@ -45,7 +47,6 @@ from dogbot_logtool.core.metrics import (
 )
 from dogbot_logtool.core.records import fields_of, unknown
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.core.walk_metrics.legs import legs_metrics
 from dogbot_logtool.core.walk_metrics.nulls import null_because
 from dogbot_logtool.core.walk_metrics.quality import quality_metrics
 from dogbot_logtool.core.walk_metrics.settings import Chosen, settings_metrics
@@ -90,7 +91,7 @@ def metrics_of(stats: Stats, log: Log, chosen: Chosen, findings: Sequence[Findin
         feet=feet,
         forces=_forces(stats, stats.loads, feet),
         stability=stats.stability or unknown(Stability),
-        legs=legs_metrics(stats.legs),
+        legs=unknown(Legs) if stats.legs is None else stats.legs.metrics,
         commands=commands_metrics(stats),
         imu=imu_metrics(stats),
         quality=quality_metrics(stats, findings),
@@ -126,15 +127,11 @@ def _foot(stats: Stats, row: int, within: Ints | None = None) -> Foot:
         return found
     leg = stats.legs.feet[row]
     inside = slice(None) if within is None else foot.strides.rows_within(within)
+    swings = {name: aggregate(leg.strides[name][inside]) for name in (*SWINGS, *STEPS)}
     return replace(
         found,
-        step_length_m=aggregate(leg.steps.length_m[inside]),
-        step_width_m=aggregate(leg.steps.width_m[inside]),
-        clearance_m=aggregate(leg.swings.clearance_m[inside]),
-        swing_length_m=aggregate(leg.swings.length_m[inside]),
-        touchdown_down_mps=aggregate(leg.swings.touchdown_down_mps[inside]),
-        touchdown_along_mps=aggregate(leg.swings.touchdown_along_mps[inside]),
-        height_over_stride_m=curve_of(leg.swings.height) if within is None else None,
+        **dict[str, Any](swings),
+        height_over_stride_m=curve_of(leg.height) if within is None else None,
     )
 
 

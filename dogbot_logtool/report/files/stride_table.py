@@ -1,19 +1,17 @@
 """The whole strides of a log, a row each: what CSV and Parquet hold."""
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Final
+from collections.abc import Mapping, Sequence
+from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.checks.voids import void_columns
+from dogbot_logtool.core.legs.swings import STEPS, SWINGS
 from dogbot_logtool.core.metrics import Stride
 from dogbot_logtool.core.records import fields_of
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.results import StrideTable
-
-if TYPE_CHECKING:
-    from dogbot_logtool.core.legs.leg_figures import LegFoot
 
 
 def stride_table(stats: Stats, void: Sequence[str] = ()) -> StrideTable:
@@ -48,21 +46,12 @@ def foot_strides(stats: Stats, row: int, void: Sequence[str] = ()) -> Mapping[st
     }
     legs = stats.legs
     unknown = np.full(len(strides.stance), np.nan)
-    for name, of in _OF_LEG.items():
-        found = unknown if legs is None else of(legs.feet[row])
+    for name in _OF_LEG:
+        found = unknown if legs is None else legs.feet[row].strides[name]
         # One NaN for all: tables are compared to the bit.
         columns[name] = np.where(np.isnan(found), np.nan, found)
     return void_columns(columns, foot.name, void)
 
 
-_OF_LEG: "Final[Mapping[str, Callable[[LegFoot], Floats]]]" = {
-    "clearance_m": lambda leg: leg.swings.clearance_m,
-    "swing_length_m": lambda leg: leg.swings.length_m,
-    "step_length_m": lambda leg: leg.steps.length_m,
-    "step_width_m": lambda leg: leg.steps.width_m,
-    "touchdown_down_mps": lambda leg: leg.swings.touchdown_down_mps,
-    "touchdown_along_mps": lambda leg: leg.swings.touchdown_along_mps,
-    "positive_work_j": lambda leg: leg.work.positive_j,
-    "absolute_work_j": lambda leg: leg.work.absolute_j,
-}
-"""What tells each metric of a stride's swing."""
+_OF_LEG: Final = (*SWINGS, *STEPS, "positive_work_j", "absolute_work_j")
+"""Metrics of a stride that its leg tells."""

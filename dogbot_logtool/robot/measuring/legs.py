@@ -4,10 +4,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
 from dogbot_logtool.core.corrections.clock import TimeSource
+from dogbot_logtool.core.frames.kinematics import Joint
 from dogbot_logtool.core.frames.transforms import TransformBuffer
-from dogbot_logtool.core.legs.foot_path import LegChain, chain_to, moving_parents
-from dogbot_logtool.core.legs.joint_track import JointLimits
-from dogbot_logtool.core.legs.settings import JointPair, LegSettings
+from dogbot_logtool.core.legs.joints import JointLimits
+from dogbot_logtool.core.legs.paths import (
+    JointPair,
+    LegChain,
+    LegSettings,
+    chain_to,
+)
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
@@ -49,135 +54,104 @@ def find_legs(
 
     Joint states with the log's own robot description place the feet, else its transforms.
     """
-    seen = {name for table in recording.joints for name in table.names}
-    legs = _Legs(selection, probe)
-    chains, limits = legs.by_description(log, seen) if seen else ((), {})
+    feet, told = selection.robot.feet, {name for each in recording.joints for name in each.names}
+    described, left_out, limits = _described(log) if told else ((), 0, {})
+    joints = {joint.child: joint for joint in described}
+    by_joints = _chains(selection, probe, {c: each.parent for c, each in joints.items()}, joints)
+    moved = [_moved(chain) for chain in by_joints]
+    lacking = [[name for name in names if name not in told] for names in moved]
+    chains = [
+        chain if names and not missing else None
+        for chain, names, missing in zip(by_joints, moved, lacking, strict=True)
+    ]
+    parents = {c: next(iter(each)) for c, each in probe.parents.items() if len(each) == 1}
     if not any(chains):
-        chains = legs.by_transforms()
+        statics = probe.statics.frames
+        chains = [
+            chain if chain and any(frame not in statics for frame in chain.frames) else None
+            for chain in _chains(selection, probe, parents)
+        ]
     if not any(chains) and not recording.joints:
         return None
-    by_transforms = [None if chain is None or chain.joints else chain for chain in chains]
-    foot_of_joint = _feet_of_joints(selection.robot.feet, chains, seen)
+    frames = {frame for chain in chains if chain and not chain.joints for frame in chain.frames}
+    moving = {frame: parents[frame] for frame in sorted(frames - probe.statics.frames.keys())}
+    foot_of_joint = _feet_of_joints(feet, chains, told)
+    # Joint states that name no joint of a leg leave none out.
+    tells_of_legs = any(name in told for names in moved for name in names)
     settings = LegSettings(
-        chains=chains,
-        reasons=tuple("" if chain else legs.why_not(foot) for foot, chain in enumerate(chains)),
+        chains=tuple(chains),
+        reasons=tuple(
+            "" if chain else _why_not(selection, probe, foot, lacking[foot], left_out)
+            for foot, chain in enumerate(chains)
+        ),
         joint_topics=tuple(table.topic for table in recording.joints),
         foot_of_joint=foot_of_joint,
-        pairs=_pairs(selection.robot.feet, foot_of_joint),
+        pairs=_pairs(feet, foot_of_joint),
         limits=limits,
-        untold=legs.untold(seen),
+        untold=tuple(name for each in lacking for name in each) if tells_of_legs else (),
         statics=probe.statics,
     )
-    moving = moving_parents(by_transforms, legs.parents, probe.statics)
     return settings, moving_tracks(recording.transforms, moving, clock)
 
 
-class _Legs:
-    """Looks for the frames of feet."""
+def _described(log: Log) -> tuple[Sequence[Joint], int, Mapping[str, JointLimits]]:
+    """Return the joints of the log's robot description, how many make no tree, and limits."""
+    try:
+        root = parse_urdf(own_description(log) or "")
+    except ValueError:
+        return (), 0, {}
+    return *urdf_joints(root), urdf_limits(root)
 
-    def __init__(self, selection: Selection, probe: Probe) -> None:
-        self._selection, self._probe = selection, probe
-        self._base = frame_names(selection.robot, probe)[1]
-        self.parents = {
-            child: next(iter(names)) for child, names in probe.parents.items() if len(names) == 1
-        }
-        self._untold: dict[int, list[str]] = {}
-        """Joints by foot that the robot description has and joint states do not name."""
-        self._left_out = 0
-        """Joints of the robot description that make no tree of links."""
-        self._described: set[str] = set()
-        """Joints of legs by the robot description."""
 
-    def by_description(
-        self, log: Log, told: set[str]
-    ) -> tuple[tuple[LegChain | None, ...], Mapping[str, JointLimits]]:
-        """Return how feet hang on the base by the log's robot description, and joints' limits.
+def _moved(chain: LegChain | None) -> list[str]:
+    """Return the recorded joints that move a foot, each once."""
+    joints = chain.joints if chain else ()
+    return list(dict.fromkeys(joint.measured for joint in joints if joint.kind != "fixed"))
 
-        Args:
-            log: the log.
-            told: joints that joint states tell of.
-        """
-        try:
-            root = parse_urdf(own_description(log) or "")
-        except ValueError:
-            return (), {}
-        described, self._left_out = urdf_joints(root)
-        joints = {joint.child: joint for joint in described}
-        parents = {child: joint.parent for child, joint in joints.items()}
-        found = []
-        for foot, chain in enumerate(self._chains(parents)):
-            held = [joints[frame] for frame in chain.frames] if chain else []
-            moved = {joint.measured: None for joint in held if joint.kind != "fixed"}
-            untold = [name for name in moved if name not in told]
-            self._described |= moved.keys()
-            if untold:
-                self._untold[foot] = untold
-            found.append(
-                chain_to(
-                    parents,
-                    chain.frames[0],
-                    self._base,
-                    chain.point,
-                    touches=chain.touches,
-                    joints=joints,
-                )
-                if chain and moved and not untold
-                else None
-            )
-        return tuple(found), urdf_limits(root)
 
-    def by_transforms(self) -> tuple[LegChain | None, ...]:
-        """Return how feet hang on the base by the log's transforms."""
-        statics = self._probe.statics.frames
-        return tuple(
-            chain if chain and any(frame not in statics for frame in chain.frames) else None
-            for chain in self._chains(self.parents)
-        )
+def _why_not(
+    selection: Selection, probe: Probe, foot: int, lacking: Sequence[str], left_out: int
+) -> str:
+    """Say why a foot has no chain."""
+    if lacking:
+        return f"joint states do not tell of {', '.join(lacking)}"
+    link = selection.robot.feet[foot].frame or probe.links[foot]
+    if link is None:
+        return "no frame is known to be its own"
+    base = frame_names(selection.robot, probe)[1]
+    reason = f"nothing connects its frame {link} with {base}"
+    return f"{reason}; {said_of_left_out(left_out)}" if left_out else reason
 
-    def why_not(self, foot: int) -> str:
-        """Say why a foot has no chain."""
-        if foot in self._untold:
-            return f"joint states do not tell of {', '.join(self._untold[foot])}"
-        link = self._selection.robot.feet[foot].frame or self._probe.links[foot]
-        if link is None:
-            return "no frame is known to be its own"
-        reason = f"nothing connects its frame {link} with {self._base}"
-        return f"{reason}; {said_of_left_out(self._left_out)}" if self._left_out else reason
 
-    def untold(self, told: set[str]) -> tuple[str, ...]:
-        """Return joints of legs that joint states leave out, if they name others of the legs.
+def _chains(
+    selection: Selection,
+    probe: Probe,
+    parents: Mapping[str, str],
+    joints: Mapping[str, Joint] | None = None,
+) -> list[LegChain | None]:
+    """Return how feet hang on the base by the parents of frames, perhaps those of joints.
 
-        Args:
-            told: joints that joint states tell of.
-        """
-        missing = [name for names in self._untold.values() for name in names]
-        return tuple(missing) if self._described & told else ()
-
-    def _chains(self, parents: Mapping[str, str]) -> list[LegChain | None]:
-        """Return how feet hang on the base by the parents of frames."""
-        feet = self._selection.robot.feet
-        named = _named_frames(feet, parents)
-        return [self._chain(number, parents, named.get(number)) for number in range(len(feet))]
-
-    def _chain(self, number: int, parents: Mapping[str, str], named: str | None) -> LegChain | None:
-        """Return how a foot hangs on the base: by its own frame, or by one that is named so."""
-        described = self._selection.robot.feet[number]
-        if described.frame is not None:
-            point, frame = described.contact_point_m, described.frame
-            return chain_to(parents, frame, self._base, point, touches=any(point))
-        link, like = link_of_foot(self._selection, self._probe, number)
-        if link is not None:
-            soles = self._probe.exact_soles
-            sole = soles.get(number) or soles.get(like)
-            if sole is not None:
-                return chain_to(parents, link, self._base, sole, touches=True)
-        origin = (0.0, 0.0, 0.0)
+    Each does by its own frame, or by one that is named so.
+    """
+    feet, base = selection.robot.feet, frame_names(selection.robot, probe)[1]
+    named = _named_frames(feet, parents)
+    origin = (0.0, 0.0, 0.0)
+    chains = []
+    for number, foot in enumerate(feet):
+        link, like = link_of_foot(selection, probe, number)
+        sole = probe.exact_soles.get(number) or probe.exact_soles.get(like)
+        if foot.frame is not None:
+            places = [(foot.frame, foot.contact_point_m, any(foot.contact_point_m))]
+        elif link is not None and sole is not None:
+            places = [(link, sole, True)]
+        else:
+            places = [(frame, origin, False) for frame in (named.get(number), link) if frame]
         found = (
-            chain_to(parents, each, self._base, origin, touches=False)
-            for each in (named, link)
-            if each is not None
+            chain_to(parents, frame, base, point, touches=touches, joints=joints)
+            for frame, point, touches in places
         )
-        return next((chain for chain in found if chain is not None), None)
+        chains.append(next((chain for chain in found if chain is not None), None))
+    return chains
 
 
 def _named_frames(feet: Sequence[Foot], frames: Iterable[str]) -> dict[int, str]:
@@ -202,9 +176,8 @@ def _feet_of_joints(
     """Return the foot that each joint moves: by the chain of joints, else by names."""
     found: dict[str, int] = {}
     for number, chain in enumerate(chains):
-        for joint in chain.joints if chain else ():
-            if joint.kind != "fixed":
-                found.setdefault(joint.measured, number)
+        for name in _moved(chain):
+            found.setdefault(name, number)
     legs = [foot.leg_position or _leg_of(foot.name) for foot in feet]
     for name in sorted(names - found.keys()):
         leg = _leg_of(name)

@@ -1,7 +1,7 @@
 """The plan of `stats`: what is read of a log, and what decides its figures once it is read."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
@@ -17,15 +17,12 @@ from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted, WantedJoints
 from dogbot_logtool.robot.feet.message_feet import planned_feet
 from dogbot_logtool.robot.frames.world_frames import WorldFrames, follow_frames
-from dogbot_logtool.robot.measuring.side_types import has_side_topics
+from dogbot_logtool.robot.measuring.side_topics import SideTopics, side_topics
 from dogbot_logtool.robot.options import StatsOptions
 from dogbot_logtool.robot.probe import Probe, frame_names, probe_recording
 from dogbot_logtool.robot.sensors import LearntSensors, learn_sensors
 from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.robot.topics.selection import Selection, nothing_to_do, select_topics
-
-if TYPE_CHECKING:
-    from dogbot_logtool.robot.measuring.side_topics import SideTopics
 
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
 
@@ -37,8 +34,8 @@ class MeasuringPlan:
     selection: Selection
     planned: Selection | None
     """The same feet as a plan in the log has them; None: it has none."""
-    side: "SideTopics | None"
-    """Topics beside feet and base; None: the log has nothing of the kind."""
+    side: SideTopics
+    """Topics beside feet and base."""
     wanted: Wanted
 
 
@@ -65,12 +62,12 @@ def make_plan(log: Log, options: StatsOptions) -> MeasuringPlan:
     if not selection.odometry and not selection.contacts:
         raise LogError(nothing_to_do(log, selection))
     planned = _planned(log, selection, options)
-    side = _side_topics(log, options)
+    side = side_topics(log, options)
     wanted = replace(
         selection.wanted(),
         joints=_wanted_joints(log),
-        commands=side.commands if side else None,
-        accelerations=side.inertial if side else None,
+        commands=side.commands,
+        accelerations=side.inertial,
         planned=planned.contacts if planned else (),
         planned_feet=planned.foot_channels() if planned else None,
         limits=time_limits(log, options.start_s, options.end_s),
@@ -94,7 +91,7 @@ def _planned(log: Log, selection: Selection, options: StatsOptions) -> Selection
 def learn_settings(
     recording: Recording,
     selection: Selection,
-    side: "SideTopics | None",
+    side: SideTopics,
     options: StatsOptions,
     *,
     with_soles: bool = False,
@@ -128,7 +125,7 @@ def _settings(
     probe: Probe,
     sensors: LearntSensors,
     options: StatsOptions,
-    side: "SideTopics | None",
+    side: SideTopics,
 ) -> StatsSettings:
     robot = selection.robot
     time_source, reason = _time_source(selection, probe, options)
@@ -158,8 +155,8 @@ def _settings(
         time_source=time_source,
         time_source_reason=reason,
         odometry_topic=selection.odometry[0].topic if selection.odometry else "",
-        command_topic=side.commands.topic if side and side.commands else "",
-        imu_topic=side.inertial.topic if side and side.inertial else "",
+        command_topic=side.commands.topic if side.commands else "",
+        imu_topic=side.inertial.topic if side.inertial else "",
         imu_mounting=_mounting(recording, selection, probe),
     )
 
@@ -198,16 +195,6 @@ def _mounting(
         return None
     x, y, z, w = pose.rotation[0].tolist()
     return x, y, z, w
-
-
-def _side_topics(log: Log, options: StatsOptions) -> "SideTopics | None":
-    """Choose what is read beside feet and base; None: the log has nothing of the kind."""
-    asked = options.command_topic is not None or options.imu_topic is not None
-    if not asked and not has_side_topics(log):
-        return None
-    from dogbot_logtool.robot.measuring.side_topics import side_topics  # noqa: PLC0415
-
-    return side_topics(log, options)
 
 
 def _wanted_joints(log: Log) -> tuple[WantedJoints, ...]:

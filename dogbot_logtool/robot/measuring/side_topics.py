@@ -1,8 +1,8 @@
 """Topics beside feet and base that `stats` compares with them: commands, accelerometers."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Final
+from collections.abc import Callable, Mapping
+from typing import Final
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
@@ -19,6 +19,7 @@ from dogbot_logtool.reader.messages.vectors import (
 from dogbot_logtool.reader.wanted import WantedVectors
 from dogbot_logtool.robot.options import StatsOptions
 
+_ROWS: Final = {**COMMANDS, **INERTIAL_UNITS}
 Rank = Callable[[str], "tuple[int, ...] | None"]
 """Returns how likely a topic is meant, low first; None: it is not."""
 _MEASURED: Final = frozenset(
@@ -56,16 +57,26 @@ def side_topics(log: Log, options: StatsOptions) -> SideTopics:
         CallError: an option names a topic that the log does not have, or one of a wrong type.
         LogError: an option names a topic that cannot be decoded.
     """
+    asked = options.command_topic, options.imu_topic
+    if not any(asked) and not any(c.type_name in _ROWS for c in log.channels.values()):
+        return SideTopics(None, None, ())
     findings: list[Finding] = []
-    commands = _named(log, options.command_topic, COMMANDS, "--command")
-    if commands is None:
-        ranked = _ranked(log, COMMANDS, _command_rank)
-        commands = _first(ranked, "velocity commands", "--command", findings)
-    inertial = _named(log, options.imu_topic, INERTIAL_UNITS, "--imu")
-    if inertial is None:
-        ranked = _ranked(log, INERTIAL_UNITS, _inertial_rank)
-        inertial = _first(ranked, "the base's accelerations", "--imu", findings)
-    return SideTopics(commands, inertial, tuple(findings))
+    found: list[WantedVectors | None] = []
+    for topic, rows, rank, what, option in (
+        (asked[0], COMMANDS, _command_rank, "velocity commands", "--command"),
+        (asked[1], INERTIAL_UNITS, _inertial_rank, "the base's accelerations", "--imu"),
+    ):
+        if topic is not None:
+            found.append(_named(log, topic, rows, option))
+            continue
+        ranked = _ranked(log, rows, rank)
+        found.append(ranked[0] if ranked else None)
+        if ranked:
+            others = [each.topic for each in ranked[1:]]
+            text = f"{what} are taken from {ranked[0].topic}, found by type and name"
+            text += f"; there are also {listed(others)} ({option} chooses)" if others else ""
+            findings.append(Finding("TOPICS_CHOSEN", text, ranked[0].topic))
+    return SideTopics(found[0], found[1], tuple(findings))
 
 
 def _words(topic: str) -> frozenset[str]:
@@ -95,19 +106,16 @@ def _ranked(log: Log, rows: Mapping[str, MessageType], rank: Rank) -> list[Wante
 
     Of equally good ones that of the better type comes first, then that with the most messages.
     """
-    found = []
+    found: dict[tuple[tuple[int, ...], int, int, int, str], WantedVectors] = {}
     for topic in {c.topic for c in log.channels.values() if c.type_name in rows}:
         readable = _readable(log, topic, rows)
         order = rank(topic)
         if readable and order is not None:
             kind = list(rows).index(readable[0].type_name)
             count = sum(log.counts.get(channel.id, 0) for channel in readable)
-            found.append(((order, kind, -count, len(topic), topic), readable))
-    return [WantedVectors(key[-1], readable, rows) for key, readable in sorted(found, key=_key)]
-
-
-def _key(found: tuple[tuple[object, ...], tuple[Channel, ...]]) -> Any:  # noqa: ANN401 - an order
-    return found[0]
+            key = (order, kind, -count, len(topic), topic)
+            found[key] = WantedVectors(topic, readable, rows)
+    return [found[key] for key in sorted(found)]
 
 
 def _readable(log: Log, topic: str, rows: Mapping[str, MessageType]) -> tuple[Channel, ...]:
@@ -129,25 +137,8 @@ def _unreadable(channel: Channel, rows: Mapping[str, MessageType]) -> str:
     return ""
 
 
-def _first(
-    ranked: Sequence[WantedVectors], what: str, option: str, findings: list[Finding]
-) -> WantedVectors | None:
-    """Take the best topic, and say which, and what else there is."""
-    if not ranked:
-        return None
-    best, others = ranked[0], [each.topic for each in ranked[1:]]
-    text = f"{what} are taken from {best.topic}, found by type and name"
-    text += f"; there are also {listed(others)} ({option} chooses)" if others else ""
-    findings.append(Finding("TOPICS_CHOSEN", text, best.topic))
-    return best
-
-
-def _named(
-    log: Log, topic: str | None, rows: Mapping[str, MessageType], option: str
-) -> WantedVectors | None:
+def _named(log: Log, topic: str, rows: Mapping[str, MessageType], option: str) -> WantedVectors:
     """Return the topic that the user names."""
-    if topic is None:
-        return None
     where = f"{shown(log.source.path)}: {option}"
     channels = [c for c in log.channels_by_topic.get(topic, ()) if c.type_name in rows]
     readable = _readable(log, topic, rows)

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dogbot_logtool.core.contact.contact_rule import without_offset
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.offsets import without_offset
 from dogbot_logtool.core.contact.silent_swing import with_swings
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.planned import follow_plan
@@ -29,7 +29,7 @@ from dogbot_logtool.robot.probe_findings import probe_findings
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.frames.transforms import TransformBuffer
-    from dogbot_logtool.core.legs.settings import LegSettings
+    from dogbot_logtool.core.legs.paths import LegSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,12 +129,14 @@ def _with_swings(
     log: Log, feet: tuple[Samples, ...], learnt: LearntSettings, plan: MeasuringPlan
 ) -> tuple[Samples, ...]:
     """Insert samples without contact where silence is swing; up to the ends of a log read whole."""
-    if not learnt.sensors.silent.interval_ns:
+    probe = learnt.probe
+    if not probe.intervals:
         return feet
     start, end = plan.wanted.limits
     return with_swings(
         feet,
-        learnt.sensors.silent,
+        probe.intervals,
+        probe.silence_clock,
         log.start_time if start is None else None,
         log.end_time if end is None else None,
     )
@@ -145,7 +147,7 @@ def _findings(recording: Recording, learnt: LearntSettings, plan: MeasuringPlan)
     # The figures have a finding of their own for each topic's stamps.
     seen = probe_findings(learnt.selection, learnt.probe)
     findings = [*learnt.selection.findings, *(f for f in seen if f.code != "BAD_STAMPS")]
-    findings.extend(plan.side.findings if plan.side else ())
+    findings.extend(plan.side.findings)
     if recording.implausible:
         findings.append(Finding("NOT_FINITE", f"{recording.implausible:,} {IMPLAUSIBLE}"))
     return findings

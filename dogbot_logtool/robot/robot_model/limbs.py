@@ -6,14 +6,14 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Float32s, Floats, Ints, distinct
+from dogbot_logtool.core.arrays import Float32s, Floats, Ints, distinct, picked
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.transforms import (
     TransformBuffer,
     chain_of_frames,
     frame_track,
 )
-from dogbot_logtool.core.legs.joint_track import JointTable
+from dogbot_logtool.core.legs.joints import JointTable
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.dataclass import dataclass
@@ -107,7 +107,7 @@ def _near_rows(table: JointTable, time: Ints, clock: TimeSource) -> JointTable:
     after = np.searchsorted(clock.of(table.samples), time)
     rows = np.concatenate([after - 1, after, [0]])
     rows = distinct(np.clip(rows, 0, len(table.samples.stamp) - 1))
-    return replace(table, samples=table.samples.pick(rows))
+    return replace(table, samples=picked(table.samples, rows))
 
 
 def _link_tracks(table: JointTable, motion: JointMotion, clock: TimeSource) -> TransformBuffer:

@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from dogbot_logtool.core.frames.kinematics import Joint, Kind, Triple
-from dogbot_logtool.core.legs.joint_track import JointLimits
+from dogbot_logtool.core.legs.joints import JointLimits
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw
 
 _KINDS: Final = {

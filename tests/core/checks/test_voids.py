@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.checks.voids import void_columns, void_patterns
-from dogbot_logtool.core.metrics import WalkMetrics
-from dogbot_logtool.core.records import metric_paths
+from dogbot_logtool.core.metrics import Stride, WalkMetrics
+from dogbot_logtool.core.records import fields_of, metric_paths
 from dogbot_logtool.finding import Finding, FindingKind, finding_kinds
 
-PATHS = [path for path, *_ in metric_paths(WalkMetrics)]
+PATHS = [
+    *(path for path, *_ in metric_paths(WalkMetrics)),
+    *(f"feet.front_left.{field.name}" for field in fields_of(Stride)),
+]
 
 
 def patterns(kind: FindingKind) -> dict[str, set[str]]:

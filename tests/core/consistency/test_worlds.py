@@ -10,7 +10,9 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.consistency.worlds import compare_worlds
+from dogbot_logtool.core.contact.stance_samples import FootSignal
 from dogbot_logtool.core.contact.track import FootTrack, foot_track
+from tests.core.load.feet import samples_of
 
 CORNERS = ((0.3, 0.15), (0.3, -0.15), (-0.3, 0.15), (-0.3, -0.15))
 SPREAD_M = float(np.hypot(0.3, 0.15))
@@ -64,7 +66,8 @@ def foot(corner: Sequence[float], phase: float, seconds: float, turn_radps: floa
     point = np.column_stack([x, y, np.zeros_like(x)])
     point[cycle % 1.0 >= DUTY] = np.nan
     none = np.zeros_like(time)
-    return foot_track(ns(time), none, none, np.zeros((len(time), 2)), point, np.inf)
+    samples = replace(samples_of(time, none), position=point)
+    return foot_track(FootSignal(samples, np.arange(len(time)), ns(time), none, none), np.inf)
 
 
 def feet(seconds: float = 20.0, turn_radps: float = 0.0) -> list[FootTrack]:

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.contact.contact_detection import schmitt
 from dogbot_logtool.core.contact.contact_rule import ContactRule
@@ -61,40 +60,6 @@ def in_ms(time: Ints) -> list[int]:
     return [int(each) // MS for each in time - START]
 
 
-def test_stances_run_from_the_first_sample_to_the_first_that_is_not() -> None:
-    result = record(samples(signal((10, 0), (20, 50), (10, 0), (20, 50), (10, 0))))
-    assert in_ms(result.stances.touchdown) == [50, 200]
-    assert in_ms(result.stances.liftoff) == [150, 300]
-    assert result.stances.whole.all()
-    assert result.contact_fraction() == pytest.approx(200 / 345)
-
-
-def test_a_bounce_at_touchdown_is_one_stance() -> None:
-    result = record(samples(signal((10, 0), (2, 80), (3, 0), (20, 50), (10, 0))))
-    assert in_ms(result.stances.touchdown) == [50]
-    assert in_ms(result.stances.liftoff) == [175]
-    assert result.filled_swings == 1
-
-
-def test_a_swing_of_the_debounce_time_is_a_swing() -> None:
-    result = record(samples(signal((10, 0), (10, 80), (4, 0), (20, 50), (10, 0))))
-    assert len(result.stances.touchdown) == 2
-    assert result.filled_swings == 0
-
-
-def test_a_brush_is_no_stance() -> None:
-    result = record(samples(signal((10, 0), (3, 80), (10, 0), (20, 50), (10, 0))))
-    assert in_ms(result.stances.touchdown) == [115]
-    assert result.dropped_stances == 1
-
-
-def test_swings_are_filled_before_stances_are_dropped() -> None:
-    """Three touches of 10 ms with 10 ms between them are a bouncing stance of 50 ms."""
-    result = record(samples(signal((10, 0), (2, 80), (2, 0), (2, 80), (2, 0), (2, 80), (10, 0))))
-    assert in_ms(result.stances.touchdown) == [50]
-    assert (result.filled_swings, result.dropped_stances) == (2, 0)
-
-
 def test_a_light_touch_does_not_start_a_stance_but_keeps_one() -> None:
     """A walking foot may carry next to nothing in mid-stance: only the sensor ends a contact."""
     result = record(samples(signal((10, 0), (10, 3), (10, 60), (10, 3), (10, 60), (10, 0))))
@@ -114,11 +79,6 @@ def test_between_the_thresholds_the_state_stays() -> None:
     assert schmitt(force, rule).tolist() == [0, 0, 1, 1, 1, 0, 0]
 
 
-def test_the_ends_of_the_log_cut_stances() -> None:
-    result = record(samples(signal((10, 50), (10, 0), (10, 50))))
-    assert result.stances.cut.tolist() == [Cut.LOG_START, Cut.LOG_END]
-
-
 def test_a_dropout_in_stance_cuts_it_and_is_no_swing() -> None:
     force = signal((20, 0), (60, 50), (20, 0), (40, 50), (20, 0))
     whole = samples(force)
@@ -132,22 +92,6 @@ def test_a_dropout_in_stance_cuts_it_and_is_no_swing() -> None:
     assert result.contact_fraction() == pytest.approx(contact / known)
 
 
-def test_a_touchdown_in_a_dropout_is_not_known() -> None:
-    force = signal((40, 0), (40, 50), (20, 0))
-    silent = np.ones(len(force), np.bool_)
-    silent[30:50] = False
-    assert record(samples(force).pick(silent)).stances.cut.tolist() == [Cut.GAP]
-
-
-def test_a_slow_sensor_has_no_gaps() -> None:
-    time = START + np.arange(40, dtype=np.int64) * 100 * MS
-    result = record(samples(signal((10, 0), (10, 50), (20, 0)), time))
-    assert len(result.gaps) == 0
-    assert result.stances.whole.all()
-    # Trapezoid: 10 samples of 50 N, 100 ms apart, with slopes of one interval at both ends.
-    assert result.track.vertical_within(result.known) == pytest.approx(50.0)
-
-
 def test_duplicates_and_steps_back_are_left_out_and_counted() -> None:
     force = signal((10, 0), (20, 50), (10, 0))
     sound = record(samples(force))
@@ -158,41 +102,6 @@ def test_duplicates_and_steps_back_are_left_out_and_counted() -> None:
     assert torn.stances.figures.mean_n.tolist() == sound.stances.figures.mean_n.tolist()
 
 
-def test_zero_stamps_are_left_out_when_stamps_are_forced() -> None:
-    given = samples(signal((5, 0), (10, 50), (5, 0)))
-    given.stamp[:3] = 0
-    result = record(given)
-    assert result.not_advancing == 3
-    assert result.start == START + 15 * MS
-
-
-def test_log_time_is_used_when_asked_for() -> None:
-    given = samples(signal((5, 0), (10, 50), (5, 0)))
-    given = replace(given, stamp=np.zeros(20, np.int64))
-    assert in_ms(record(given, clock=TimeSource.LOG).stances.touchdown) == [25]
-
-
-def test_what_is_not_finite_is_left_out_and_counted() -> None:
-    given = samples(signal((5, 0), (10, 50), (5, 0)))
-    given.force[8, 0] = np.nan
-    result = record(given)
-    assert result.not_finite == 1
-    assert result.stances.figures.peak_n.tolist() == [50.0]
-
-
-def test_link_frame_forces_have_no_vertical_part() -> None:
-    result = record(samples(signal((5, 0), (10, 50), (5, 0))), world=False)
-    assert result.stances.figures.peak_n.tolist() == [50.0]
-    assert np.isnan(result.stances.figures.peak_vertical_n).all()
-    assert in_ms(result.track.vertical_unknown.ravel()) == [20, 75]
-
-
-def test_forces_read_off_the_ground_are_in_the_world_anyway() -> None:
-    given = samples(signal((5, 0), (10, 50), (5, 0)))
-    given.in_world[:] = True
-    assert record(given, world=False).stances.figures.peak_vertical_n.tolist() == [50.0]
-
-
 def test_a_foot_that_stands_is_not_reduced_but_is_in_contact() -> None:
     result = record(samples(signal((100, 0), (4000, 50), (100, 0))))
     assert in_ms(result.stances.touchdown) == [500]
@@ -200,15 +109,6 @@ def test_a_foot_that_stands_is_not_reduced_but_is_in_contact() -> None:
     assert result.stances.cut.tolist() == [Cut.WHOLE]
     assert np.isnan(result.stances.figures.peak_n).all()
     assert result.track.vertical_within(result.known) == pytest.approx(1000.0)
-
-
-def test_impulses_between_any_two_times() -> None:
-    time = np.arange(2000) / 200.0
-    force = 100.0 + 50.0 * np.sin(2.0 * np.pi * time)
-    result = record(samples(force))
-    spans = np.array([[START, START + 5_000 * MS]], np.int64)
-    assert result.track.vertical_within(spans) == pytest.approx(500.0, rel=1e-9)
-    assert result.track.force_within(timespans.no_spans()) == 0.0
 
 
 def naive_stances(force: list[float]) -> list[tuple[int, int]]:

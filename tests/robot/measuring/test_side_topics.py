@@ -13,10 +13,8 @@ from rich.console import Console
 import dogbot_logtool as dl
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.metrics import NEEDS
-from dogbot_logtool.reader.messages.vectors import COMMANDS, INERTIAL_UNITS
 from dogbot_logtool.report.page.render import page
 from dogbot_logtool.report.text.stats_text import print_report
-from dogbot_logtool.robot.measuring.side_types import SIDE_TYPES
 from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from tests.report.page.page_data import drawings
 from tests.truth.commanded import Commanded, commanded_walk
@@ -46,10 +44,6 @@ def measured(tmp_path: Path, recording: Recording, name: str = "x.mcap", **optio
 
 def said(stats: Any, code: str) -> list[str]:
     return [each["text"] for each in stats["findings"] if each["code"] == code]
-
-
-def test_the_types_that_are_looked_for_are_those_that_can_be_read() -> None:
-    assert {*COMMANDS, *INERTIAL_UNITS} == SIDE_TYPES
 
 
 @pytest.mark.parametrize("name", ["x.mcap", "x.bag"])

@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.legs.leg_figures import LegFigures
+from dogbot_logtool.core.legs.legs import LegFigures
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.page.charts.drawing import Drawing
@@ -38,7 +38,7 @@ def _heights(legs: LegFigures) -> list[PanelRow]:
             curve.percent, *(1e3 * each for each in (curve.lower, curve.median, curve.upper))
         )
         for foot, leg in enumerate(legs.feet)
-        if (curve := leg.swings.height) is not None
+        if (curve := leg.height) is not None
     }
     return [PanelRow("foot", "mm", bands)] if bands else []
 
@@ -48,13 +48,13 @@ def _joints(legs: LegFigures) -> list[PanelRow]:
     numbers = {leg.name: row for row, leg in enumerate(legs.feet)}
     kinds = _kinds(legs)
     rows: dict[str, dict[int, Band]] = {}
-    for joint in legs.joints:
-        curve = joint.curve
-        if curve is None:
+    for name, joint in legs.metrics.joints.items():
+        curve = joint.position_over_stride
+        if curve is None or joint.foot is None:
             continue
-        name = kinds.get(joint.history.name, joint.history.name)
-        band = Band(curve.percent, curve.lower, curve.median, curve.upper)
-        rows.setdefault(name, {})[numbers[joint.foot]] = band
+        parts = (curve.percent, curve.lower, curve.median, curve.upper)
+        band = Band(*(np.array(each) for each in parts))
+        rows.setdefault(kinds.get(name, name), {})[numbers[joint.foot]] = band
     return [PanelRow(name, "rad", bands, least=_LEAST_RAD) for name, bands in rows.items()]
 
 
@@ -69,11 +69,12 @@ def _kinds(legs: LegFigures) -> dict[str, str]:
 
 
 def _words(stats: Stats, legs: LegFigures | None) -> str:
-    known = [] if legs is None else [leg for leg in legs.feet if leg.swings.height is not None]
+    known = [] if legs is None else [leg for leg in legs.feet if leg.height is not None]
+    medians = (1e3 * float(np.nanmedian(leg.strides["clearance_m"])) for leg in known)
     clear = ", ".join(
-        f"{printable(leg.name)} {1e3 * float(np.nanmedian(leg.swings.clearance_m)):.0f} mm"
-        for leg in known
+        f"{printable(leg.name)} {median:.0f} mm" for leg, median in zip(known, medians, strict=True)
     )
-    joints = 0 if legs is None else sum(joint.curve is not None for joint in legs.joints)
-    text = f"Motion of {joints} joints over the stride of their {len(stats.feet)} feet."
+    joints = [] if legs is None else list(legs.metrics.joints.values())
+    moving = sum(joint.position_over_stride is not None for joint in joints)
+    text = f"Motion of {moving} joints over the stride of their {len(stats.feet)} feet."
     return f"{text} Clearance of the feet: {clear}." if clear else text

@@ -203,8 +203,8 @@ def load_curves(stats: Stats) -> Drawing | None:
 def _extent(stats: Stats) -> tuple[float, float]:
     """Range of all feet's forces, N."""
     drawn = [curve for foot in stats.feet for curve in _curves(foot)]
-    low = min((float(curve.low.min()) for curve in drawn), default=0.0)
-    high = max((float(curve.high.max()) for curve in drawn), default=1.0)
+    low = min((float(curve.value.min()) for curve in drawn), default=0.0)
+    high = max((float(curve.value.max()) for curve in drawn), default=1.0)
     return min(0.0, 1.05 * low), max(1.05 * high, 1.0)
 
 
@@ -265,7 +265,7 @@ def _shading(stats: Stats, spans: Ints, colour: str, extent: tuple[float, float]
 
 def _peaks(stats: Stats) -> str:
     peaks = [
-        f"{foot.name} {decimal(float(curves.force.high.max()), 1)} N"
+        f"{foot.name} {decimal(float(curves.force.value.max()), 1)} N"
         for foot in stats.feet
         if (curves := foot.record.curves) and curves.force
     ]

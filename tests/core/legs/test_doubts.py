@@ -7,8 +7,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.legs.effort_signs import shortfall
-from dogbot_logtool.core.legs.joint_cycles import Work
+from dogbot_logtool.core.legs.doubts import shortfall
 
 WEIGHT_N = 200.0
 CLIMB_M = 0.05
@@ -30,9 +29,9 @@ def strides(count: int = 8) -> Strides:
     return Strides(np.arange(count), start, start + SECOND // 2, start + SECOND)
 
 
-def work(net_j: Floats | float, absolute_j: float = 40.0, count: int = 8) -> Work:
+def work(net_j: Floats | float, absolute_j: float = 40.0, count: int = 8) -> Floats:
     absolute = np.full(count, absolute_j)
-    return Work((absolute + net_j) / 2.0, absolute)
+    return np.stack([(absolute + net_j) / 2.0, absolute])
 
 
 def test_work_that_lifts_the_robot_is_not_short() -> None:

@@ -4,19 +4,15 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.arrays import Floats, Ints
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.kinematics import Joint
 from dogbot_logtool.core.frames.transforms import TransformBuffer, frame_track
-from dogbot_logtool.core.legs.foot_path import (
-    LegChain,
-    chain_to,
-    path_by_joints,
-    path_by_transforms,
-)
-from dogbot_logtool.core.legs.joint_track import JointTrack
-from dogbot_logtool.core.legs.silences import silent_before
+from dogbot_logtool.core.legs.joints import JointSamples, JointTable, JointTrack, joint_tracks
+from dogbot_logtool.core.legs.paths import LegChain, chain_to, foot_path
 
 STEP = 10_000_000
 STATICS = TransformBuffer()
+NONE = TransformBuffer()
 PARENTS = {"shank": "thigh", "thigh": "base"}
 
 
@@ -61,7 +57,7 @@ def chain() -> LegChain:
 
 def test_transforms_tell_the_way_of_a_foot() -> None:
     time = STEP * np.arange(600)
-    path = path_by_transforms(chain(), buffer_of(time), STATICS)
+    path = foot_path(chain(), {}, buffer_of(time), STATICS)
     assert path is not None
     assert np.array_equal(path.time, time)
     assert path.position == pytest.approx(expected(time), abs=1e-6)
@@ -70,9 +66,9 @@ def test_transforms_tell_the_way_of_a_foot() -> None:
 def test_a_path_ends_where_one_of_its_frames_does() -> None:
     time = STEP * np.arange(300)
     frames = dict(buffer_of(time).frames)
-    assert path_by_transforms(chain(), TransformBuffer({"shank": frames["shank"]}), STATICS) is None
+    assert foot_path(chain(), {}, TransformBuffer({"shank": frames["shank"]}), STATICS) is None
     frames["thigh"] = frames["thigh"].pick(slice(10, 290))
-    path = path_by_transforms(chain(), TransformBuffer(frames), STATICS)
+    path = foot_path(chain(), {}, TransformBuffer(frames), STATICS)
     assert path is not None
     assert np.array_equal(path.time, time[10:290])
 
@@ -93,17 +89,19 @@ def joints() -> LegChain:
     return found
 
 
-def track_of(time: Ints, position: Floats) -> JointTrack:
-    rows = position.astype(np.float32)
-    return JointTrack(time, rows, rows, rows)
+def track_of(time: Ints, **positions: Floats) -> dict[str, JointTrack]:
+    position = np.column_stack(list(positions.values()))
+    none = np.full_like(position, np.nan)
+    samples = JointSamples(time, time, position, none, none)
+    return joint_tracks([JointTable("/j", tuple(positions), samples)], TimeSource.LOG, {})
 
 
 def test_joints_tell_the_same_way() -> None:
     time = STEP * np.arange(300)
     hip, knee = angles(time)
     later = time[::3]
-    tracks = {"hip": track_of(time, hip), "knee": track_of(later, angles(later)[1])}
-    path = path_by_joints(joints(), tracks)
+    tracks = track_of(time, hip=hip) | track_of(later, knee=angles(later)[1])
+    path = foot_path(joints(), tracks, NONE, STATICS)
     assert path is not None
     assert path.position == pytest.approx(expected(path.time), abs=5e-4)
     assert knee is not None
@@ -112,19 +110,19 @@ def test_joints_tell_the_same_way() -> None:
 def test_a_joint_that_rests_and_one_that_is_missing() -> None:
     time = STEP * np.arange(300)
     hip, _ = angles(time)
-    path = path_by_joints(joints(), {"hip": track_of(time, hip), "knee": 0.0})
+    path = foot_path(joints(), track_of(time, hip=hip, knee=0.0 * hip), NONE, STATICS)
     assert path is not None
     straight = np.column_stack([-0.25 * np.sin(hip), np.zeros(300), -0.25 * np.cos(hip)])
     assert path.position == pytest.approx(straight, abs=1e-6)
-    assert path_by_joints(joints(), {"hip": track_of(time, hip)}) is None
+    assert foot_path(joints(), track_of(time, hip=hip), NONE, STATICS) is None
 
 
 def test_a_silence_of_one_joint_is_no_way_of_the_foot() -> None:
     time = STEP * np.arange(300)
     hip, knee = angles(time)
     kept = (time < STEP * 100) | (time > STEP * 140)
-    tracks = {"hip": track_of(time, hip), "knee": track_of(time[kept], knee[kept])}
-    path = path_by_joints(joints(), tracks)
+    tracks = track_of(time, hip=hip) | track_of(time[kept], knee=knee[kept])
+    path = foot_path(joints(), tracks, NONE, STATICS)
     assert path is not None
     assert not ((path.time > STEP * 100) & (path.time < STEP * 140)).any()
-    assert silent_before(path.time).sum() == 1
+    assert path.broken.sum() == 1

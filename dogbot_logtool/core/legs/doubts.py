@@ -1,4 +1,4 @@
-"""Whether efforts of joints have the sign that the ground's forces, or energy, ask for.
+"""Reasons to doubt joint states: their numbers contradict themselves, or the forces on the feet.
 
 While a foot stands, the motors of its leg give what the ground's force takes: the sum of their work
 is minus the force times the way of the foot in the base's frame (virtual work of a leg without
@@ -7,24 +7,36 @@ all joints can be judged: over whole strides motors lift and speed up the robot 
 losses, which are never negative.
 """
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from itertools import product
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.contact.stance_curves import PARTS
+from dogbot_logtool.core.contact.stance_samples import PARTS
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.legs.foot_path import FootPath
-from dogbot_logtool.core.legs.joint_cycles import Work, joint_work
-from dogbot_logtool.core.legs.joint_track import JointHistory
-from dogbot_logtool.core.legs.silences import silent_before, unbroken
+from dogbot_logtool.core.legs.joints import JointTrack
+from dogbot_logtool.core.legs.legs import joint_work
+from dogbot_logtool.core.legs.paths import FootPath
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.dataclass import dataclass
+
+VELOCITIES_AGREE: Final = 1.25
+"""By such a factor may the velocities that messages tell differ from those of the positions."""
+OF_A_JOINT_AGREE: Final = 2.0
+"""The same of a single joint, whose velocity may be noisy."""
+_MOVES_MUCH: Final = 0.02
+"""Share of the sum of squared velocities: joints with less are not judged alone."""
+WIDEST: Final = 6.28
+"""rad, range that half of a robot's leg joints do not exceed: of degrees any step does."""
+WEAKEST: Final = 1e-3
+"""m: a largest effort of a leg below this much of the weight times a metre is in another unit. Also
+`STRONGEST`, above which it is."""
+STRONGEST: Final = 10.0
 
 CONTRADICTS: Final = 0.75
 """Cosine of work given and taken up to which efforts as recorded are doubted, if with other signs
@@ -41,6 +53,57 @@ _FEWEST_STRIDES: Final = 4
 SURELY_LOST: Final = 0.1
 """Share of the absolute work by which its sum must fall short of the work that lifts and speeds up
 the robot. Errors of joint states, such as a filter's delay of the velocity, are smaller."""
+
+
+def contradiction(
+    moving: Sequence[JointTrack], of_legs: Container[str], weight_n: float | None
+) -> str:
+    """Say which numbers cannot be rad, rad/s and N m; empty if all can.
+
+    Args:
+        moving: joints that move, at least one with an effort.
+        of_legs: names of those of legs.
+        weight_n: N, of the robot; None: not known.
+    """
+    if odd := _odd_velocities(moving):
+        return odd
+    ranges = [joint.range for joint in moving if joint.name in of_legs]
+    usual = float(median_of(ranges)) if ranges else 0.0
+    if usual > WIDEST:
+        return f"half of the legs' joints move by {usual:.3g} rad and more"
+    strongest = max(joint.peak_effort for joint in moving if joint.has_effort)
+    if weight_n is None or WEAKEST <= strongest / weight_n <= STRONGEST:
+        return ""
+    return (
+        f"the largest effort is {strongest:.3g}, which is no torque in N m on a robot of "
+        f"{weight_n:.3g} N"
+    )
+
+
+def _odd_velocities(moving: Sequence[JointTrack]) -> str:
+    """Say whose velocities are not those of their positions."""
+    squared = np.array([joint.told_squared for joint in moving])
+    moved = np.array([joint.told_moved for joint in moving])
+    ratios, total = _ratio(squared, moved), _ratio(squared.sum(), moved.sum())
+    judged = (squared > 0.0) & (squared > _MOVES_MUCH * squared.sum())
+    odd = np.flatnonzero(judged & ~_fits(ratios, OF_A_JOINT_AGREE))
+    if not len(odd) and (not judged.any() or _fits(total, VELOCITIES_AGREE)):
+        return ""
+    if 0 < len(odd) < judged.sum():
+        named = ", ".join(f"{moving[row].name} ({ratios[row]:.3g} times)" for row in odd.tolist())
+        return f"velocities of some joints are not those of their positions: {named}"
+    return f"velocities of joint states are {total:.3g} times those of their positions"
+
+
+def _ratio(squared: Floats, moved: Floats) -> Floats:
+    """Return the slope of velocities told over those of positions; infinite where unrelated."""
+    unrelated = moved == 0.0
+    return np.where(unrelated, np.inf, squared / np.where(unrelated, 1.0, moved))
+
+
+def _fits(ratio: Floats, factor: float) -> Flags:
+    fits: Flags = (ratio >= 1.0 / factor) & (ratio <= factor)
+    return fits
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +123,7 @@ def leg_signs(
     stances: Stances,
     path: FootPath,
     base: BaseHistory,
-    joints: Sequence[JointHistory],
+    joints: Sequence[JointTrack],
 ) -> LegSigns | None:
     """Compare the work of a leg's motors with that of the force at its foot.
 
@@ -75,14 +138,15 @@ def leg_signs(
         None where too little is known.
     """
     rows = np.flatnonzero(stances.whole & np.isfinite(forces).all(axis=(1, 2)))
-    if not 0 < len(joints) <= _MOST_JOINTS or not len(rows) or not len(path.time):
+    if not 0 < len(joints) <= _MOST_JOINTS or not len(rows):
         return None
     duration = (stances.liftoff - stances.touchdown)[rows, None]
     shares = np.linspace(0.0, 1.0, _SECTIONS + 1)
     edges = stances.touchdown[rows, None] + np.rint(duration * shares).astype(np.int64)
-    taken = _taken(forces[rows], edges, path, base)
     begin, end = edges[:, :-1].ravel(), edges[:, 1:].ravel()
-    given = np.stack([joint_work(joint, begin, end).net_j for joint in joints], axis=1)
+    taken = _taken(forces[rows], edges, path, base)
+    works = [joint_work(joint, begin, end) for joint in joints]
+    given = np.stack([2.0 * positive - absolute for positive, absolute in works], axis=1)
     known = np.isfinite(taken) & np.isfinite(given).all(axis=1)
     if known.sum() < _FEWEST_STANCES * _SECTIONS:
         return None
@@ -98,17 +162,12 @@ def _taken(forces: Floats, edges: Ints, path: FootPath, base: BaseHistory) -> Fl
         path: of the foot in the base's frame.
         base: poses.
     """
-    since = (path.time - path.time[0]).astype(np.float64)
-    at = (edges - path.time[0]).ravel()
-    position = np.stack([np.interp(at, since, along) for along in path.position.T], axis=-1)
-    way = np.diff(position.reshape(*edges.shape, 3), axis=1).reshape(-1, 3)
-    middle = (edges[:, :-1] + np.diff(edges, axis=1) // 2).ravel()
-    way = rotate(from_roll_pitch_yaw(base.angles_at(middle)), way)
+    begin, end = edges[:, :-1].ravel(), edges[:, 1:].ravel()
+    way = np.diff(path.at(edges), axis=1).reshape(-1, 3)
+    way = rotate(from_roll_pitch_yaw(base.angles_at(begin + (end - begin) // 2)), way)
     parted = forces.reshape(len(forces), 3, _SECTIONS, PARTS // _SECTIONS)
     force = parted.mean(axis=3).transpose(0, 2, 1).reshape(-1, 3)
-    begin, end = edges[:, :-1].ravel(), edges[:, 1:].ravel()
-    told = unbroken(path.time, silent_before(path.time), begin, end) & (begin >= path.time[0])
-    return np.where(told, -(force * way).sum(axis=1), np.nan)
+    return np.where(path.unbroken(begin, end), -(force * way).sum(axis=1), np.nan)
 
 
 def _judged(given: Floats, taken: Floats, names: Sequence[str]) -> LegSigns | None:
@@ -141,11 +200,11 @@ def _cosines(given: Floats, taken: Floats, signs: Floats) -> Floats:
     return np.asarray(signs @ (given.T @ taken) / np.where(lengths > 0.0, lengths, np.inf))
 
 
-def shortfall(work: Work, strides: Strides, base: BaseHistory, weight_n: float) -> float | None:
+def shortfall(work: Floats, strides: Strides, base: BaseHistory, weight_n: float) -> float | None:
     """Return by how much the motors' work falls short of what the robot gains, J a stride.
 
     Args:
-        work: of all joints over the strides.
+        work: (2, strides) J, positive and absolute, of all joints.
         strides: of a foot.
         base: poses without jumps.
         weight_n: N, of the robot.
@@ -155,9 +214,10 @@ def shortfall(work: Work, strides: Strides, base: BaseHistory, weight_n: float) 
     """
     half = (strides.end - strides.touchdown) // 2
     before, after = (_head_m(base, time, half) for time in (strides.touchdown, strides.end))
-    short = weight_n * (after - before) - work.net_j
+    positive, absolute = work
+    short = weight_n * (after - before) - (2.0 * positive - absolute)
     known = np.isfinite(short)
-    short, absolute = short[known], work.absolute_j[known]
+    short, absolute = short[known], absolute[known]
     if len(short) < _FEWEST_STRIDES:
         return None
     surely = float(short.mean() - 2.0 * short.std(ddof=1) / np.sqrt(len(short)))

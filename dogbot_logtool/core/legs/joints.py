@@ -1,0 +1,267 @@
+"""Joints: their states as messages tell them, and what is measured of each over a log."""
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints
+from dogbot_logtool.core.corrections.clock import TimeSource, advancing, check_stamps
+from dogbot_logtool.core.metrics import Joint
+from dogbot_logtool.dataclass import dataclass
+
+MOST_JOINTS: Final = 256
+"""Joints of a robot that are followed; no robot with legs has more."""
+LONGEST_STEP_S: Final = 0.1
+"""s between two messages; a longer step is a silence, across which nothing is interpolated."""
+NEAR_LIMIT: Final = 0.02
+"""Share of a joint's range: closer to an end than this is near a limit."""
+NEAR_FULL: Final = 0.95
+"""Share of the highest effort or speed by the robot description: more is near a limit."""
+LEAST_WRAP: Final = 1.5 * np.pi
+"""rad between two messages: no joint is so fast, so it wraps, if it is no more than a turn."""
+_TURN: Final = 2.0 * np.pi
+_IMPLAUSIBLE: Final = 1e9
+"""rad, rad/s and N m: no joint reaches it."""
+
+
+@dataclass(frozen=True, slots=True)
+class JointLimits:
+    """Limits of a joint by the robot's description; infinite where there are none."""
+
+    lower: float = -np.inf
+    """rad or m; also `upper`."""
+    upper: float = np.inf
+    effort: float = np.inf
+    """N m or N."""
+    velocity: float = np.inf
+    """rad/s or m/s."""
+
+
+@dataclass(frozen=True, slots=True)
+class JointSamples:
+    """States of k joints, one row a message."""
+
+    log_time: Ints
+    """(n,) ns."""
+    stamp: Ints
+    """(n,) ns; the log time of messages without a stamp."""
+    position: Floats
+    """(n, k) rad or m; also `velocity`, rad/s or m/s, and `effort`, N m or N; NaN: not told."""
+    velocity: Floats
+    effort: Floats
+
+    def only(self, joints: Ints) -> "JointSamples":
+        """Return the states of some joints, copies unless these are all."""
+        if np.array_equal(joints, np.arange(self.position.shape[1])):
+            return self
+        values = (each[:, joints] for each in (self.position, self.velocity, self.effort))
+        return JointSamples(self.log_time, self.stamp, *values)
+
+
+@dataclass(frozen=True, slots=True)
+class JointTable:
+    """Joint states of a topic, in the order of the log."""
+
+    topic: str
+    names: tuple[str, ...]
+    """Names of the joints in `samples`."""
+    samples: JointSamples
+
+
+@dataclass(frozen=True, slots=True)
+class JointTrack:
+    """What is measured of a joint over a log, of n usable messages."""
+
+    name: str
+    time: Ints
+    """(n,) ns, strictly increasing."""
+    position: Float32s
+    """(n,) rad or m; goes on where the recorded one wraps."""
+    work: Float32s
+    """(2, n) J, positive and absolute work since the row before; NaN where a silence or an unknown
+    effort lies between."""
+    metrics: Joint
+    """Over the whole log; the foot and the gait cycle are not known yet."""
+    rate_hz: float
+    """Messages over the time without silences."""
+    has_limits: bool
+    has_effort: bool
+    """Whether its effort is told: not zero, and not constant while it moves."""
+    peak_effort: float
+    """N m or N, the largest magnitude; NaN: none is told."""
+    told_squared: float
+    """Sum of v^2 dt, with v the velocity that messages tell; 0: they tell none."""
+    told_moved: float
+    """Sum of v dq: what `told_squared` is where velocities are those of the positions."""
+
+    @property
+    def range(self) -> float:
+        """Highest less lowest position, rad or m."""
+        return self.metrics.range_of_motion or 0.0
+
+    @property
+    def moves(self) -> bool:
+        """Whether its position ever changes."""
+        return self.range > 0.0
+
+
+def joint_tracks(
+    tables: Sequence[JointTable], clock: TimeSource, limits: Mapping[str, JointLimits]
+) -> dict[str, JointTrack]:
+    """Measure the joints of a log, by name.
+
+    Args:
+        tables: joint states, one table a topic, the best first: its states of a joint are used.
+        clock: which time counts.
+        limits: of joints, by name.
+    """
+    found: dict[str, JointTrack] = {}
+    for table in tables:
+        samples = table.samples
+        used: dict[bytes, tuple[Ints, Ints]] = {}
+        """Rows and times by the messages that have states: those of most joints are the same."""
+        for column, name in enumerate(table.names):
+            recorded = np.abs(samples.position[:, column]) <= _IMPLAUSIBLE
+            key = recorded.tobytes()
+            if key not in used:
+                used[key] = _usable(table, np.flatnonzero(recorded), clock)
+            rows, time = used[key]
+            if len(rows) and name not in found and len(found) < MOST_JOINTS:
+                position, velocity, effort = (
+                    each[rows, column].astype(np.float64)
+                    for each in (samples.position, samples.velocity, samples.effort)
+                )
+                limit = limits.get(name, JointLimits())
+                found[name] = _track(name, time, position, velocity, effort, limit)
+    return dict(sorted(found.items()))
+
+
+def _usable(table: JointTable, rows: Ints, clock: TimeSource) -> tuple[Ints, Ints]:
+    """Return those of some messages whose time is later than all before, and these times, ns."""
+    log_time, stamp = table.samples.log_time[rows], table.samples.stamp[rows]
+    good = np.ones(len(rows), np.bool_)
+    if clock is TimeSource.HEADER:
+        good = check_stamps(table.topic, stamp, log_time).usable.copy()
+    time = clock.of(table.samples)[rows]
+    good[good] = advancing(time[good], None)
+    return rows[good], time[good]
+
+
+def _track(
+    name: str,
+    time: Ints,
+    position: Floats,
+    velocity: Floats,
+    effort: Floats,
+    limits: JointLimits,
+) -> JointTrack:
+    """Measure a joint.
+
+    Power is effort times velocity, by the trapezoidal rule. Without velocities, or with none but
+    zeros, work is the mean effort times the step between two positions.
+
+    Args:
+        name: of the joint.
+        time: (n,) ns.
+        position: (n,) rad or m.
+        velocity: (n,) rad/s or m/s; NaN: not recorded.
+        effort: (n,) N m or N; NaN: not recorded.
+        limits: of the joint.
+    """
+    step_s = np.diff(time) / 1e9
+    step_s[step_s > LONGEST_STEP_S] = np.nan
+    position = _unwrapped(position)
+    velocity, effort = (
+        np.where(np.abs(each) <= _IMPLAUSIBLE, each, np.nan) for each in (velocity, effort)
+    )
+    way, known_s = np.diff(position), float(np.nansum(step_s))
+    moves = bool(way.any())
+    if (np.isfinite(velocity) & (velocity != 0.0)).any():
+        power = effort * velocity
+        positive = _middles(np.maximum(power, 0.0)) * step_s
+        absolute = _middles(np.abs(power)) * step_s
+        speed = np.abs(velocity[1:])
+    else:
+        work = _middles(effort) * way + 0.0 * step_s
+        positive, absolute = work.clip(0.0), np.abs(work)
+        speed = np.abs(way / step_s)
+    middle, squared = _middles(velocity), _middles(effort**2) * step_s
+    near_s = float(np.nansum(step_s[_near_limit(limits, position[1:], effort[1:], speed)]))
+    lowest, highest = float(np.fmin.reduce(effort)), float(np.fmax.reduce(effort))
+    has_effort = lowest < highest or (lowest == highest != 0.0 and not moves)
+    effort_s = float(step_s[np.isfinite(squared)].sum())
+    rms = np.sqrt(np.nansum(squared) / effort_s) if has_effort and effort_s > 0.0 else None
+    has_limits = limits != JointLimits()
+    # A joint that never moves does no work, whatever noise its velocity has.
+    works = np.stack([positive, absolute]) if moves else np.zeros((2, len(way)))
+    return JointTrack(
+        name=name,
+        time=time,
+        position=position.astype(np.float32),
+        work=np.concatenate([np.zeros((2, 1)), works], axis=1).astype(np.float32),
+        metrics=Joint(
+            foot=None,
+            range_of_motion=float(position.max() - position.min()),
+            peak_speed=float(np.fmax.reduce(speed, initial=0.0)),
+            peak_effort=max(abs(lowest), abs(highest)) if has_effort else None,
+            rms_effort=None if rms is None else float(rms),
+            absolute_work_j=float(np.nansum(absolute)) if has_effort else None,
+            near_limit_fraction=min(near_s / known_s, 1.0) if has_limits and known_s else None,
+            position_over_stride=None,
+        ),
+        rate_hz=len(time) / max(known_s, 1e-9),
+        has_limits=has_limits,
+        has_effort=has_effort,
+        peak_effort=max(abs(lowest), abs(highest)),
+        told_squared=float(np.nansum(middle**2 * step_s)),
+        told_moved=float(np.nansum(middle * way + 0.0 * step_s)),
+    )
+
+
+def _unwrapped(position: Floats) -> Floats:
+    """Return positions, (n,), that go on where a continuous joint's wrap at +-pi."""
+    step = np.diff(position, prepend=position[:1])
+    wraps = (np.abs(step) > LEAST_WRAP) & (np.abs(step) <= _TURN)
+    turned: Floats = position + np.cumsum(np.where(wraps, -np.sign(step) * _TURN, 0.0))
+    return turned
+
+
+def _near_limit(limits: JointLimits, position: Floats, effort: Floats, speed: Floats) -> Flags:
+    """(n,) which rows are near a limit that is known."""
+    margin = NEAR_LIMIT * (limits.upper - limits.lower)
+    margin = margin if np.isfinite(margin) else 0.0
+    near: Flags = (position < limits.lower + margin) | (position > limits.upper - margin)
+    near |= np.abs(effort) > NEAR_FULL * limits.effort
+    near |= speed > NEAR_FULL * limits.velocity
+    return near
+
+
+def _middles(values: Floats) -> Floats:
+    middles: Floats = (values[1:] + values[:-1]) / 2.0
+    return middles
+
+
+def silent_before(time: Ints) -> Flags:
+    """(n,) whether a silence lies between a row and the one before; time: (n,) ns."""
+    silent: Flags = np.diff(time, prepend=time[:1]) > LONGEST_STEP_S * 1e9
+    return silent
+
+
+def unbroken(time: Ints, breaks: Flags, start: Ints, end: Ints) -> Flags:
+    """Tell which spans rows cover to their ends, without a break between two of the rows.
+
+    Args:
+        time: (n,) ns, of the rows, increasing.
+        breaks: (n,) whether one lies between a row and the one before.
+        start: (m,) ns.
+        end: (m,) ns.
+    """
+    if not len(time):
+        return np.zeros(len(start), np.bool_)
+    so_far = np.cumsum(breaks)
+    first = np.searchsorted(time, start, side="right") - 1
+    last = np.searchsorted(time, end, side="left")
+    inside = (first >= 0) & (last < len(time))
+    whole: Flags = inside & (so_far[np.minimum(last, len(time) - 1)] == so_far[first])
+    return whole
