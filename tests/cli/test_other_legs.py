@@ -13,8 +13,8 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.layout import view_of
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.report.documents.stats_json import stats_json
-from dogbot_logtool.report.layouts.foxglove import foxglove_layout
+from dogbot_logtool.report.documents import stats_json
+from dogbot_logtool.report.layouts import foxglove_layout
 from dogbot_logtool.report.text.stats_text import print_report
 from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from tests.oracles import walks

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.verdict import headline, quality_of
 from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from tests.truth.log_file import write_log

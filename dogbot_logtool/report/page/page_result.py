@@ -7,7 +7,7 @@ from rich.console import Console
 from dogbot_logtool import __version__
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
-from dogbot_logtool.report.documents.damage import damage_json
+from dogbot_logtool.report.documents import damage_json
 from dogbot_logtool.report.text.console import human_size, print_losses, print_sentence
 from dogbot_logtool.report.verdict import headline, quality_of
 from dogbot_logtool.results import Page

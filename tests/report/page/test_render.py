@@ -17,7 +17,7 @@ from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.containers.loss import Damage, Loss
-from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.page.assets import own
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import Beside, page

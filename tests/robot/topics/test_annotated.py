@@ -23,7 +23,7 @@ from dogbot_logtool.conversion import writing as writing_module
 from dogbot_logtool.core.scene.labels import foot_labels
 from dogbot_logtool.reader.containers.log import Chunk
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.robot.options import (
     CompareOptions,
