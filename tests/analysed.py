@@ -7,7 +7,7 @@ from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contact_rule import FootSensor, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.corrections.sensor import estimate_level
-from dogbot_logtool.core.gait.foot_steps import foot_metrics
+from dogbot_logtool.core.gait.feet import foot_metrics
 from dogbot_logtool.core.metrics import Foot
 from dogbot_logtool.core.recording import Recording, Times, VectorTopic
 from dogbot_logtool.core.settings import StatsSettings

@@ -18,7 +18,8 @@ from dogbot_logtool.core.arrays import Floats, Ints, norms
 from dogbot_logtool.core.checks.voids import void_columns, void_patterns
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.stances import Cut
-from dogbot_logtool.core.gait.foot_steps import FootSteps
+from dogbot_logtool.core.corrected import usable_samples
+from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.metrics import (
     Event,
     Finding,
@@ -34,7 +35,6 @@ from dogbot_logtool.core.metrics import (
 from dogbot_logtool.core.records import fields_of
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.core.timespans import covers
-from dogbot_logtool.core.walk import usable_samples
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import Location, location

@@ -1,9 +1,7 @@
 """`dogbot-logtool convert`: write an annotated MCAP of a log."""
 
-from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import field, replace
 from typing import BinaryIO
 
 from mcap import records
@@ -15,14 +13,12 @@ from dogbot_logtool.conversion.provenance import provenance_record
 from dogbot_logtool.conversion.writing import SpanWriter, annotations_of, cut_spans
 from dogbot_logtool.core.base.poses import usable_poses
 from dogbot_logtool.core.recording import Recording
-from dogbot_logtool.core.scene.arrows import ArrowCounts
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
-from dogbot_logtool.reader.part import ReadSpan
 from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
 from dogbot_logtool.reader.workers import Start, in_order
 from dogbot_logtool.results import Conversion
@@ -31,18 +27,18 @@ from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.run.runner import OnProgress
 from dogbot_logtool.writer.annotations import Annotations
-from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunk
+from dogbot_logtool.writer.chunks import finish_chunk
 from dogbot_logtool.writer.mcap_writer import McapWriter
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class _Written:
     """What was written."""
 
-    by_channel: Counter[int] = field(default_factory=Counter)
+    by_channel: Mapping[int, int]
     """Messages by channel id."""
-    counts: DrawnCounts = field(default_factory=DrawnCounts)
-    losses: list[Loss] = field(default_factory=list)
+    counts: DrawnCounts
+    losses: Sequence[Loss]
     """All that could not be read."""
 
 
@@ -103,14 +99,10 @@ def _halves(progress: OnProgress | None) -> tuple[OnProgress | None, OnProgress 
     """Return callbacks of the two passes over a log."""
     if progress is None:
         return None, None
-
-    def first(done: int, total: int) -> None:
-        progress(done, 2 * total)
-
-    def second(done: int, total: int) -> None:
-        progress(total + done, 2 * total)
-
-    return first, second
+    return (
+        lambda done, total: progress(done, 2 * total),
+        lambda done, total: progress(total + done, 2 * total),
+    )
 
 
 def _end(log: Log, options: ConvertOptions) -> int:
@@ -129,61 +121,30 @@ def _write(
     start: Start | None,
 ) -> _Written:
     """Write the output."""
-    plan = span_writer.scene.plan
-    options = plan.options
+    plan, spans = span_writer.scene.plan, measured.read.spans
+    options, annotations = plan.options, span_writer.annotations
+    counts, done, total = DrawnCounts(), 0, sum(chunk.data_size for chunk in log.chunks)
     with whole_file(target, overwrite=options.overwrite, makes_folder=options.makes_folder) as file:
-        writer = _start(file, log, plan, span_writer.annotations)
-        written = _Written()
-        for chunk in _robot_description(plan, span_writer.annotations):
-            _add(chunk, writer, written)
-        _write_spans(writer, log, span_writer, measured.read.spans, written, progress, start)
-        _write_end(writer, log, span_writer, measured, written)
-    return written
-
-
-def _write_spans(
-    writer: McapWriter,
-    log: Log,
-    span_writer: SpanWriter,
-    spans: Sequence[ReadSpan],
-    written: _Written,
-    progress: OnProgress | None,
-    start: Start | None,
-) -> None:
-    """Copy and annotate all spans of the log."""
-    options = span_writer.scene.plan.options
-    done, total = 0, sum(chunk.data_size for chunk in log.chunks)
-    with closing(in_order(span_writer, log, cut_spans(spans), options.jobs, start)) as results:
-        for span, result in zip(spans, results, strict=True):
-            for chunk in (*span_writer.unread(log, span), *result.chunks):
-                _add(chunk, writer, written)
-            written.counts += result.counts
-            done += sum(chunk.data_size for chunk in span.chunks)
-            if progress is not None:
-                progress(done, total)
-
-
-def _add(chunk: FinishedChunk, writer: McapWriter, written: _Written) -> None:
-    writer.add_chunk(chunk)
-    written.by_channel.update(chunk.counts)
-
-
-def _robot_description(plan: ConversionPlan, annotations: Annotations) -> Iterator[FinishedChunk]:
-    """Yield the robot's description at the output's first time."""
-    urdf = plan.description.urdf
-    if urdf is not None and plan.opening is not None:
-        message = annotations.robot_description(urdf, plan.opening)
-        yield finish_chunk(message, plan.options.compression or "zstd")
+        writer = _start(file, log, plan, annotations)
+        if plan.description.urdf is not None and plan.opening is not None:
+            message = annotations.robot_description(plan.description.urdf, plan.opening)
+            writer.add_chunk(finish_chunk(message, options.compression or "zstd"))
+        with closing(in_order(span_writer, log, cut_spans(spans), options.jobs, start)) as results:
+            for span, result in zip(spans, results, strict=True):
+                for chunk in (*span_writer.unread(log, span), *result.chunks):
+                    writer.add_chunk(chunk)
+                counts += result.counts
+                done += sum(chunk.data_size for chunk in span.chunks)
+                if progress is not None:
+                    progress(done, total)
+        losses = _write_end(writer, log, span_writer, measured)
+    return _Written(writer.channel_counts, counts, losses)
 
 
 def _write_end(
-    writer: McapWriter,
-    log: Log,
-    span_writer: SpanWriter,
-    measured: MeasuredLog,
-    written: _Written,
-) -> None:
-    """Write what follows the messages."""
+    writer: McapWriter, log: Log, span_writer: SpanWriter, measured: MeasuredLog
+) -> list[Loss]:
+    """Write what follows the messages; return all that could not be read."""
     plan, read = span_writer.scene.plan, measured.read
     losses = [*log.losses, *read.losses]
     if plan.options.copy:
@@ -191,10 +152,10 @@ def _write_end(
     if span_writer.limits == (None, None):
         losses.extend(wrong_statistics(log, read.counts, losses))
     losses.extend(malformed_messages(log.channels, read.malformed, ": copied, but not annotated"))
-    written.losses.extend(losses)
     in_world = measured.learnt.settings.force_in_world
     writer.add_metadata(provenance_record(log, plan, losses, force_in_world=in_world))
     writer.finish()
+    return losses
 
 
 def _start(file: BinaryIO, log: Log, plan: ConversionPlan, annotations: Annotations) -> McapWriter:
@@ -268,54 +229,40 @@ def _findings(
     scene: Scene, measured: MeasuredLog, moved: Mapping[str, str], counts: DrawnCounts
 ) -> Iterator[Finding]:
     """Yield what was found in planning, measuring and drawing."""
-    plan, recording = scene.plan, measured.recording
+    plan, recording, skipped = scene.plan, measured.recording, counts.arrows
     yield from (*plan.findings, *measured.measurement.facts.findings, *scene.findings)
     for topic, name in moved.items():
         text = f"the log has a topic {topic} of another type: ours is {name}"
         yield Finding("TOPIC_MOVED", text, name)
+    if bad := _bad_poses(recording):
+        text = f"poses with NaN or a zero quaternion (no /tf): {bad:,}"
+        yield Finding("NOT_FINITE", text, cases=("base",))
     untimed = 0 if plan.style.needs_contact_states else recording.untimed_messages
-    for count, finding in (
-        (
-            _bad_poses(recording),
-            Finding("NOT_FINITE", "poses with NaN or a zero quaternion (no /tf)", cases=("base",)),
-        ),
-        (
-            untimed,
-            Finding("STATES_IGNORED", "contacts without a physics step (taken as one step)"),
-        ),
+    for count, code, text in (
+        (untimed, "STATES_IGNORED", "contacts without a physics step (taken as one step)"),
         (
             recording.foreign_states,
-            Finding("STATES_IGNORED", "contact states between other bodies (ignored)"),
+            "STATES_IGNORED",
+            "contact states between other bodies (ignored)",
         ),
-        *_arrow_findings(counts.arrows),
+        (skipped.not_finite, "NOT_FINITE", "contacts with NaN or infinity (not drawn)"),
+        (skipped.no_position, "NOT_DRAWN", "contacts without a point (not drawn)"),
+        (skipped.no_direction, "NOT_DRAWN", "contacts without a normal (not drawn)"),
+        (
+            skipped.overflow,
+            "NOT_FINITE",
+            "contacts whose force squared overflows (not drawn, as live)",
+        ),
         (
             counts.support_unknown,
-            Finding(
-                "NO_SUPPORT_DRAWN",
-                "/support messages without a polygon (contact of some foot unknown)",
-            ),
+            "NO_SUPPORT_DRAWN",
+            "/support messages without a polygon (contact of some foot unknown)",
         ),
         (
             counts.support_unweighed,
-            Finding(
-                "NO_SUPPORT_DRAWN",
-                "/support messages without a centre of pressure (vertical forces unknown)",
-            ),
+            "NO_SUPPORT_DRAWN",
+            "/support messages without a centre of pressure (vertical forces unknown)",
         ),
     ):
         if count:
-            yield replace(finding, text=f"{finding.text}: {count:,}")
-
-
-def _arrow_findings(skipped: ArrowCounts) -> Iterator[tuple[int, Finding]]:
-    """Yield the contacts without an arrow by reason, with their finding."""
-    yield (
-        skipped.not_finite,
-        Finding("NOT_FINITE", "contacts with NaN or infinity (not drawn)"),
-    )
-    yield skipped.no_position, Finding("NOT_DRAWN", "contacts without a point (not drawn)")
-    yield skipped.no_direction, Finding("NOT_DRAWN", "contacts without a normal (not drawn)")
-    yield (
-        skipped.overflow,
-        Finding("NOT_FINITE", "contacts whose force squared overflows (not drawn, as live)"),
-    )
+            yield Finding(code, f"{text}: {count:,}")

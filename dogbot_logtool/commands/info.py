@@ -28,7 +28,7 @@ from dogbot_logtool.robot.topics.annotated import without_annotations
 from dogbot_logtool.robot.topics.selection import Selection, select_topics
 from dogbot_logtool.run.runner import OnProgress
 
-_FIRST_NS: Final = 5_000_000_000
+_FIRST_NS: Final = 2_000_000_000
 """ns of a log that are read for the names and stamps in its messages."""
 
 

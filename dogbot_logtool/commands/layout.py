@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import norms
-from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.plausible import STRONGEST_N
+from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of
@@ -23,8 +23,8 @@ from dogbot_logtool.robot.probe import (
     probe_recording,
 )
 from dogbot_logtool.robot.robot import Robot, load_robot
+from dogbot_logtool.robot.robot_model.description import robot_shape
 from dogbot_logtool.robot.robot_model.primitives import body_size_m
-from dogbot_logtool.robot.robot_model.shape import robot_shape
 from dogbot_logtool.robot.sensors import LearntSensors, learn_sensors
 from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.robot.topics.selection import nothing_to_do, select_topics

@@ -8,7 +8,7 @@ from dogbot_logtool.core import metrics
 from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.core.walk_metrics.settings import Chosen
+from dogbot_logtool.core.walk_metrics.rest import Chosen
 from dogbot_logtool.core.walk_metrics.walk import metrics_of
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding

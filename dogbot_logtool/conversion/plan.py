@@ -7,9 +7,9 @@ from typing import Final, TypeVar
 from dogbot_logtool.conversion.copying import channels_left_out, copy_findings
 from dogbot_logtool.core.checks.sensors import sensor_findings
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, ArrowStyle
+from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.finding import Finding

@@ -15,12 +15,12 @@ from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.decode.definition import short_type_name
 from dogbot_logtool.reader.part import ReadSpan
 from dogbot_logtool.reader.wanted import TimeLimits
-from dogbot_logtool.writer.annotations import Annotations, WantedAnnotations
+from dogbot_logtool.writer.annotations import Annotations, WantedAnnotations, description_type
 from dogbot_logtool.writer.channels import AddedChannels, IdSource
 from dogbot_logtool.writer.chunks import Compression, FinishedChunk, finish_chunks
-from dogbot_logtool.writer.encodings.encoding import ArrowLook, MessageType, SupportLook
+from dogbot_logtool.writer.drawing import ArrowLook, SupportLook
+from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.message_records import MessageRecords, recorded
-from dogbot_logtool.writer.messages.robot_description import description_type
 from dogbot_logtool.writer.topics import FALLBACK_PREFIX
 
 _TIMES = np.iinfo(np.int64)

@@ -18,11 +18,10 @@ from dogbot_logtool.core.arrays import Floats, Ints, all_finite, distinct
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stance_samples import PARTS
-from dogbot_logtool.core.load.impulses import CELL_RATE_HZ, mean_impulses
-from dogbot_logtool.core.load.load_figures import vertical_is_known
-from dogbot_logtool.core.load.loads import GRAVITY_MPS2
+from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
 from dogbot_logtool.core.metrics import Imu
 from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, rotate
+from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.vectors import Integral, VectorHistory
 from dogbot_logtool.dataclass import dataclass
 

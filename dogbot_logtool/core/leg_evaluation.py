@@ -10,8 +10,8 @@ from dogbot_logtool.core.arrays import Floats, aggregate
 from dogbot_logtool.core.base.poses import without_jumps
 from dogbot_logtool.core.corrections.clock import ClockDifference, too_far_apart
 from dogbot_logtool.core.frames.transforms import TransformBuffer
-from dogbot_logtool.core.gait.foot_steps import FootSteps
-from dogbot_logtool.core.gait.standing import typical_period_s
+from dogbot_logtool.core.gait.feet import FootSteps
+from dogbot_logtool.core.gait.support import typical_period_s
 from dogbot_logtool.core.legs.joints import JointTable, JointTrack, joint_tracks
 from dogbot_logtool.core.legs.legs import LegFigures, LegFoot, joint_curve, summed_work
 from dogbot_logtool.core.legs.paths import FootPath, LegSettings, foot_path
@@ -24,8 +24,7 @@ from dogbot_logtool.core.legs.swings import (
     steps,
     swings,
 )
-from dogbot_logtool.core.load.load_figures import symmetry_index_percent
-from dogbot_logtool.core.load.slip import slip_m
+from dogbot_logtool.core.loads import slip_m, symmetry_index_percent
 from dogbot_logtool.core.metrics import Joint, Legs
 from dogbot_logtool.core.statistics import Stats
 

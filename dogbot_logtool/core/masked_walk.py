@@ -15,40 +15,30 @@ from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps, find_jumps, w
 from dogbot_logtool.core.consistency.stopped import without_stopped
 from dogbot_logtool.core.consistency.worlds import Worlds, placed_poses
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.corrections.clock import ClockDifference, too_far_apart
-from dogbot_logtool.core.gait.foot_steps import FootSteps, foot_steps, net_push
-from dogbot_logtool.core.gait.reference_foot import any_strides, reference_strides
-from dogbot_logtool.core.gait.standing import Standing, standing_in, typical_period_s
-from dogbot_logtool.core.gait.support_pattern import Support, support
-from dogbot_logtool.core.load.load_figures import (
-    LoadFigures,
+from dogbot_logtool.core.corrected import Corrected
+from dogbot_logtool.core.corrections.clock import too_far_apart
+from dogbot_logtool.core.gait.feet import FootSteps, foot_steps, net_push
+from dogbot_logtool.core.gait.segments import any_strides, reference_strides
+from dogbot_logtool.core.gait.support import (
+    Standing,
+    Support,
+    standing_in,
+    support,
+    typical_period_s,
+)
+from dogbot_logtool.core.loads import (
+    WalkLoads,
     dead_feet,
     is_stuck,
-    load_figures,
+    loads_of,
 )
 from dogbot_logtool.core.metrics import Base, Stability
-from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.settings import StatsSettings
-from dogbot_logtool.core.stability.stability import Unstable, stability
+from dogbot_logtool.core.stability import Unstable, stability
 from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.consistency.heave import Delay
-    from dogbot_logtool.core.vectors import VectorHistory
-
-
-@dataclass(frozen=True, slots=True)
-class Recorded:
-    """Everything kept of a log while it streamed past."""
-
-    feet: tuple[FootHistory, ...]
-    base: BaseHistory
-    clocks: tuple[ClockDifference, ...]
-    """How far topics' clocks are from that of the feet; nothing on log time."""
-    topics: tuple[TopicQuality, ...]
-    commands: "VectorHistory | None" = None
-    """Velocity commands; None: the log has none. Likewise `inertial`."""
-    inertial: "VectorHistory | None" = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,10 +140,10 @@ def stability_in(
     return found or (None, None)
 
 
-def loads_in(walk: MaskedWalk, within: Ints | None = None) -> LoadFigures:
+def loads_in(walk: MaskedWalk, within: Ints | None = None) -> WalkLoads:
     """Return the loads of all feet over whole strides of the first foot that has any."""
     strides = reference_strides(walk.feet)
-    return load_figures(
+    return loads_of(
         walk.records,
         walk.settings.body_weight_n,
         (strides if within is None else strides.within(within)).spans,
@@ -162,25 +152,21 @@ def loads_in(walk: MaskedWalk, within: Ints | None = None) -> LoadFigures:
     )
 
 
-def mask_walk(settings: StatsSettings, recorded: Recorded) -> MaskedWalk:
-    """Find jumps, falls, stands, dead sensors, clocks and worlds that cannot be compared.
-
-    Args:
-        settings: what decides the figures.
-        recorded: what was kept of the log.
-    """
-    jumps = find_jumps(recorded.base)
-    base = without_jumps(recorded.base, jumps)
-    records = without_stopped(_without_stuck(recorded.feet), base)
-    placed, worlds = placed_poses(records, recorded.base, base)
+def mask_walk(corrected: Corrected) -> MaskedWalk:
+    """Find jumps, falls, stands, dead sensors, clocks and worlds that cannot be compared."""
+    settings = corrected.settings
+    jumps = find_jumps(corrected.base)
+    base = without_jumps(corrected.base, jumps)
+    records = without_stopped(_without_stuck(corrected.feet), base)
+    placed, worlds = placed_poses(records, corrected.base, base)
     height = _steadiest_height(records, placed, base)
-    fallen = fallen_spans(recorded.base, records, height, jumps.spans)
-    weighed = load_figures(
+    fallen = fallen_spans(corrected.base, records, height, jumps.spans)
+    weighed = loads_of(
         records, settings.body_weight_n, any_strides(records, fallen, timespans.no_spans())
     )
     dead = tuple(dead_feet(records, weighed))
     period_s = typical_period_s([each.stances for each in records])
-    apart = too_far_apart(recorded.clocks, period_s)
+    apart = too_far_apart(corrected.clocks, period_s)
     supported = None if any(dead) or _feet_apart(settings, apart) else support(records)
     standing = _standing(settings, records, supported, base, fallen)
     strides = any_strides(records, fallen, standing.without_steps)

@@ -6,7 +6,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints, aggregate, median_of, nearest_rows
-from dogbot_logtool.core.gait.foot_steps import FootSteps
+from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.metrics import Planned
 from dogbot_logtool.dataclass import dataclass
 

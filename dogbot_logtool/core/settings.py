@@ -1,14 +1,22 @@
 """Settings of the figures: thresholds, mass, frames, clock."""
 
 from dataclasses import field
+from typing import Final
 
 from dogbot_logtool.core.contact.contact_rule import FootSensor, Thresholds, contact_rule
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.corrections.sensor import SensorLevel
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.leg_position import LegPosition
-from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.dataclass import dataclass
+
+GRAVITY_MPS2: Final = 9.81
+"""Standard in simulators (Gazebo's default world has 9.8)."""
+
+
+def body_weight_n(mass_kg: float | None) -> float | None:
+    """Return the weight of a robot, N, or None when its mass is unknown."""
+    return None if mass_kg is None else mass_kg * GRAVITY_MPS2
 
 
 @dataclass(frozen=True, slots=True)

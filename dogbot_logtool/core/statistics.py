@@ -7,13 +7,13 @@ from dogbot_logtool.core.base.falls import Tipping
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.corrections.clock import ClockDifference
 from dogbot_logtool.core.gait.segments import Segment
-from dogbot_logtool.core.gait.support_pattern import Support
-from dogbot_logtool.core.load.load_figures import LoadFigures
+from dogbot_logtool.core.gait.support import Support
+from dogbot_logtool.core.loads import WalkLoads
 from dogbot_logtool.core.masked_walk import MaskedWalk
 from dogbot_logtool.core.metrics import Stability
 from dogbot_logtool.core.planned import PlannedFoot
 from dogbot_logtool.core.quality.quality import TopicQuality
-from dogbot_logtool.core.stability.stability import Unstable
+from dogbot_logtool.core.stability import Unstable
 from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ class Stats(MaskedWalk):
     main: Segment | None
     """The longest segment: its class is the log's."""
     support: Support | None
-    loads: LoadFigures
+    loads: WalkLoads
     stability: Stability | None
     unstable: Unstable | None
     topics: tuple[TopicQuality, ...]

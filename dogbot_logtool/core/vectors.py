@@ -85,7 +85,7 @@ def vector_history(
     check = check_stamps(topic, samples.stamp, samples.log_time)
     by_stamps = clock is TimeSource.HEADER and _is_stamped_like(samples, check, base)
     good = usable & check.usable if by_stamps else usable.copy()
-    good[good] = advancing(samples.log_time[good], None)
+    good[good] = advancing(samples.log_time[good])
     kept = picked(samples, good)
     steps = np.diff(kept.log_time)
     if len(kept.log_time):
@@ -93,7 +93,7 @@ def vector_history(
     time = kept.stamp if by_stamps else kept.log_time
     if clock is TimeSource.HEADER and not by_stamps:
         time = time - _behind(base, time)
-    goes_on = advancing(time, None)
+    goes_on = advancing(time)
     return VectorHistory(
         topic=topic,
         frames=tuple(sorted(set(frames))),
@@ -108,7 +108,7 @@ def vector_history(
 
 def _averaged(samples: VectorSamples) -> VectorSamples:
     """Return the means of all rows in each 10 ms of log time."""
-    first = np.flatnonzero(first_at_each_tick(samples.log_time, RATE_HZ, None))
+    first = np.flatnonzero(first_at_each_tick(samples.log_time, RATE_HZ))
     number = np.diff(first, append=len(samples.log_time))
     log_time, stamp = (
         each[0] + (np.add.reduceat(each - each[0], first) // number)

@@ -14,7 +14,7 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.contact.curves import Curve, LoadCurves
-from dogbot_logtool.core.gait.foot_steps import FootSteps
+from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass

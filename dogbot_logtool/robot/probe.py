@@ -9,7 +9,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Ints, all_finite, median_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.transforms import TransformBuffer
+from dogbot_logtool.core.frames.transforms import TransformBuffer, static_tracks
 from dogbot_logtool.core.frames.wrench_frame import (
     FrameFit,
     WrenchFrame,
@@ -17,16 +17,16 @@ from dogbot_logtool.core.frames.wrench_frame import (
     frame_fit,
     judge_wrench_frame,
 )
-from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import normalised, roll_pitch_yaw
+from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.reader.messages.frame_tracks import static_tracks
 from dogbot_logtool.robot.frames.world_frames import WorldFrames, follow_frames
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.robot_model.skeleton import FramePose, Point
-from dogbot_logtool.robot.robot_model.soles import (
+from dogbot_logtool.robot.robot_model.skeleton import (
     STANCE_SPREAD_M,
+    FramePose,
+    Point,
     find_soles,
     first_poses,
     rounded,

@@ -21,7 +21,7 @@ from dogbot_logtool.core.corrections.weighed_levels import (
     weighed_levels,
     weight_of_levels,
 )
-from dogbot_logtool.core.load.loads import body_weight_n
+from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.printable import listed

@@ -37,7 +37,8 @@ class McapWriter:
         self._offset = 0
         self._crc = 0
         self._summary = {opcode: bytearray() for opcode in _SUMMARY_GROUPS}
-        self._channel_counts: dict[int, int] = {}
+        self.channel_counts: dict[int, int] = {}
+        """Messages written, by channel id."""
         self._numbers = dict.fromkeys(("schemas", "channels", "chunks", "extras", "metadata"), 0)
         self._start: int | None = None
         self._end: int | None = None
@@ -76,7 +77,7 @@ class McapWriter:
         self._summary[Opcode.CHUNK_INDEX] += _serialise(index)
         self._numbers["chunks"] += 1
         for channel, count in chunk.counts.items():
-            self._channel_counts[channel] = self._channel_counts.get(channel, 0) + count
+            self.channel_counts[channel] = self.channel_counts.get(channel, 0) + count
         if chunk.counts:
             self._start = min(
                 chunk.start_time, chunk.start_time if self._start is None else self._start
@@ -125,9 +126,9 @@ class McapWriter:
         statistics = records.Statistics(
             attachment_count=self._numbers["extras"],
             channel_count=self._numbers["channels"],
-            channel_message_counts=dict(sorted(self._channel_counts.items())),
+            channel_message_counts=dict(sorted(self.channel_counts.items())),
             chunk_count=self._numbers["chunks"],
-            message_count=sum(self._channel_counts.values()),
+            message_count=sum(self.channel_counts.values()),
             message_end_time=self._end or 0,
             message_start_time=self._start or 0,
             metadata_count=self._numbers["metadata"],

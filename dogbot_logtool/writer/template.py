@@ -1,7 +1,7 @@
 """Templates: one message is serialised by its official library, the rest are copies of it.
 
-No wire format is known here but that of single numbers. To find their offsets, a message is
-serialised twice with numbers that occur nowhere else in it. The copies are a numpy structured
+No wire format is known here but that of single numbers. To find the offsets of the slots, a message
+is serialised twice with numbers that occur nowhere else in it. The copies are a numpy structured
 array, and the numbers are written into its columns.
 """
 
@@ -17,8 +17,6 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.dataclass import dataclass
 
 Number = float | int | bool | str
-Serialise = Callable[[Mapping[str, Number]], bytes]
-"""Builds a message from named numbers and serialises it."""
 
 TEMPLATES_KEPT: Final = 1024
 """Templates that are kept for later messages and for other logs of a run."""
@@ -38,6 +36,24 @@ class Kind(Enum):
     # Protobuf writes small numbers in fewer bytes, but negative ones always in ten. A number
     # padded to ten bytes with empty groups is valid, too.
     VARINT = f"V{_VARINT_WIDTH}"
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """Where a message has a number that varies, or a text."""
+
+    name: str
+    before: str = ""
+    """What stands before the text."""
+
+
+Fill = Callable[[Slot, Kind], Number]
+"""Returns the value of a slot."""
+
+
+def unfilled(slot: Slot, _kind: Kind) -> Number:
+    """Refuse slots, for messages that have none."""
+    raise AssertionError(f"{slot.name} has no value")
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,42 +150,46 @@ class Template:
         self.write_stamps(records, name, self.stamps(name, time))
 
 
-def learn(serialise: Serialise, fields: Mapping[str, Kind]) -> Template:
+def learn(serialise: Callable[[Fill], bytes]) -> Template:
     """Return the template of a message.
 
     Args:
-        serialise: builds and serialises the message.
-        fields: the numbers that vary.
+        serialise: serialises the message with its slots filled.
     """
-    marks = [
-        [_mark(kind, number, other) for number, kind in enumerate(fields.values())]
-        for other in (False, True)
-    ]
-    values = [dict(zip(fields, (mark.value for mark in row), strict=True)) for row in marks]
-    message, changed = map(serialise, values)
+    kinds: dict[str, Kind] = {}
+    numbers: dict[str, int] = {}
+
+    def fill(slot: Slot, kind: Kind, other: bool = False) -> Number:  # noqa: FBT001, FBT002 - of two
+        kinds[slot.name] = kind
+        value = _mark(kind, numbers.setdefault(slot.name, len(numbers)), other).value
+        return f"{slot.before}{value}" if kind is Kind.TEXT6 else value
+
+    message = serialise(fill)
+    changed = serialise(lambda slot, kind: fill(slot, kind, other=True))
     expected = bytearray(message)
     offsets = []
-    for (name, kind), first, second in zip(fields.items(), *marks, strict=True):
+    for number, (name, kind) in enumerate(kinds.items()):
+        first, second = (_mark(kind, number, other).written for other in (False, True))
         if kind is Kind.BOOL:
-            flipped = serialise({**values[0], name: True})
+            flipped = serialise(lambda slot, kind: fill(slot, kind, other=slot.name == name))  # noqa: B023 - called at once
             found = [i for i, (a, b) in enumerate(zip(message, flipped, strict=True)) if a != b]
         else:
-            found = _found(message, first.written, changed, second.written)
+            found = _found(message, first, changed, second)
         if len(found) != 1:
             raise AssertionError(f"{name} is not written once, in a fixed width")
         offsets += found
-        expected[found[0] : found[0] + len(second.written)] = second.written
+        expected[found[0] : found[0] + len(second)] = second
     if expected != changed:
-        raise AssertionError(f"more changes than {', '.join(fields)}")
+        raise AssertionError(f"more changes than {', '.join(kinds)}")
     dtype = np.dtype(
         {
-            "names": list(fields),
-            "formats": [kind.value for kind in fields.values()],
+            "names": list(kinds),
+            "formats": [kind.value for kind in kinds.values()],
             "offsets": offsets,
             "itemsize": len(message),
         }
     )
-    return Template(message, dtype, dict(fields))
+    return Template(message, dtype, kinds)
 
 
 @dataclass(frozen=True, slots=True)

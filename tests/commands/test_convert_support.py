@@ -23,7 +23,7 @@ from dogbot_logtool.core.corrections.sensor import SensorLevel
 from dogbot_logtool.core.hulls import margin_in_hull
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.core.scene.support_scene import margin_colour
-from dogbot_logtool.core.stability.stability import feet_down
+from dogbot_logtool.core.stability import feet_down
 from dogbot_logtool.reader.messages.contact_messages import read_contacts
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.results import Conversion
@@ -259,12 +259,14 @@ def recorded(path: Path) -> tuple[list[Any], Any]:
     """Return what `stats` keeps of the feet and the base, on log time."""
     log = open_log(path)
     selection = select_topics(log, TopicOptions())
+    assert selection.base is not None
     rule = contact_rule(SensorLevel(zero_in_swing=True), BODY_WEIGHT_N)
     samples: list[Samples] = []
     poses: list[Odometry] = []
     for span in log.spans():
         batch = log.read(span)
-        poses.extend(each.poses for each in selection.read_base(batch))
+        found = selection.base.read(batch, selection.odometry)
+        poses.extend(each.poses for each in found)
         read = read_contacts(batch, selection.contacts, selection.foot_channels())
         samples.extend(each.reduced.samples for each in read)
     log.close()

@@ -3,8 +3,8 @@
 import pytest
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.gait.foot_steps import FootSteps, foot_steps
-from dogbot_logtool.core.gait.standing import Standing
+from dogbot_logtool.core.gait.feet import FootSteps, foot_steps
+from dogbot_logtool.core.gait.support import Standing
 from dogbot_logtool.core.planned import follow_plan
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from tests.core.consistency.poses import base

@@ -12,15 +12,14 @@ from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.reader.containers.log import Batch, Channel, Messages, Schema
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.reader.messages.bases import Base, check_base, joined_poses
-from dogbot_logtool.reader.messages.contact_messages import check_contacts, read_contacts
+from dogbot_logtool.reader.messages.bases import Base, joined_poses
+from dogbot_logtool.reader.messages.contact_messages import read_contacts, source_of
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.gazebo import StepTiming
-from dogbot_logtool.reader.messages.messages import malformed_in
+from dogbot_logtool.reader.messages.messages import check_channel, malformed_in
 from dogbot_logtool.reader.messages.source import BASE_TYPES, FOOT_TYPES, base_source
 from dogbot_logtool.reader.messages.transforms import (
     TRANSFORM_TYPES,
-    check_transforms,
     decode_transforms,
     transform_columns,
 )
@@ -194,11 +193,9 @@ def _labels(type_name: str) -> Mapping[str, str]:
 
 def check(of: Channel) -> str:
     """Check a channel's definition; see `check_channel`."""
-    if of.type_name in (*BASES, *POSES):
-        return check_base(of)
-    if of.type_name in TRANSFORM_TYPES:
-        return check_transforms(of)
-    return check_contacts(of)
+    bases = (*BASES, *POSES, *TRANSFORM_TYPES)
+    source = base_source(of) if of.type_name in bases else source_of(of)
+    return check_channel(of, source.fields) if source else ""
 
 
 def read(of: Channel, given: Batch) -> Outcome:

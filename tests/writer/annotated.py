@@ -17,10 +17,10 @@ from dogbot_logtool.writer.annotations import (
     WantedAnnotations,
 )
 from dogbot_logtool.writer.channels import AddedChannels, IdSource
-from dogbot_logtool.writer.encodings.encoding import ArrowLook, Encoding, MessageType
+from dogbot_logtool.writer.drawing import ArrowLook
+from dogbot_logtool.writer.encodings.encoding import Encoding, MessageType
 from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
-from dogbot_logtool.writer.encodings.ros1 import Ros1Encoding
-from dogbot_logtool.writer.encodings.ros2 import Ros2Encoding
+from dogbot_logtool.writer.encodings.ros import Ros1Encoding, Ros2Encoding
 
 FEET = ("left", "right")
 ENCODINGS = (FoxgloveEncoding(), Ros1Encoding(), Ros2Encoding())

@@ -12,8 +12,6 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.rotations import along_heading
 
-_CHUNK: Final = 1_000_000
-"""Poses that are worked on at once, to spare memory."""
 LOWEST_M: Final = 1e-3
 """m, lowest usual height of a base over its feet."""
 FURTHEST: Final = 1.5
@@ -41,11 +39,7 @@ def height_over_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
         (n,) m, at each pose; NaN before any contact point, and throughout where the contact
         points are in another world than the base: below it nowhere, or far to its side.
     """
-    parts = [
-        _base_from_feet(base, feet, slice(start, start + _CHUNK))
-        for start in range(0, len(base.time), _CHUNK)
-    ]
-    offset = np.concatenate(parts) if parts else np.empty((0, 4))
+    offset = _base_from_feet(base, feet)
     known = offset[all_finite(offset)]
     if len(known) == 0:
         return np.full(len(base.time), np.nan)
@@ -86,14 +80,13 @@ def height_drift_m(base: BaseHistory, height_m: Floats, strides: Ints) -> float:
     return rise if steady and abs(rise) > RISES * median_of(height_m[walks]) else 0.0
 
 
-def _base_from_feet(base: BaseHistory, feet: Sequence[FootHistory], part: slice) -> Floats:
+def _base_from_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
     """(n, 4) m: base less the mean of the feet's latest contact points, and their spread."""
-    at = base.time[part]
-    latest = np.full((len(feet), len(at), 3), np.nan)
+    latest = np.full((len(feet), len(base.time), 3), np.nan)
     for row, foot in enumerate(feet):
         time, point = foot.track.contact_points
         if len(time):
-            newest = np.searchsorted(time, at, side="right") - 1
+            newest = np.searchsorted(time, base.time, side="right") - 1
             latest[row] = point.take(np.maximum(newest, 0), axis=0)
             latest[row, newest < 0] = np.nan
     seen = np.isfinite(latest[:, :, :1])
@@ -102,7 +95,7 @@ def _base_from_feet(base: BaseHistory, feet: Sequence[FootHistory], part: slice)
     centre[~seen.any(axis=0)[:, 0]] = np.nan
     away = np.hypot(*np.moveaxis((latest - centre)[:, :, :2], 2, 0))
     spread = np.where(seen[:, :, 0], away, 0.0).max(axis=0, initial=0.0)
-    return np.column_stack([base.position[part] - centre, spread])
+    return np.column_stack([base.position - centre, spread])
 
 
 def slope_rad(feet: Sequence[FootHistory], within: Ints | None = None) -> float | None:

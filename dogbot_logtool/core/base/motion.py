@@ -12,9 +12,9 @@ from dogbot_logtool.core.base.ground import LOWEST_M, slope_rad
 from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
-from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.core.metrics import Base
 from dogbot_logtool.core.rotations import along_heading
+from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.dataclass import dataclass
 
 AWAY_M: Final = 0.05
@@ -55,7 +55,7 @@ def find_travel(base: BaseHistory) -> Travel:
 
 def _away_spans(base: BaseHistory) -> Ints:
     """(t, 2) ns, from each place to the time at which the base is `AWAY_M` away from it."""
-    rows = np.flatnonzero(first_at_each_tick(base.time, _LOOK_HZ, None))
+    rows = np.flatnonzero(first_at_each_tick(base.time, _LOOK_HZ))
     time = base.time[rows].tolist()
     points = base.position[rows, :2].tolist()
     spans = []
@@ -142,8 +142,6 @@ def _way(path: Floats, travel: Travel) -> float:
 
 FORWARD_ANGLES: Final = {"+x": 0.0, "+y": np.pi / 2.0, "-x": np.pi, "-y": -np.pi / 2.0}
 """rad from the body's x axis to the axis that points forward."""
-_CHUNK: Final = 1_000_000
-"""Poses that are worked on at once, to spare memory."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -212,18 +210,13 @@ def _travelled(
     Returns:
         s known; m along the forward axis, m to the left of it; rad turned.
     """
-    total = np.zeros(4)
-    for start in range(0, len(base.time) - 1, _CHUNK):
-        rows = slice(start, start + _CHUNK + 1)
-        chosen = moves[start : start + _CHUNK]
-        time, yaw = base.time[rows], base.angles[rows, 2]
-        step = np.diff(base.position[rows, :2], axis=0)[chosen]
-        heading = (yaw[1:] + yaw[:-1])[chosen] / 2.0 + FORWARD_ANGLES[forward_axis]
-        forward, left = along_heading(step, heading)
-        seconds = np.diff(time)[chosen].sum() / 1e9
-        total += (seconds, forward.sum(), left.sum(), np.diff(yaw)[chosen].sum())
-    duration, ahead, aside, turned = total.tolist()
-    return duration, ahead, aside, turned
+    yaw = base.angles[:, 2]
+    step = np.diff(base.position[:, :2], axis=0)[moves]
+    heading = (yaw[1:] + yaw[:-1])[moves] / 2.0 + FORWARD_ANGLES[forward_axis]
+    forward, left = along_heading(step, heading)
+    seconds = np.diff(base.time)[moves].sum() / 1e9
+    turned = np.diff(yaw)[moves].sum()
+    return float(seconds), float(forward.sum()), float(left.sum()), float(turned)
 
 
 def roll_and_pitch(angles: Floats, forward_axis: str) -> tuple[Floats, Floats]:

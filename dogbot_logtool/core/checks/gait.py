@@ -5,10 +5,16 @@ from collections.abc import Iterator
 import numpy as np
 
 from dogbot_logtool.core.checks.wording import counted
-from dogbot_logtool.core.gait.gait import CONSISTENT, IRREGULAR
-from dogbot_logtool.core.gait.gait_classes import BIPED, HEXAPOD, QUADRUPED, TOLERANCE
+from dogbot_logtool.core.gait.classes import (
+    BIPED,
+    CONSISTENT,
+    HEXAPOD,
+    IRREGULAR,
+    QUADRUPED,
+    TOLERANCE,
+)
 from dogbot_logtool.core.leg_position import legs_in_order
-from dogbot_logtool.core.load.slip import LARGEST_FOOT_M
+from dogbot_logtool.core.loads import LARGEST_FOOT_M
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 

@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.imu import ForceComparison, Reading
-from dogbot_logtool.core.load.load_figures import WEIGHT_TOLERANCE
-from dogbot_logtool.core.load.loads import GRAVITY_MPS2
+from dogbot_logtool.core.loads import WEIGHT_TOLERANCE
+from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from typing import Final
 
-from dogbot_logtool.core.load.load_figures import is_stuck
-from dogbot_logtool.core.load.loads import GRAVITY_MPS2
+from dogbot_logtool.core.loads import is_stuck
+from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 

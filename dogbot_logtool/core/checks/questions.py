@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.imu import Reading
-from dogbot_logtool.core.load.load_figures import vertical_is_known
+from dogbot_logtool.core.loads import vertical_is_known
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, Severity

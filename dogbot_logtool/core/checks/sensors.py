@@ -11,8 +11,8 @@ from dogbot_logtool.core.checks.wording import counted
 from dogbot_logtool.core.contact.contact_rule import FootSensor
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.sensor import SensorLevel
-from dogbot_logtool.core.gait.foot_steps import FootSteps
-from dogbot_logtool.core.load.load_figures import is_stuck
+from dogbot_logtool.core.gait.feet import FootSteps
+from dogbot_logtool.core.loads import is_stuck
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 

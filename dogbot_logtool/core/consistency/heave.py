@@ -10,9 +10,8 @@ from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import CLOCK_SHARE_OF_STRIDE, LONGEST_DELAY_S
-from dogbot_logtool.core.load.impulses import CELL_RATE_HZ, mean_impulses
-from dogbot_logtool.core.load.load_figures import vertical_is_known
-from dogbot_logtool.core.load.loads import GRAVITY_MPS2
+from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
+from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.dataclass import dataclass
 
 LIKELY: Final = 3.84

@@ -13,7 +13,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints, all_finite, median_of
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.load.impulses import CELL_RATE_HZ, mean_impulses
+from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses
 
 MISSED_STEPS: Final = 4
 """Touchdowns of half of the other feet, or more, while one foot makes no step."""

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, all_finite, distinct, median_of
+from dogbot_logtool.core.arrays import Floats, Ints, all_finite, distinct, median_of
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
@@ -85,7 +85,8 @@ def compare_worlds(
     """
     if len(base.time) < 2:
         return None
-    feet = [seen for track in tracks if _ticks(seen := _from_base(track, base)) >= FEWEST_TICKS]
+    feet = [_from_base(track, base)[1] for track in tracks]
+    feet = [seen for seen in feet if _ticks(seen) >= FEWEST_TICKS]
     if len(feet) < FEWEST_FEET:
         return None
     usual = np.stack([median_of(seen[:, 1:], axis=0) for seen in feet])
@@ -132,14 +133,18 @@ def _windows(seconds: float) -> int:
     return int(np.clip(seconds / WINDOW_S, 1, _MOST_WINDOWS))
 
 
-def _from_base(track: FootTrack, base: BaseHistory) -> Floats:
-    """(n, 3) s since the first pose, and m ahead and to the left: contact points from the base."""
+def _from_base(track: FootTrack, base: BaseHistory) -> tuple[Ints, Floats]:
+    """Return where a foot touches, seen from the base, as far as that is known.
+
+    Returns:
+        (n,) ns; and (n, 3) s since the first pose, m ahead and m to the left.
+    """
     time, point = track.contact_points
     away = point - base.position_at(time)
     ahead, left = along_heading(away, base.angles_at(time)[:, 2])
     seen = np.column_stack([(time - base.time[0]) / 1e9, ahead, left])
-    known: Floats = seen[all_finite(seen)]
-    return known
+    known = all_finite(seen)
+    return time[known], seen[known]
 
 
 def _ticks(seen: Floats) -> int:
@@ -191,18 +196,12 @@ def drift_m(
 
 def _positions(track: FootTrack, stances: Stances, base: BaseHistory) -> Floats:
     """(s, 3) s, and m ahead and to the left of the base: mean positions of whole stances."""
-    time, point = track.contact_points
+    time, seen = _from_base(track, base)
     begin, end = stances.touchdown[stances.whole], stances.liftoff[stances.whole]
     stance = np.searchsorted(begin, time, side="right") - 1
     inside = (stance >= 0) & (time < end[np.maximum(stance, 0)]) if len(begin) else stance >= 0
-    time, point, stance = time[inside], point[inside], stance[inside]
-    away = np.stack(
-        along_heading((point - base.position_at(time))[:, :2], base.angles_at(time)[:, 2]), axis=1
-    )
-    placed = all_finite(away)
-    time, away, stance = time[placed], away[placed], stance[placed]
+    stance, seen = stance[inside], seen[inside]
     count = np.bincount(stance, minlength=len(begin))
-    columns = np.column_stack([(time - base.time[0]) / 1e9, away])
-    sums = [np.bincount(stance, column, len(begin)) for column in columns.T]
-    seen: Floats = np.column_stack(sums)[count > 0] / count[count > 0][:, None]
-    return seen
+    sums = [np.bincount(stance, column, len(begin)) for column in seen.T]
+    mean: Floats = np.column_stack(sums)[count > 0] / count[count > 0][:, None]
+    return mean

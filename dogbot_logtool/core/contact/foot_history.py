@@ -235,7 +235,7 @@ def _signal(samples: Samples, clock: TimeSource, *, force_in_world: bool) -> tup
     not_finite = len(usable) - int(usable.sum())
     if clock is TimeSource.HEADER:
         usable &= time != 0
-    usable[usable] = advancing(time[usable], None)
+    usable[usable] = advancing(time[usable])
     row = np.flatnonzero(usable)
     if len(row) < len(usable):
         samples, time, force = samples.pick(usable), time[usable], force[usable]

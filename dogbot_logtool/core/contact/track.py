@@ -90,7 +90,7 @@ def foot_track(signal: FootSignal, longest_interval_ns: float) -> FootTrack:
         stored = [each.astype(np.float32) for each in columns]
     gap = np.diff(time) > longest_interval_ns
     rows = np.flatnonzero(all_finite(point))
-    placed = first_at_each_tick(time[rows], POINT_RATE_HZ, None)
+    placed = first_at_each_tick(time[rows], POINT_RATE_HZ)
     placed |= np.diff(rows, prepend=-2) > 1
     # From the last known vertical force, or the start, to the next known one.
     edges = np.flatnonzero(np.diff(np.isnan(vertical), prepend=False, append=False))

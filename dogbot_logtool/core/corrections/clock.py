@@ -45,7 +45,7 @@ class TimeSource(StrEnum):
         return columns.stamp if self is TimeSource.HEADER else columns.log_time
 
 
-def advancing(time: Ints, latest: int | None) -> Flags:
+def advancing(time: Ints) -> Flags:
     """Tell which samples advance the clock: those later than every one before them.
 
     A repeated time, or one that steps back, cannot be integrated over; such samples are left
@@ -53,37 +53,29 @@ def advancing(time: Ints, latest: int | None) -> Flags:
 
     Args:
         time: (n,) ns.
-        latest: ns, the latest time before these samples, None at the start.
     """
-    floor = np.iinfo(np.int64).min if latest is None else latest
-    before = np.maximum.accumulate(np.concatenate([[floor], time]))[:-1]
-    later: Flags = time > before
+    latest = np.maximum.accumulate(np.concatenate([[np.iinfo(np.int64).min], time]))[:-1]
+    later: Flags = time > latest
     return later
 
 
-def first_at_each_tick(time: Ints, rate_hz: float, previous_time: int | None) -> Flags:
+def first_at_each_tick(time: Ints, rate_hz: float) -> Flags:
     """Choose the first sample at or after each tick of a clock of a given rate.
 
     Ticks stand at whole multiples of 1/rate since the epoch, so the choice does not depend on
-    where the log, or a batch of it, begins. Nothing is interpolated. A step backwards in time
-    (a simulation that was reset) starts a new tick.
+    where the log begins. Nothing is interpolated. A step backwards in time (a simulation that was
+    reset) starts a new tick.
 
     Args:
         time: (n,) ns, in log order.
         rate_hz: ticks a second; 0 chooses every sample.
-        previous_time: ns, the sample before these, None at the start of the log.
 
     Returns:
         (n,) bool.
     """
-    if rate_hz == 0:
-        return np.ones(len(time), np.bool_)
-    period = max(round(1e9 / rate_hz), 1)
-    tick = time // period
     chosen = np.ones(len(time), np.bool_)
-    chosen[1:] = tick[1:] != tick[:-1]
-    if previous_time is not None and len(time):
-        chosen[0] = tick[0] != previous_time // period
+    if rate_hz:
+        chosen[1:] = np.diff(time // max(round(1e9 / rate_hz), 1)) != 0
     return chosen
 
 

@@ -11,12 +11,10 @@ from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, norms, pe
 from dogbot_logtool.core.checks.sensors import foot_is_saturated
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.events.event import Event, EventType
-from dogbot_logtool.core.gait.foot_steps import FootSteps
-from dogbot_logtool.core.gait.gait import IRREGULAR, STAND
+from dogbot_logtool.core.gait.classes import IRREGULAR, STAND
+from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.segments import LASTING, PERIOD_CHANGE, Segment
-from dogbot_logtool.core.load.load_figures import is_stuck
-from dogbot_logtool.core.load.slip import LARGEST_FOOT_M
-from dogbot_logtool.core.load.spikes import has_lone_spikes
+from dogbot_logtool.core.loads import LARGEST_FOOT_M, has_lone_spikes, is_stuck
 from dogbot_logtool.core.statistics import Stats
 
 MARGIN_M: Final = 0.01
@@ -29,17 +27,29 @@ LOWER_M: Final = 0.02
 """m below that height from which a robot without contact lies on its body."""
 
 
-def falls(stats: Stats) -> Iterator[Event]:
-    """Yield each fall, from the beginning of the descent until the robot lies no more."""
-    yield from _spans(stats.fallen, EventType.FALL, "FALL")
+def spans(stats: Stats) -> Iterator[Event]:
+    """Yield falls, tipping, jumps of the pose and gaps: what is known as spans already.
 
-
-def tipping(stats: Stats) -> Iterator[Event]:
-    """Yield how the robot tips as the recording ends, without a fall."""
+    A fall lasts from the beginning of the descent until the robot lies no more; a jump from the
+    pose before it to the one after.
+    """
+    for start, end in stats.fallen.tolist():
+        yield Event(start, end - start, EventType.FALL, code="FALL")
     found = stats.tipping
     if found is not None and not len(stats.fallen):
         lasts = int(stats.base_history.time[-1]) - found.since
         yield Event(found.since, lasts, EventType.TIPPING, None, found.last_rad, "rad", "FALL")
+    sizes = norms(stats.jumps.size_m).tolist()
+    for (start, end), size in zip(stats.jumps.spans.tolist(), sizes, strict=True):
+        yield Event(start, end - start, EventType.POSE_JUMP, None, size, "m", "POSE_JUMP")
+    gaps = [
+        (row, timespans.subtract(foot.record.gaps, foot.record.stopped))
+        for row, foot in enumerate(stats.feet)
+    ]
+    for foot, silent in [(None, stats.base_history.gaps), *gaps]:
+        for start, end in silent.tolist():
+            lasts = end - start
+            yield Event(start, lasts, EventType.GAP, foot, lasts / 1e9, "s", "GAPS")
 
 
 def carried(stats: Stats) -> Iterator[Event]:
@@ -136,33 +146,8 @@ def margins_below_zero(stats: Stats) -> Iterator[Event]:
         yield Event(start, end - start, EventType.MARGIN_BELOW_ZERO, None, value, "m")
 
 
-def pose_jumps(stats: Stats) -> Iterator[Event]:
-    """Yield each jump of the base's pose, from the pose before it to the one after."""
-    sizes = norms(stats.jumps.size_m).tolist()
-    for (start, end), size in zip(stats.jumps.spans.tolist(), sizes, strict=True):
-        yield Event(start, end - start, EventType.POSE_JUMP, None, size, "m", "POSE_JUMP")
-
-
-def _spans(spans: Ints, kind: EventType, code: str) -> Iterator[Event]:
-    for start, end in spans.tolist():
-        yield Event(start, end - start, kind, code=code)
-
-
 AT_LIMIT: Final = 0.99
 """Share of the highest force from which a stance of a saturated sensor is cut off."""
-
-
-def gaps(stats: Stats) -> Iterator[Event]:
-    """Yield the gaps of each foot's sensor, and of the base's poses."""
-    yield from _gaps(stats.base_history.gaps, None)
-    for row, foot in enumerate(stats.feet):
-        yield from _gaps(timespans.subtract(foot.record.gaps, foot.record.stopped), row)
-
-
-def _gaps(spans: Ints, foot: int | None) -> Iterator[Event]:
-    for start, end in spans.tolist():
-        lasts = end - start
-        yield Event(start, lasts, EventType.GAP, foot, lasts / 1e9, "s", "GAPS")
 
 
 def sensor_faults(stats: Stats) -> Iterator[Event]:
@@ -170,13 +155,13 @@ def sensor_faults(stats: Stats) -> Iterator[Event]:
     for row, foot in enumerate(stats.feet):
         others = [other.record for other in stats.feet if other is not foot]
         record, stances = foot.record, foot.record.stances
-        stopped = () if is_stuck(record, others) else record.stopped.tolist()
+        stuck = is_stuck(record, others)
         never = foot.is_dead and not len(record.stopped)
         if never and record.start is not None and record.end is not None:
             yield _fault(record.start, record.end, row, "DEAD")
-        if is_stuck(record, others):
+        if stuck:
             yield _fault(int(stances.touchdown[0]), int(stances.liftoff[-1]), row, "STUCK")
-        for start, end in stopped:
+        for start, end in () if stuck else record.stopped.tolist():
             yield _fault(start, end, row, "STOPPED")
         if foot_is_saturated(stats, row) and np.isfinite(stances.figures.peak_n).any():
             limit = float(np.nanmax(stances.figures.peak_n))
@@ -398,13 +383,10 @@ _RANK: Final = {kind: rank for rank, kind in enumerate(EventType)}
 def find_events(stats: Stats) -> tuple[Event, ...]:
     """Return all events of a log, in the order of time."""
     found = [
-        *falls(stats),
-        *tipping(stats),
+        *spans(stats),
         *carried(stats),
         *gait_changes(stats.segments),
         *margins_below_zero(stats),
-        *pose_jumps(stats),
-        *gaps(stats),
         *sensor_faults(stats),
         *step_events(stats.feet),
         *_odd_steps(stats),

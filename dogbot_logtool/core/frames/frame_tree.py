@@ -13,10 +13,9 @@ from dogbot_logtool.core.arrays import (
     Ints,
     all_finite,
     distinct,
-    stable_order,
 )
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.transforms import RecordedTransforms
+from dogbot_logtool.core.frames.transforms import RecordedTransforms, frame_pairs
 from dogbot_logtool.core.quality.quality import TopicQuality, topic_quality, topic_times
 from dogbot_logtool.dataclass import dataclass
 
@@ -80,27 +79,25 @@ def recorded_frames(
         recorded: transforms in the order of the log.
         static_channels: ids of the channels whose transforms hold for ever.
     """
-    rows_of: dict[tuple[str, str], list[Ints]] = {}
-    slashed, unnamed, left_out = set[str](), 0, 0
-    for rows in _pairs(recorded):
-        names = (
-            recorded.parents[recorded.parent[rows[0]]],
-            recorded.children[recorded.child[rows[0]]],
+    slashed = {
+        name
+        for code, names in (
+            (recorded.parent, recorded.parents),
+            (recorded.child, recorded.children),
         )
-        slashed.update(name for name in names if name.startswith("/"))
-        parent, child = (name.lstrip("/") for name in names)
-        if not (parent and child):
-            unnamed += len(rows)
-        elif (parent, child) in rows_of or len(rows_of) < MOST_EDGES:
-            rows_of.setdefault((parent, child), []).append(rows)
-        else:
-            left_out += len(rows)
+        for name in (names[number] for number in distinct(code).tolist())
+        if name.startswith("/")
+    }
+    pairs = list(frame_pairs(recorded, np.arange(len(recorded.log_time))))
+    named = [pair for pair in pairs if pair[0] and pair[1]]
     static: Flags = np.isin(recorded.channel, list(static_channels))
-    edges = (
-        _edge(*names, recorded, np.sort(np.concatenate(rows)), static)
-        for names, rows in sorted(rows_of.items())
+    told = sorted(named[:MOST_EDGES], key=lambda pair: pair[:2])
+    return RecordedFrames(
+        edges=tuple(_edge(parent, child, recorded, rows, static) for parent, child, rows in told),
+        slashed=tuple(sorted(slashed)),
+        unnamed=sum(len(rows) for parent, child, rows in pairs if not (parent and child)),
+        left_out=sum(len(rows) for _, _, rows in named[MOST_EDGES:]),
     )
-    return RecordedFrames(tuple(edges), tuple(sorted(slashed)), unnamed, left_out)
 
 
 def _edge(
@@ -136,14 +133,6 @@ def _edge(
         zero_rotations=int(zero.sum()),
         not_normalised=int((finite & ~zero & ~unit).sum()),
     )
-
-
-def _pairs(recorded: RecordedTransforms) -> Iterator[Ints]:
-    """Yield the rows of each pair of parent and child, in the order of the log."""
-    pair = recorded.parent * max(len(recorded.children), 1) + recorded.child
-    order = stable_order(pair)
-    edges = np.flatnonzero(np.diff(pair[order])) + 1
-    yield from (rows for rows in np.split(order, edges) if len(rows))
 
 
 DEEPEST: Final = 100
@@ -230,30 +219,26 @@ def loops(pairs: Iterable[Pair]) -> list[list[str]]:
     Every frame is named in one loop at most, so there may be more loops than are told where
     they share frames.
     """
-    children = children_of(pairs)
-    done: set[str] = set()
-    found: list[list[str]] = []
-    named: set[str] = set()
-    for top in sorted(children):
-        path: list[str] = []
-        index: dict[str, int] = {}
-        waiting = [(top, False)]
-        while waiting:
-            frame, leaving = waiting.pop()
-            if leaving:
-                done.add(path.pop())
-                del index[frame]
-            elif frame in index:
-                loop = path[index[frame] :]
-                if named.isdisjoint(loop):
-                    found.append(loop)
-                    named.update(loop)
-            elif frame not in done:
-                index[frame] = len(path)
-                path.append(frame)
-                waiting.append((frame, True))
-                waiting += [(child, False) for child in reversed(children.get(frame, []))]
+    left, found = set(pairs), []
+    while left := _in_loops(left):
+        children = children_of(left)
+        path = [min(children)]
+        while (following := children[path[-1]][0]) not in path:
+            path.append(following)
+        loop = path[path.index(following) :]
+        found.append(loop)
+        left = {pair for pair in left if not set(pair) & set(loop)}
     return found
+
+
+def _in_loops(pairs: AbstractSet[Pair]) -> set[Pair]:
+    """Return the pairs that are left once frames without a parent, or a child, are taken away."""
+    left, before = set(pairs), -1
+    while len(left) != before:
+        before = len(left)
+        inner = {parent for parent, _ in left} & {child for _, child in left}
+        left = {pair for pair in left if inner.issuperset(pair)}
+    return left
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,14 +1,14 @@
 """Transforms of frames as recorded, and poses of frames at any time by the chain of frames."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import field, replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, distinct
-from dogbot_logtool.core.corrections.clock import advancing
+from dogbot_logtool.core.corrections.clock import TimeSource, advancing
 from dogbot_logtool.core.rotations import multiply, normalised, rotate, slerp
 from dogbot_logtool.dataclass import dataclass
 
@@ -154,7 +154,7 @@ def frame_track(
     sound = all_finite(translation) & all_finite(rotation)
     sound &= (rotation != 0.0).any(axis=1)
     if not static:
-        sound[sound] = advancing(time[sound], None)
+        sound[sound] = advancing(time[sound])
     if not sound.any():
         return None
     turned = normalised(rotation[sound])
@@ -175,21 +175,18 @@ class TransformBuffer:
     """By child frame, without leading slashes."""
 
     def then(self, later: "TransformBuffer") -> "TransformBuffer":
-        """Return this buffer with what was recorded right after it."""
-        frames = dict(self.frames)
-        for child, track in later.frames.items():
-            frames[child] = _followed(frames.get(child), track)
-        return TransformBuffer(frames)
+        """Return both together; of a frame in both, the later static transform holds."""
+        own = {
+            child: track
+            for child, track in self.frames.items()
+            if child not in later.frames or not track.static
+        }
+        return TransformBuffer({**later.frames, **own})
 
     def only(self, frames: AbstractSet[str]) -> "TransformBuffer":
         """Return what it holds of some child frames."""
         kept = {child: track for child, track in self.frames.items() if child in frames}
         return TransformBuffer(kept)
-
-    def chain(self, frame: str, ancestor: str) -> tuple[str, ...] | None:
-        """Return the frames from one up to the child of an ancestor; None: not connected."""
-        parents = {child: track.parent for child, track in self.frames.items()}
-        return chain_of_frames(parents, frame, ancestor)
 
     def lookup(self, frame: str, ancestor: str, time: Ints, log_time: Ints) -> Poses:
         """Interpolate the poses of a frame in an ancestor: lerp and slerp, frame by frame.
@@ -205,7 +202,8 @@ class TransformBuffer:
             transform, between two that are too far apart, and where one was recorded too long
             before or after.
         """
-        chain = self.chain(frame, ancestor)
+        parents = {child: track.parent for child, track in self.frames.items()}
+        chain = chain_of_frames(parents, frame, ancestor)
         count = len(time)
         known = np.full(count, chain is not None)
         translation, rotation = np.zeros((count, 3)), np.tile([0.0, 0.0, 0.0, 1.0], (count, 1))
@@ -240,22 +238,6 @@ def chain_of_frames(
     return tuple(frames)
 
 
-def _followed(known: FrameTrack | None, later: FrameTrack) -> FrameTrack:
-    """Return what is known of a frame after more was recorded of it."""
-    if known is None:
-        return later
-    if known.parent != later.parent:
-        return known
-    if known.static or later.static:
-        return later
-    later = later.pick(advancing(later.time, int(known.time[-1])))
-    columns: dict[str, Any] = {
-        name: np.concatenate([getattr(known, name), getattr(later, name)])
-        for name in ("time", "log_time", "translation", "rotation")
-    }
-    return replace(known, **columns)
-
-
 def _interpolated(track: FrameTrack, time: Ints, log_time: Ints) -> tuple[Flags, Floats, Floats]:
     count = len(time)
     if track.static:
@@ -273,3 +255,74 @@ def _interpolated(track: FrameTrack, time: Ints, log_time: Ints) -> tuple[Flags,
     first, second = track.translation[before], track.translation[after]
     shift = first + share[:, None] * (second - first)
     return known, shift, slerp(track.rotation[before], track.rotation[after], share)
+
+
+def static_tracks(recorded: RecordedTransforms, channels: AbstractSet[int]) -> TransformBuffer:
+    """Return the transforms of channels whose transforms hold for ever."""
+    held = np.flatnonzero(np.isin(recorded.channel, list(channels)))
+    frames: dict[str, FrameTrack] = {}
+    for parent, child, rows in frame_pairs(recorded, held):
+        track = _track(recorded, parent, recorded.stamp, rows, static=True)
+        if track is not None:
+            frames.setdefault(child, track)
+    return TransformBuffer(frames)
+
+
+def moving_tracks(
+    recorded: RecordedTransforms, parents: Mapping[str, str], clock: TimeSource
+) -> TransformBuffer:
+    """Return the transforms of some frames.
+
+    Args:
+        recorded: transforms of any frames.
+        parents: parent of each wanted frame, without leading slashes; transforms into another
+            one are left out.
+        clock: the clock that they are placed on.
+    """
+    time = clock.of(recorded)
+    frames: dict[str, FrameTrack] = {}
+    for parent, child, rows in frame_pairs(recorded, np.arange(len(time))):
+        if parents.get(child) == parent:
+            track = _track(recorded, parent, time, rows, static=False)
+            if track is not None:
+                frames[child] = track
+    return TransformBuffer(frames)
+
+
+def _track(
+    recorded: RecordedTransforms, parent: str, time: Ints, rows: Ints, *, static: bool
+) -> FrameTrack | None:
+    return frame_track(
+        parent,
+        time[rows],
+        recorded.log_time[rows],
+        recorded.translation[rows],
+        recorded.rotation[rows],
+        static=static,
+    )
+
+
+def frame_pairs(recorded: RecordedTransforms, rows: Ints) -> Iterator[tuple[str, str, Ints]]:
+    """Yield parent and child, without leading slashes, and which of some rows have them.
+
+    Args:
+        recorded: transforms of any frames.
+        rows: (n,) of them, ascending.
+    """
+    if not len(rows):
+        return
+    parent = _without_slashes(recorded.parent[rows], recorded.parents)
+    child = _without_slashes(recorded.child[rows], recorded.children)
+    pair = parent * max(len(recorded.children), 1) + child
+    order = np.argsort(pair, kind="stable")
+    numbers, starts = np.unique(pair[order], return_index=True)
+    for number, chosen in zip(numbers.tolist(), np.split(order, starts[1:]), strict=False):
+        one, other = divmod(number, len(recorded.children))
+        yield recorded.parents[one].lstrip("/"), recorded.children[other].lstrip("/"), rows[chosen]
+
+
+def _without_slashes(code: Ints, names: tuple[str, ...]) -> Ints:
+    """Give names that only differ in leading slashes the same code, that of the first one."""
+    first: dict[str, int] = {}
+    same = [first.setdefault(name.lstrip("/"), code) for code, name in enumerate(names)]
+    return np.array(same, np.int64)[code] if same else code

@@ -1,6 +1,6 @@
 """Contact samples in the world: the frame of their forces, and turning and placing them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from enum import StrEnum
 from typing import Final
@@ -18,10 +18,12 @@ from dogbot_logtool.core.arrays import (
     percentiles_of,
 )
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.transforms import Poses, TransformBuffer
+from dogbot_logtool.core.frames.transforms import Poses
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.dataclass import dataclass
+
+PosesOf = Callable[[str, Samples], Poses]
+"""Returns where a frame is in the world when samples were taken."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,107 +37,57 @@ class FramePoint:
     """Whether each sample's own position is in that frame, instead of `offset`."""
 
 
-@dataclass(frozen=True, slots=True)
-class FrameCounts:
-    """Samples in contact for which transforms told something, or did not."""
-
-    turned: int = 0
-    """Force turned from a link's frame into the world."""
-    not_turned: int = 0
-    placed: int = 0
-    """Without a contact point; the position of a frame stands in for it."""
-    not_placed: int = 0
-
-    def __add__(self, other: "FrameCounts") -> "FrameCounts":
-        return FrameCounts(
-            self.turned + other.turned,
-            self.not_turned + other.not_turned,
-            self.placed + other.placed,
-            self.not_placed + other.not_placed,
-        )
-
-
-def forces_in_world(
-    samples: Samples,
-    links: Sequence[str | None],
-    buffer: TransformBuffer,
-    world: str,
-    clock: TimeSource,
-) -> tuple[Samples, FrameCounts]:
-    """Turn link-frame forces into the world.
+def turn_forces(samples: Samples, link: str | None, poses_of: PosesOf) -> tuple[Samples, Flags]:
+    """Turn forces of a foot from the frame of its link into the world.
 
     Args:
-        samples: forces of feet without a link, and those that are in the world, stay as they are.
-        links: frame of each foot's forces; None: not to be turned.
-        buffer: transforms around the samples.
-        world: frame to turn to.
-        clock: the clock of the samples and of the buffer.
+        samples: of the foot; forces that are in the world stay as they are.
+        link: frame of the forces; None: they are not to be turned.
+        poses_of: looks up where a frame is in the world when samples were taken.
 
     Returns:
-        the samples, `in_world` where a force was turned, and their numbers.
+        the samples, `in_world` where a force was turned, and whether each of those that were to
+        be turned was.
     """
-    wanted = samples.in_contact & ~samples.in_world
+    rows = np.flatnonzero(samples.in_contact & ~samples.in_world)
+    if link is None or not len(rows):
+        return samples, np.empty(0, np.bool_)
+    poses = poses_of(link, samples.pick(rows))
+    found = rows[poses.known]
     force, in_world = samples.force.copy(), samples.in_world.copy()
-    counts = FrameCounts()
-    for foot, link in enumerate(links):
-        rows = np.flatnonzero(wanted & (samples.foot == foot))
-        if link is None or not len(rows):
-            continue
-        poses = _poses(samples.pick(rows), link, buffer, world, clock)
-        known = poses.known
-        with np.errstate(invalid="ignore"):
-            force[rows[known]] = rotate(poses.rotation[known], force[rows[known]])
-        in_world[rows[known]] = True
-        turned = int(known.sum())
-        counts += FrameCounts(turned=turned, not_turned=len(rows) - turned)
-    return replace(samples, force=force, in_world=in_world), counts
+    with np.errstate(invalid="ignore"):
+        force[found] = rotate(poses.rotation[poses.known], force[found])
+    in_world[found] = True
+    return replace(samples, force=force, in_world=in_world), poses.known
 
 
-def points_from_frames(
-    samples: Samples,
-    points: Sequence[FramePoint | None],
-    buffer: TransformBuffer,
-    world: str,
-    clock: TimeSource,
-) -> tuple[Samples, FrameCounts]:
-    """Place samples that tell no contact point where a frame is at their time.
+def place_points(
+    samples: Samples, point: FramePoint | None, poses_of: PosesOf
+) -> tuple[Samples, Flags]:
+    """Place samples of a foot that tell no contact point where a frame is at their time.
 
     Args:
-        samples: those with contact points stay as they are.
-        points: position of each foot; None: not known.
-        buffer: transforms around the samples.
-        world: frame of the positions.
-        clock: the clock of the samples and of the buffer.
+        samples: of the foot; those with contact points stay as they are.
+        point: position of the foot; None: not known.
+        poses_of: looks up where a frame is in the world when samples were taken.
 
     Returns:
-        the samples, with one point each where they were placed, and their numbers.
+        the samples, with one point each where they were placed, and whether each of those that
+        were to be placed was.
     """
-    wanted: Flags = samples.in_contact & (samples.points == 0)
     # Without contact points, a position is that of a foot in the base's frame.
     position = np.where((samples.points > 0)[:, None], samples.position, np.nan)
-    number = samples.points.copy()
-    counts = FrameCounts()
-    for foot, point in enumerate(points):
-        rows = np.flatnonzero(wanted & (samples.foot == foot))
-        if point is None or not len(rows):
-            continue
-        if point.recorded:
-            rows = rows[all_finite(samples.position[rows])]
-        poses = _poses(samples.pick(rows), point.frame, buffer, world, clock)
-        found = rows[poses.known]
-        inside = samples.position[found] if point.recorded else np.array([point.offset])
-        offset: Floats = rotate(poses.rotation[poses.known], inside)
-        position[found] = poses.translation[poses.known] + offset
-        number[found] = 1
-        placed = int(poses.known.sum())
-        counts += FrameCounts(placed=placed, not_placed=len(rows) - placed)
-    return replace(samples, position=position, points=number), counts
-
-
-def _poses(
-    samples: Samples, frame: str, buffer: TransformBuffer, world: str, clock: TimeSource
-) -> Poses:
-    return buffer.lookup(frame, world, clock.of(samples), samples.log_time)
+    rows = np.flatnonzero(samples.in_contact & (samples.points == 0))
+    if point is None or not len(rows):
+        return replace(samples, position=position), np.empty(0, np.bool_)
+    if point.recorded:
+        rows = rows[all_finite(samples.position[rows])]
+    poses = poses_of(point.frame, samples.pick(rows))
+    found, points = rows[poses.known], samples.points.copy()
+    inside = samples.position[found] if point.recorded else np.array([point.offset])
+    position[found] = poses.translation[poses.known] + rotate(poses.rotation[poses.known], inside)
+    points[found] = 1
+    return replace(samples, position=position, points=points), poses.known
 
 
 FRICTION: Final = 1.0

@@ -8,12 +8,27 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import CircularMean, Ints, circular_mean, median_of, picked
-from dogbot_logtool.core.gait.gait import STAND, UNKNOWN_GAIT, GaitClass, classify
-from dogbot_logtool.core.gait.gait_classes import TOLERANCE, class_distances
-from dogbot_logtool.core.gait.phases import phases_by_stride, phases_in
-from dogbot_logtool.core.gait.standing import Standing
-from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.gait.support_pattern import Support
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.gait.classes import (
+    STAND,
+    TOLERANCE,
+    UNKNOWN_GAIT,
+    GaitClass,
+    class_distances,
+    classify,
+    phases_by_stride,
+    phases_in,
+)
+from dogbot_logtool.core.gait.feet import FootSteps
+from dogbot_logtool.core.gait.strides import (
+    Strides,
+    cut_by_fall,
+    cut_by_standing,
+    no_strides,
+    strides_of,
+)
+from dogbot_logtool.core.gait.support import Standing, Support, steps_apart
+from dogbot_logtool.core.leg_position import legs_in_order
 from dogbot_logtool.dataclass import dataclass
 
 LASTING: Final = 2
@@ -305,3 +320,43 @@ def _phases(
 def main_segment(segments: Sequence[Segment]) -> Segment | None:
     """Return the longest segment; its class is the log's. None without segments."""
     return max(segments, key=lambda segment: segment.end - segment.start, default=None)
+
+
+def any_strides(records: Sequence[FootHistory], fallen: Ints, standing: Ints) -> Ints:
+    """(s, 2) ns, the strides of the first foot that has any.
+
+    Args:
+        records: of all feet.
+        fallen: (f, 2) ns, spans in which the robot lies.
+        standing: (s, 2) ns, spans without steps, as far as they are known.
+    """
+    for record in records:
+        stances = cut_by_fall(record.stances, fallen)
+        stances = cut_by_standing(stances, steps_apart(standing, stances))
+        strides, _ = strides_of(stances, record.gaps, fallen)
+        if len(strides.stance):
+            return strides.spans
+    return timespans.no_spans()
+
+
+def reference_strides(feet: Sequence[FootSteps]) -> Strides:
+    """Return the whole strides of the first foot that has any."""
+    return next((foot.strides for foot in feet if len(foot.strides.stance)), no_strides())
+
+
+def gait_input(
+    feet: Sequence[FootSteps], standing: Standing, supported: Support | None
+) -> GaitInput:
+    """Choose the feet that phases are measured against."""
+    leg_positions = [foot.leg_position for foot in feet]
+    order = legs_in_order(leg_positions)
+    walking = [row for row in order or range(len(feet)) if len(feet[row].strides.stance)]
+    hind = leg_positions.index(("back", "left")) if ("back", "left") in leg_positions else None
+    return GaitInput(
+        feet=tuple(FootEvents(foot.strides, foot.touchdown) for foot in feet),
+        reference=walking[0] if walking else 0,
+        hind_reference=hind if hind in walking else None,
+        order=order,
+        standing=standing,
+        support=supported,
+    )

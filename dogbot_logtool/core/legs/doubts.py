@@ -21,8 +21,8 @@ from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.joints import JointTrack
 from dogbot_logtool.core.legs.legs import joint_work
 from dogbot_logtool.core.legs.paths import FootPath
-from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
+from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.dataclass import dataclass
 
 VELOCITIES_AGREE: Final = 1.25

@@ -144,7 +144,7 @@ def _usable(table: JointTable, rows: Ints, clock: TimeSource) -> tuple[Ints, Int
     if clock is TimeSource.HEADER:
         good = check_stamps(table.topic, stamp, log_time).usable.copy()
     time = clock.of(table.samples)[rows]
-    good[good] = advancing(time[good], None)
+    good[good] = advancing(time[good])
     return rows[good], time[good]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, median_of, percentiles_of
 from dogbot_logtool.core.corrections.clock import ClockDifference
-from dogbot_logtool.core.gait.cycle_curves import CYCLE_POINTS, QUARTILES, CycleCurve
+from dogbot_logtool.core.gait.feet import CYCLE_POINTS, QUARTILES, CycleCurve
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.joints import JointTrack, silent_before, unbroken
 from dogbot_logtool.core.legs.paths import FootPath, LegSettings

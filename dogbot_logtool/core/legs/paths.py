@@ -140,7 +140,7 @@ def foot_path(
     if not moving or not frames.frames.keys() >= set(moving):
         return None
     last = frames.frames[moving[0]]
-    at = last.pick(first_at_each_tick(last.time, TRANSFORM_RATE_HZ, None))
+    at = last.pick(first_at_each_tick(last.time, TRANSFORM_RATE_HZ))
     poses = statics.then(frames).lookup(chain.frames[0], chain.base, at.time, at.log_time)
     position = poses.translation + rotate(poses.rotation, np.array([chain.point]))
     position[~poses.known] = np.nan
@@ -156,7 +156,7 @@ def _path_by_joints(chain: LegChain, joints: Mapping[str, JointTrack]) -> FootPa
     if len(told) < len(names) or not moving:
         return None
     time = max((track.time for track in moving), key=len)
-    time = time[first_at_each_tick(time, JOINT_RATE_HZ, None)]
+    time = time[first_at_each_tick(time, JOINT_RATE_HZ)]
     known = np.ones(len(time), np.bool_)
     for track in moving:
         known &= unbroken(track.time, silent_before(track.time), time, time)

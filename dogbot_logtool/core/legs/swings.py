@@ -6,7 +6,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, median_of, rows_of_runs
 from dogbot_logtool.core.contact.stances import Cut, Stances
-from dogbot_logtool.core.gait.cycle_curves import CYCLE_POINTS, CycleCurve, cycle_curve
+from dogbot_logtool.core.gait.feet import CYCLE_POINTS, CycleCurve, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.paths import SLOWEST_NS, FootPath
 from dogbot_logtool.dataclass import dataclass

@@ -30,23 +30,13 @@ SHORTEST_DRIFT_S: Final = 5.0
 """A drift is not measured over less."""
 
 
-@dataclass(frozen=True, slots=True)
-class Rhythm:
-    """How a topic's messages follow one another."""
-
-    usual_ns: float | None
-    """ns: the next message is usually there after this time; None where nothing is usual."""
-
-    @property
-    def gap_ns(self) -> float:
-        """ns: a longer interval is a gap; infinite where nothing is usual."""
-        if self.usual_ns is None:
-            return float("inf")
-        return max(float(SILENCE_NS), GAP_INTERVALS * self.usual_ns)
+def gap_ns(usual_ns: float | None) -> float:
+    """Return from when on an interval is a gap, ns: infinite where no interval is usual."""
+    return float("inf") if usual_ns is None else max(float(SILENCE_NS), GAP_INTERVALS * usual_ns)
 
 
-def rhythm(steps: Ints) -> Rhythm:
-    """Find how a topic's messages follow one another.
+def usual_interval_ns(steps: Ints) -> float | None:
+    """Return after which time, ns, the next message of a topic is usually there, at the latest.
 
     A usual interval is the 95th percentile, or median + 2 x interquartile range if that is less:
     a few gaps do not move the latter, and Poisson's irregular intervals are not beyond it. Where
@@ -59,7 +49,7 @@ def rhythm(steps: Ints) -> Rhythm:
     """
     intervals = steps[steps > 0]
     if len(intervals) < FEWEST_INTERVALS:
-        return Rhythm(None)
+        return None
     low, median, high = _quartiles(intervals)
     within = low if high > _FAR_QUARTILES * low else median
     breaks = intervals[intervals > GAP_INTERVALS * within]
@@ -67,11 +57,11 @@ def rhythm(steps: Ints) -> Rhythm:
     silences = breaks[breaks > SILENCE_NS]
     if 2.0 * _total(silences) > total:
         if len(silences) >= FEWEST_INTERVALS:
-            return Rhythm(_usual(silences))
+            return _usual(silences)
         run_ns = (total - _total(silences)) / (len(silences) + 1)
         if high - low > median or run_ns < SILENCE_NS:
-            return Rhythm(None)
-    return Rhythm(_usual(intervals))
+            return None
+    return _usual(intervals)
 
 
 def steady_gap_ns(steps: Ints) -> float:
@@ -83,11 +73,11 @@ def steady_gap_ns(steps: Ints) -> float:
     Args:
         steps: (n,) ns from each message to the next; only those above 0 count.
     """
-    found = rhythm(steps)
-    if found.usual_ns is None:
+    usual_ns = usual_interval_ns(steps)
+    if usual_ns is None:
         intervals = steps[steps > 0]
-        found = Rhythm(float(median_of(intervals)) if len(intervals) else 0.0)
-    return min(found.gap_ns, LONGEST_KNOWN_NS)
+        usual_ns = float(median_of(intervals)) if len(intervals) else 0.0
+    return min(gap_ns(usual_ns), LONGEST_KNOWN_NS)
 
 
 def _usual(intervals: Ints) -> float:
@@ -132,7 +122,7 @@ class TopicQuality:
     interval_s: dict[str, float] | None
     """s, the 50th, 95th and 99th percentile and the longest interval."""
     gaps: int
-    """Silences longer than max(5 x usual interval, 50 ms): see `rhythm`."""
+    """Silences longer than max(5 x usual interval, 50 ms): see `usual_interval_ns`."""
     gaps_total_s: float
     longest_gap_s: float
     """0 without gaps."""
@@ -204,8 +194,7 @@ def topic_quality(times: TopicTimes, clock: TimeSource) -> TopicQuality:
     used = clock if times.has_stamps else TimeSource.LOG
     time = stamp if used is TimeSource.HEADER else times.log_time
     step, log_step = np.diff(time), np.diff(times.log_time)
-    found = rhythm(step)
-    gaps = step[step > found.gap_ns]
+    gaps = step[step > gap_ns(usual_interval_ns(step))]
     number, span = len(times.log_time) - 1, int(time.max()) - int(time.min())
     offset, drift = _offset(log_time, stamp) if times.has_stamps else (None, None)
     check = times.check
@@ -243,7 +232,7 @@ def _stamp_faults(stamp: Ints | None) -> tuple[int | None, int | None]:
 
 def _offset(log_time: Ints, stamp: Ints) -> tuple[float, float | None]:
     """Median of log time minus stamp, s, and its slope over the stamps' time, ppm."""
-    rows = np.flatnonzero(first_at_each_tick(log_time, OFFSET_RATE_HZ, None))
+    rows = np.flatnonzero(first_at_each_tick(log_time, OFFSET_RATE_HZ))
     offset, since = (log_time - stamp)[rows], stamp[rows] - stamp[0]
     first = int(offset[0])
     behind = (offset - first).astype(np.float64)

@@ -45,7 +45,7 @@ def foot_labels(foot: DrawnFoot, rows: slice) -> Labels:
     first = max(rows.start - 1, 0)
     log_time = foot.samples.log_time[first : rows.stop]
     touching = foot.touching[first : rows.stop]
-    chosen = first_at_each_tick(log_time, RATE_HZ, None)
+    chosen = first_at_each_tick(log_time, RATE_HZ)
     chosen[1:] |= touching[:-1] & ~touching[1:]
     row = first + np.flatnonzero(chosen)
     row = row[row >= rows.start]

@@ -1,14 +1,102 @@
 """Why metrics are null: the finding that voids one, or what the log lacks."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fnmatch import fnmatchcase
 from typing import Final
 
+import numpy as np
+
+from dogbot_logtool.core.gait.feet import FootSteps
+from dogbot_logtool.core.loads import vertical_is_known
 from dogbot_logtool.core.metrics import NEEDS, Segment, WalkMetrics
 from dogbot_logtool.core.records import Field, KeyPath, values
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.core.walk_metrics.lacks import Lacking, Lacks
 from dogbot_logtool.finding import Finding
+
+Lacks = frozenset[str]
+"""Names of what is missing."""
+
+
+def _lacking(stats: Stats) -> Callable[[KeyPath], Lacks]:
+    """Return a function that tells what is missing for the metric at a path."""
+    log = _log(stats)
+    feet = {foot.name: log | _foot(stats, row) for row, foot in enumerate(stats.feet)}
+    legs = stats.legs
+    joints = {
+        name: {
+            **log,
+            "efforts": not legs.joints[name].has_effort,
+            "limits": not legs.joints[name].has_limits,
+            "strides": joint.position_over_stride is None,
+        }
+        for name, joint in (legs.metrics.joints.items() if legs else ())
+        if legs
+    }
+    topics = {each.topic: {"stamps": each.zero_stamps is None} for each in stats.topics}
+
+    def lacks_at(path: KeyPath) -> Lacks:
+        missing: Mapping[str, bool] = log
+        match path:
+            case ("feet", name, *_) | ("quality", "feet", name, *_):
+                missing = feet[name]
+            case ("legs", "joints", name, *_):
+                missing = joints[name]
+            case ("quality", "topics", name, *_):
+                missing = topics[name]
+        return frozenset(need for need, is_missing in missing.items() if is_missing)
+
+    return lacks_at
+
+
+def _log(stats: Stats) -> dict[str, bool]:
+    feet, legs, stability = stats.feet, stats.legs, stats.stability
+    touching = [foot.record for foot in feet if len(foot.record.in_contact)]
+    undefined = None if stability is None else stability.undefined_fraction
+    joints = [] if legs is None else [legs.joints[name] for name in legs.metrics.joints]
+    return {
+        "feet": not feet,
+        "two feet": len(feet) != 2,
+        "four feet": len(feet) != 4,
+        "three feet": len(feet) < 3 or undefined == 1.0,
+        "leg positions": any(foot.leg_position is None for foot in feet),
+        "all feet": stats.support is None,
+        "strides": stats.main is None or not stats.main.strides,
+        "phases": stats.main is not None and None in stats.main.phases,
+        "base": stats.base is None,
+        "points": not any(_has_points(foot) for foot in feet),
+        "foot frame": legs is None or not any(leg.frame for leg in legs.feet),
+        "force": not all(foot.record.has_force for foot in feet),
+        "vertical force": not all(map(vertical_is_known, touching)),
+        "weight": stats.settings.mass_kg is None,
+        "joints": not joints,
+        "efforts": not any(each.has_effort for each in joints),
+        "limits": not any(each.has_limits for each in joints),
+        "commands": stats.command_track is None and stats.base is not None,
+        "imu": not stats.settings.imu_topic,
+    }
+
+
+def _foot(stats: Stats, row: int) -> dict[str, bool]:
+    foot, legs = stats.feet[row], stats.legs
+    rolls_unknown = stats.settings.foot_rolling_m is None and foot.slip_from != "foot_frame"
+    return {
+        "contact": foot.record.contact_fraction() is None,
+        "strides": not len(foot.strides.stance),
+        "points": not _has_points(foot),
+        "foot frame": legs is None or not legs.feet[row].frame,
+        "leg rate": legs is not None and legs.feet[row].is_slow,
+        "rolling": rolls_unknown,
+        "force": not foot.record.has_force,
+        "vertical force": not vertical_is_known(foot.record),
+        "weight": stats.loads.weight_n is None,
+        "normals": not np.isfinite(foot.stances.figures.friction_use).any(),
+        "plan": not stats.planned or stats.planned[row] is None,
+    }
+
+
+def _has_points(foot: FootSteps) -> bool:
+    return bool(np.isfinite(foot.record.track.point).any())
+
 
 DOES_NOT_APPLY: Final = "does not apply"
 WHOLE_ONLY: Final = "measured over the whole log only"
@@ -25,14 +113,14 @@ def null_because(walk: WalkMetrics, stats: Stats, findings: Sequence[Finding]) -
         stats: what they are made of.
         findings: what makes metrics doubtful.
     """
-    lacking, reasons, of_segments = Lacking(stats), {}, []
+    lacks_at, reasons, of_segments = _lacking(stats), {}, []
     for path, value, field in values(walk):
         if value is not None or not field.of.needs:
             continue
         if path[:2] == _SEGMENTS:
             of_segments.append((path, field))
         else:
-            reasons[".".join(path)] = _reason(path, field, lacking.at(path), findings)
+            reasons[".".join(path)] = _reason(path, field, lacks_at(path), findings)
     for path, field in of_segments:
         below = path[len(_SEGMENTS) + 1 :]
         if ".".join(below) not in reasons:

@@ -11,16 +11,13 @@ from typing import Any, Final
 from dogbot_logtool.core import metrics
 from dogbot_logtool.core.arrays import Aggregate, CircularMean, Ints, aggregate
 from dogbot_logtool.core.events.events import find_events
-from dogbot_logtool.core.gait.cycle_curves import curve_of
-from dogbot_logtool.core.gait.foot_steps import foot_metrics
-from dogbot_logtool.core.gait.gait import STAND
-from dogbot_logtool.core.gait.gait_classes import TOLERANCE
-from dogbot_logtool.core.gait.phases import diagonality, limb_phases
+from dogbot_logtool.core.gait.classes import STAND, TOLERANCE, diagonality, limb_phases
+from dogbot_logtool.core.gait.feet import curve_of, foot_metrics
 from dogbot_logtool.core.gait.segments import Segment
-from dogbot_logtool.core.gait.support_pattern import Support
+from dogbot_logtool.core.gait.support import Support
 from dogbot_logtool.core.legs.swings import STEPS, SWINGS
-from dogbot_logtool.core.load.load_figures import (
-    LoadFigures,
+from dogbot_logtool.core.loads import (
+    WalkLoads,
     grouped_shares,
     symmetry_index_percent,
 )
@@ -48,9 +45,13 @@ from dogbot_logtool.core.metrics import (
 from dogbot_logtool.core.records import fields_of, unknown
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.core.walk_metrics.nulls import null_because
-from dogbot_logtool.core.walk_metrics.quality import quality_metrics
-from dogbot_logtool.core.walk_metrics.settings import Chosen, settings_metrics
-from dogbot_logtool.core.walk_metrics.side_topics import commands_metrics, imu_metrics
+from dogbot_logtool.core.walk_metrics.rest import (
+    Chosen,
+    commands_metrics,
+    imu_metrics,
+    quality_metrics,
+    settings_metrics,
+)
 from dogbot_logtool.finding import Finding
 
 FEWEST_STRIDES: Final = 3
@@ -230,7 +231,7 @@ def _phase(own: CircularMean | None, hind: CircularMean | None) -> Phase:
     )
 
 
-def _forces(stats: Stats, loads: LoadFigures, feet: dict[str, Foot]) -> Forces:
+def _forces(stats: Stats, loads: WalkLoads, feet: dict[str, Foot]) -> Forces:
     """Return the loads of the whole robot over a span."""
     share = unknown(LoadShare)
     if loads.shares is not None:

@@ -19,13 +19,11 @@ from dogbot_logtool.reader.decode.paths import FieldPath
 from dogbot_logtool.reader.messages.message_type import BASE, MessageType
 from dogbot_logtool.reader.messages.messages import (
     DecodedMessages,
-    check_channel,
     decode_channels,
 )
 from dogbot_logtool.reader.messages.source import (
     BASE_TYPES,
     Source,
-    base_source,
     base_type,
     fitting,
 )
@@ -81,11 +79,6 @@ def base_types(channels: Iterable[Channel]) -> frozenset[str]:
     """Return the types that hold poses: all that are known, and those of channels read as such."""
     own = {channel.type_name for channel in channels}
     return frozenset({*BASE_TYPES, *(name for name in own if base_type(name))})
-
-
-def check_base(channel: Channel) -> str:
-    """Check that a channel's messages can be decoded; see `check_channel`."""
-    return check_channel(channel, base_source(channel).fields)
 
 
 def joined_poses(parts: Sequence[BasePoses]) -> Odometry:

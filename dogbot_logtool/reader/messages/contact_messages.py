@@ -87,16 +87,6 @@ def contact_types(channels: Iterable[Channel]) -> frozenset[str]:
     return frozenset(channel.type_name for channel in channels if source_of(channel))
 
 
-def check_contacts(channel: Channel) -> str:
-    """Check that a channel's messages can be decoded; see `check_channel`.
-
-    Args:
-        channel: one with a contact source.
-    """
-    source = source_of(channel)
-    return check_channel(channel, source.fields) if source else ""
-
-
 @dataclass(frozen=True, slots=True)
 class DecodedContacts:
     """Contact messages of one definition, and what they tell."""

@@ -10,7 +10,7 @@ from dogbot_logtool.core.plausible import plausible_translations
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.messages.message_type import BASE
-from dogbot_logtool.reader.messages.messages import DecodedMessages, check_channel, decode_channels
+from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels
 from dogbot_logtool.reader.messages.source import Source, fitted
 from dogbot_logtool.reader.messages.table import TABLE
 
@@ -24,11 +24,6 @@ TRANSFORM_TYPES: Final = frozenset(_SOURCES) - FOXGLOVE_TYPES
 def is_static(channel: Channel) -> bool:
     """Tell whether a channel's transforms hold for ever, as those of ``/tf_static`` do."""
     return channel.topic.endswith("tf_static")
-
-
-def check_transforms(channel: Channel) -> str:
-    """Check that a channel's messages can be decoded; see `check_channel`."""
-    return check_channel(channel, _SOURCES[channel.type_name].fields)
 
 
 def decode_transforms(batch: Batch, channels: Sequence[Channel]) -> list[DecodedMessages]:

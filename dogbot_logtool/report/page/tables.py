@@ -6,8 +6,8 @@ from typing import Final, TypeVar
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, distinct
-from dogbot_logtool.core.gait.foot_steps import FootSteps
-from dogbot_logtool.core.load.load_figures import LoadFigures
+from dogbot_logtool.core.gait.feet import FootSteps
+from dogbot_logtool.core.loads import WalkLoads
 from dogbot_logtool.core.metrics import Forces, Legs, WalkMetrics
 from dogbot_logtool.core.quality.quality import LEAST_SHARE, MOST_DEVIATIONS, Outliers, outliers
 from dogbot_logtool.core.statistics import Stats
@@ -159,7 +159,7 @@ def _column(values: Floats, decimals: int, segment: Ints) -> list[Cell]:
     return cells
 
 
-def load_table(feet: Mapping[str, FootRow], loads: LoadFigures) -> Table:
+def load_table(feet: Mapping[str, FootRow], loads: WalkLoads) -> Table:
     """Return the loads of each foot."""
     of = {"vertical_impulse": "vertical impulse", "force_impulse": "impulse of |F|"}
     share_of = of.get(loads.share_of or "", "load")

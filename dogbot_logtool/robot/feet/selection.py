@@ -3,24 +3,22 @@
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
+from itertools import islice
 from typing import Final
 
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.errors import CallError
+from dogbot_logtool.errors import CallError, DefinitionError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed, shell_quoted
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.foot import Foot
+from dogbot_logtool.reader.decode.definition import type_text
+from dogbot_logtool.reader.decode.field_path import readable_fields
+from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.contact_messages import contact_types, source_of
 from dogbot_logtool.reader.messages.message_type import is_named_as_planned
+from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.source import FOOT_TYPES, Source
-from dogbot_logtool.robot.feet.field_feet import (
-    field_channels,
-    fields_text,
-    require_field_topic,
-    with_topic,
-)
 from dogbot_logtool.robot.feet.message_feet import (
     feet_of_messages,
     front_to_back,
@@ -33,11 +31,16 @@ from dogbot_logtool.robot.topics.topics import (
     most_frequent,
     readable_channels,
     recorded_topics,
+    require_any_topic,
     require_topic,
     split_topic,
     topics_of_type,
 )
 
+_MOST_LISTED: Final = 12
+_MOST_COMPARED: Final = 2000
+_LIKELY: Final = ("contact", "force", "grf", "load", "stance", "touch", "wrench")
+"""Parts of names of fields that may be feet."""
 _RARE: Final = 2
 """States that come less often than this fraction of others are rare."""
 _MOST_OFFERED: Final = 16
@@ -87,8 +90,19 @@ def assign_feet(
     feet = {} if unknown else dict(known)
     for name, word in topics.items():
         foot = known.get(name, Foot(name, word, leg_position=leg_position(name)))
-        feet[name] = with_topic(foot, *split_topic(word, recorded))
+        feet[name] = _with_topic(foot, *split_topic(word, recorded))
     return replace(robot, feet=tuple(feet.values()))
+
+
+def _with_topic(foot: Foot, topic: str, path: str) -> Foot:
+    """Return a foot with the topic, and the field if any, that the user names.
+
+    What the robot's file says of the field stays, such as its scale.
+    """
+    if not path:
+        return replace(foot, topic=topic, field=None)
+    field = FootField(path) if foot.field is None else replace(foot.field, path=path)
+    return replace(foot, topic=topic, field=field)
 
 
 def check_topics(log: Log, topics: Mapping[str, str]) -> None:
@@ -101,40 +115,26 @@ def check_topics(log: Log, topics: Mapping[str, str]) -> None:
     for name, word in topics.items():
         topic, path = split_topic(word, log.channels_by_topic)
         if path:
-            require_field_topic(log, f"--foot {name}", topic)
+            require_any_topic(log, f"--foot {name}", topic)
         else:
-            require_topic(log, f"--foot {name}", topic, types, fields_text(log, topic))
+            require_topic(log, f"--foot {name}", topic, types, _fields_text(log, topic))
 
 
-def check_feet_differ(log: Log, robot: Robot, topics: Mapping[str, str]) -> None:
-    """Check that no topic that the user gave stands for two feet, if it tells of one.
-
-    Raises:
-        CallError: one does.
-    """
-    for name, word in topics.items():
-        topic, path = split_topic(word, log.channels_by_topic)
-        own = robot.feet_of(topic)
-        if path:
-            _check_fields_differ(log, name, topic, own)
+def _fields_text(log: Log, topic: str) -> str:
+    """Return a sentence on the fields of a topic that can be feet; empty: there are none."""
+    for channel in log.channels_by_topic.get(topic, ()):
+        try:
+            fields = readable_fields(definition_of(channel))
+        except DefinitionError:
             continue
-        sharing = [foot.name for foot in own]
-        sources = [(c, source_of(c)) for c in log.channels_by_topic.get(topic, ())]
-        single = sorted(c.type_name for c, each in sources if each and not each.tells_all_feet)
-        if len(sharing) > 1 and single:
-            raise CallError(
-                f"{shown(log.source.path)}: --foot {name}: {topic} would be the topic of "
-                f"{listed(sharing)}; a message of type {single[0]} is about one foot"
-            )
-
-
-def _check_fields_differ(log: Log, name: str, topic: str, feet: Sequence[Foot]) -> None:
-    paths = [foot.field.path for foot in feet if foot.field is not None]
-    if len(set(paths)) < len(feet):
-        raise CallError(
-            f"{shown(log.source.path)}: --foot {name}: {topic} is the topic of "
-            f"{listed([foot.name for foot in feet])}; each needs a field of its own"
+        first = sorted(
+            islice(fields, _MOST_COMPARED),
+            key=lambda one: not any(word in one[0].lower() for word in _LIKELY),
         )
+        some = [f"{topic}:{path} ({type_text(kind)})" for path, kind in first]
+        if some:
+            return f"A field of its messages can be named: {listed(some, _MOST_LISTED)}"
+    return ""
 
 
 def foot_channels(log: Log, robot: Robot, topic: str) -> list[Channel]:
@@ -149,7 +149,33 @@ def foot_channels(log: Log, robot: Robot, topic: str) -> list[Channel]:
         return readable_channels(log, topic, contact_types(log.channels_by_topic.get(topic, ())))
     if len(fields) < len(feet):
         raise CallError(f"{topic}: all feet of a topic need a field, or none")
-    return field_channels(log, topic, feet)
+    return _field_channels(log, topic, feet)
+
+
+def _field_channels(log: Log, topic: str, feet: Sequence[Foot]) -> list[Channel]:
+    """Return the channels of a topic in which all fields of its feet exist.
+
+    Args:
+        log: the log.
+        topic: the topic of all feet.
+        feet: each has a field.
+
+    Raises:
+        CallError: the log has the topic, but a field does not exist in any of its messages.
+    """
+    found: list[Channel] = []
+    because = ""
+    for channel in log.channels_by_topic.get(topic, ()):
+        try:
+            source_of(channel, feet)
+        except DefinitionError as reason:
+            because = str(reason)
+        else:
+            found.append(channel)
+    if because and not found:
+        names = f"{'foot' if len(feet) == 1 else 'feet'} {listed([foot.name for foot in feet])}"
+        raise CallError(f"{shown(log.source.path)}: {names}, {topic}: {because}")
+    return found
 
 
 def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, FootOffer | None]:
@@ -162,7 +188,7 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, F
         findings: receives findings.
 
     Raises:
-        CallError: two feet would be one element of a message.
+        CallError: two feet would be the same in the messages of a topic.
 
     Returns:
         the robot with its feet, and other topics that may be feet if none surely are.
@@ -174,7 +200,7 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, F
     recorded = sorted({*recorded_topics(log, types), *named})
     if any(foot.topic in topics for foot in robot.feet):
         feet = tuple(_with_element(log, foot, findings) for foot in robot.feet)
-        _check_elements_differ(feet)
+        _check_feet_differ(log, feet)
         for foot in feet:
             if foot.topic not in recorded:
                 text = f"foot {foot.name} has no messages: there is no topic {foot.topic}"
@@ -289,15 +315,29 @@ def _is_plan(log: Log, topics: Sequence[str]) -> bool:
     return any((source := source_of(c)) and _planning(c, source) for c in channels)
 
 
-def _check_elements_differ(feet: Sequence[Foot]) -> None:
-    seen: dict[tuple[str, int], str] = {}
+def _check_feet_differ(log: Log, feet: Sequence[Foot]) -> None:
+    """Check that no two feet are the same in the messages of a topic.
+
+    Raises:
+        CallError: two are.
+    """
+    seen: dict[tuple[str, str | int | None], str] = {}
     for foot in feet:
-        if foot.element is not None:
-            other = seen.setdefault((foot.topic, foot.element), foot.name)
-            if other != foot.name:
-                raise CallError(
-                    f"--foot {foot.name}: {other} is the same foot in the messages of {foot.topic}"
-                )
+        own = foot.field.path if foot.field is not None else foot.element
+        channels = log.channels_by_topic.get(foot.topic, ())
+        sources = [source for channel in channels if (source := source_of(channel))]
+        if own is None and all(source.tells_all_feet for source in sources):
+            continue
+        other = seen.setdefault((foot.topic, own), foot.name)
+        if other == foot.name:
+            continue
+        text = f"{other} is the same foot in the messages of {foot.topic}"
+        if foot.field is not None:
+            text += "; each needs a field of its own"
+        elif own is None:
+            text = f"{foot.topic} would be the topic of {other}, {foot.name}; a message of type "
+            text += f"{sources[0].type_name} is about one foot"
+        raise CallError(f"{shown(log.source.path)}: --foot {foot.name}: {text}")
 
 
 def _feet_of(found: FootSet) -> tuple[Foot, ...]:

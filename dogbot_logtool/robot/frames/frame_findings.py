@@ -84,19 +84,21 @@ def _rotation_findings(edges: Sequence[FrameEdge]) -> Iterable[Finding]:
 
 def _timing_findings(edges: Sequence[FrameEdge]) -> Iterable[Finding]:
     moving = [(edge, edge.timing) for edge in edges if edge.timing is not None]
-    backward = [edge for edge, timing in moving if timing.backward_stamps]
-    if backward:
-        yield Finding("BAD_TRANSFORMS", f"stamps go backwards: {_edges(backward)}")
-    zero = [edge for edge, timing in moving if timing.zero_stamps]
-    if zero:
-        text = f"transforms have stamps of zero, their log time is used: {_edges(zero)}"
-        yield Finding("BAD_TRANSFORMS", text)
-    repeated = [
-        edge for edge, timing in moving if timing.duplicate_stamps and not timing.zero_stamps
-    ]
-    if repeated:
-        text = f"stamps are repeated, of which tf2 keeps the first: {_edges(repeated)}"
-        yield Finding("BAD_TRANSFORMS", text, cases=("repeated",))
+    for what, affected, cases in (
+        ("stamps go backwards", [e for e, t in moving if t.backward_stamps], ()),
+        (
+            "transforms have stamps of zero, their log time is used",
+            [e for e, t in moving if t.zero_stamps],
+            (),
+        ),
+        (
+            "stamps are repeated, of which tf2 keeps the first",
+            [e for e, t in moving if t.duplicate_stamps and not t.zero_stamps],
+            ("repeated",),
+        ),
+    ):
+        if affected:
+            yield Finding("BAD_TRANSFORMS", f"{what}: {_edges(affected)}", cases=cases)
     gaps = [(edge, timing) for edge, timing in moving if timing.gaps]
     if gaps:
         longest = max(timing.longest_gap_s for _, timing in gaps)

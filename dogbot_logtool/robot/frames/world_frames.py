@@ -1,28 +1,25 @@
 """The log's own frames: link-frame forces turned into the world, positions of sensors."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import field
 from typing import Protocol
+
+import numpy as np
 
 from dogbot_logtool.core.base.poses import Odometry, usable_poses
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.transforms import (
+    Poses,
     RecordedTransforms,
     TransformBuffer,
     chain_of_frames,
     frame_track,
+    moving_tracks,
 )
-from dogbot_logtool.core.frames.wrench_frame import (
-    FrameCounts,
-    FramePoint,
-    forces_in_world,
-    points_from_frames,
-)
+from dogbot_logtool.core.frames.wrench_frame import FramePoint, place_points, turn_forces
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.reader.messages.frame_tracks import moving_tracks
 from dogbot_logtool.robot.feet.names import name_feet
 from dogbot_logtool.robot.feet.words import Part
 from dogbot_logtool.robot.topics.selection import Selection
@@ -70,22 +67,26 @@ class WorldFrames:
             tracks = TransformBuffer({self.base: track} if track else {})
         return tracks.then(moving_tracks(transforms, self.moving, self.clock))
 
-    def place(self, samples: Sequence[Samples], around: TransformBuffer) -> "Placed":
+    def place(self, feet: Sequence[Samples], around: TransformBuffer) -> "Placed":
         """Turn forces into the world and give sensors their positions, where frames tell.
 
         Args:
-            samples: of any feet.
-            around: the moving frames around them.
+            feet: samples of each foot.
+            around: the frames that move.
         """
         buffer = self.statics.then(around)
-        counts = FrameCounts()
-        found: list[Samples] = []
-        for each in samples:
-            turned, forces = forces_in_world(each, self.links, buffer, self.world, self.clock)
-            placed, points = points_from_frames(turned, self.points, buffer, self.world, self.clock)
-            found.append(placed)
-            counts += forces + points
-        return Placed(tuple(found), counts)
+
+        def poses_of(frame: str, samples: Samples) -> Poses:
+            return buffer.lookup(frame, self.world, self.clock.of(samples), samples.log_time)
+
+        turned = [turn_forces(*each, poses_of) for each in zip(feet, self.links, strict=True)]
+        placed = [
+            place_points(samples, point, poses_of)
+            for (samples, _), point in zip(turned, self.points, strict=True)
+        ]
+        told = (np.concatenate([known for _, known in each]) for each in (turned, placed))
+        counts = [(int(known.sum()), int((~known).sum())) for known in told]
+        return Placed(tuple(samples for samples, _ in placed), *counts)
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +95,10 @@ class Placed:
 
     samples: tuple[Samples, ...]
     """One for each that was given."""
-    counts: FrameCounts = field(default_factory=FrameCounts)
+    turned: tuple[int, int]
+    """Forces that were turned from a link's frame into the world, and that were not."""
+    placed: tuple[int, int]
+    """The same of samples without a contact point, for which the position of a frame stands in."""
 
 
 def follow_frames(
@@ -195,33 +199,19 @@ def _sensor(
     return FramePoint(frame, described.contact_point_m) if frame else None
 
 
-def frame_findings(frames: WorldFrames, counts: FrameCounts) -> Iterator[Finding]:
+def frame_findings(frames: WorldFrames, placed: Placed) -> Iterator[Finding]:
     """Say how often the frames told what was asked of them."""
-    for wanted, done, left, case, text in (
-        (
-            any(frames.links),
-            counts.turned,
-            counts.not_turned,
-            "forces",
-            "link-frame forces turned into the world by the log's own transforms",
-        ),
-        (
-            any(point and point.recorded for point in frames.points),
-            counts.placed,
-            counts.not_placed,
-            "",
-            "positions of feet in the base's frame turned into the world",
-        ),
-        (
-            any(point and not point.recorded for point in frames.points),
-            counts.placed,
-            counts.not_placed,
-            "",
-            "contacts without a point placed at the origins of the feet's frames",
-        ),
+    forces = "link-frame forces turned into the world by the log's own transforms"
+    recorded = "positions of feet in the base's frame turned into the world"
+    origins = "contacts without a point placed at the origins of the feet's frames"
+    points = [point for point in frames.points if point]
+    for wanted, (done, left), cases, text in (
+        (any(frames.links), placed.turned, ("forces",), forces),
+        (any(point.recorded for point in points), placed.placed, (), recorded),
+        (not all(point.recorded for point in points), placed.placed, (), origins),
     ):
         if wanted and left:
             missing = f"{text}: {done:,}; transforms were missing for {left:,}"
-            yield Finding("TRANSFORMS_MISSING", missing, cases=(case,) if case else ())
+            yield Finding("TRANSFORMS_MISSING", missing, cases=cases)
         elif wanted:
             yield Finding("TRANSFORMS_MISSING", f"{text}: {done:,}", cases=("none",))

@@ -5,7 +5,7 @@ from typing import Final
 
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.kinematics import Joint
-from dogbot_logtool.core.frames.transforms import TransformBuffer
+from dogbot_logtool.core.frames.transforms import TransformBuffer, moving_tracks
 from dogbot_logtool.core.legs.joints import JointLimits
 from dogbot_logtool.core.legs.paths import (
     JointPair,
@@ -16,17 +16,16 @@ from dogbot_logtool.core.legs.paths import (
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.reader.messages.frame_tracks import moving_tracks
 from dogbot_logtool.reader.wanted import WantedJoints
 from dogbot_logtool.robot.feet.names import name_feet
 from dogbot_logtool.robot.feet.words import ENDS, LETTERS, SIDES, Part, words_of
 from dogbot_logtool.robot.probe import Probe, frame_names
+from dogbot_logtool.robot.robot_model.description import link_of_foot
 from dogbot_logtool.robot.robot_model.joint_motion import (
     joint_channels,
     joint_names,
     own_description,
 )
-from dogbot_logtool.robot.robot_model.soles import link_of_foot
 from dogbot_logtool.robot.robot_model.urdf import (
     parse_urdf,
     said_of_left_out,

@@ -6,11 +6,11 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.contact.contact_rule import Thresholds
+from dogbot_logtool.core.corrected import on_clock
 from dogbot_logtool.core.corrections.clock import LogClock, TimeSource
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
-from dogbot_logtool.core.walk import on_clock
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.reader.containers.log import Log

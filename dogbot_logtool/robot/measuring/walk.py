@@ -8,12 +8,13 @@ import numpy as np
 from dogbot_logtool.core.contact.contact_rule import without_offset
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.silent_swing import with_swings
+from dogbot_logtool.core.corrected import log_clock
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.planned import follow_plan
 from dogbot_logtool.core.plausible import IMPLAUSIBLE
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.core.walk import analyse, log_clock
+from dogbot_logtool.core.walk import analyse
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.containers.log import Log
@@ -90,7 +91,7 @@ def _measured(
         tracks = learnt.frames.tracks(recording.transforms, recording.base)
         placed = learnt.frames.place(feet, tracks)
         feet = placed.samples
-        findings.extend(frame_findings(learnt.frames, placed.counts))
+        findings.extend(frame_findings(learnt.frames, placed))
     corrected = replace(recording, feet=feet)
     stats = analyse(corrected, learnt.settings, legs)
     return Measured(stats, corrected, tuple(findings), learnt)

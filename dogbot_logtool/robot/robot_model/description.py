@@ -1,12 +1,13 @@
 """Which robot description the output has: the log's own, the user's file, or one of primitives."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats
+from dogbot_logtool.core.arrays import Floats, median_of
+from dogbot_logtool.core.base.ground import nearest_axis
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
@@ -14,20 +15,37 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import content
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.robot.probe import Probe
+from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.robot_model.joint_motion import (
     JointMotion,
     description_channels,
     joint_motion,
 )
-from dogbot_logtool.robot.robot_model.primitives import primitive_urdf
-from dogbot_logtool.robot.robot_model.shape import RobotShape, robot_shape
-from dogbot_logtool.robot.robot_model.skeleton import ModelFoot, Skeleton, skeleton
-from dogbot_logtool.robot.robot_model.soles import link_of_foot
+from dogbot_logtool.robot.robot_model.primitives import body_size_m, primitive_urdf
+from dogbot_logtool.robot.robot_model.skeleton import ModelFoot, Point, Skeleton, skeleton
 from dogbot_logtool.robot.robot_model.urdf import parse_urdf, said_of_left_out
 from dogbot_logtool.robot.topics.selection import Selection
 
 _LARGEST: Final = 16 << 20
 """Bytes of a URDF that are read."""
+
+
+_INSIDE: Final = 0.75
+"""Hips over feet: how much nearer to the middle of the body they are assumed to be."""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotShape:
+    """The known shape of the robot."""
+
+    forward_axis: str
+    """The body axis that points forward, ``+x`` ..."""
+    hips: Mapping[int, Point]
+    """m, base frame: where legs are assumed to begin, by foot."""
+    height_m: float
+    """Height of the base above the feet."""
+    size_m: float
+    """Length of the body, or its height above the feet if that is more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,18 +130,16 @@ def read_urdf(file: Path) -> str:
     """
     try:
         data = content(file, _LARGEST)
+        if data is None:
+            raise ValueError(f"is larger than {_LARGEST >> 20} MiB")
+        text = data.decode("utf-8-sig")
+        parse_urdf(text)
     except CallError as error:
         raise CallError(f"--urdf {error}") from None
     except OSError as error:
         raise CallError(f"--urdf {file}: {error.strerror}") from None
-    if data is None:
-        raise CallError(f"--urdf {file}: is larger than {_LARGEST >> 20} MiB")
-    try:
-        text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise CallError(f"--urdf {file}: is not UTF-8 text") from None
-    try:
-        parse_urdf(text)
     except ValueError as error:
         raise CallError(f"--urdf {file}: {error}") from None
     return text
@@ -154,3 +170,49 @@ def model_feet(selection: Selection, probe: Probe) -> Iterator[ModelFoot]:
                 continue
             frame, point = link, probe.soles.get(number, probe.soles.get(like, (0.0, 0.0, 0.0)))
         yield ModelFoot(foot.name, frame, point, foot_colour(number))
+
+
+def link_of_foot(selection: Selection, probe: Probe, number: int) -> tuple[str | None, int]:
+    """Return the link of a foot, and the foot that is made like it.
+
+    A foot that reports no contact has a link that is named as another's, but for the foot's name.
+    """
+    if (link := probe.links[number]) is not None:
+        return link.lstrip("/"), number
+    names = [foot.name for foot in selection.robot.feet]
+    for like, link in enumerate(probe.links):
+        if link is not None and names[like] in link:
+            named = link.lstrip("/").replace(names[like], names[number])
+            if named in probe.frame_poses:
+                return named, like
+    return None, number
+
+
+def robot_shape(selection: Selection, probe: Probe) -> RobotShape:
+    """Return what the positions of standing feet, else the mass, tell of a robot's shape."""
+    robot, stances = selection.robot, probe.stances
+    length = body_size_m(robot.mass_kg)[0]
+    height = length
+    if stances:
+        points = np.array(list(stances.values()))
+        height = max(-float(median_of(points[:, 2])), 0.0) or length
+        length = max(float(np.ptp(points[:, :2], axis=0).max()), 0.5 * length)
+    hips = {foot: (_INSIDE * x, _INSIDE * y, 0.0) for foot, (x, y, _) in stances.items()}
+    axis = _axis_by_feet(robot, stances) if selection.robot_is_guessed else None
+    return RobotShape(axis or robot.forward_axis, hips, height, max(length, height))
+
+
+def _axis_by_feet(robot: Robot, stances: Mapping[int, Point]) -> str | None:
+    """Return the axis from hind to fore feet; None: their positions are not known."""
+    ends: Sequence[list[Point]] = [
+        [
+            stances[number]
+            for number, foot in enumerate(robot.feet)
+            if number in stances and foot.leg_position is not None and foot.leg_position[0] == end
+        ]
+        for end in ("front", "back")
+    ]
+    if not all(ends):
+        return None
+    fore, hind = (np.mean(points, axis=0) for points in ends)
+    return nearest_axis((fore - hind)[:2])

@@ -12,16 +12,15 @@ from dogbot_logtool.core.frames.transforms import (
     TransformBuffer,
     chain_of_frames,
     frame_track,
+    moving_tracks,
 )
 from dogbot_logtool.core.legs.joints import JointTable
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.reader.messages.frame_tracks import moving_tracks
 from dogbot_logtool.robot.probe import Probe, frame_names
 from dogbot_logtool.robot.robot_model.description import log_skeleton, model_feet
 from dogbot_logtool.robot.robot_model.joint_motion import JointMotion
-from dogbot_logtool.robot.robot_model.skeleton import ModelFoot
 from dogbot_logtool.robot.topics.selection import Selection
 
 MOST_FRAMES: Final = 64
@@ -38,18 +37,6 @@ class Limbs:
     """(k,) index of the point that each hangs on; -1: the base."""
     soles: tuple[int | None, ...]
     """Index of each foot's sole; None: its frame is not known."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Bones:
-    """How the frames of a robot hang below its base."""
-
-    base: str
-    parents: Mapping[str, str]
-    """Parent of each frame, as transforms or joint states tell it."""
-    shown: Sequence[str]
-    """Frames that are drawn: those of legs, and others that move."""
-    feet: Sequence[ModelFoot]
 
 
 def find_limbs(
@@ -73,33 +60,38 @@ def find_limbs(
         time: (n,) ns, increasing.
     """
     _, base = frame_names(selection.robot, probe)
-    bones = _bones(selection, probe, base, motion)
-    if not bones.shown or len(bones.shown) > MOST_FRAMES:
+    known = log_skeleton(selection, probe, base)
+    legs = {frame for leg in known.legs for frame in leg}
+    parents = {name: pose.parent for name, pose in known.frames.items()}
+    drawn = [name for name, pose in known.frames.items() if name in legs or not pose.static]
+    for joint in motion.joints if motion else ():
+        parents.setdefault(joint.child, joint.parent)
+        drawn += [joint.child] if joint.kind != "fixed" and joint.child not in drawn else []
+    drawn = [frame for frame in drawn if chain_of_frames(parents, frame, base) is not None]
+    if not drawn or len(drawn) > MOST_FRAMES:
         return None
-    moving = {
-        frame: parent
-        for frame, parent in bones.parents.items()
-        if frame not in probe.statics.frames
-    }
-    buffer = probe.statics.only(bones.parents.keys())
+    moving = {name: parent for name, parent in parents.items() if name not in probe.statics.frames}
+    buffer = probe.statics.only(parents.keys())
     buffer = buffer.then(moving_tracks(recording.transforms, moving, clock))
     for table in recording.joints:
         if motion is not None and table.topic == motion.channel.topic:
             buffer = buffer.then(_link_tracks(_near_rows(table, time, clock), motion, clock))
-    return _limbs(buffer, bones, time, [foot.name for foot in selection.robot.feet])
-
-
-def _bones(selection: Selection, probe: Probe, base: str, motion: JointMotion | None) -> _Bones:
-    skeleton = log_skeleton(selection, probe, base)
-    legs = {frame for leg in skeleton.legs for frame in leg}
-    shown = [name for name, pose in skeleton.frames.items() if name in legs or not pose.static]
-    parents = {name: pose.parent for name, pose in skeleton.frames.items()}
-    for joint in motion.joints if motion else ():
-        parents.setdefault(joint.child, joint.parent)
-        shown += [joint.child] if joint.kind != "fixed" and joint.child not in shown else []
-    connected = [frame for frame in shown if chain_of_frames(parents, frame, base) is not None]
     feet = [foot for foot in model_feet(selection, probe) if foot.frame in parents]
-    return _Bones(base, parents, connected, feet)
+    points: list[Floats] = []
+    for frame, point in (
+        *((frame, (0.0, 0.0, 0.0)) for frame in drawn),
+        *((foot.frame, foot.point) for foot in feet),
+    ):
+        pose = buffer.lookup(frame, base, time, _recorded(buffer, frame, time))
+        offset = np.tile(np.array(point), (len(time), 1))
+        points.append(pose.translation + rotate(pose.rotation, offset))
+    above = [*(parents[frame] for frame in drawn), *(foot.frame for foot in feet)]
+    sole = {foot.name: len(drawn) + index for index, foot in enumerate(feet)}
+    return Limbs(
+        np.stack(points, axis=1).astype(np.float32),
+        tuple(_nearest(drawn, parents, base, frame) for frame in above),
+        tuple(sole.get(foot.name) for foot in selection.robot.feet),
+    )
 
 
 def _near_rows(table: JointTable, time: Ints, clock: TimeSource) -> JointTable:
@@ -125,24 +117,6 @@ def _link_tracks(table: JointTable, motion: JointMotion, clock: TimeSource) -> T
     return TransformBuffer(tracks)
 
 
-def _limbs(buffer: TransformBuffer, bones: _Bones, time: Ints, names: list[str]) -> Limbs:
-    number = {name: index for index, name in enumerate(bones.shown)}
-    points: list[Floats] = []
-    parents: list[int] = []
-    for name in bones.shown:
-        log_time = _recorded(buffer, name, time)
-        points.append(buffer.lookup(name, bones.base, time, log_time).translation)
-        parents.append(_nearest(bones, bones.parents[name], number))
-    soles: list[int | None] = [None] * len(names)
-    for foot in bones.feet:
-        pose = buffer.lookup(foot.frame, bones.base, time, _recorded(buffer, foot.frame, time))
-        offset = np.tile(np.array(foot.point), (len(time), 1))
-        soles[names.index(foot.name)] = len(points)
-        points.append(pose.translation + rotate(pose.rotation, offset))
-        parents.append(_nearest(bones, foot.frame, number))
-    return Limbs(np.stack(points, axis=1).astype(np.float32), tuple(parents), tuple(soles))
-
-
 def _recorded(buffer: TransformBuffer, frame: str, time: Ints) -> Ints:
     """(n,) ns, log times of some times: about when a frame's transforms were recorded."""
     track = buffer.frames.get(frame)
@@ -153,8 +127,8 @@ def _recorded(buffer: TransformBuffer, frame: str, time: Ints) -> Ints:
     return recorded
 
 
-def _nearest(bones: _Bones, frame: str, number: Mapping[str, int]) -> int:
-    """Return the index of a frame or, where it is not shown, of the next above; -1: the base."""
-    while frame != bones.base and frame not in number:
-        frame = bones.parents[frame]
-    return number.get(frame, -1)
+def _nearest(drawn: Sequence[str], parents: Mapping[str, str], base: str, frame: str) -> int:
+    """Return the index of a frame or, where it is not drawn, of the next above; -1: the base."""
+    while frame != base and frame not in drawn:
+        frame = parents[frame]
+    return -1 if frame == base else drawn.index(frame)

@@ -5,7 +5,7 @@ are their first recorded poses, so that it stands before the first transform. Jo
 how they move is not known.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from math import acos, atan2, dist, hypot
 from typing import Final
 from xml.etree import ElementTree as ET
@@ -168,9 +168,5 @@ def _add_joint(robot: ET.Element, child: str, pose: FramePose) -> None:
 
 
 def _text(numbers: Sequence[float]) -> str:
-    return " ".join(f"{number:.6g}" for number in _without_minus_zero(numbers))
-
-
-def _without_minus_zero(numbers: Sequence[float]) -> Iterator[float]:
-    """Yield numbers rounded to micrometres; -0 becomes 0."""
-    yield from (round(number, 6) + 0.0 for number in numbers)
+    """Return numbers, rounded to micrometres, as a URDF has them; -0 is 0."""
+    return " ".join(f"{round(number, 6) + 0.0:.6g}" for number in numbers)

@@ -1,11 +1,6 @@
-"""Logs that `convert` has annotated already: what it added is left out, what was recorded is used.
-
-Its channels are marked. In files that were made before they were, the metadata record, topics and
-definitions tell.
-"""
+"""Logs that `convert` has annotated already: the channels that it marked are left out."""
 
 import struct
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Final
@@ -14,10 +9,9 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.provenance import PROVENANCE, is_marked
-from dogbot_logtool.reader.containers.log import Channel, Extra, Log
+from dogbot_logtool.reader.containers.log import Extra, Log
 from dogbot_logtool.reader.containers.recorded_log import EarlierAnnotations, RecordedLog
 from dogbot_logtool.reader.opening import open_joined
-from dogbot_logtool.writer.encodings.registry import ENCODINGS, OutputEncoding
 
 _NAME: Final = struct.pack("<I", len(PROVENANCE)) + PROVENANCE.encode()
 _LARGEST_RECORD: Final = 1 << 24
@@ -57,8 +51,6 @@ def without_annotations(log: Log) -> Log:
     made = list(_provenance(log))
     records = tuple(record for _, record in made)
     channels = frozenset(n for n, channel in log.channels.items() if is_marked(channel.metadata))
-    if not channels and records:
-        channels = _unmarked(log.channels, records)
     if not channels and not records:
         return log
     messages = sum(log.counts.get(number, 0) for number in channels)
@@ -100,73 +92,3 @@ def _provenance(log: Log) -> Iterator[tuple[Extra, Mapping[str, str]]]:
         match read_extra(source, extra):
             case (_, records.Metadata() as metadata):
                 yield extra, metadata.metadata
-
-
-def _unmarked(
-    channels: Mapping[int, Channel], records: Sequence[Mapping[str, str]]
-) -> frozenset[int]:
-    """Return the channels that were added by versions that did not mark them.
-
-    They have our topics and our very definitions, and the highest ids, without a gap: one channel
-    a topic each time that the log was annotated.
-
-    Args:
-        channels: of the log.
-        records: a record for each time that it was annotated.
-    """
-    alike = sorted(
-        {
-            channel.id
-            for name, encoding in ENCODINGS.items()
-            if any(record.get("encoding") == name for record in records)
-            for channel in _alike(list(channels.values()), encoding)
-        },
-        reverse=True,
-    )
-    found: set[int] = set()
-    times: Counter[str] = Counter()
-    for number in alike:
-        topic = channels[number].topic
-        if (found and number + 1 not in found) or times[topic] == len(records):
-            break
-        times[topic] += 1
-        found.add(number)
-    return frozenset(found)
-
-
-def _alike(channels: Sequence[Channel], output_encoding: OutputEncoding) -> Iterator[Channel]:
-    """Yield the channels that look like ours in an encoding."""
-    from dogbot_logtool.writer.encodings.encoding import MessageType  # noqa: PLC0415
-    from dogbot_logtool.writer.topics import (  # noqa: PLC0415
-        FALLBACK_PREFIX,
-        SUPPORT_TOPIC,
-        TF_TOPIC,
-        arrow_topic,
-        load_topic,
-    )
-
-    encoding = output_encoding.load()
-
-    def kind_of(channel: Channel) -> MessageType | None:
-        schema = channel.schema
-        if schema is None or channel.metadata:
-            return None
-        return MessageType(schema.name, schema.encoding, schema.data, channel.message_encoding)
-
-    ours = {TF_TOPIC: encoding.transform_type, SUPPORT_TOPIC: encoding.support_type}
-    loads = load_topic("")
-    plain = {c.id: c.topic[_prefixes(c.topic, FALLBACK_PREFIX) :] for c in channels}
-    for channel in channels:
-        topic = plain[channel.id]
-        if topic.startswith(loads) and kind_of(channel) == encoding.load_type:
-            ours[topic] = encoding.load_type
-            ours[arrow_topic(topic.removeprefix(loads))] = encoding.arrow_type
-    yield from (c for c in channels if (kind := kind_of(c)) and ours.get(plain[c.id]) == kind)
-
-
-def _prefixes(topic: str, prefix: str) -> int:
-    """Return the length of all repetitions of a prefix."""
-    length = 0
-    while topic.startswith(prefix, length):
-        length += len(prefix)
-    return length

@@ -4,17 +4,30 @@ A base is a topic, and where its messages hold poses of several things an elemen
 ``/tf:odom/base_link``, ``/gazebo/model_states:anymal``, ``/state:base.pose``.
 """
 
-from collections.abc import Collection, Sequence
+import re
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
+import numpy as np
+
+from dogbot_logtool.core.arrays import all_finite
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, DefinitionError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base, base_types, path_source
+from dogbot_logtool.reader.decode.definition import Primitive, Struct
+from dogbot_logtool.reader.messages.bases import (
+    ODOMETRY_TYPE,
+    Base,
+    base_types,
+    choices,
+    path_source,
+)
+from dogbot_logtool.reader.messages.feet import FootChannels
+from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.source import (
     BASE_TYPES,
     Source,
@@ -22,22 +35,11 @@ from dogbot_logtool.reader.messages.source import (
     base_type,
     lists_poses,
 )
-from dogbot_logtool.reader.messages.transforms import FOXGLOVE_TYPES, TRANSFORM_TYPES
+from dogbot_logtool.reader.messages.transforms import FOXGLOVE_TYPES, TRANSFORM_TYPES, is_static
+from dogbot_logtool.reader.recording import read_recording
+from dogbot_logtool.reader.wanted import Wanted
+from dogbot_logtool.robot.first_messages import first_messages
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.topics.base_candidates import (
-    OTHER_WORDS,
-    BaseCandidate,
-    base_candidates,
-    base_source_of,
-    elements_in,
-    elements_of,
-    frame_pair,
-    is_planned_base,
-    likely_base,
-    of_same_robot,
-    pose_topics,
-    topic_words,
-)
 from dogbot_logtool.robot.topics.topics import (
     most_frequent,
     recorded_topics,
@@ -47,6 +49,55 @@ from dogbot_logtool.robot.topics.topics import (
 
 _MOST_OFFERED: Final = 3
 _MOST_LISTED: Final = 12
+_FORMS: Final = (("position", "orientation"), ("translation", "rotation"))
+_DEEPEST: Final = 4
+"""Messages within messages that are looked into."""
+_MOST_TYPES: Final = 500
+
+
+def _topic_words(name: str) -> frozenset[str]:
+    """Return the words of a topic's name, in small letters."""
+    return frozenset(re.findall(r"[a-z0-9]+", name.lower()))
+
+
+_WORLDS: Final = ("odom", "world", "map", "odom_combined", "vision", "earth", "mocap")
+"""Frames that stand still, the best first."""
+_BASES: Final = ("base_link", "base", "trunk", "torso", "pelvis", "body", "base_footprint")
+"""Frames of a robot's base, the best first."""
+_BASE_WORDS: Final = _topic_words(
+    "base body trunk torso pelvis robot odom odometry localization localisation mocap "
+    "vicon optitrack estimator estimate estimated estimation"
+)
+"""Words of topics whose poses are the base's; a topic that is just called pose is one, too."""
+_OTHER_WORDS: Final = _topic_words(
+    "goal initialpose initial des desired ref reference cmd command plan planned planner "
+    "target setpoint set footprint foot feet leg hand arm camera object marker obstacle "
+    "frame actor ball box calibration door human people person table wall wand"
+)
+"""Words of topics whose poses are something else, or not measured."""
+_PLANNED_WORDS: Final = _topic_words("plan planned planner trajectory des desired ref")
+_CURRENT_WORDS: Final = frozenset(("curr", "current", "measured", "actual"))
+_MOVING_M: Final = 0.05
+"""m within which poses stand still, as those of scenery do."""
+_MOST_SEEN: Final = 20
+"""Candidates whose poses are looked at."""
+_SCENERY: Final = frozenset(("ground_plane", "ground", "sun", "floor", "world", "terrain"))
+
+
+@dataclass(frozen=True, slots=True)
+class BaseCandidate:
+    """Poses that may be the base's."""
+
+    topic: str
+    source: Source
+    element: str = ""
+    is_sure: bool = True
+    """Whether they are taken without asking, if nothing better is there."""
+
+    @property
+    def name(self) -> str:
+        """The name as ``--odom-topic`` takes it."""
+        return f"{self.topic}:{self.element}" if self.element else self.topic
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,17 +126,17 @@ def choose_base(
     named = robot.odometry_topic
     if named is not None and (own := _named(log, robot, named, findings)) is not None:
         return own
-    odometry = pose_topics(log, (ODOMETRY_TYPE,))
+    odometry = _sources(log, {ODOMETRY_TYPE})
     if odometry:
-        topic = most_frequent(log, of_same_robot(odometry, feet))
-        findings.append(_odometry_found(log, robot, topic, odometry))
-        return _chosen(log, robot, BaseCandidate(topic, base_source_of(log, topic)), findings)
-    found = base_candidates(log, robot, feet)
+        topic = most_frequent(log, _of_same_robot([*odometry], feet))
+        findings.append(_odometry_found(log, robot, topic, [*odometry]))
+        return _chosen(log, robot, BaseCandidate(topic, odometry[topic]), findings)
+    found = _base_candidates(log, robot, feet)
     best = next((each for each in found if each.is_sure), None)
     others = [each for each in found if each is not best]
     if best is None:
         findings.append(_none(log, others))
-        return ChosenBase(robot, offered=likely_base(log, others, feet))
+        return ChosenBase(robot, offered=_likely_base(log, others, feet))
     text = f"the base's poses are taken from {best.name} ({best.source.type_name})"
     if named is not None:
         text += f", since the robot's {named} is missing or cannot be used"
@@ -113,11 +164,11 @@ def check_named_base(log: Log, robot: Robot, name: str) -> None:
         raise CallError(f"{where}: {topic}: {error}") from error
     if not source.lists_poses:
         return
-    names = elements_in(log, topic, source)
+    names = _elements_in(log, topic, source)
     known = listed(sorted(names), _MOST_LISTED) or "none"
     if element and element not in names:
         raise CallError(f"{where}: {topic} has no {element}; it has {known}")
-    if not element and not any(each.is_sure for each in elements_of(log, robot, topic, source)):
+    if not element and not any(each.is_sure for each in _elements_of(log, robot, topic, source)):
         raise CallError(
             f"{where}: {topic} is of type {source.type_name}, and which of its poses is the "
             f"base's is not known: name one as {topic}:NAME; it has {known}"
@@ -146,7 +197,7 @@ def _named(log: Log, robot: Robot, name: str, findings: list[Finding]) -> Chosen
         except DefinitionError:
             continue
         if source.lists_poses and not element:
-            offers = [o for o in elements_of(log, robot, topic, source) if o.is_sure]
+            offers = [o for o in _elements_of(log, robot, topic, source) if o.is_sure]
             if not offers:
                 return None
             element = offers[0].element
@@ -167,7 +218,7 @@ def _chosen(
             continue
         if fits and source.type_name in {channel.type_name, base_type(channel.type_name)}:
             channels.append(channel)
-    if is_planned_base(candidate):
+    if _is_planned_base(candidate):
         text = f"{candidate.name}: these poses are planned, not measured"
         findings.append(Finding("PLANNED", text, topic, cases=("base",)))
     if remark := source.row.remark:
@@ -176,7 +227,7 @@ def _chosen(
         text = f"{source.type_name} has no header: log time is used for it"
         findings.append(Finding("LOG_TIME_USED", text, cases=("no_header",)))
     if source.is_transform:
-        parent, child = frame_pair(candidate.element)
+        parent, child = _frame_pair(candidate.element)
         robot = replace(robot, world_frame=parent, base_frame=child)
         if "footprint" in child:
             text = (
@@ -203,14 +254,8 @@ def _odometry_found(log: Log, robot: Robot, chosen: str, topics: Sequence[str]) 
 
 def _other_poses(log: Log) -> list[str]:
     """Return the topics whose poses may be the base's, besides odometry and transforms."""
-    types = [
-        type_name
-        for type_name in BASE_TYPES
-        if type_name not in {ODOMETRY_TYPE, *TRANSFORM_TYPES, *FOXGLOVE_TYPES}
-    ]
-    return [
-        topic for topic in pose_topics(log, types) if topic_words(topic).isdisjoint(OTHER_WORDS)
-    ]
+    types = set(BASE_TYPES) - {ODOMETRY_TYPE, *TRANSFORM_TYPES, *FOXGLOVE_TYPES}
+    return [t for t in _sources(log, types) if _topic_words(t).isdisjoint(_OTHER_WORDS)]
 
 
 def _none(log: Log, offered: Sequence[BaseCandidate]) -> Finding:
@@ -225,8 +270,247 @@ def _none(log: Log, offered: Sequence[BaseCandidate]) -> Finding:
 def _options(candidates: Sequence[BaseCandidate]) -> str:
     """Return the options that choose candidates."""
     names = [
-        f"--odom-topic {each.name}{' (planned)' if is_planned_base(each) else ''}"
+        f"--odom-topic {each.name}{' (planned)' if _is_planned_base(each) else ''}"
         for each in candidates[:_MOST_OFFERED]
     ]
     more = len(candidates) - len(names)
     return ", ".join(names) + (f" and {more:,} more" if more else "")
+
+
+def _sources(log: Log, types: Collection[str]) -> dict[str, Source]:
+    """Return how the poses of topics of some types are read, by topic, sorted."""
+    found: dict[str, Source] = {}
+    for channel in log.channels.values():
+        if base_type(channel.type_name) in types and (source := _source_of(channel)):
+            found.setdefault(channel.topic, source)
+    return dict(sorted(found.items()))
+
+
+def _source_of(channel: Channel) -> Source | None:
+    """Return how a channel's poses are read; None: it has none that can be."""
+    try:
+        return base_source(channel)
+    except DefinitionError:
+        return None
+
+
+def _is_planned_base(candidate: BaseCandidate) -> bool:
+    """Tell whether its poses are what a planner wants."""
+    words = _topic_words(candidate.topic)
+    return (candidate.source.row.planned == "always" and words.isdisjoint(_CURRENT_WORDS)) or not (
+        words.isdisjoint(_PLANNED_WORDS)
+    )
+
+
+def _of_same_robot(names: Sequence[str], feet: Collection[str]) -> list[str]:
+    """Return those of some names that share the most words with the topics of all feet.
+
+    Where a log has several robots, as in ``/a1/odom`` and ``/a2/odom``, these belong to the one
+    whose feet are used.
+    """
+    shared = frozenset.intersection(*map(_topic_words, feet)) if feet else frozenset()
+    counts = [len(shared & _topic_words(name)) for name in names]
+    return [name for name, count in zip(names, counts, strict=True) if count == max(counts)]
+
+
+def _likely_base(log: Log, candidates: Sequence[BaseCandidate], feet: Collection[str]) -> str:
+    """Return the name of the candidate that is most likely the base's; empty: none is likely.
+
+    It is of the robot of the feet, then moves, then is named like a base.
+    """
+    possible = [
+        each
+        for each in candidates
+        if not _is_planned_base(each) and _topic_words(each.name).isdisjoint(_OTHER_WORDS)
+    ][:_MOST_SEEN]
+    same = _of_same_robot([each.name for each in possible], feet)
+    best: list[tuple[bool, bool, bool, str]] = []
+    for each in possible:
+        stands, unnamed = not _moves(log, each), _topic_words(each.name).isdisjoint(_BASE_WORDS)
+        if not (stands and unnamed):
+            best.append((each.name not in same, stands, unnamed, each.name))
+    return min(best, key=lambda one: one[:3])[3] if best else ""
+
+
+def _moves(log: Log, candidate: BaseCandidate) -> bool:
+    """Tell whether a candidate's poses move."""
+    channels = log.channels_by_topic[candidate.topic]
+    base = Base(candidate.source, candidate.element)
+    ids = {channel.id for channel in channels}
+    chunks = (c for c in log.chunks if c.counts is None or not ids.isdisjoint(c.counts))
+    wanted = Wanted((), FootChannels((), {}), base, channels)
+    position = read_recording(log, wanted, 1, spans=log.grouped(chunks)).recording.base.position
+    position = position[all_finite(position)]
+    return bool(len(position)) and bool(np.ptp(position, axis=0).max() > _MOVING_M)
+
+
+def _base_candidates(log: Log, robot: Robot, feet: Collection[str]) -> list[BaseCandidate]:
+    """Return the poses that may be the base's, the best first.
+
+    Args:
+        log: the log.
+        robot: its frames are looked for.
+        feet: topics of its feet; of two robots' poses, these tell which are the base's.
+    """
+    found: list[BaseCandidate] = []
+    for type_name in BASE_TYPES:
+        sure = []
+        for topic, source in _sources(log, {type_name}).items():
+            if any(is_static(channel) for channel in log.channels_by_topic[topic]):
+                continue
+            if source.lists_poses:
+                sure += _elements_of(log, robot, topic, source, feet)
+            else:
+                sure.append(BaseCandidate(topic, source, "", _is_base(topic, source)))
+        # Of two robots' poses, or two objects', none is surely the base's.
+        bases = [each.name for each in sure if each.is_sure]
+        if sure and sure[0].source.anything:
+            bases = _of_same_robot(bases, feet)
+            bases = [] if len(bases) > 1 else bases
+        found += [replace(each, is_sure=each.name in bases) for each in sure]
+    found += _in_unknown_messages(log)
+    return sorted(found, key=lambda each: (not each.is_sure, _is_planned_base(each)))
+
+
+def _in_unknown_messages(log: Log) -> list[BaseCandidate]:
+    """Return poses in messages of unknown types, those named like the base's first."""
+    found = [
+        BaseCandidate(channel.topic, path_source(channel, path), path, is_sure=False)
+        for path, channel in _pose_fields(log)
+        if _topic_words(path).isdisjoint(_OTHER_WORDS)
+    ]
+    return sorted(found, key=lambda each: _topic_words(each.name).isdisjoint(_BASE_WORDS))
+
+
+def _is_base(topic: str, source: Source) -> bool:
+    """Tell whether a topic's poses are surely the base's."""
+    if source.row.on_request:
+        return False
+    if not source.anything:
+        # Such states have the feet relative to the base, whose own pose is zero.
+        return not topic.endswith("body_frame")
+    words = _topic_words(topic)
+    named = not words.isdisjoint(_BASE_WORDS) or words == {"pose"}
+    return named and words.isdisjoint(_OTHER_WORDS)
+
+
+def _elements_in(log: Log, topic: str, source: Source) -> frozenset[str]:
+    """Return what a topic's messages hold poses of, by its first messages."""
+    channels = [
+        channel
+        for channel in log.channels_by_topic[topic]
+        if base_type(channel.type_name) == source.type_name and _source_of(channel)
+    ]
+    found: set[str] = set()
+    for channel in channels:
+        for messages in first_messages(log, channel, source.fields):
+            found |= choices(source, messages)
+    return frozenset(found)
+
+
+def _elements_of(
+    log: Log, robot: Robot, topic: str, source: Source, feet: Collection[str] = ()
+) -> list[BaseCandidate]:
+    """Return the poses in a topic's messages that may be the base's, the best first.
+
+    Args:
+        log: the log.
+        robot: its frames are looked for.
+        topic: the topic.
+        source: of its messages.
+        feet: topics of the robot's feet; see `_base_candidates`.
+    """
+    names = _elements_in(log, topic, source)
+    ranked = sorted((_rank(name, robot, source), name) for name in names)
+    best = _of_same_robot([name for rank, name in ranked if rank[0] == 0], feet)
+    # Two robots' bases: none is surely the one that is meant.
+    bases = {_frame_pair(name)[1] if source.is_transform else name for name in best}
+    if source.is_transform:
+        leaf = {base.rpartition("/")[2] for base in bases}
+        is_sure = len(bases) == len(leaf)
+    else:
+        is_sure = len(best) == 1
+    return [
+        BaseCandidate(topic, source, name, is_sure and name in best)
+        for rank, name in ranked
+        if rank[0] < _NEVER
+    ]
+
+
+_NEVER: Final = 2
+_Rank = tuple[int, int, int]
+
+
+def _rank(name: str, robot: Robot, source: Source) -> _Rank:
+    """Return what sorts elements: 0 surely the base, 1 perhaps, 2 never; then by preference."""
+    if source.is_transform:
+        parent, child = (frame.rpartition("/")[2].lower() for frame in _frame_pair(name))
+        bases = ((robot.base_frame or "").rpartition("/")[2].lower(), *_BASES)
+        if parent not in _WORLDS or child in _WORLDS:
+            return _NEVER, 0, 0
+        return (0 if child in bases else 1), _index(bases, child), _index(_WORLDS, parent)
+    model, _, link = name.partition("::")
+    if model.lower() in _SCENERY:
+        return _NEVER, 0, 0
+    if source.type_name.endswith("LinkStates"):
+        bases = ((robot.base_frame or "").lower(), *_BASES)
+        return (0, _index(bases, link.lower()), 0) if link.lower() in bases else (1, 0, 0)
+    return 0, 0, 0
+
+
+def _index(names: Sequence[str], name: str) -> int:
+    return names.index(name) if name in names else len(names)
+
+
+def _frame_pair(pair: str) -> tuple[str, str]:
+    """Split a pair of frames, whose names may hold slashes, where the child most likely begins."""
+    parts = pair.split("/")
+    splits = [("/".join(parts[:cut]), "/".join(parts[cut:])) for cut in range(1, len(parts))]
+
+    def likely(split: tuple[str, str]) -> tuple[bool, bool]:
+        parent, child = (frame.rpartition("/")[2].lower() for frame in split)
+        return parent not in _WORLDS, child not in _BASES
+
+    return min(splits or [(pair, "")], key=likely)
+
+
+def _pose_fields(log: Log) -> Iterator[tuple[str, Channel]]:
+    """Yield the paths of single poses in messages of unknown types, with their channels."""
+    seen: set[str] = set()
+    for channel in log.channels.values():
+        name = channel.type_name
+        if _source_of(channel) or name in TRANSFORM_TYPES or channel.topic in seen:
+            continue
+        if len(seen) == _MOST_TYPES:
+            return
+        seen.add(channel.topic)
+        try:
+            definition = definition_of(channel)
+        except DefinitionError:
+            continue
+        yield from ((path, channel) for path in _poses("", definition, _DEEPEST) if path)
+
+
+def _poses(path: str, struct: Struct, depth: int) -> Iterator[str]:
+    if _is_pose(struct):
+        yield path
+        return
+    for name, kind in struct.fields:
+        if depth and isinstance(kind, Struct):
+            yield from _poses(f"{path}.{name}" if path else name, kind, depth - 1)
+
+
+def _is_pose(struct: Struct) -> bool:
+    parts = dict(struct.fields)
+    return any(
+        _numbers(parts.get(position)) == ("x", "y", "z")
+        and _numbers(parts.get(orientation)) == ("x", "y", "z", "w")
+        for position, orientation in _FORMS
+    )
+
+
+def _numbers(field: object) -> tuple[str, ...]:
+    """Return the names of a message's fields if all are numbers."""
+    if not isinstance(field, Struct) or not all(isinstance(f, Primitive) for _, f in field.fields):
+        return ()
+    return tuple(name for name, _ in field.fields)

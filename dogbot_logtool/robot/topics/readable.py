@@ -7,15 +7,11 @@ from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.reader.containers.log import Channel
-from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, check_base
-from dogbot_logtool.reader.messages.contact_messages import check_contacts, source_of
-from dogbot_logtool.reader.messages.messages import SERIALISATIONS
-from dogbot_logtool.reader.messages.source import base_type
-from dogbot_logtool.reader.messages.transforms import (
-    FOXGLOVE_TYPES,
-    TRANSFORM_TYPES,
-    check_transforms,
-)
+from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
+from dogbot_logtool.reader.messages.contact_messages import source_of
+from dogbot_logtool.reader.messages.messages import SERIALISATIONS, check_channel
+from dogbot_logtool.reader.messages.source import base_source, base_type
+from dogbot_logtool.reader.messages.transforms import FOXGLOVE_TYPES, TRANSFORM_TYPES
 
 _MOST_REASONS: Final = 3
 _NOT_USED: Final = "; not used"
@@ -33,20 +29,10 @@ def why_unreadable(channel: Channel) -> str:
 
 
 def _check(channel: Channel) -> str:
-    if source_of(channel) is not None:
-        return check_contacts(channel)
-    if channel.type_name in TRANSFORM_TYPES:
-        return check_transforms(channel)
-    return check_base(channel) if base_type(channel.type_name) else ""
-
-
-def why_no_poses(channel: Channel) -> str:
-    """Return why the poses in the messages of a channel cannot be decoded; empty: they can be."""
-    try:
-        check_base(channel)
-    except DefinitionError as reason:
-        return str(reason)
-    return ""
+    source = source_of(channel)
+    if source is None and base_type(channel.type_name):
+        source = base_source(channel)
+    return check_channel(channel, source.fields) if source else ""
 
 
 def unreadable_findings(
@@ -95,9 +81,10 @@ def own_definition_findings(used: Iterable[Channel]) -> Iterator[Finding]:
 
 def _own_definition_because(channel: Channel) -> str:
     """Return why this program's definition is used for a channel; empty: the log's is."""
-    for check in (_check, check_base):
+    for find in (source_of, base_source):
         try:
-            return check(channel)
+            if source := find(channel):
+                return check_channel(channel, source.fields)
         except DefinitionError:
             # It is used for something else: a robot's state may have a base and no feet.
             continue
@@ -127,7 +114,7 @@ def other_encodings(channels: Mapping[int, Channel]) -> str:
 def _is_read(channel: Channel) -> bool:
     if channel.message_encoding in SERIALISATIONS or channel.type_name in FOXGLOVE_TYPES:
         return True
-    return bool(base_type(channel.type_name)) and not why_no_poses(channel)
+    return bool(base_type(channel.type_name)) and not why_unreadable(channel)
 
 
 def reasons(findings: Iterable[Finding]) -> str:

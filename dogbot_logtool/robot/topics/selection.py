@@ -11,8 +11,8 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import MOST, listed, printable, shell_joined
 from dogbot_logtool.io.storage import shown
-from dogbot_logtool.reader.containers.log import Batch, Channel, Log
-from dogbot_logtool.reader.messages.bases import Base, BasePoses
+from dogbot_logtool.reader.containers.log import Channel, Log
+from dogbot_logtool.reader.messages.bases import Base
 from dogbot_logtool.reader.messages.contact_messages import source_of, without_flags
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.source import Source
@@ -25,7 +25,6 @@ from dogbot_logtool.robot.feet.raw_levels import RawLevels, with_raw_levels
 from dogbot_logtool.robot.feet.selection import (
     FootOffer,
     assign_feet,
-    check_feet_differ,
     check_topics,
     find_feet,
     foot_channels,
@@ -94,10 +93,6 @@ class Selection:
             return None
         topic, element = self.odometry[0].topic, self.base.element
         return f"{topic}:{element}" if element else topic
-
-    def read_base(self, batch: Batch) -> list[BasePoses]:
-        """Read the base's poses of a batch."""
-        return self.base.read(batch, self.odometry) if self.base else []
 
     @property
     def static_transforms(self) -> frozenset[int]:
@@ -290,7 +285,6 @@ def _apply_options(log: Log, robot: Robot, options: TopicOptions) -> Robot:
         given, guessed = options.foot_topics, options.robot is None
         check_topics(log, given)
         robot = assign_feet(robot, given, usable_topics(log), guessed=guessed)
-        check_feet_differ(log, robot, given)
     return robot
 
 

@@ -1,7 +1,7 @@
 """Topics of a log by type, and what is said where an option names one that does not fit."""
 
 import re
-from collections.abc import Container, Iterable
+from collections.abc import Container, Iterable, Sequence
 from collections.abc import Set as AbstractSet
 from typing import Final
 
@@ -84,13 +84,28 @@ def require_topic(
             f"{where}: {topic} is of type {', '.join(sorted(types))}, not {names}. "
             f"Topics that can be used: {listed(usable) or 'none'}{otherwise and '. '}{otherwise}"
         )
+    raise _no_such_topic(where, topic, usable)
+
+
+def require_any_topic(log: Log, option: str, topic: str) -> None:
+    """Check that the topic of an option is in the log.
+
+    Raises:
+        CallError: it is not; with the topics that could be meant.
+    """
+    if topic not in log.channels_by_topic:
+        where = f"{shown(log.source.path)}: {option}"
+        raise _no_such_topic(where, topic, sorted(log.channels_by_topic))
+
+
+def _no_such_topic(where: str, topic: str, usable: Sequence[str]) -> CallError:
     from difflib import get_close_matches  # noqa: PLC0415 - for wrong calls only
 
     # The slash at the beginning is forgotten most often.
-    close = get_close_matches(topic, usable[:_COMPARED], n=3)
-    close = [one for one in usable if one.strip("/") == topic.strip("/")] or close
+    close = [one for one in usable if one.strip("/") == topic.strip("/")]
+    close = close or get_close_matches(topic, usable[:_COMPARED], n=3)
     meant = f"; did you mean {' or '.join(close)}?" if close else "."
-    raise CallError(
+    return CallError(
         f"{where}: the log has no topic {topic}{meant} Topics that can be used: "
         f"{listed(usable) or 'none'}"
     )

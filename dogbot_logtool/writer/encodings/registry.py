@@ -38,14 +38,14 @@ def _foxglove() -> "Encoding":
 
 @cache
 def _ros1() -> "Encoding":
-    from dogbot_logtool.writer.encodings.ros1 import Ros1Encoding  # noqa: PLC0415
+    from dogbot_logtool.writer.encodings.ros import Ros1Encoding  # noqa: PLC0415
 
     return Ros1Encoding()
 
 
 @cache
 def _ros2() -> "Encoding":
-    from dogbot_logtool.writer.encodings.ros2 import Ros2Encoding  # noqa: PLC0415
+    from dogbot_logtool.writer.encodings.ros import Ros2Encoding  # noqa: PLC0415
 
     return Ros2Encoding()
 

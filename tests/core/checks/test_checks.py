@@ -38,7 +38,7 @@ def test_without_a_mass_the_weight_is_not_checked() -> None:
     massless = replace(
         stats,
         settings=replace(SETTINGS, mass_kg=None),
-        loads=replace(stats.loads, vertical_impulse_over_weight=None),
+        loads=replace(stats.loads, body_weight_n=None),
     )
     assert outcomes(massless)["the feet carry the weight"] is Outcome.NOT_MADE
 

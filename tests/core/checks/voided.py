@@ -3,7 +3,7 @@
 from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.core.metrics import Log, WalkMetrics
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.core.walk_metrics.settings import Chosen
+from dogbot_logtool.core.walk_metrics.rest import Chosen
 from dogbot_logtool.core.walk_metrics.walk import metrics_of
 
 

@@ -8,7 +8,7 @@ from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.gait.cycle_curves import (
+from dogbot_logtool.core.gait.feet import (
     CycleCurve,
     fore_aft_impulses,
     forward_forces,

@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.gait.gait import classify
-from dogbot_logtool.core.gait.gait_classes import class_distances
+from dogbot_logtool.core.gait.classes import class_distances, classify
 from dogbot_logtool.core.leg_position import legs_in_order, quadruped
 
 SURE = (1.0,) * 6

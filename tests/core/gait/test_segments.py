@@ -15,8 +15,8 @@ from dogbot_logtool.core.gait.segments import (
     find_segments,
     transition_strides,
 )
-from dogbot_logtool.core.gait.standing import Standing
 from dogbot_logtool.core.gait.strides import Strides
+from dogbot_logtool.core.gait.support import Standing
 
 S = 1_000_000_000
 TROT = (0.0, 0.5, 0.5, 0.0)

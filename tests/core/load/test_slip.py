@@ -5,7 +5,7 @@ import pytest
 
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.contact.stances import Stances
-from dogbot_logtool.core.load.slip import slip_m
+from dogbot_logtool.core.loads import slip_m
 from tests.core.load.feet import foot, seconds, stance_phase, vertical
 
 TIME = seconds(8.0)

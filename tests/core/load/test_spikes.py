@@ -5,7 +5,7 @@ import pytest
 
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.load.spikes import has_lone_spikes, without_spikes
+from dogbot_logtool.core.loads import has_lone_spikes, without_spikes
 from tests.core.load.feet import DUTY, PERIOD_S, WEIGHT_N, foot, seconds, vertical
 
 TIME = seconds(16.0)

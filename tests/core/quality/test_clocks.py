@@ -1,5 +1,3 @@
-from collections.abc import Mapping
-
 import numpy as np
 import pytest
 
@@ -49,15 +47,6 @@ def odometry_against_feet(odometry: OffsetTrack, **feet: float) -> ClockDifferen
     return found[-1]
 
 
-def test_the_least_offset_of_each_half_second_of_log_time() -> None:
-    log = START + np.array([100, 400, 600, 900, 1600], np.int64) * 1_000_000
-    delay = np.array([30, 20, 50, 70, 10], np.int64) * 1_000_000
-    found = offset_track(log, log - delay)
-    first = START // (S // 2)
-    assert found.window.tolist() == [first, first + 1, first + 3]
-    assert (found.least_ns / 1e6).tolist() == [20.0, 50.0, 10.0]
-
-
 @pytest.mark.parametrize("behind_s", [0.1, -0.1, 0.2, -0.2, 0.3, -0.3])
 @pytest.mark.parametrize("jitter_s", [0.0, 0.004, 0.05])
 def test_an_odometry_with_another_clock_is_apart(behind_s: float, jitter_s: float) -> None:
@@ -73,32 +62,10 @@ def test_one_clock_with_any_delays_and_pace_is_not_apart(jitter_s: float, pace: 
     assert not odometry_against_feet(odometry, jitter_s=jitter_s, pace=pace).is_apart
 
 
-def test_bursts_are_no_difference() -> None:
-    assert not odometry_against_feet(track(burst_s=0.25)).is_apart
-    assert odometry_against_feet(track(0.2, burst_s=0.25)).is_apart
-
-
 def test_clocks_that_drift_apart_are_told() -> None:
     found = odometry_against_feet(track(drift_s=0.3, seconds=60.0), seconds=60.0)
     assert found.is_apart
     assert found.drift_s == pytest.approx(0.3, abs=0.02)
-
-
-def test_the_one_foot_with_another_clock_is_named() -> None:
-    tracks = {topic: track(0.15 if topic == "/bl" else 0.0) for topic in FEET}
-    found = clock_differences(tracks, FEET)
-    assert [each.topic for each in found if each.is_apart] == ["/bl"]
-
-
-def test_two_feet_that_disagree_are_apart() -> None:
-    found = clock_differences({"/left": track(), "/right": track(0.1)}, ("/left", "/right"))
-    assert sum(each.is_apart for each in found) == 1
-
-
-def test_without_common_time_nothing_is_said() -> None:
-    assert clock_differences({"/left": track()}, ("/left",)) == ()
-    short: Mapping[str, OffsetTrack] = {"/left": track(seconds=0.4), "/odom": track(seconds=0.4)}
-    assert clock_differences(short, ("/left",)) == ()
 
 
 def test_wall_and_simulation_time_cannot_be_joined() -> None:

@@ -5,7 +5,7 @@ import pytest
 
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.hulls import hulls
-from dogbot_logtool.core.stability.stability import energy_margin_in
+from dogbot_logtool.core.stability import energy_margin_in
 
 FEET = np.array([[0.3, 0.15, 0.0], [0.3, -0.15, 0.0], [-0.3, 0.15, 0.0], [-0.3, -0.15, 0.0]])
 BODY = np.array([0.05, 0.02, 0.4])

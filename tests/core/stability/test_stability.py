@@ -11,7 +11,7 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.hulls import NEAR_NS
 from dogbot_logtool.core.metrics import Stability
-from dogbot_logtool.core.stability.stability import (
+from dogbot_logtool.core.stability import (
     _unstable,
     stability,
 )

@@ -13,14 +13,9 @@ from mcap.reader import make_reader
 from mcap.records import Channel, Metadata
 from mcap.writer import Writer
 
-from dogbot_logtool.commands import convert as convert_module
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.conversion import annotate as annotate_module
-from dogbot_logtool.conversion import plan as plan_module
-from dogbot_logtool.conversion import writing as writing_module
-from dogbot_logtool.core.scene.labels import foot_labels
 from dogbot_logtool.reader.containers.log import Chunk
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.documents import stats_json
@@ -30,7 +25,6 @@ from dogbot_logtool.robot.options import (
     ConvertOptions,
     StatsOptions,
 )
-from dogbot_logtool.robot.robot_model.description import RobotDescription
 from dogbot_logtool.robot.topics.annotated import annotations_left_out, open_recorded
 from dogbot_logtool.writer import channels as added_channels
 from dogbot_logtool.writer.encodings.encoding import MessageType
@@ -201,41 +195,6 @@ _declare = added_channels.AddedChannels.declare
 def _declared_of_old(added: added_channels.AddedChannels, topic: str, kind: MessageType) -> int:
     """Declare a channel, unless it is of a topic that came later."""
     return 0 if topic.startswith(("/label", "/events", "/gait")) else _declare(added, topic, kind)
-
-
-@pytest.mark.parametrize(
-    ("encoding", "times"), [*((encoding, 1) for encoding in ENCODINGS), ("ros1", 2)]
-)
-def test_files_without_marks_are_told_by_topics_and_definitions(
-    tmp_path: Path,
-    once_annotated: Once,
-    monkeypatch: pytest.MonkeyPatch,
-    encoding: str,
-    times: int,
-) -> None:
-    """Until now, channels were not marked, and all that was there was taken for recorded."""
-    old = LONG
-    with monkeypatch.context() as before:
-        before.setattr(added_channels, "ANNOTATION_MARK", {})
-        before.setattr(convert_module, "open_recorded", lambda path, _joined: open_log(path))
-        # Such files had neither a robot nor labels nor events.
-        before.setattr(plan_module, "robot_description", lambda *_, **__: RobotDescription(None))
-        before.setattr(added_channels.AddedChannels, "declare", _declared_of_old)
-        before.setattr(
-            annotate_module, "foot_labels", lambda foot, _: foot_labels(foot, slice(0, 0))
-        )
-        before.setattr(writing_module, "event_records", lambda *_: [])
-        for number in range(times):
-            target = tmp_path / f"old{number}.mcap"
-            converted(old, target, encoding=encoding)
-            old = target
-    assert not any(channel.metadata.get("dogbot_logtool") for channel in channels(old))
-    assert len(records(old)) == times
-    new, _ = once_annotated(LONG, encoding)
-    again = tmp_path / "again.mcap"
-    converted(old, again, encoding=encoding)
-    assert same(new, again)
-    assert figures(old) == figures(LONG)
 
 
 def test_a_recorded_topic_that_ours_joins_is_kept(tmp_path: Path) -> None:

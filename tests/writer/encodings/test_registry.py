@@ -14,7 +14,7 @@ from dogbot_logtool.writer.encodings.registry import (
     ENCODINGS,
     OutputEncoding,
 )
-from dogbot_logtool.writer.encodings.ros1 import Ros1Encoding
+from dogbot_logtool.writer.encodings.ros import Ros1Encoding
 from tests.paths import SAMPLE_LOGS
 
 TROT = SAMPLE_LOGS / "dogbot_trot.bag"

@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.gait.cycle_curves import CycleCurve
+from dogbot_logtool.core.gait.feet import CycleCurve
 from dogbot_logtool.core.legs.legs import LegFigures
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats

@@ -6,7 +6,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, distinct
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
-from dogbot_logtool.core.stability.ground_projection import GroundPoints, footprints, pressure_path
+from dogbot_logtool.core.stability import GroundPoints, footprints, pressure_path
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.page.charts.drawing import (
     MARGIN,

@@ -12,7 +12,7 @@ from dogbot_logtool.core.base.motion import FORWARD_ANGLES, roll_and_pitch
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.curves import CurveDetail, curve_of
 from dogbot_logtool.core.rotations import along_heading
-from dogbot_logtool.core.stability.stability import margins
+from dogbot_logtool.core.stability import margins
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.page.charts.drawing import (

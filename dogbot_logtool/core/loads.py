@@ -1,12 +1,16 @@
-"""How the load is shared, and whether it adds up to the robot's weight."""
+"""How the load is shared, whether it adds up to the weight, and what faults of sensors do to it."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from enum import StrEnum
 from typing import Final
 
+import numpy as np
+
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.dataclass import dataclass
 
@@ -44,52 +48,113 @@ class WeightSource(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class LoadFigures:
+class WalkLoads:
     """Loads of all feet over one and the same time."""
 
     known_s: float
-    """s, the time that the figures are over: whole strides in which all feet are known, or all
-    time known to all feet where there are no such strides."""
+    """s, the time that loads are over: whole strides in which all feet are known, or all time known
+    to all feet where there are no such strides."""
     over_strides: bool
     """Whether that time is whole strides."""
+    complete: bool
+    """Whether every foot is seen to touch: else load may be missing from the sum."""
     mean_vertical_n: float | None
     """N, mean of the feet's summed vertical force over that time; None where it is not known."""
-    vertical_impulse_over_weight: float | None
-    """Sum over feet of the vertical impulse / (m g x time): 1 for a sound recording. None without
-    a mass, or with an assumed one that the forces refute."""
-    weight_n: float | None
-    """N, the weight for figures in body weights: from the mass, else estimated from whole strides;
-    None where neither is known, or where all feet's forces miss the weight by over `REFUTED`."""
-    weight_source: WeightSource | None
+    mean_magnitude_n: float | None
+    """N, mean of the feet's summed |F|; None where not all tell forces, or there is no time."""
+    body_weight_n: float | None
+    """N, from the mass; None: not known."""
+    mass_is_assumed: bool
+    """Whether the mass is that of a robot that was only guessed."""
     share_of: str | None
     """The quantity that is shared: ``vertical_impulse``, or ``force_impulse`` (the integral of |F|)
     where the direction of the force is not known."""
     shares: tuple[float, ...] | None
-    """(feet) share of each foot; they add up to 1. None also where the sum misses the weight: a
-    sensor of one foot may be why."""
-    magnitude_over_weight: float | None = None
-    """Mean of the feet's summed |F| over m g, where only that is known, over whole strides: hardly
-    below 1, and little above it. None where vertical forces are known, or a foot's is missing."""
-    direction_refuted: bool = False
-    """Whether it misses 1 by so much that the direction of the forces is doubtful: by
-    `WEIGHT_TOLERANCE`, or by `REFUTED` where the mass is only assumed. The load on a foot that is
-    never seen to touch may be missing instead."""
-    weight_refuted: bool = False
-    """Whether it misses 1 by over `REFUTED`, so that the weight itself is doubtful."""
-    magnitude_misses_weight: bool = False
-    """Whether the sum of |F| is below the weight, or far above it: a wrong mass or sensor."""
-    other_units: bool = False
-    """Whether the sum of |F| is so far from the weight that forces are not in N of this robot."""
+    """(feet) share of each foot; they add up to 1."""
+
+    @property
+    def vertical_impulse_over_weight(self) -> float | None:
+        """Sum over feet of the vertical impulse / (m g x time): 1 for a sound recording."""
+        if self.mean_vertical_n is None or self.body_weight_n is None:
+            return None
+        return self.mean_vertical_n / self.body_weight_n
+
+    @property
+    def magnitude_over_weight(self) -> float | None:
+        """Mean of the feet's summed |F| over m g, where only that is known, over whole strides.
+
+        Hardly below 1, and little above it. None where vertical forces are known, or a foot's is
+        missing.
+        """
+        told = self.complete and self.over_strides and self.mean_vertical_n is None
+        if not told or not self.body_weight_n or self.mean_magnitude_n is None:
+            return None
+        return self.mean_magnitude_n / self.body_weight_n
+
+    @property
+    def weight_refuted(self) -> bool:
+        """Whether forces miss the weight by over `REFUTED`, so that it is doubtful."""
+        ratio, magnitude = self.vertical_impulse_over_weight, self.magnitude_over_weight
+        if magnitude is not None:
+            return abs(magnitude - 1.0) > REFUTED
+        if ratio is None:
+            return False
+        return ratio > 1.0 + REFUTED or (ratio < 1.0 - REFUTED and self.complete)
+
+    @property
+    def weight_n(self) -> float | None:
+        """N, the weight for forces in body weights: from the mass, else from whole strides.
+
+        None where neither is known, or where all feet's forces miss the weight by over `REFUTED`.
+        """
+        if self.body_weight_n is not None:
+            return None if self.weight_refuted else self.body_weight_n
+        estimated = self.mean_vertical_n if self.over_strides and self.complete else None
+        return estimated if estimated is not None and estimated > NEAR_ZERO else None
+
+    @property
+    def weight_source(self) -> WeightSource | None:
+        """The origin of that weight."""
+        if self.weight_n is None:
+            return None
+        return WeightSource.ESTIMATED if self.body_weight_n is None else WeightSource.MASS
+
+    @property
+    def direction_refuted(self) -> bool:
+        """Whether the ratio misses 1 by so much that the direction of the forces is doubtful.
+
+        The load on a foot that is never seen to touch may be missing instead.
+        """
+        ratio = self.vertical_impulse_over_weight
+        if ratio is None or not (self.complete or ratio > 1.0):
+            return False
+        return abs(ratio - 1.0) > self._tolerance
+
+    @property
+    def magnitude_misses_weight(self) -> bool:
+        """Whether the sum of |F| is below the weight, or far above it: a wrong mass or sensor."""
+        magnitude = self.magnitude_over_weight
+        if magnitude is None:
+            return False
+        return magnitude < 1.0 - max(self._tolerance, FALLS_SHORT) or magnitude > 1.0 + REFUTED
+
+    @property
+    def other_units(self) -> bool:
+        """Whether the sum of |F| is so far from the weight that forces are not in N."""
+        if not (self.complete and self.over_strides and self.body_weight_n):
+            return False
+        if self.mean_magnitude_n is None:
+            return False
+        magnitude = self.mean_magnitude_n / self.body_weight_n
+        return not NOT_THE_WEIGHT <= magnitude <= 1.0 / NOT_THE_WEIGHT
 
     @property
     def vertical_refuted(self) -> bool:
         """Whether the feet's vertical force is so far below the weight that it is another one."""
-        if self.vertical_impulse_over_weight is None:
+        ratio = self.vertical_impulse_over_weight
+        if ratio is None:
             return self.mean_vertical_n is not None and self.mean_vertical_n < 0.0
-        return self.direction_refuted and self.vertical_impulse_over_weight < NOT_THE_WEIGHT
-
-    mean_magnitude_n: float | None = None
-    """N, mean of the feet's summed |F|; None where vertical forces are not known."""
+        return self.direction_refuted and ratio < NOT_THE_WEIGHT
 
     @property
     def may_be_tilted(self) -> bool:
@@ -97,16 +162,20 @@ class LoadFigures:
         vertical, magnitude = self.mean_vertical_n, self.mean_magnitude_n
         if not vertical or magnitude is None or magnitude <= (1.0 + LEANS) * vertical:
             return False
-        if self.vertical_impulse_over_weight is None or self.weight_source is not WeightSource.MASS:
+        ratio = self.vertical_impulse_over_weight
+        if ratio is None or self.weight_source is not WeightSource.MASS:
             return True
-        magnitude_misses = abs(magnitude / vertical * self.vertical_impulse_over_weight - 1.0)
-        return magnitude_misses < abs(self.vertical_impulse_over_weight - 1.0) + CLEARLY
+        return abs(magnitude / vertical * ratio - 1.0) < abs(ratio - 1.0) + CLEARLY
 
     @property
     def misses_weight(self) -> bool:
         """Whether the feet's vertical impulse is not the weight: a wrong frame, sensor or mass."""
         ratio = self.vertical_impulse_over_weight
         return ratio is not None and abs(ratio - 1.0) > WEIGHT_TOLERANCE
+
+    @property
+    def _tolerance(self) -> float:
+        return REFUTED if self.mass_is_assumed else WEIGHT_TOLERANCE
 
 
 def vertical_is_known(foot: FootHistory) -> bool:
@@ -157,35 +226,14 @@ def whole_strides(strides: Ints, feet: Sequence[FootHistory], *, vertical: bool)
     return timespans.merge(strides[~broken])
 
 
-def mean_vertical_n(feet: Sequence[FootHistory], spans: Ints) -> float | None:
-    """Return the mean of the feet's summed vertical force, N: over whole strides, the weight.
-
-    Args:
-        feet: histories of all feet.
-        spans: (n, 2) ns, time in which all of them are known.
-
-    Returns:
-        None where the vertical force of a loaded foot is not known, or there is no time.
-    """
-    duration_s = timespans.total(spans) / 1e9
-    if duration_s == 0.0 or not _vertical_of_all(feet):
-        return None
-    return sum(foot.track.vertical_within(spans) for foot in feet) / duration_s
-
-
-def _mean_magnitude_n(feet: Sequence[FootHistory], spans: Ints) -> float:
-    """Return the mean of the feet's summed |F| over some time, N."""
-    return sum(foot.track.force_within(spans) for foot in feet) / (timespans.total(spans) / 1e9)
-
-
-def load_figures(
+def loads_of(
     feet: Sequence[FootHistory],
     body_weight_n: float | None,
     strides: Ints | None = None,
     within: Ints | None = None,
     *,
     mass_is_assumed: bool = False,
-) -> LoadFigures:
+) -> WalkLoads:
     """Compare the feet's impulses with each other and with the weight.
 
     All feet are measured over the same time: whole strides of one foot during which all feet are
@@ -207,56 +255,26 @@ def load_figures(
     if not over_strides:
         spans = _known_to_all(feet, vertical=vertical)
         spans = spans if within is None else timespans.intersect([spans, within])
-    mean_n = mean_vertical_n(feet, spans)
-    ratio = None if mean_n is None or body_weight_n is None else mean_n / body_weight_n
-    # The load on a foot that is never seen to touch may be missing from the sum.
-    complete = all(len(foot.in_contact) for foot in feet)
-    refuted = ratio is not None and (ratio > 1.0 + REFUTED or (ratio < 1.0 - REFUTED and complete))
-    estimated_n = mean_n if over_strides and complete else None
-    magnitude = None
-    mean_magnitude = _mean_magnitude_n(feet, spans) if mean_n is not None else None
+    seconds = timespans.total(spans) / 1e9
+    magnitude = [foot.track.force_within(spans) for foot in feet]
+    upward = [foot.track.vertical_within(spans) for foot in feet] if vertical else None
     has_forces = all(foot.has_force for foot in feet)
-    if body_weight_n and over_strides and complete and has_forces and not vertical:
-        magnitude = _mean_magnitude_n(feet, spans) / body_weight_n
-        refuted = abs(magnitude - 1.0) > REFUTED
-    weight_n, source = _trusted_weight(body_weight_n, estimated_n, refuted=refuted)
-    tolerance = REFUTED if mass_is_assumed else WEIGHT_TOLERANCE
-    direction_refuted = ratio is not None and (complete or ratio > 1.0)
-    direction_refuted &= abs((ratio or 1.0) - 1.0) > tolerance
-    falls_short = magnitude is not None and magnitude < 1.0 - max(tolerance, FALLS_SHORT)
-    magnitude_misses = falls_short or (magnitude is not None and magnitude > 1.0 + REFUTED)
-    share_of, shares = _shares(feet, spans, vertical=vertical)
+    told = vertical or has_forces
+    shared = magnitude if upward is None else upward
     # A part of a stride counts one foot's stance and another's swing.
     in_part = not over_strides and any(len(foot.stances.touchdown) > 1 for foot in feet)
-    if in_part:
-        shares = None
-    return LoadFigures(
-        known_s=timespans.total(spans) / 1e9,
+    shares = abs(sum(shared)) >= NEAR_ZERO and has_forces
+    return WalkLoads(
+        known_s=seconds,
         over_strides=over_strides,
-        mean_vertical_n=mean_n,
-        vertical_impulse_over_weight=ratio,
-        weight_n=weight_n,
-        weight_source=source,
-        share_of=share_of,
-        shares=shares,
-        magnitude_over_weight=magnitude,
-        mean_magnitude_n=mean_magnitude,
-        direction_refuted=direction_refuted,
-        weight_refuted=refuted,
-        magnitude_misses_weight=magnitude_misses,
-        other_units=complete
-        and over_strides
-        and _is_no_weight(magnitude, mean_magnitude, body_weight_n),
+        complete=all(len(foot.in_contact) for foot in feet),
+        mean_vertical_n=sum(upward) / seconds if upward and seconds else None,
+        mean_magnitude_n=sum(magnitude) / seconds if told and seconds else None,
+        body_weight_n=body_weight_n,
+        mass_is_assumed=mass_is_assumed,
+        share_of=("vertical_impulse" if vertical else "force_impulse") if shares else None,
+        shares=tuple(each / sum(shared) for each in shared) if shares and not in_part else None,
     )
-
-
-def _is_no_weight(
-    magnitude: float | None, mean_magnitude_n: float | None, weight_n: float | None
-) -> bool:
-    """Tell whether the feet's summed |F|, over the weight or in N, is that of no such mass."""
-    if magnitude is None and mean_magnitude_n is not None and weight_n:
-        magnitude = mean_magnitude_n / weight_n
-    return magnitude is not None and not NOT_THE_WEIGHT <= magnitude <= 1.0 / NOT_THE_WEIGHT
 
 
 def _vertical_of_all(feet: Sequence[FootHistory]) -> bool:
@@ -267,33 +285,6 @@ def _vertical_of_all(feet: Sequence[FootHistory]) -> bool:
 
 def _known_to_all(feet: Sequence[FootHistory], *, vertical: bool) -> Ints:
     return timespans.intersect([foot.vertical_known if vertical else foot.known for foot in feet])
-
-
-def _trusted_weight(
-    body_weight_n: float | None, estimated_n: float | None, *, refuted: bool
-) -> tuple[float | None, WeightSource | None]:
-    """Return the weight that figures in body weights may rest on, and its source."""
-    if body_weight_n is None:
-        usable = estimated_n is not None and estimated_n > NEAR_ZERO
-        return (estimated_n, WeightSource.ESTIMATED) if usable else (None, None)
-    return (None, None) if refuted else (body_weight_n, WeightSource.MASS)
-
-
-def _shares(
-    feet: Sequence[FootHistory], spans: Ints, *, vertical: bool
-) -> tuple[str | None, tuple[float, ...] | None]:
-    """Return what the shares are of, and each foot's."""
-    if not all(foot.has_force for foot in feet):
-        return None, None
-    impulses = [
-        foot.track.vertical_within(spans) if vertical else foot.track.force_within(spans)
-        for foot in feet
-    ]
-    total = sum(impulses)
-    if abs(total) < NEAR_ZERO:
-        return None, None
-    kind = "vertical_impulse" if vertical else "force_impulse"
-    return kind, tuple(each / total for each in impulses)
 
 
 def grouped_shares(
@@ -324,7 +315,7 @@ def symmetry_index_percent(left: float | None, right: float | None) -> float | N
     return 100.0 * (right - left) / half
 
 
-def dead_feet(feet: Sequence[FootHistory], loads: LoadFigures) -> tuple[bool, ...]:
+def dead_feet(feet: Sequence[FootHistory], loads: WalkLoads) -> tuple[bool, ...]:
     """Tell which feet have a sensor that seems dead: one that never reports a contact.
 
     A foot may also be lifted throughout. That is believed where the other feet are seen to carry
@@ -354,3 +345,72 @@ def is_stuck(foot: FootHistory, others: Sequence[FootHistory]) -> bool:
     Where no force varies the robot stands still, in a simulator without noise.
     """
     return _is_constant(foot) and any(_varies(other) for other in others)
+
+
+CELL_RATE_HZ: Final = 25.0
+"""Forces are compared with other sensors by their means over so many cells a second."""
+
+
+def mean_impulses(feet: Sequence[FootHistory], impulse: str, time: Ints, half_ns: int) -> Floats:
+    """(m, feet) N, means over a window about each time.
+
+    Args:
+        feet: histories of all feet.
+        impulse: ``vertical_impulse`` or ``force_impulse`` of their tracks.
+        time: (m,) ns.
+        half_ns: half of the window.
+    """
+    spans = np.stack([time - half_ns, time + half_ns], axis=1)
+    totals = [foot.track.impulse_at(getattr(foot.track, impulse), spans) for foot in feet]
+    return np.stack([total[:, 1] - total[:, 0] for total in totals], axis=1) / (2e-9 * half_ns)
+
+
+SAME_PHASE: Final = 0.05
+"""Share of a stance within which spikes of several stances are at the same phase."""
+RECURS: Final = 0.2
+"""Share of stances with a spike at the same phase from which it is an impact."""
+FEWEST_IMPACTS: Final = 3
+
+
+def has_lone_spikes(stances: Stances) -> Flags:
+    """(n,) tell which stances have spikes that are a fault of the sensor.
+
+    A single sample that stands out of its stance may be real: an impact recurs at the same phase
+    of many stances, a fault comes at random.
+    """
+    phase = stances.figures.spike_phase
+    spiked = np.isfinite(phase)
+    sorted_phase = np.sort(phase[spiked])
+    near = np.searchsorted(sorted_phase, phase + SAME_PHASE, side="right")
+    near -= np.searchsorted(sorted_phase, phase - SAME_PHASE, side="left")
+    recurring = near >= max(FEWEST_IMPACTS, RECURS * int(stances.whole.sum()))
+    lone: Flags = spiked & ~recurring
+    return lone
+
+
+def without_spikes(stances: Stances) -> Stances:
+    """Return the stances with the peaks that they have without lone spikes."""
+    lone, figures = has_lone_spikes(stances), stances.figures
+    peak = np.where(lone, figures.calm_peak_n, figures.peak_n)
+    vertical = np.where(lone, figures.calm_peak_vertical_n, figures.peak_vertical_n)
+    return replace(stances, figures=figures._replace(peak_n=peak, peak_vertical_n=vertical))
+
+
+LARGEST_FOOT_M: Final = 0.3
+"""m: the contact point of no foot that stays in place travels further in a stance."""
+
+
+def slip_m(contact_way_m: Floats, rolling_m: float | None) -> Floats:
+    """Return how far a foot slips in each stance, m.
+
+    A round foot that rolls, or a flat one on which the pressure moves, moves its contact point
+    without slipping. Where that way is not known, neither is the slip.
+
+    Args:
+        contact_way_m: (n,) m, way of the contact point; NaN where there is none.
+        rolling_m: m, way of the contact point of a foot that does not slip; None: not known.
+    """
+    if rolling_m is None:
+        return np.full_like(contact_way_m, np.nan)
+    slip: Floats = np.maximum(contact_way_m - rolling_m, 0.0)
+    return slip

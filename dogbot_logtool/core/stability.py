@@ -1,4 +1,4 @@
-"""Does the robot stand safely on the feet that are down? Support polygon and static margin."""
+"""Does the robot stand safely on the feet that are down? Support polygon, margins, pressure."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -6,26 +6,13 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import (
-    Flags,
-    Floats,
-    Ints,
-    aggregate,
-    concatenated,
-    nearest_rows,
-)
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, concatenated, nearest_rows
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.track import POINT_RATE_HZ
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
-from dogbot_logtool.core.hulls import (
-    NEAR_NS,
-    Hulls,
-    centre_of_pressure,
-    hulls,
-    margin_in,
-)
+from dogbot_logtool.core.hulls import NEAR_NS, Hulls, centre_of_pressure, hulls, margin_in
 from dogbot_logtool.core.metrics import Stability
 from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.dataclass import dataclass
@@ -155,7 +142,7 @@ def _extent(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
 def instants_of(foot: FootHistory, known: Ints) -> Ints:
     """(n,) ns: up to `POINT_RATE_HZ` samples a second of a foot, in spans, (k, 2) ns."""
     time = foot.track.time[timespans.covers(known, foot.track.time)]
-    return time[first_at_each_tick(time, POINT_RATE_HZ, None)]
+    return time[first_at_each_tick(time, POINT_RATE_HZ)]
 
 
 def _instants(
@@ -260,3 +247,43 @@ def energy_margin_in(hull: Hulls, points: Floats, body: Floats) -> Floats:
         highest = np.linalg.norm(reach, axis=1) * np.hypot(unit[:, 0], unit[:, 1])
         lowest = np.where(edge, np.minimum(lowest, highest - reach[:, 2]), lowest)
     return np.where(inside, lowest, np.nan)
+
+
+@dataclass(frozen=True, slots=True)
+class GroundPoints:
+    """Points on the ground over time."""
+
+    time: Ints
+    """(n,) ns, strictly increasing."""
+    point: Floats
+    """(n, 2) m, horizontal, world frame."""
+
+
+def footprints(foot: FootHistory) -> GroundPoints:
+    """Return where a foot stood: its first known contact point of each stance.
+
+    Stances without any are left out. The times are those of touchdown.
+    """
+    stances = foot.stances
+    time, point = foot.track.contact_points
+    first = np.searchsorted(time, stances.touchdown)
+    within = np.flatnonzero(first < len(time))
+    within = within[time[first[within]] < stances.liftoff[within]]
+    return GroundPoints(stances.touchdown[within], point[first[within], :2])
+
+
+def pressure_path(feet: Sequence[FootHistory]) -> GroundPoints:
+    """Return the centre of pressure, sum(Fz p) / sum(Fz), at up to 100 Hz.
+
+    Only over the time known to all feet: without one of them it would be that of the others.
+    Its points are NaN where no foot is loaded.
+
+    Args:
+        feet: records of all feet, whose vertical forces must be known.
+    """
+    if not feet:
+        return GroundPoints(np.empty(0, np.int64), np.empty((0, 2)))
+    known = timespans.intersect([foot.vertical_known for foot in feet])
+    time = instants_of(feet[0], known)
+    points, load = feet_down(time, feet)
+    return GroundPoints(time, centre_of_pressure(points[:, :, :2], load))

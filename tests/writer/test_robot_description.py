@@ -8,8 +8,8 @@ from mcap import records
 from mcap.data_stream import ReadDataStream
 from rosbags.typesys import Stores, get_typestore
 
+from dogbot_logtool.writer.annotations import description_type
 from dogbot_logtool.writer.encodings.encoding import Encoding
-from dogbot_logtool.writer.messages.robot_description import description_type
 from tests.writer.annotated import ENCODINGS, declared
 
 

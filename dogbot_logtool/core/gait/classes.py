@@ -1,0 +1,367 @@
+"""Which gait? The class that fits the phases and the duty factor of the feet.
+
+Phases say how the feet are coordinated; the duty factor is a separate finding (a trot whose feet
+are down for more than half of the stride is a trot all the same).
+"""
+
+from collections.abc import Sequence
+from itertools import combinations
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import Floats, Ints, wrapped
+from dogbot_logtool.core.gait.strides import Strides
+from dogbot_logtool.dataclass import dataclass
+
+TOLERANCE: Final = 0.1
+"""Cycles by which phases may differ from those of a class."""
+BIPED: Final = 2
+QUADRUPED: Final = 4
+HEXAPOD: Final = 6
+CLASS_NAMES: Final = (
+    "walk",
+    "amble",
+    "trot",
+    "pace",
+    "gallop",
+    "canter",
+    "half-bound",
+    "bound",
+    "pronk",
+    "run",
+    "hop",
+    "tripod",
+    "tetrapod",
+    "wave",
+)
+"""Classes that a gait of two, four or six feet may have."""
+ALTERNATES: Final = 0.1
+"""Cycles by which the steps of two feet may be uneven before that counts as a deviation."""
+
+
+def class_distances(phases: Floats, duty_factor: Floats | None = None) -> dict[str, Floats]:
+    """Return how far phases are from those of each class.
+
+    Args:
+        phases: (n, feet) cycles. Two feet: in any order. Four: front left, front right, back
+            left, back right. Six: the same with middle left, middle right before the back ones.
+        duty_factor: (n,) decides between walk and amble or run; None: taken as above one half.
+
+    Returns:
+        (n,) distance for each class; NaN where a phase is not known. Empty for any other number
+        of feet. Of two classes at the same distance the first one counts.
+    """
+    duty = np.ones(len(phases)) if duty_factor is None else duty_factor
+    feet = phases.shape[1]
+    if feet == BIPED:
+        return _of_two_feet(phases, duty)
+    if feet == QUADRUPED:
+        return _of_four_feet(phases, duty)
+    if feet == HEXAPOD:
+        return _of_six_feet(phases)
+    return {}
+
+
+def _of_two_feet(phases: Floats, duty: Floats) -> dict[str, Floats]:
+    """Alternating (walk above, run below a duty factor of one half) or together (hop)."""
+    step = apart(phases[:, 0], phases[:, 1])
+    uneven = np.clip(0.5 - step - ALTERNATES, 0.0, None)
+    below, above = _worst(0.5 - duty), _worst(duty - 0.5)
+    return {
+        "walk": uneven + below,
+        "run": uneven + above,
+        "hop": step,
+    }
+
+
+def _of_four_feet(phases: Floats, duty: Floats) -> dict[str, Floats]:
+    """Measure symmetrical and asymmetrical gaits.
+
+    Symmetrical ones have evenly spaced left and right feet in both pairs:
+
+    - trot: diagonality 0.5; pace: diagonality 0;
+    - walk: a diagonality further than the tolerance from both; amble: the same below a duty
+      factor of one half.
+
+    Asymmetrical ones:
+
+    - gallop: four separate beats, with the feet of each pair up to 0.3 cycles apart;
+    - canter: three beats: a hind foot, the other one with the fore foot of its diagonal, a fore
+      foot;
+    - half-bound: hind feet together, fore feet one after the other;
+    - bound: the feet of each pair together, the pairs apart;
+    - pronk: all feet together.
+    """
+    front_left, front_right, back_left, back_right = phases.T
+    fore, hind = apart(front_left, front_right), apart(back_left, back_right)
+    lag = apart(halfway(front_left, front_right), halfway(back_left, back_right))
+    uneven = _worst(0.5 - fore, 0.5 - hind)
+    below, above = _worst(0.5 - duty), _worst(duty - 0.5)
+    from_pace = _from_pace(phases)
+    walk = _worst(uneven, _separate(from_pace), _separate(0.5 - from_pace))
+    closest = np.min([apart(one, other) for one, other in combinations(phases.T, 2)], axis=0)
+    return {
+        "walk": walk + below,
+        "amble": walk + above,
+        "trot": _worst(uneven, 0.5 - from_pace),
+        "pace": _worst(uneven, from_pace),
+        "gallop": _worst(_separate(closest), _separate(lag), _one_after_other(fore, hind)),
+        "canter": np.minimum(
+            _canter(back_left, back_right, front_left, front_right),
+            _canter(back_right, back_left, front_right, front_left),
+        ),
+        "half-bound": _worst(hind, _separate(fore), _separate(lag), _one_after_other(fore)),
+        "bound": _worst(fore, hind, _separate(lag)),
+        "pronk": _worst(fore, hind, lag),
+    }
+
+
+def _worst(*deviations: Floats) -> Floats:
+    """Return the largest of the deviations that are above 0."""
+    worst: Floats = np.max([np.zeros(len(deviations[0])), *deviations], axis=0)
+    return worst
+
+
+def _separate(distance: Floats) -> Floats:
+    """Deviation of feet that should not be together: the tolerance where they just are."""
+    deviation: Floats = 2.0 * TOLERANCE - distance
+    return deviation
+
+
+_SPLIT: Final = 0.3
+"""Cycles up to which the feet of a pair follow each other in a gallop or a canter."""
+
+
+def _one_after_other(*splits: Floats) -> Floats:
+    """Deviation of pairs whose feet are so far apart that they are evenly spaced."""
+    return _worst(*(split - _SPLIT for split in splits))
+
+
+def _from_pace(phases: Floats) -> Floats:
+    """(n,) distance of the diagonality from 0, cycles."""
+    front_left, front_right, back_left, back_right = phases.T
+    return apart(halfway(front_left - back_left, front_right - back_right), np.zeros(len(phases)))
+
+
+def _canter(first: Floats, mate: Floats, diagonal: Floats, last: Floats) -> Floats:
+    """Deviation from a canter of one lead.
+
+    Args:
+        first: (n,) cycles, the hind foot that begins.
+        mate: the other hind foot.
+        diagonal: the fore foot that falls with it.
+        last: the leading fore foot.
+    """
+    together = halfway(mate, diagonal)
+    before, after = wrapped(together - first), wrapped(last - together)
+    return _worst(
+        apart(mate, diagonal),
+        _separate(before),
+        _separate(after),
+        _one_after_other(before, after),
+    )
+
+
+def _of_six_feet(phases: Floats) -> dict[str, Floats]:
+    """Measure metachronal waves: the lag from each foot to the next one of its side.
+
+    - tripod: half a cycle, the sides half a cycle apart;
+    - tetrapod: a third, the sides a multiple of a third apart: three pairs of feet in turn;
+    - wave: a sixth, the sides half a cycle apart: one foot after the other.
+
+    Waves run from back to front, or from front to back.
+    """
+    third = 1.0 / 3.0
+    return {
+        "tripod": _from_wave(phases, 0.5, 0.5),
+        "tetrapod": np.min(
+            [
+                _from_wave(phases, lag, side)
+                for lag in (third, -third)
+                for side in (0.0, third, -third)
+            ],
+            axis=0,
+        ),
+        "wave": np.minimum(_from_wave(phases, 1.0 / 6.0, 0.5), _from_wave(phases, -1.0 / 6.0, 0.5)),
+    }
+
+
+def _from_wave(phases: Floats, lag: float, side: float) -> Floats:
+    """Largest deviation from a wave that may be shifted as a whole."""
+    left = np.array([2.0 * lag, lag, 0.0])
+    pattern = np.stack([left, left + side], axis=1).ravel()
+    deviation = wrapped(phases - pattern)
+    deviation = wrapped(deviation - deviation[:, :1])
+    spread = deviation.max(axis=1) - deviation.min(axis=1)
+    return np.asarray(spread / 2.0)
+
+
+def phases_in(reference: Strides, touchdown: Ints) -> Floats:
+    """Return the phase of each touchdown that lies inside a reference stride.
+
+    phase = (TD - TD_ref(k)) / T_ref(k), cycles in [0, 1). Source: Hildebrand 1965, Science
+    150:701.
+
+    Args:
+        reference: strides of the reference foot.
+        touchdown: (n,) ns, of another foot, in order.
+
+    Returns:
+        (m,) phases.
+    """
+    stride = np.searchsorted(reference.touchdown, touchdown, side="right") - 1
+    inside = stride >= 0
+    inside[inside] = touchdown[inside] < reference.end[stride[inside]]
+    stride = stride[inside]
+    since = touchdown[inside] - reference.touchdown[stride]
+    phases: Floats = since / (reference.end[stride] - reference.touchdown[stride])
+    return phases
+
+
+def phases_by_stride(reference: Strides, touchdown: Ints) -> Floats:
+    """Return one phase of a foot for each reference stride, on the circle.
+
+    A foot that moves with the reference foot touches down now just before it, now just after, so
+    that a stride may hold two of its touchdowns or none. So the phases of all touchdowns from
+    half a period before the stride to half a period after it are averaged on the circle.
+
+    Args:
+        reference: n strides.
+        touchdown: (m,) ns, of another foot, in order.
+
+    Returns:
+        (n,) cycles in [0, 1); NaN where the foot did not touch down.
+    """
+    period = reference.end - reference.touchdown
+    row = np.searchsorted(touchdown, reference.touchdown - period // 2)
+    last = np.searchsorted(touchdown, reference.end + period // 2)
+    total = np.zeros(len(period), np.complex128)
+    while (more := row < last).any():
+        since = touchdown[row[more]] - reference.touchdown[more]
+        total[more] += np.exp(2j * np.pi * since / period[more])
+        row = row + 1
+    phase: Floats = np.where(total == 0.0, np.nan, np.angle(total) / (2.0 * np.pi) % 1.0)
+    return phase
+
+
+def apart(first: Floats, second: Floats) -> Floats:
+    """Return the distance of phases on the circle, cycles in [0, 0.5]."""
+    distance: Floats = np.abs(wrapped(first - second))
+    return distance
+
+
+def halfway(first: Floats, second: Floats) -> Floats:
+    """Return the phase half-way between two, along the shorter arc."""
+    middle: Floats = first + wrapped(second - first) / 2.0
+    return middle
+
+
+def limb_phases(phases: Sequence[float]) -> tuple[float, float]:
+    """Return by which share of the stride the hind footfall precedes the fore one of its side.
+
+    Source: Hildebrand 1965.
+
+    Args:
+        phases: cycles, of front left, front right, back left, back right.
+
+    Returns:
+        cycles in [0, 1), of the left and of the right side; NaN where a phase is.
+    """
+    front_left, front_right, back_left, back_right = phases
+    return (front_left - back_left) % 1.0, (front_right - back_right) % 1.0
+
+
+def diagonality(phases: Sequence[float]) -> float | None:
+    """Return the mean of the limb phases of both sides, on the circle, cycles in [0, 1).
+
+    0 pace, 0.25 lateral-sequence walk, 0.5 trot, 0.75 diagonal-sequence walk. Source: Cartmill,
+    Lemelin and Schmitt 2002, Zool. J. Linn. Soc. 136:401.
+
+    Args:
+        phases: cycles, of front left, front right, back left, back right.
+
+    Returns:
+        None where a phase is not known, or the sides are half a cycle apart.
+    """
+    left, right = limb_phases(phases)
+    if not (np.isfinite(left) and np.isfinite(right)):
+        return None
+    mean = np.exp(2j * np.pi * left) + np.exp(2j * np.pi * right)
+    if abs(mean) < 1e-6:
+        return None
+    return float(np.angle(mean) / (2.0 * np.pi) % 1.0)
+
+
+CONSISTENT: Final = 0.8
+"""R that the phases of every foot must exceed."""
+STAND: Final = "stand"
+IRREGULAR: Final = "irregular"
+FLIGHT: Final = 0.02
+"""Fraction of time in flight from which a gait is no amble."""
+_SAME: Final = 9
+"""Decimals to which two distances must agree to count as equal."""
+
+
+@dataclass(frozen=True, slots=True)
+class GaitClass:
+    """The class of a gait, and how well it fits."""
+
+    name: str | None
+    """A class of `class_distances`, ``irregular``, ``stand``; None where it cannot be known."""
+    sequence: str | None
+    """Walk and amble: ``lateral`` or ``diagonal``. Gallop: ``rotary`` or ``transverse``."""
+    nearest: str | None
+    """The class that fits best, whether it fits or not; None where phases are missing."""
+    distance: float | None
+    """Cycles, of the nearest class."""
+
+
+UNKNOWN_GAIT: Final = GaitClass(None, None, None, None)
+
+
+def classify(
+    phases: Sequence[float],
+    consistency: Sequence[float],
+    duty_factor: float | None = None,
+    flight_fraction: float | None = None,
+) -> GaitClass:
+    """Name the gait of mean phases.
+
+    Args:
+        phases: cycles, of all feet in the order of `class_distances`.
+        consistency: R of each.
+        duty_factor: mean of all feet; None: not known.
+        flight_fraction: share of time without a foot on the ground; None: not known.
+
+    Returns:
+        The class; `UNKNOWN_GAIT` where a phase is missing or gaits of so many feet have no names.
+    """
+    table = np.array([phases], np.float64)
+    duty = None if duty_factor is None else np.array([duty_factor])
+    distances = {
+        name: round(float(value[0]), _SAME) for name, value in class_distances(table, duty).items()
+    }
+    if not distances or not np.isfinite(table).all():
+        return UNKNOWN_GAIT
+    nearest = min(distances, key=distances.__getitem__)
+    distance = distances[nearest]
+    fits = distance <= TOLERANCE and all(each > CONSISTENT for each in consistency)
+    if nearest == "amble" and flight_fraction is not None and flight_fraction > FLIGHT:
+        fits = False
+    name = nearest if fits else IRREGULAR
+    return GaitClass(name, _sequence(name, table[0]), nearest, distance)
+
+
+def _sequence(name: str, phases: Floats) -> str | None:
+    """Return the order of the feet, where the class leaves it open."""
+    if len(phases) != QUADRUPED:
+        return None
+    front_left, front_right, back_left, back_right = phases
+    if name in {"walk", "amble"}:
+        left, right = wrapped(np.array([front_left - back_left, front_right - back_right]))
+        return "lateral" if wrapped(left + wrapped(right - left) / 2.0) > 0.0 else "diagonal"
+    if name == "gallop":
+        fore, hind = wrapped(np.array([front_right - front_left, back_right - back_left]))
+        return "transverse" if fore * hind > 0.0 else "rotary"
+    return None

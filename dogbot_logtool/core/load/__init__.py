@@ -1,1 +1,0 @@
-"""Loads over stances and over time."""

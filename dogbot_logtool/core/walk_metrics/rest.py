@@ -1,0 +1,142 @@
+"""Metrics of settings and recording, joints, commands and accelerometer: of the whole log only."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from dogbot_logtool.core.checks.questions import checks_of
+from dogbot_logtool.core.metrics import (
+    Check,
+    Commands,
+    FootQuality,
+    FootSettings,
+    Imu,
+    Quality,
+    Settings,
+    TopicQuality,
+)
+from dogbot_logtool.core.quality.quality import TopicQuality as TopicTiming
+from dogbot_logtool.core.records import Count, unknown
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.finding import Finding
+
+
+@dataclass(frozen=True, slots=True)
+class Chosen:
+    """What was chosen before a log was measured."""
+
+    robot: str
+    """Name of the robot's file."""
+    robot_guessed: bool
+    """Whether it was guessed from the topics."""
+    contact_planned: bool
+    """Whether contacts are what was planned, not what was measured."""
+
+
+def settings_metrics(stats: Stats, chosen: Chosen) -> Settings:
+    """Return what decided the metrics of a log."""
+    settings, loads = stats.settings, stats.loads
+    offset = settings.com_offset_m
+    return Settings(
+        robot=chosen.robot,
+        robot_guessed=chosen.robot_guessed,
+        clock=settings.clock.value,
+        mass_kg=settings.mass_kg,
+        body_weight_n=loads.weight_n,
+        weight_source=None if loads.weight_source is None else loads.weight_source.value,
+        forward_axis=settings.forward_axis,
+        wrench_frame=settings.wrench_frame.value,
+        reference_foot=stats.feet[stats.reference].name if stats.feet else None,
+        com_offset_m=None if offset is None else tuple(offset),
+        base_from="pose" if len(stats.base_history.time) else None,
+        contact_from=_contact_from(stats, chosen),
+        feet={foot.name: _foot_settings(stats, row) for row, foot in enumerate(stats.feet)},
+    )
+
+
+def _contact_from(stats: Stats, chosen: Chosen) -> str | None:
+    if all(foot.record.start is None for foot in stats.feet):
+        return None
+    return "plan" if chosen.contact_planned else "sensor"
+
+
+def _foot_settings(stats: Stats, row: int) -> FootSettings:
+    foot, sensor = stats.feet[row], stats.settings.sensor(row)
+    position = foot.leg_position
+    return FootSettings(
+        topic=foot.topic or None,
+        leg_position=None if position is None else tuple(position),
+        contact_on_n=sensor.rule.on_n,
+        contact_off_n=sensor.rule.off_n,
+        debounce_s=sensor.rule.debounce_s,
+        offset_from=sensor.level.origin,
+    )
+
+
+def quality_metrics(stats: Stats, findings: Sequence[Finding]) -> Quality:
+    """Return what tells whether a recording can be trusted."""
+    worlds = stats.worlds
+    return Quality(
+        topics={topic.topic: _topic(topic) for topic in stats.topics},
+        feet={foot.name: _foot_quality(stats, row) for row, foot in enumerate(stats.feet)},
+        overlap_s=stats.overlap_s,
+        base_to_feet_m=None if worlds is None else worlds.distance_m,
+        feet_spread_m=None if worlds is None else worlds.spread_m,
+        checks=tuple(
+            Check(each.name, each.outcome.value, each.reason or None)
+            for each in checks_of(stats, findings)
+        ),
+    )
+
+
+def _topic(topic: TopicTiming) -> TopicQuality:
+    intervals = topic.interval_s
+    return TopicQuality(
+        messages=topic.messages,
+        rate_hz=topic.rate_hz,
+        interval_p95_s=None if intervals is None else intervals["p95"],
+        interval_max_s=None if intervals is None else intervals["max"],
+        gaps=topic.gaps,
+        gaps_total_s=topic.gaps_total_s,
+        bad_stamps=_bad_stamps(topic),
+        clock_offset_s=topic.offset_median_s,
+        clock_drift_ppm=topic.offset_drift_ppm,
+    )
+
+
+def _bad_stamps(topic: TopicTiming) -> Count:
+    """Return how many header stamps cannot be right; None where messages have none."""
+    kinds = (
+        topic.zero_stamps,
+        topic.duplicate_stamps,
+        topic.backward_stamps,
+        topic.stamps_ahead,
+    )
+    known = [each for each in kinds if each is not None]
+    return sum(known) if len(known) == len(kinds) else None
+
+
+def _foot_quality(stats: Stats, row: int) -> FootQuality:
+    foot, level = stats.feet[row], stats.settings.sensor(row).level
+    return FootQuality(
+        not_finite=foot.record.not_finite,
+        filled_swings=foot.record.filled_swings,
+        dropped_stances=foot.record.dropped_stances,
+        discarded_strides=dict(foot.discarded),
+        spikes=foot.spikes,
+        force_offset_n=None if level.reason else tuple(level.offset_n.tolist()),
+        force_noise_n=level.noise_n,
+        force_drift_n_per_min=level.drift_n_per_min,
+    )
+
+
+def commands_metrics(stats: Stats) -> Commands:
+    """Return how the base follows its velocity commands over the whole log."""
+    if stats.command_track is None:
+        return replace(unknown(Commands), topic=stats.settings.command_topic or None)
+    return stats.command_track.metrics()
+
+
+def imu_metrics(stats: Stats) -> Imu:
+    """Return what the accelerometer says of forces and poses."""
+    return unknown(Imu) if stats.imu is None else stats.imu.metrics()

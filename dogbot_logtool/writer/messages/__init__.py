@@ -1,1 +1,0 @@
-"""Messages that we add, made of columns: one file a kind."""
