@@ -178,7 +178,7 @@ def _start(file: BinaryIO, log: Log, plan: ConversionPlan, annotations: Annotati
 def _copy_extras(log: Log, writer: McapWriter) -> Iterator[Loss]:
     """Copy attachments and metadata records; yield those that cannot be read."""
     for extra in log.extras:
-        match read_extra(log.source_of(extra), extra):
+        match read_extra(extra):
             case (record, records.Metadata() as metadata):
                 writer.copy_metadata(record, metadata)
                 continue

@@ -99,11 +99,17 @@ def describe(
 
 def _first_seconds(log: Log, selection: Selection) -> tuple[Probe, int]:
     """Return what the first messages tell, and how many chunks they stand in."""
-    start = log.start_time
-    used = (*selection.odometry, *selection.contacts, *selection.transforms)
-    end = None if start is None else start + (_FIRST_NS if used else 0)
-    read = read_recording(log, replace(selection.wanted(), limits=(start, end)), 1)
-    return probe_recording(read.recording, selection), sum(len(each.chunks) for each in read.spans)
+    used = {c.id for c in (*selection.odometry, *selection.contacts, *selection.transforms)}
+    static = selection.static_transforms
+    last = (log.start_time or 0) + _FIRST_NS
+    chunks = [
+        chunk
+        for chunk in log.chunks
+        if chunk.counts is None or not used.isdisjoint(chunk.counts)
+        if (chunk.start_time or 0) <= last or not static.isdisjoint(chunk.counts or ())
+    ]
+    read = read_recording(log, selection.wanted(), 1, spans=log.grouped(chunks))
+    return probe_recording(read.recording, selection), len(chunks)
 
 
 def _with_all_frames(probe: Probe, frames: Frames, ours: AbstractSet[int]) -> Probe:

@@ -49,26 +49,30 @@ def open_joined(paths: Sequence[Location]) -> Log:
     """
     if len(paths) == 1:
         return _by_time(open_log(paths[0]))
-    from dogbot_logtool.reader.containers.merged_log import MergedLog  # noqa: PLC0415
+    from dogbot_logtool.reader.containers.merged_log import join  # noqa: PLC0415
 
     logs: list[Log] = []
     try:
         for path in paths:
             logs.append(open_log(path))  # noqa: PERF401 - those that are open are closed
-        return MergedLog(logs)
+        kinds = sorted({log.container for log in logs})
+        joined = join(logs[0].source.path, logs)
     except BaseException:
         for log in logs:
             log.close()
         raise
+    joined.joined = tuple(log.source.path for log in logs[1:])
+    joined.container = f"{len(logs)} joined logs ({', '.join(kinds)})"
+    return joined
 
 
 def _by_time(log: Log) -> Log:
     """Return a log merged by time if its chunks are out of order and few of them overlap."""
     if log.is_in_order():
         return log
-    from dogbot_logtool.reader.containers.merged_log import ReorderedLog, most_at_once  # noqa: PLC0415
+    from dogbot_logtool.reader.containers.merged_log import most_at_once, reorder  # noqa: PLC0415
 
-    return ReorderedLog(log) if most_at_once(log.chunks) <= _MOST_AT_ONCE else log
+    return reorder(log) if most_at_once(log.chunks) <= _MOST_AT_ONCE else log
 
 
 def _open_folder(path: Location) -> Log:
@@ -121,11 +125,7 @@ def _open_source(source: ByteSource, distribution: str, *, packed: bool) -> Log:
 
 
 def _open_container(container: Container, source: ByteSource, distribution: str) -> Log:
-    log, problem = container.open_indexed(source, distribution)
-    if log is None and container.scan is not None:
-        log = container.scan(source.nearby(), problem)
-    if log is None:
-        raise LogError(f"{storage.shown(source.path)}: cannot be read without its index")
+    log = container.open(source, distribution)
     log.losses = tuple(map(log.located, log.losses))
     return log
 
@@ -137,7 +137,7 @@ def _with_magic(magic: bytes) -> Container | None:
 
 def _with_damaged_magic(magic: bytes) -> Container | None:
     """Return the container whose files begin nearly so, if it can be scanned."""
-    scanned = (each for each in CONTAINERS if each.scan is not None)
+    scanned = (each for each in CONTAINERS if each.is_scanned)
     return next((each for each in scanned if _resembles(magic, each.magic)), None)
 
 

@@ -11,7 +11,6 @@ from dogbot_logtool.reader import not_a_log, opening
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Contents
 from dogbot_logtool.reader.containers.log import Log, Span
-from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.message_table import no_messages
 from dogbot_logtool.reader.opening import open_log
@@ -23,25 +22,18 @@ MAGIC = b"EXAMPLE1"
 class ExampleLog(Log):
     container = "example"
 
-    def read(self, span: Span) -> Batch:
+    def _read(self, span: Span) -> Batch:
         del span
         return Batch(np.zeros(1, np.uint8), no_messages(), ())
 
 
-def open_example(source: ByteSource, distribution: str) -> tuple[Log | None, Loss | None]:
+def open_example(source: ByteSource, distribution: str) -> Log:
     del distribution
-    if source.size == len(MAGIC):
-        return None, Loss(0, "the file has no index")
-    return ExampleLog(source, Contents({}, [], {}, None, None)), None
-
-
-def scan_example(source: ByteSource, problem: Loss | None) -> Log:
-    losses = [] if problem is None else [problem]
-    return ExampleLog(source, Contents({}, [], {}, None, None, losses=losses))
+    return ExampleLog(source, Contents({}, [], {}, None, None))
 
 
 def register(monkeypatch: pytest.MonkeyPatch, *, scanned: bool) -> None:
-    entry = Container("example", MAGIC, ".example", open_example, scan_example if scanned else None)
+    entry = Container("example", MAGIC, ".example", open_example, is_scanned=scanned)
     for module in (opening, not_a_log):
         monkeypatch.setattr(module, "CONTAINERS", (*CONTAINERS, entry))
 
@@ -84,17 +76,14 @@ def test_a_file_without_an_index_is_scanned(
 ) -> None:
     register(monkeypatch, scanned=True)
     path = tmp_path / "log.example"
-    assert opened(path, MAGIC) == ("example", ["the file has no index"])
     damaged = b"EXAMPLE2data"
     assert opened(path, damaged) == ("example", ["the file's first bytes are damaged"])
 
 
-def test_a_container_that_cannot_be_scanned_needs_its_index_and_its_magic(
+def test_a_container_that_cannot_be_scanned_needs_its_magic(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     register(monkeypatch, scanned=False)
     path = tmp_path / "log.example"
-    with pytest.raises(LogError, match="cannot be read without its index"):
-        opened(path, MAGIC)
     with pytest.raises(LogError, match="is neither a ROS 1 bag"):
         opened(path, b"EXAMPLE2data")

@@ -168,10 +168,10 @@ def records_tree(log: Log) -> Mapping[str, Tree]:
     attachments: dict[str, Tree] = {}
     for extra in log.extras:
         if extra.opcode == Opcode.METADATA:
-            name, value = _metadata(log, extra)
+            name, value = _metadata(extra)
             _add(metadata, f"metadata:{name}", value)
         else:
-            name, value = _attachment(log, extra)
+            name, value = _attachment(extra)
             _add(attachments, f"attachment:{name}", value)
     return {"profile": log.profile, **metadata, **attachments}
 
@@ -186,9 +186,9 @@ def _add(named: dict[str, Tree], name: str, value: Tree) -> None:
     named[unique] = value
 
 
-def _metadata(log: Log, extra: Extra) -> tuple[str, Tree]:
+def _metadata(extra: Extra) -> tuple[str, Tree]:
     size = min(extra.size - _HEAD_SIZE, _LARGEST_METADATA)
-    body = log.source_of(extra).read(extra.offset + _HEAD_SIZE, size)
+    body = extra.source.read(extra.offset + _HEAD_SIZE, size)
     try:
         record = records.Metadata.read(ReadDataStream(BytesIO(body)))
     except (McapError, struct.error, ValueError, OverflowError):
@@ -196,11 +196,11 @@ def _metadata(log: Log, extra: Extra) -> tuple[str, Tree]:
     return record.name, dict(record.metadata)
 
 
-def _attachment(log: Log, extra: Extra) -> tuple[str, Tree]:
+def _attachment(extra: Extra) -> tuple[str, Tree]:
     """Describe an attachment: log and create time, name, media type, then size and content."""
     offset = extra.offset + _HEAD_SIZE
     end = extra.offset + extra.size
-    head = log.source_of(extra).read(offset, min(_PIECE, end - offset))
+    head = extra.source.read(offset, min(_PIECE, end - offset))
     try:
         at, texts = 16, []
         for _ in range(2):
@@ -213,5 +213,5 @@ def _attachment(log: Log, extra: Extra) -> tuple[str, Tree]:
     start = offset + at + 8
     content = hashlib.sha256()
     for piece in range(start, min(start + size, end), _PIECE):
-        content.update(log.source_of(extra).read(piece, min(_PIECE, start + size - piece)))
+        content.update(extra.source.read(piece, min(_PIECE, start + size - piece)))
     return texts[0], {"media_type": texts[1], "size": size, "sha256": content.hexdigest()}

@@ -49,13 +49,6 @@ class Batch:
         """Begin with nothing decoded, also where a batch is made of another one."""
         object.__setattr__(self, "decoded", {})
 
-    @property
-    def counts(self) -> dict[int, int]:
-        """Messages by channel id."""
-        counts = np.bincount(self.messages.channel)
-        found = np.flatnonzero(counts)
-        return dict(zip(found.tolist(), counts[found].tolist(), strict=True))
-
     def cropped(self, start: int | None, end: int | None) -> "Batch":
         """Leave out messages recorded before the start or after the end, ns; None: no limit."""
         if start is None and end is None:
@@ -81,10 +74,7 @@ class Batch:
         backwards = int((same & (np.diff(time[by_channel]) < 0)).sum())
         if not backwards:
             return self
-        return replace(self.by_time(), out_of_order=backwards)
-
-    def by_time(self) -> "Batch":
-        """Return the messages by log time; all are the first chunk's, since they may be mixed."""
+        # All are the first chunk's then, since those of several may be mixed.
         order = np.argsort(self.messages.log_time, kind="stable")
         end = slice(len(order), len(order))
         rows = [slice(0, len(order)), *[end] * (len(self.chunks) - 1)]
@@ -92,7 +82,12 @@ class Batch:
             replace(loaded, rows=own, whole=False)
             for loaded, own in zip(self.chunks, rows, strict=False)
         )
-        return replace(self, messages=self.messages.pick(order), chunks=tuple(chunks))
+        return replace(
+            self,
+            messages=self.messages.pick(order),
+            chunks=tuple(chunks),
+            out_of_order=backwards,
+        )
 
     def without(self, channels: AbstractSet[int]) -> "Batch":
         """Leave out the messages of some channels."""

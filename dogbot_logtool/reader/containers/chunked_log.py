@@ -10,14 +10,13 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
-from dogbot_logtool.reader.containers.channel_ids import UNKNOWN_CHANNEL, ChannelIds
 from dogbot_logtool.reader.containers.chunks.chunk_content import (
     ChunkContent,
     ChunkDamage,
     left_out,
     undescribed,
 )
-from dogbot_logtool.reader.containers.contents import Chunk, Contents
+from dogbot_logtool.reader.containers.contents import UNKNOWN_CHANNEL, ChannelIds, Chunk, Contents
 from dogbot_logtool.reader.containers.log import Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.sources.source import ByteSource
@@ -34,7 +33,7 @@ class ChunkedLog(Log):
         self._channel_ids = ChannelIds({number: number for number in contents.channels})
         self._only_batch: Batch | None = None
 
-    def read(self, span: Span) -> Batch:
+    def _read(self, span: Span) -> Batch:
         """See `Log.read`. A batch that is the whole log is read several times, so it is kept."""
         if len(span) < len(self.chunks):
             return self._corrected(span)
@@ -61,11 +60,11 @@ class ChunkedLog(Log):
 
     def _corrected(self, span: Span) -> Batch:
         """Read chunks as the log's index describes them, else as their own headers do."""
-        batch, damaged = self._read(span)
+        batch, damaged = self._of_chunks(span)
         corrected = {chunk.offset: own for chunk in damaged if (own := self.by_own_header(chunk))}
         if not corrected:
             return self._with_times(batch)
-        batch, damaged = self._read([corrected.get(chunk.offset, chunk) for chunk in span])
+        batch, damaged = self._of_chunks([corrected.get(chunk.offset, chunk) for chunk in span])
         readable = corrected.keys() - {chunk.offset for chunk in damaged}
         wrong = (_wrong_index(corrected[offset]) for offset in sorted(readable))
         return self._with_times(replace(batch, losses=(*batch.losses, *wrong)))
@@ -82,7 +81,7 @@ class ChunkedLog(Log):
         del chunk
         return None
 
-    def _read(self, span: Sequence[Chunk]) -> tuple[Batch, list[Chunk]]:
+    def _of_chunks(self, span: Sequence[Chunk]) -> tuple[Batch, list[Chunk]]:
         """Read chunks; those that cannot be used are returned beside the batch."""
         sound: list[Chunk] = []
         damaged: list[Chunk] = []
@@ -115,7 +114,12 @@ class ChunkedLog(Log):
             messages, found = self._described(chunk, content)
             rows = slice(row, row + len(messages))
             has_index = len(data) > chunk.end - chunk.offset
-            whole = chunk.is_record and not found and content.indexed == has_index
+            whole = (
+                chunk.is_record
+                and not found
+                and content.indexed == has_index
+                and not (self.hidden and self.describes_hidden(content, target))
+            )
             kept = data if self.copies_chunks else memoryview(b"")
             loaded.append(LoadedChunk(chunk, kept, base, rows, whole, content.indexed))
             parts.append(messages.shifted(base))
@@ -144,6 +148,11 @@ class ChunkedLog(Log):
         Raises:
             ChunkDamage: nothing in the chunk can be trusted.
         """
+
+    def describes_hidden(self, content: ChunkContent, data: Bytes) -> bool:
+        """Tell whether a chunk describes what is left out: new channels may have its number."""
+        del content, data
+        return False
 
     def _described(self, chunk: Chunk, content: ChunkContent) -> tuple[Messages, list[Loss]]:
         """Give messages the ids of their channels; leave out those that are nowhere described."""

@@ -5,6 +5,7 @@ Other rooms import what they need of a log from here.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
 from typing import Final
@@ -12,7 +13,14 @@ from typing import Final
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.provenance import is_marked
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
-from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra, Schema
+from dogbot_logtool.reader.containers.contents import (
+    Channel,
+    Chunk,
+    Contents,
+    EarlierAnnotations,
+    Extra,
+    Schema,
+)
 from dogbot_logtool.reader.containers.loss import Loss, lost_messages
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
@@ -22,6 +30,7 @@ __all__ = [
     "Batch",
     "Channel",
     "Chunk",
+    "EarlierAnnotations",
     "Extra",
     "LoadedChunk",
     "Log",
@@ -57,6 +66,10 @@ class Log(ABC):
     """Further files that are merged into it."""
     is_reordered: bool = False
     """Whether its chunks stand out of order in the file, and are merged by time."""
+    hidden: frozenset[int] = frozenset()
+    """Channels in the file that are left out."""
+    annotations: EarlierAnnotations | None = None
+    """What was added to it, and is left out."""
     copies_chunks: bool = False
     """Whether its chunks are an MCAP's and can be copied into one as they stand."""
 
@@ -125,7 +138,9 @@ class Log(ABC):
         size = unused = 0
         for chunk in chunks:
             # A chunk without messages does not change how the others are grouped.
-            is_used = chunk.messages != 0
+            is_used = chunk.counts is None or any(
+                count for number, count in chunk.counts.items() if number not in self.hidden
+            )
             if (is_used and size >= BATCH_SIZE) or unused >= _MOST_UNUSED:
                 yield tuple(group)
                 group, size, unused = [], 0, 0
@@ -142,19 +157,33 @@ class Log(ABC):
         """Whether copies of this process may read it, too."""
         return self.source.can_fork
 
-    def source_of(self, extra: Extra) -> ByteSource:
-        """Return the file that an attachment or metadata record stands in."""
-        del extra
-        return self.source
-
     def located(self, loss: Loss) -> Loss:
         """Return a loss in this file with the log times between which it lies, if known."""
         at_end = loss.offset and loss.offset + loss.bytes >= self.source.size
         return replace(loss, start_time=self.end_time) if at_end else loss
 
-    @abstractmethod
+    def without(self, annotations: EarlierAnnotations) -> "Log":
+        """Return the same log as it was before it was annotated.
+
+        A chunk's index may be wrong about holding only such messages: all chunks are read.
+        """
+        log = copy(self)
+        log.__dict__.pop("channels_by_topic", None)
+        log.annotations = annotations
+        log.hidden = hidden = annotations.channels
+        log.channels = {n: each for n, each in self.channels.items() if n not in hidden}
+        log.counts = {n: count for n, count in self.counts.items() if n not in hidden}
+        log.extras = [extra for extra in self.extras if extra not in annotations.extras]
+        return log
+
     def read(self, span: Span) -> Batch:
         """Read and decompress chunks and find their messages. Damage becomes losses."""
+        batch = self._read(span)
+        return batch.without(self.hidden) if self.hidden else batch
+
+    @abstractmethod
+    def _read(self, span: Span) -> Batch:
+        """Read chunks, with the messages of all channels."""
 
     def close(self) -> None:
         """Close the file."""

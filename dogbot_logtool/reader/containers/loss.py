@@ -1,13 +1,23 @@
 """Damage in a log, and the words for it."""
 
-from collections.abc import Iterator, Sequence
-from typing import Final
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Final, Protocol
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DAMAGED
 
 LONGEST_NAME: Final = 200
 """Characters of a name from the log that a sentence repeats."""
+_MOST: Final = 200
+"""Losses kept one by one; more are summed up."""
+
+
+class HasTopic(Protocol):
+    """A channel."""
+
+    @property
+    def topic(self) -> str:
+        """Its topic."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,10 +54,66 @@ def described_twice(what: str, chosen: str, other: str, offset: int) -> Loss:
     return Loss(offset, f"{text}; the former was used")
 
 
+def differing_counts(
+    channels: Mapping[int, HasTopic], stated: Mapping[int, int], found: Mapping[int, int]
+) -> str:
+    """Return what to say of stated counts of messages that differ from those found.
+
+    Args:
+        channels: by id.
+        stated: messages by channel id.
+        found: likewise.
+
+    Returns:
+        "5 messages of /left, but 6 were found"; empty where all are right.
+    """
+    wrong = [
+        number
+        for number in sorted({*stated, *found})
+        if stated.get(number, 0) != found.get(number, 0)
+    ]
+    if not wrong:
+        return ""
+    first = wrong[0]
+    name = channels[first].topic[:LONGEST_NAME] if first in channels else f"channel {first}"
+    text = f"{stated.get(first, 0)} messages of {name}, but {found.get(first, 0)} were found"
+    if len(wrong) > 1:
+        text += f" ({len(wrong) - 1} more wrong)"
+    return text
+
+
 def lost_messages(losses: Sequence[Loss]) -> int | None:
     """Return how many messages are known to be lost; None when it cannot be known."""
     known = [loss.messages for loss in losses if loss.messages is not None]
     return sum(known) if len(known) == len(losses) else None
+
+
+class Losses:
+    """Losses in the order in which they were found; beyond a number, they are summed up."""
+
+    def __init__(self) -> None:
+        self._first: list[Loss] = []
+        self._rest: Loss | None = None
+        self._rest_count = 0
+
+    def add(self, loss: Loss) -> None:
+        """Take one more."""
+        if len(self._first) < _MOST:
+            self._first.append(loss)
+            return
+        self._rest_count += 1
+        rest = self._rest or Loss(loss.offset, "")
+        unknown = rest.messages is None or loss.messages is None
+        self._rest = Loss(
+            rest.offset,
+            f"{self._rest_count} more places are damaged, the first at byte {rest.offset}",
+            rest.bytes + loss.bytes,
+            None if unknown else (rest.messages or 0) + (loss.messages or 0),
+        )
+
+    def all(self) -> tuple[Loss, ...]:
+        """Return all losses."""
+        return (*self._first, self._rest) if self._rest else tuple(self._first)
 
 
 @dataclass(frozen=True, slots=True)

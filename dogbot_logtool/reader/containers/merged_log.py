@@ -7,25 +7,22 @@ each with the messages of all files, by log time.
 
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import field, replace
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Ints
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.io.storage import Location, file_name
+from dogbot_logtool.provenance import is_marked
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
 from dogbot_logtool.reader.containers.chunks.packed_messages import unpacked
-from dogbot_logtool.reader.containers.contents import Chunk, Contents, Extra
+from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Schema
 from dogbot_logtool.reader.containers.log import BATCH_SIZE, Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.rosbag2.joined_log import (
-    JointChannels,
-    SeveralLogs,
-    joint_contents,
-    loss_in_file,
-)
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.message_table import concatenate_messages
 
@@ -41,17 +38,10 @@ class _Piece:
 
     file: int
     chunk: Chunk
-
-    @property
-    def start(self) -> int:
-        """ns; as early as can be where it is not known."""
-        return _EARLIEST if self.chunk.start_time is None else self.chunk.start_time
-
-    @property
-    def end(self) -> int:
-        """ns; as late as can be where it is not known."""
-        known = self.chunk.start_time is not None and self.chunk.end_time is not None
-        return max(self.start, self.chunk.end_time or 0) if known else _LATEST
+    start: int
+    """ns; as early as can be where it is not known."""
+    end: int
+    """ns; as late as can be where it is not known."""
 
 
 @dataclass(slots=True)
@@ -68,43 +58,61 @@ class _Window:
         return self.start <= piece.start < self.end
 
 
-class MergedLog(SeveralLogs):
-    """Logs of one recording. Channels that are alike in all are one."""
+class _Folder(ByteSource):
+    """Stands for the bytes of all files, each of which has its own source."""
 
-    def __init__(self, logs: Sequence[Log]) -> None:
-        """Merge logs; they are closed with this one. The first one's name stands for all.
+    def __init__(self, path: Location, size: int) -> None:
+        self.path = path
+        self.size = size
 
-        Args:
-            logs: at least two.
-        """
-        joint = JointChannels()
-        channels = [joint.take(log.channels) for log in logs]
-        self._merge(logs, channels, joint_contents(joint.channels, logs, channels))
-        self.joined = tuple(log.source.path for log in logs[1:])
-        kinds = sorted({log.container for log in logs})
-        self.container = f"{len(logs)} joined logs ({', '.join(kinds)})"
+    def read(self, offset: int, size: int) -> bytes:
+        """Return nothing."""
+        del offset, size
+        return b""
 
-    def _merge(self, logs: Sequence[Log], channels: Sequence[Ints], contents: Contents) -> None:
+    def close(self) -> None:
+        """Do nothing."""
+
+
+class MergedLog(Log):
+    """Several logs that are read as one; they are closed with it."""
+
+    def __init__(
+        self,
+        source: ByteSource,
+        logs: Sequence[Log],
+        channels: Sequence[Ints],
+        contents: Contents,
+    ) -> None:
         """Cut the time into windows.
 
         Args:
+            source: of the merged log.
             logs: the logs.
             channels: ids of the merged log by each log's own.
             contents: of the merged log, but for its chunks.
         """
-        self._channels = channels
-        pieces = [_Piece(file, chunk) for file, log in enumerate(logs) for chunk in log.chunks]
+        self.logs = logs
+        self._channel_ids = channels
+        pieces = [_piece(file, chunk) for file, log in enumerate(logs) for chunk in log.chunks]
         self._windows = _windows(sorted(pieces, key=lambda piece: (piece.start, piece.file)))
-        self._last: dict[int, tuple[int, Batch]] = {}
-        """The batch that was read last of each file, by its chunk's offset: a long chunk reaches
-        over several windows."""
-        chunks = [self._chunk(number) for number in range(len(self._windows))]
-        super().__init__(logs[0].source.path, logs, replace(contents, chunks=chunks))
+        self._starts = np.array([window.start for window in self._windows])
+        self._last: dict[int, tuple[AbstractSet[int], Batch]] = {}
+        """What was read last of each file's chunks that begin earlier, by their offsets: they
+        reach over several windows."""
+        chunks = [self._chunk(number, window) for number, window in enumerate(self._windows)]
+        super().__init__(source, replace(contents, chunks=chunks))
 
-    def _chunk(self, number: int) -> Chunk:
-        window = self._windows[number]
+    @property
+    def can_fork(self) -> bool:
+        """See `Log.can_fork`."""
+        return all(log.can_fork for log in self.logs)
+
+    def _chunk(self, number: int, window: _Window) -> Chunk:
         own = [piece for piece in window.pieces if window.begins(piece)]
         compressions = {piece.chunk.compression for piece in own}
+        start = max(window.start, min((piece.start for piece in own), default=_EARLIEST))
+        end = min(window.end - 1, max((piece.end for piece in window.pieces), default=_LATEST))
         return Chunk(
             offset=number,
             data_offset=number,
@@ -113,8 +121,8 @@ class MergedLog(SeveralLogs):
             index_end=number + 1,
             compression=compressions.pop() if len(compressions) == 1 else "",
             size=sum(piece.chunk.size for piece in own),
-            start_time=None if window.start == _EARLIEST else window.start,
-            end_time=None if window.end == _LATEST else window.end - 1,
+            start_time=None if start == _EARLIEST else start,
+            end_time=None if end >= _LATEST - 1 else end,
             counts=self._counts(window),
         )
 
@@ -125,76 +133,176 @@ class MergedLog(SeveralLogs):
             if piece.chunk.counts is None:
                 return None
             for number, count in piece.chunk.counts.items():
-                counts[int(self._channels[piece.file][number])] += count
+                counts[int(self._channel_ids[piece.file][number])] += count
         return dict(counts)
 
-    def read(self, span: Span) -> Batch:
+    def _read(self, span: Span) -> Batch:
         """See `Log.read`."""
+        windows = [self._windows[chunk.offset] for chunk in span]
+        begun: dict[int, dict[int, Chunk]] = {}
+        earlier: dict[int, dict[int, Chunk]] = {}
+        for window in windows:
+            for piece in window.pieces:
+                found = begun if window.begins(piece) else earlier
+                found.setdefault(piece.file, {})[piece.chunk.offset] = piece.chunk
         parts: list[Batch] = []
         losses: list[Loss] = []
-        for chunk in span:
-            window = self._windows[chunk.offset]
-            for piece in window.pieces:
-                batch = self._batch(piece)
-                parts.append(_within(batch, window, piece))
-                if window.begins(piece):
-                    losses += self._losses(batch, piece)
-        return _merged(parts, span, tuple(losses))
+        for file, chunks in begun.items():
+            parts.append(self._of_file(file, chunks))
+            losses += self._in_file(file, parts[-1].losses)
+        for file, chunks in earlier.items():
+            again = {at: chunks[at] for at in chunks.keys() - begun.get(file, {}).keys()}
+            if again:
+                if file not in self._last or self._last[file][0] != again.keys():
+                    self._last[file] = again.keys(), self._of_file(file, again)
+                parts.append(self._last[file][1])
+        return self._merged(parts, span, tuple(losses))
 
-    def _losses(self, batch: Batch, piece: _Piece) -> list[Loss]:
-        return [loss_in_file(loss, self.logs[piece.file]) for loss in batch.losses]
+    def _of_file(self, file: int, chunks: Mapping[int, Chunk]) -> Batch:
+        """Read chunks of a file, by their offsets, with joint channels."""
+        in_order = tuple(chunks[offset] for offset in sorted(chunks))
+        batch = unpacked(self.logs[file].read(in_order))
+        channel = self._channel_ids[file][batch.messages.channel]
+        return replace(batch, messages=replace(batch.messages, channel=channel))
 
-    def _batch(self, piece: _Piece) -> Batch:
-        """Read a chunk of a file, with joint channels."""
-        last = self._last.get(piece.file)
-        if last is not None and last[0] == piece.chunk.offset:
-            return last[1]
-        batch = unpacked(self.logs[piece.file].read((piece.chunk,)))
-        channel = self._channels[piece.file][batch.messages.channel]
-        batch = replace(batch, messages=replace(batch.messages, channel=channel))
-        self._last[piece.file] = piece.chunk.offset, batch
-        return batch
+    def _merged(self, parts: Sequence[Batch], span: Span, losses: tuple[Loss, ...]) -> Batch:
+        """Return the messages of some windows, in each of them by time."""
+        sizes = [len(part.buffer) for part in parts]
+        offsets = np.cumsum([0, *sizes]).tolist()
+        messages = concatenate_messages(
+            [part.messages.shifted(offset) for part, offset in zip(parts, offsets, strict=False)]
+        )
+        window = np.concatenate([np.empty(0, np.int64), *map(self._windows_of, parts)])
+        numbers = np.array([chunk.offset for chunk in span])
+        # A chunk that is alone in its time stays as it was recorded.
+        alone = np.array([len(each.pieces) == 1 for each in self._windows])
+        order = np.lexsort((np.where(alone[window], 0, messages.log_time), window))
+        order = order[np.isin(window[order], numbers)]
+        bounds = np.searchsorted(window[order], np.append(numbers, numbers[-1] + 1)).tolist()
+        buffers = [part.buffer for part in parts] or [np.zeros(1, np.uint8)]
+        buffer = buffers[0] if len(buffers) == 1 else np.concatenate(buffers)
+        chunks = tuple(
+            LoadedChunk(chunk, memoryview(b""), 0, slice(*bounds[row : row + 2]), whole=False)
+            for row, chunk in enumerate(span)
+        )
+        return Batch(buffer, messages.pick(order), chunks, losses)
+
+    def _windows_of(self, part: Batch) -> Ints:
+        """Return the window of each message, one of those that its chunk reaches into.
+
+        An index that is wrong about times hides no message.
+        """
+        time = part.messages.log_time.copy()
+        for loaded in part.chunks:
+            piece = _piece(0, loaded.chunk)
+            np.clip(time[loaded.rows], piece.start, piece.end, out=time[loaded.rows])
+        return np.searchsorted(self._starts, time, "right") - 1
+
+    def _in_file(self, file: int, losses: Sequence[Loss]) -> Sequence[Loss]:
+        return losses if self.is_reordered else [_named(loss, self.logs[file]) for loss in losses]
 
     def close(self) -> None:
         """Close all files."""
         self._last.clear()
-        super().close()
+        for log in self.logs:
+            log.close()
 
 
-class ReorderedLog(MergedLog):
-    """One log whose chunks are out of order, merged by time."""
+def join(path: Location, logs: Sequence[Log], losses: Sequence[Loss] = ()) -> MergedLog:
+    """Merge logs of one recording. Channels that are alike in all are one.
 
-    is_reordered = True
+    Args:
+        path: what the user named.
+        logs: at least one.
+        losses: damage to the whole.
+    """
+    joint = _JointChannels()
+    channels = [joint.take(log.channels) for log in logs]
+    counts: Counter[int] = Counter()
+    for log, own in zip(logs, channels, strict=True):
+        for number, count in log.counts.items():
+            counts[int(own[number])] += count
+    starts = [log.start_time for log in logs if log.start_time is not None]
+    ends = [log.end_time for log in logs if log.end_time is not None]
+    of_files = (_named(loss, log) for log in logs for loss in log.losses)
+    contents = Contents(
+        channels=joint.channels,
+        chunks=(),
+        counts=counts,
+        start_time=min(starts, default=None),
+        end_time=max(ends, default=None),
+        profile=logs[0].profile,
+        extras=[extra for log in logs for extra in log.extras],
+        losses=(*losses, *of_files),
+    )
+    source = _Folder(path, sum(log.source.size for log in logs))
+    return MergedLog(source, logs, channels, contents)
 
-    def __init__(self, log: Log) -> None:
-        """Merge the chunks of a log, which is closed with this one."""
-        same = np.arange(max(log.channels, default=0) + 1)
-        contents = Contents(
-            channels=log.channels,
-            chunks=(),
-            counts=log.counts,
-            start_time=log.start_time,
-            end_time=log.end_time,
-            profile=log.profile,
-            extras=log.extras,
-            losses=log.losses,
-        )
-        self._merge([log], [same], contents)
-        self.source = log.source
-        self.container = log.container
 
-    def source_of(self, extra: Extra) -> ByteSource:
-        """See `Log.source_of`."""
-        return self.logs[0].source_of(extra)
+def reorder(log: Log) -> MergedLog:
+    """Merge the chunks of a log, which are out of order, by time."""
+    same = np.arange(max(log.channels, default=0) + 1)
+    contents = Contents(
+        channels=log.channels,
+        chunks=(),
+        counts=log.counts,
+        start_time=log.start_time,
+        end_time=log.end_time,
+        profile=log.profile,
+        extras=log.extras,
+        losses=log.losses,
+    )
+    merged = MergedLog(log.source, [log], [same], contents)
+    merged.container = log.container
+    merged.is_reordered = True
+    return merged
 
-    def _losses(self, batch: Batch, piece: _Piece) -> list[Loss]:
-        del piece
-        return [*batch.losses]
+
+class _JointChannels:
+    """Channels of all files, each once."""
+
+    def __init__(self) -> None:
+        self.channels: dict[int, Channel] = {}
+        self._numbers: dict[tuple[str, str, int, bool], int] = {}
+        self._schemas: dict[tuple[str, str, bytes], Schema] = {}
+
+    def take(self, channels: Mapping[int, Channel]) -> Ints:
+        """Add a file's channels; return the joint id by the file's own."""
+        joint = np.zeros(max(channels, default=0) + 1, np.int64)
+        for number, channel in channels.items():
+            schema = self._schema(channel.schema)
+            kind = schema.id if schema else 0
+            key = (channel.topic, channel.message_encoding, kind, is_marked(channel.metadata))
+            if key not in self._numbers:
+                self._numbers[key] = mine = len(self._numbers) + 1
+                self.channels[mine] = replace(channel, id=mine, schema=schema)
+            joint[number] = self._numbers[key]
+        return joint
+
+    def _schema(self, schema: Schema | None) -> Schema | None:
+        if schema is None:
+            return None
+        key = (schema.name, schema.encoding, schema.data)
+        return self._schemas.setdefault(key, replace(schema, id=len(self._schemas) + 1))
+
+
+def _named(loss: Loss, log: Log) -> Loss:
+    """Say in which file it is."""
+    name = file_name(log.source.path)
+    return replace(loss, what=f"{name}: {loss.what}", file=name)
+
+
+def _piece(file: int, chunk: Chunk) -> _Piece:
+    """Return a chunk with its times; one without messages takes no time."""
+    start, end = chunk.start_time, chunk.end_time
+    if start is None or end is None:
+        return _Piece(file, chunk, _EARLIEST, _EARLIEST if chunk.messages == 0 else _LATEST)
+    return _Piece(file, chunk, start, max(start, end))
 
 
 def most_at_once(chunks: Sequence[Chunk]) -> float:
     """Return the bytes of the chunks that overlap at any one time, at most."""
-    pieces = [_Piece(0, chunk) for chunk in chunks]
+    pieces = [_piece(0, chunk) for chunk in chunks]
     size = np.array([max(piece.chunk.size, _LEAST_SIZE) for piece in pieces], np.float64)
     time = np.array([[piece.start for piece in pieces], [piece.end for piece in pieces]]).ravel()
     # At the same time, what begins comes before what ends: both count.
@@ -203,45 +311,27 @@ def most_at_once(chunks: Sequence[Chunk]) -> float:
 
 
 def _windows(pieces: Sequence[_Piece]) -> list[_Window]:
-    """Cut the time into windows that begin with a chunk, each of about a batch.
+    """Cut the time into windows that begin with a chunk.
+
+    They begin where no other chunk reaches to, and at the latest when they hold about a batch.
 
     Args:
         pieces: by their start.
     """
     starts = [_EARLIEST]
-    size = 0
-    for piece in pieces:
-        if size >= BATCH_SIZE and piece.start > starts[-1]:
+    size, reached = 0, _EARLIEST
+    for number, piece in enumerate(pieces):
+        is_apart = piece.start > reached or size >= BATCH_SIZE
+        if number and is_apart and piece.start > starts[-1]:
             starts.append(piece.start)
             size = 0
+        reached = max(reached, piece.end)
         size += piece.chunk.size
     windows = [
         _Window(start, end) for start, end in zip(starts, [*starts[1:], _LATEST], strict=True)
-    ]
+    ][: len(pieces)]
     for piece in pieces:
         first, behind = bisect_right(starts, piece.start) - 1, bisect_right(starts, piece.end)
         for window in windows[first:behind]:
             window.pieces.append(piece)
     return windows
-
-
-def _within(batch: Batch, window: _Window, piece: _Piece) -> Batch:
-    """Return the messages in a window. An index that is wrong about times hides none."""
-    time = np.clip(batch.messages.log_time, piece.start, piece.end)
-    kept: Flags = (time >= window.start) & (time < window.end)
-    if kept.all():
-        return batch
-    return replace(batch, messages=batch.messages.pick(kept))
-
-
-def _merged(parts: Sequence[Batch], span: Span, losses: tuple[Loss, ...]) -> Batch:
-    """Return messages of several batches, by log time."""
-    offsets = np.cumsum([0, *(len(part.buffer) for part in parts)]).tolist()
-    messages = concatenate_messages(
-        [part.messages.shifted(offset) for part, offset in zip(parts, offsets, strict=False)]
-    )
-    buffers = [part.buffer for part in parts] or [np.zeros(1, np.uint8)]
-    chunks = tuple(
-        LoadedChunk(chunk, memoryview(b""), 0, slice(0, 0), whole=False) for chunk in span
-    )
-    return Batch(np.concatenate(buffers), messages, chunks, losses).by_time()

@@ -9,8 +9,7 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.provenance import PROVENANCE, is_marked
-from dogbot_logtool.reader.containers.log import Extra, Log
-from dogbot_logtool.reader.containers.recorded_log import EarlierAnnotations, RecordedLog
+from dogbot_logtool.reader.containers.log import EarlierAnnotations, Extra, Log
 from dogbot_logtool.reader.opening import open_joined
 
 _NAME: Final = struct.pack("<I", len(PROVENANCE)) + PROVENANCE.encode()
@@ -55,12 +54,12 @@ def without_annotations(log: Log) -> Log:
         return log
     messages = sum(log.counts.get(number, 0) for number in channels)
     extras = tuple(extra for extra, _ in made)
-    return RecordedLog(log, EarlierAnnotations(channels, extras, records, messages))
+    return log.without(EarlierAnnotations(channels, extras, records, messages))
 
 
 def annotations_left_out(log: Log) -> EarlierAnnotations | None:
     """Return what was left out of a log."""
-    return log.annotations if isinstance(log, RecordedLog) else None
+    return log.annotations
 
 
 def annotation_findings(log: Log) -> Iterator[Finding]:
@@ -86,9 +85,8 @@ def _provenance(log: Log) -> Iterator[tuple[Extra, Mapping[str, str]]]:
     for extra in log.extras:
         if extra.opcode != Opcode.METADATA or extra.size > _LARGEST_RECORD:
             continue
-        source = log.source_of(extra)
-        if source.read(extra.offset + RECORD_HEAD.size, len(_NAME)) != _NAME:
+        if extra.source.read(extra.offset + RECORD_HEAD.size, len(_NAME)) != _NAME:
             continue
-        match read_extra(source, extra):
+        match read_extra(extra):
             case (_, records.Metadata() as metadata):
                 yield extra, metadata.metadata

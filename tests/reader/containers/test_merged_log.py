@@ -164,7 +164,7 @@ def test_a_file_out_of_order_keeps_its_channels_and_records(tmp_path: Path) -> N
         assert opened.channels == whole.channels
         assert opened.container == whole.container
         (notes,) = opened.extras
-        found = read_extra(opened.source_of(notes), notes)
+        found = read_extra(notes)
         assert found is not None
         assert found[1] == records.Metadata("notes", {"robot": "walks"})
         (span,) = opened.spans()

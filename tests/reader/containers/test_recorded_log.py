@@ -3,14 +3,14 @@
 import struct
 from pathlib import Path
 
-from dogbot_logtool.reader.containers.recorded_log import EarlierAnnotations, RecordedLog
+from dogbot_logtool.reader.containers.log import EarlierAnnotations
 from dogbot_logtool.reader.opening import open_log
 from tests.reader.mcap_bytes import resealed, small_mcap
 
 
 def recorded_times(path: Path, annotations: frozenset[int]) -> tuple[list[int], str]:
     """Return the times of the messages that are read, and what is said of damage."""
-    log = RecordedLog(open_log(path), EarlierAnnotations(annotations, (), (), 0))
+    log = open_log(path).without(EarlierAnnotations(annotations))
     batches = [log.read(span) for span in log.spans()]
     log.close()
     times = [each for batch in batches for each in batch.messages.log_time.tolist()]

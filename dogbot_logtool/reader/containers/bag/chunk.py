@@ -17,8 +17,11 @@ from dogbot_logtool.reader.containers.bag.records import (
     record_bounds,
     record_in_file,
 )
-from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent, ChunkDamage
-from dogbot_logtool.reader.containers.chunks.chunk_validator import read_content
+from dogbot_logtool.reader.containers.chunks.chunk_content import (
+    ChunkContent,
+    ChunkDamage,
+    read_content,
+)
 from dogbot_logtool.reader.containers.chunks.compression import check_claimed_size, decompress_into
 from dogbot_logtool.reader.containers.chunks.records import Index, Readable
 from dogbot_logtool.reader.containers.contents import Chunk

@@ -11,11 +11,9 @@ from dogbot_logtool.reader.containers.bag.chunk import (
 from dogbot_logtool.reader.containers.bag.format import BagFormat
 from dogbot_logtool.reader.containers.bag.index import Connections, read_index
 from dogbot_logtool.reader.containers.bag.records import BagOp
-from dogbot_logtool.reader.containers.channel_ids import ChannelIds
 from dogbot_logtool.reader.containers.chunked_log import ChunkedLog
 from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent
-from dogbot_logtool.reader.containers.contents import Chunk, Contents
-from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.contents import ChannelIds, Chunk, Contents
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 
@@ -65,12 +63,14 @@ class BagLog(ChunkedLog):
         return super().overlaps(replace(chunk, start_time=times[0], end_time=times[1]), start, end)
 
 
-def open_bag(source: ByteSource) -> tuple[BagLog | None, Loss | None]:
-    """Open a bag through its index.
-
-    Returns:
-        the bag, or None where the index is absent or damaged; and what is wrong with it.
-    """
+def open_log(source: ByteSource, distribution: str) -> BagLog:
+    """Open a bag through its index; where that is absent or damaged, by all of its records."""
+    del distribution
     connections = Connections()
     contents, problem = read_index(source, connections)
-    return (None if contents is None else BagLog(source, contents, connections)), problem
+    if contents is None:
+        from dogbot_logtool.reader.containers.bag.scan import BagRecoveryScan  # noqa: PLC0415
+
+        source, connections = source.nearby(), Connections()
+        contents = BagRecoveryScan(source, connections).contents(problem)
+    return BagLog(source, contents, connections)

@@ -9,8 +9,11 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.arrays import Bytes
-from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent, ChunkDamage
-from dogbot_logtool.reader.containers.chunks.chunk_validator import read_content
+from dogbot_logtool.reader.containers.chunks.chunk_content import (
+    ChunkContent,
+    ChunkDamage,
+    read_content,
+)
 from dogbot_logtool.reader.containers.chunks.compression import check_claimed_size, decompress_into
 from dogbot_logtool.reader.containers.chunks.records import Index
 from dogbot_logtool.reader.containers.contents import Chunk

@@ -8,10 +8,9 @@ from mcap import records
 from mcap.opcode import Opcode
 
 from dogbot_logtool.core.arrays import Bytes
-from dogbot_logtool.reader.containers.channel_ids import UNKNOWN_CHANNEL
 from dogbot_logtool.reader.containers.chunked_log import ChunkedLog
 from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent, ChunkDamage
-from dogbot_logtool.reader.containers.contents import Chunk, Contents
+from dogbot_logtool.reader.containers.contents import UNKNOWN_CHANNEL, Chunk, Contents
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.mcap.chunk import check_chunk, chunk_at, parse_chunk
 from dogbot_logtool.reader.containers.mcap.descriptions import DescriptionCheck
@@ -49,6 +48,16 @@ class McapLog(ChunkedLog):
             return content
         found = self._descriptions.contradictions(target, content.others, chunk.offset)
         return replace(content, losses=(*content.losses, *found)) if found else content
+
+    def describes_hidden(self, content: ChunkContent, data: Bytes) -> bool:
+        """See `ChunkedLog.describes_hidden`."""
+        schemas = {c.schema.id for c in self.channels.values() if c.schema is not None}
+        ids = {Opcode.CHANNEL: self.channels.keys(), Opcode.SCHEMA: schemas}
+        return any(
+            int.from_bytes(data[start + RECORD_HEAD.size :][:2].tobytes(), "little") not in ids[op]
+            for op, start, _ in content.others.tolist()
+            if op in ids
+        )
 
     def by_own_header(self, chunk: Chunk) -> Chunk | None:
         """See `ChunkedLog.by_own_header`."""
@@ -120,20 +129,22 @@ class McapLog(ChunkedLog):
         return first
 
 
-def open_mcap(source: ByteSource) -> tuple[McapLog | None, Loss | None]:
-    """Open an MCAP file through its summary.
-
-    Returns:
-        the log, or None where the summary is absent, incomplete or wrong; and the damage, if any.
-    """
+def open_log(source: ByteSource, distribution: str) -> McapLog:
+    """Open an MCAP file through its summary; where that is wrong or absent, by all its records."""
+    del distribution
     contents, problem = read_summary(source)
-    if contents is None:
-        return None, problem
-    log = McapLog(source, with_profile(source, contents))
-    return (None, Loss(0, SUMMARY_CONTRADICTS)) if log.contradicts_summary() else (log, None)
+    if contents is not None:
+        log = McapLog(source, _with_profile(source, contents))
+        if not log.contradicts_summary():
+            return log
+        problem = Loss(0, SUMMARY_CONTRADICTS)
+    from dogbot_logtool.reader.containers.mcap.scan import McapRecoveryScan  # noqa: PLC0415
+
+    source = source.nearby()
+    return McapLog(source, _with_profile(source, McapRecoveryScan(source).contents(problem)))
 
 
-def with_profile(source: ByteSource, contents: Contents) -> Contents:
+def _with_profile(source: ByteSource, contents: Contents) -> Contents:
     """Add the profile that the file's header names."""
     profile = _profile(source)
     if profile is None:

@@ -11,7 +11,6 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.reader.containers.contents import Channel, Extra, Schema
-from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 RECORD_HEAD: Final = struct.Struct("<BQ")
 """Opcode and length of the content, before every record."""
@@ -107,15 +106,13 @@ def channel_record(channel: Channel) -> records.Channel:
     )
 
 
-def read_extra(
-    source: ByteSource, extra: Extra
-) -> tuple[bytes, records.Attachment | records.Metadata] | None:
+def read_extra(extra: Extra) -> tuple[bytes, records.Attachment | records.Metadata] | None:
     """Read a record that is no message.
 
     Returns:
         its bytes as they stand, and decoded; None if it is damaged.
     """
-    record = source.read(extra.offset, extra.size)
+    record = extra.source.read(extra.offset, extra.size)
     body = record[RECORD_HEAD.size :]
     if extra.opcode == Opcode.METADATA:
         metadata = decode_record(records.Metadata, body)

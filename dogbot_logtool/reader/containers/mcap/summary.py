@@ -71,6 +71,7 @@ def read_summary(source: ByteSource) -> tuple[Contents | None, Loss | None]:
 
 @dataclass(slots=True)
 class _Summary:
+    source: ByteSource
     offset: int
     verified: bool
     """Its checksum holds."""
@@ -104,7 +105,7 @@ def _read_section(source: ByteSource) -> tuple[_Summary | None, Loss | None]:
         return None, damaged
     if not footer.summary_start:
         return None, None
-    summary = _Summary(footer.summary_start, verified=bool(footer.summary_crc))
+    summary = _Summary(source, footer.summary_start, verified=bool(footer.summary_crc))
     return (summary, None) if _parse_summary(section, summary) else (None, damaged)
 
 
@@ -147,7 +148,7 @@ def _take(opcode: int, body: bytes, summary: _Summary) -> bool:
                 return False
             offset, size = struct.unpack_from("<QQ", body)
             kind = Opcode.ATTACHMENT if opcode == Opcode.ATTACHMENT_INDEX else Opcode.METADATA
-            summary.extras.append(Extra(kind, offset, size))
+            summary.extras.append(Extra(kind, offset, size, summary.source))
     return True
 
 

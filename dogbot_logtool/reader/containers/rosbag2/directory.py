@@ -3,6 +3,8 @@
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Final, Protocol
 
@@ -11,7 +13,7 @@ from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.storage import Location, files_in, shown
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.containers.loss import Loss, lost_messages
-from dogbot_logtool.reader.containers.rosbag2.joined_log import JoinedLog
+from dogbot_logtool.reader.containers.merged_log import join
 from dogbot_logtool.reader.containers.rosbag2.metadata import (
     Metadata,
     UnusableMetadata,
@@ -69,7 +71,18 @@ def open_rosbag2(path: Location, open_file: OpenFile, suffixes: tuple[str, ...])
         raise LogError(f"{shown(path)}: nothing of this ROS 2 bag can be read: {reason}")
     if bag.metadata is not None:
         losses.extend(_compare_counts(bag.metadata, logs, losses))
-    return JoinedLog(path, logs, losses)
+    for log, following in pairwise(logs):
+        log.losses = tuple(_before(loss, following) for loss in log.losses)
+    joined = join(path, logs, losses)
+    storage = logs[0].container
+    joined.container = storage if "ROS 2 bag" in storage else f"ROS 2 bag ({storage})"
+    return joined
+
+
+def _before(loss: Loss, following: Log) -> Loss:
+    """End what is missing at the end of a file where the next file begins."""
+    is_open = loss.start_time is not None and loss.end_time is None
+    return replace(loss, end_time=following.start_time) if is_open else loss
 
 
 def _find_files(folder: Location, suffixes: tuple[str, ...]) -> _Bag:

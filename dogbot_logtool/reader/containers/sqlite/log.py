@@ -10,9 +10,8 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
-from dogbot_logtool.reader.containers.channel_ids import UNKNOWN_CHANNEL, ChannelIds
 from dogbot_logtool.reader.containers.chunks.packed_messages import unpacked
-from dogbot_logtool.reader.containers.contents import Chunk, Contents
+from dogbot_logtool.reader.containers.contents import UNKNOWN_CHANNEL, ChannelIds, Chunk, Contents
 from dogbot_logtool.reader.containers.log import Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.sources.source import ByteSource
@@ -40,7 +39,7 @@ class SqliteLog(Log):
         self._table = table
         self._ids = ids
 
-    def read(self, span: Span) -> Batch:
+    def _read(self, span: Span) -> Batch:
         """See `Log.read`."""
         found = self._table.between([(chunk.data_offset, chunk.end) for chunk in span])
         channel = np.where(found.sound, self._ids.of(found.topic), UNKNOWN_CHANNEL)
@@ -71,7 +70,7 @@ class SqliteLog(Log):
         super().close()
 
 
-def open_sqlite(source: ByteSource, distribution: str) -> SqliteLog:
+def open_log(source: ByteSource, distribution: str) -> SqliteLog:
     """Open a .db3 file whose magic has been seen, with the journal beside it.
 
     Args:

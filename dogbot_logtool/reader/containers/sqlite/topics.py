@@ -9,8 +9,7 @@ from zlib_ng.zlib_ng import crc32
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location, shown
-from dogbot_logtool.reader.containers.channel_ids import ChannelIds
-from dogbot_logtool.reader.containers.contents import Channel, Schema
+from dogbot_logtool.reader.containers.contents import Channel, ChannelIds, Schema
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.sqlite.database import Database
 from dogbot_logtool.reader.decode.known_definitions import known_definition, long_type_name

@@ -160,7 +160,7 @@ def test_metadata_and_attachments_of_all_files_are_read(tmp_path: Path) -> None:
         mcap.extras = [metadata("notes", {"file": str(number)}), attachment(f"{number}.txt", b"x")]
         (bag / f"walk_{number}.mcap").write_bytes(mcap.build())
     log = open_log(bag)
-    read = [read_extra(log.source_of(extra), extra) for extra in log.extras]
+    read = [read_extra(extra) for extra in log.extras]
     log.close()
     values = [one and getattr(one[1], "metadata", None) for one in read]
     names = [one and getattr(one[1], "name", None) for one in read]

@@ -8,18 +8,16 @@ from mcap.opcode import Opcode
 
 from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent, ChunkDamage
+from dogbot_logtool.reader.containers.chunks.recovery_scan import IndexEntry, RecoveryScan
 from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra, SharedCounts
-from dogbot_logtool.reader.containers.loss import Loss, lost_messages
+from dogbot_logtool.reader.containers.loss import Loss, Losses, differing_counts, lost_messages
 from dogbot_logtool.reader.containers.mcap.chunk import check_chunk, chunk_at, parse_chunk
 from dogbot_logtool.reader.containers.mcap.descriptions import DESCRIBING, Descriptions, Trust
 from dogbot_logtool.reader.containers.mcap.format import FIRST_PRIVATE_OPCODE, McapFormat
-from dogbot_logtool.reader.containers.mcap.log import McapLog, with_profile
 from dogbot_logtool.reader.containers.mcap.records import RECORD_HEAD, decode_record
 from dogbot_logtool.reader.containers.mcap.summary import check_data, indexed_chunk
 from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource
-from dogbot_logtool.reader.salvage.losses import Losses, differing_counts
-from dogbot_logtool.reader.salvage.recovery_scan import IndexEntry, RecoveryScan
 
 
 class McapRecoveryScan(RecoveryScan):
@@ -98,7 +96,7 @@ class McapRecoveryScan(RecoveryScan):
                 if last and last.is_record and last.index_end == offset:
                     self._chunks[-1] = replace(self._chunks[-1], index_end=end)
             case Opcode.ATTACHMENT | Opcode.METADATA:
-                self._extras.append(Extra(opcode, offset, end - offset))
+                self._extras.append(Extra(opcode, offset, end - offset, self._source))
             case Opcode.DATA_END:
                 self._data_end = offset
         return end
@@ -161,13 +159,3 @@ class McapRecoveryScan(RecoveryScan):
         elif self._closed:
             what = "the record that ends the log's data is missing, and maybe others before it"
             self._losses.add(Loss(self._source.size, what, 0, None))
-
-
-def scan_mcap(source: ByteSource, problem: Loss | None) -> McapLog:
-    """Open an MCAP file without its summary.
-
-    Args:
-        source: the file.
-        problem: what is wrong with its summary, if it has one.
-    """
-    return McapLog(source, with_profile(source, McapRecoveryScan(source).contents(problem)))

@@ -17,9 +17,8 @@ from dogbot_logtool.reader.containers.chunks.chunk_content import (
 )
 from dogbot_logtool.reader.containers.chunks.records import RecordFormat, next_sound
 from dogbot_logtool.reader.containers.contents import Chunk, Contents
-from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.loss import Loss, Losses
 from dogbot_logtool.reader.containers.sources.source import ByteSource
-from dogbot_logtool.reader.salvage.losses import Losses
 
 _REGION_SIZE: Final = 1 << 20
 """Messages outside chunks are read in runs of about this many bytes."""

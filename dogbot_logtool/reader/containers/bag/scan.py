@@ -8,7 +8,6 @@ from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.containers.bag.chunk import check_bag_chunk, chunk_at, parse_bag_chunk
 from dogbot_logtool.reader.containers.bag.format import BagFormat, is_sound
 from dogbot_logtool.reader.containers.bag.index import Connections, chunk_info
-from dogbot_logtool.reader.containers.bag.log import BagLog
 from dogbot_logtool.reader.containers.bag.records import (
     BagOp,
     MalformedRecord,
@@ -16,12 +15,11 @@ from dogbot_logtool.reader.containers.bag.records import (
     record_in_file,
 )
 from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent, ChunkDamage
+from dogbot_logtool.reader.containers.chunks.recovery_scan import IndexEntry, RecoveryScan
 from dogbot_logtool.reader.containers.contents import Chunk, Contents
-from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.loss import Loss, Losses
 from dogbot_logtool.reader.containers.signatures import BAG_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource
-from dogbot_logtool.reader.salvage.losses import Losses
-from dogbot_logtool.reader.salvage.recovery_scan import IndexEntry, RecoveryScan
 
 _LARGEST_PADDING: Final = 4096
 
@@ -125,15 +123,3 @@ class BagRecoveryScan(RecoveryScan):
                 what = f"the connection record at byte {offset} is damaged ({fault})"
                 self._losses.add(Loss(offset, what))
         return self._connections.channel_ids
-
-
-def scan_bag(source: ByteSource, problem: Loss | None) -> BagLog:
-    """Open a bag without its index.
-
-    Args:
-        source: the file.
-        problem: what is wrong with its index.
-    """
-    connections = Connections()
-    contents = BagRecoveryScan(source, connections).contents(problem)
-    return BagLog(source, contents, connections)
