@@ -8,7 +8,6 @@ import numpy as np
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.scene.feet import LoadState
 from dogbot_logtool.core.scene.loads import Loads, foot_loads, silences
-from dogbot_logtool.core.settings import body_weight_n
 from tests.core.scene.drawn_feet import MS, NOWHERE, foot_of
 
 DOGBOT_KG: Final = 21.261
