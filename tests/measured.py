@@ -47,4 +47,4 @@ def measured_contact(
         return None
     record = found.record
     down = in_stance(record.stances, record.track.time)
-    return dict(zip(record.log_time.tolist(), down.tolist(), strict=True))
+    return dict(zip(record.track.log_time.tolist(), down.tolist(), strict=True))

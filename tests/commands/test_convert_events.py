@@ -69,7 +69,7 @@ def test_onsets_on_stamps_are_written_at_log_times() -> None:
     target = converted(TROT, "foxglove")
     stats = measured(TROT).stats
     record = stats.feet[0].record
-    recorded = dict(zip(record.track.time.tolist(), record.log_time.tolist(), strict=True))
+    recorded = dict(zip(record.track.time.tolist(), record.track.log_time.tolist(), strict=True))
     found = [
         (log_time, message.timestamp.ToNanoseconds())
         for log_time, message in messages_of(target, "/events")

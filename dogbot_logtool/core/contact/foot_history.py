@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, norms
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
 from dogbot_logtool.core.contact.contact_detection import backdated, find_stances, schmitt
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
@@ -14,7 +14,6 @@ from dogbot_logtool.core.contact.curves import CurveDetail, LoadCurves, curve_of
 from dogbot_logtool.core.contact.stance_samples import (
     AXES,
     PARTS,
-    FootSignal,
     mean_forces,
     stance_samples,
 )
@@ -26,8 +25,7 @@ from dogbot_logtool.core.contact.stances import (
     reduce_stances,
 )
 from dogbot_logtool.core.contact.track import FootTrack, foot_track
-from dogbot_logtool.core.corrections.clock import TimeSource, advancing
-from dogbot_logtool.core.quality.quality import steady_gap_ns
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.dataclass import dataclass
 
 _SAME: Final = 1e-6
@@ -74,12 +72,8 @@ class FootHistory:
     """Load over time; None unless asked for, and where forces are not known."""
     stopped: Ints = field(default_factory=timespans.no_spans)
     """(s, 2) ns, gaps in which the sensor speaks, but has stopped to feel the foot."""
-    row: Ints = field(default_factory=lambda: np.empty(0, np.int64))
-    """(n,) the sample of the recording that each sample of `track` is."""
-    log_time: Ints = field(default_factory=lambda: np.empty(0, np.int64))
-    """(n,) ns, when those were recorded."""
     down: Flags = field(default_factory=lambda: np.empty(0, np.bool_))
-    """(n,) whether each of them is in a stance."""
+    """(n,) whether each sample of `track` is in a stance."""
 
     def contact_fraction(self, within: Ints | None = None) -> float | None:
         """Return time in contact over time known; None where nothing is known.
@@ -168,8 +162,8 @@ def foot_history(
     if rule.unusable:
         samples = no_samples()
     used = len(samples.foot)
-    signal, not_finite = _signal(samples, clock, force_in_world=force_in_world)
-    samples, time, force = signal.samples, signal.time, signal.force
+    track, samples, not_finite = foot_track(samples, clock, force_in_world=force_in_world)
+    time, force = track.time, track.force
     contact = samples.in_contact if rule.by_flag else schmitt(force, rule)
     loaded = int(contact.sum())
     # Turned into the world, a constant force differs in its last digits.
@@ -179,15 +173,12 @@ def foot_history(
         contact = backdated(contact, time, force, rule.off_n)
     starts, ends, filled, dropped = find_stances(time, contact, rule)
 
-    steps = np.diff(time)
-    longest = steady_gap_ns(steps)
-    last = np.flatnonzero(steps > longest)
-    gaps = np.stack([time[last], time[last + 1]], axis=1)
+    gaps = track.gaps
     if breaks is not None and len(breaks):
         gaps = timespans.merge(np.concatenate([gaps, breaks]))
     known = timespans.subtract(np.stack([time[:1], time[-1:]], axis=1), gaps)
 
-    touchdown, liftoff = time[starts], time[ends]
+    steps, touchdown, liftoff = np.diff(time), time[starts], time[ends]
     cut = np.full(len(starts), Cut.WHOLE, np.int8)
     cut[timespans.touches(gaps, touchdown, liftoff)] = Cut.GAP
     if contact[-1:].any():
@@ -199,7 +190,7 @@ def foot_history(
     down = np.cumsum(change[:-1], dtype=np.int8) > 0
     # The last sample is in a stance where the log ends in one.
     down[-1:] |= contact[-1:]
-    figures, stance_forces = _stance_values(signal, starts, ends, rule.on_n)
+    figures, stance_forces = _stance_values(samples, track, starts, ends, rule.on_n)
     history = FootHistory(
         messages=messages,
         not_finite=not_finite,
@@ -216,41 +207,20 @@ def foot_history(
         in_contact=timespans.intersect([np.stack([touchdown, liftoff], axis=1), known]),
         filled_swings=filled,
         dropped_stances=dropped,
-        track=foot_track(signal, longest),
-        row=signal.row,
-        log_time=samples.log_time,
+        track=track,
         down=down,
     )
     return history if has_force else history.without_force()
 
 
-def _signal(samples: Samples, clock: TimeSource, *, force_in_world: bool) -> tuple[FootSignal, int]:
-    """Choose the samples with a finite force and a time later than all before.
-
-    Returns:
-        them, and how many have no such force.
-    """
-    time, force = clock.of(samples), norms(samples.force.astype(np.float64, copy=False))
-    usable = np.isfinite(force)
-    not_finite = len(usable) - int(usable.sum())
-    if clock is TimeSource.HEADER:
-        usable &= time != 0
-    usable[usable] = advancing(time[usable])
-    row = np.flatnonzero(usable)
-    if len(row) < len(usable):
-        samples, time, force = samples.pick(usable), time[usable], force[usable]
-    known = samples.in_world | force_in_world | (force == 0.0)
-    vertical = np.where(known, samples.force[:, 2].astype(np.float64), np.nan)
-    return FootSignal(samples, row, time, force, vertical), not_finite
-
-
 def _stance_values(
-    signal: FootSignal, starts: Ints, ends: Ints, on_n: float
+    samples: Samples, track: FootTrack, starts: Ints, ends: Ints, on_n: float
 ) -> tuple[StanceFigures, Floats]:
     """Reduce stances that are short enough to be a step's; the others are NaN.
 
     Args:
-        signal: samples of a foot.
+        samples: n samples of a foot that are used.
+        track: their times and forces.
         starts: (k,) rows of touchdowns.
         ends: (k,) rows that end the stances.
         on_n: N, load from which friction tells something.
@@ -260,12 +230,12 @@ def _stance_values(
     """
     figures = np.full((len(StanceFigures._fields), len(starts)), np.nan)
     forces = np.full((len(starts), AXES, PARTS), np.nan)
-    duration = signal.time[ends] - signal.time[starts]
+    duration = track.time[ends] - track.time[starts]
     steps = np.flatnonzero((duration > 0) & (duration <= LONGEST_STANCE_S * 1e9))
     portion = np.cumsum((ends - starts)[steps]) // _PORTION_ROWS
     for part in np.split(steps, np.flatnonzero(np.diff(portion)) + 1):
         if len(part):
-            samples = stance_samples(signal, starts[part], ends[part], on_n)
-            figures[:, part] = np.stack(reduce_stances(samples))
-            forces[part] = mean_forces(samples)
+            own = stance_samples(samples, track, starts[part], ends[part], on_n)
+            figures[:, part] = np.stack(reduce_stances(own))
+            forces[part] = mean_forces(own)
     return StanceFigures(*figures), forces

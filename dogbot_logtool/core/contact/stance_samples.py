@@ -7,24 +7,11 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, dots
 from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.contact.track import FootTrack
 
 PARTS: Final = 25
 """Equal parts of a stance in which its mean force is known. Sums over them are exact."""
 AXES: Final = 3
-
-
-class FootSignal(NamedTuple):
-    """The n samples of one foot that are used."""
-
-    samples: Samples
-    row: Ints
-    """(n,) the sample of the recording that each is."""
-    time: Ints
-    """(n,) ns, strictly increasing."""
-    force: Floats
-    """(n,) N, |F|."""
-    vertical: Floats
-    """(n,) N, vertical force; 0 without contact, NaN where its direction is not known."""
 
 
 class StanceSamples(NamedTuple):
@@ -68,11 +55,14 @@ class StanceSamples(NamedTuple):
         return np.asarray(self.time / self.time[self.end][self.stance])
 
 
-def stance_samples(signal: FootSignal, starts: Ints, ends: Ints, on_n: float) -> StanceSamples:
+def stance_samples(
+    samples: Samples, track: FootTrack, starts: Ints, ends: Ints, on_n: float
+) -> StanceSamples:
     """Lay stances end to end.
 
     Args:
-        signal: samples of a foot.
+        samples: n samples of a foot that are used.
+        track: their times and forces.
         starts: (k,) rows of touchdowns.
         ends: (k,) rows that end the stances.
         on_n: N, load from which friction tells something.
@@ -82,20 +72,20 @@ def stance_samples(signal: FootSignal, starts: Ints, ends: Ints, on_n: float) ->
     stance = np.repeat(np.arange(len(starts)), counts)
     rows = np.maximum(np.arange(len(stance)) + (ends + 1 - behind)[stance], 0)
     touchdown = behind - counts + 1
-    force, samples = signal.force[rows], signal.samples
+    force = track.force[rows]
     vector = samples.force.take(rows, axis=0).astype(np.float64, copy=False)
     point = samples.position.take(rows, axis=0).astype(np.float64, copy=False)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         pressing = dots(vector, samples.normal.take(rows, axis=0))
         friction = np.sqrt(np.maximum(force * force - pressing * pressing, 0.0)) / np.abs(pressing)
-    unknown = np.isnan(signal.vertical[rows])
+    unknown = np.isnan(track.vertical_force[rows])
     friction[unknown | (force < on_n)] = np.nan
     return StanceSamples(
         first=touchdown - (starts > 0),
         touchdown=touchdown,
         end=behind - 1,
         stance=stance,
-        time=(signal.time[rows] - signal.time[starts][stance]) / 1e9,
+        time=(track.time[rows] - track.time[starts][stance]) / 1e9,
         force=force,
         vector=np.where(unknown[:, None], np.nan, vector),
         point=point[:, 0] + 1j * point[:, 1],

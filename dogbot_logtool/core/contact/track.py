@@ -7,9 +7,10 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, all_finite
-from dogbot_logtool.core.contact.stance_samples import FootSignal
-from dogbot_logtool.core.corrections.clock import first_at_each_tick
+from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, all_finite, norms
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.corrections.clock import TimeSource, advancing, first_at_each_tick
+from dogbot_logtool.core.quality.quality import steady_gap_ns
 from dogbot_logtool.dataclass import dataclass
 
 POINT_RATE_HZ: Final = 100.0
@@ -22,17 +23,23 @@ class FootTrack:
 
     time: Ints
     """(n,) ns, strictly increasing."""
-    force: Float32s
+    row: Ints
+    """(n,) the sample of the recording that each is."""
+    log_time: Ints
+    """(n,) ns, when it was recorded."""
+    force: Floats
     """(n,) N, |F|."""
-    vertical_force: Float32s
-    """(n,) N; NaN where its direction is not known."""
-    horizontal_force: Float32s
+    vertical_force: Floats
+    """(n,) N; 0 without contact, NaN where its direction is not known."""
+    horizontal_force: Floats | Float32s
     """(n, 2) N, along the world's x and y where the direction is known."""
     point: Floats | Float32s
     """(n, 3) m, contact point in the world; not finite where there is none."""
     placed: Ints
     """(p,) rows that have a contact point: the first of each run of such rows, and up to
     `POINT_RATE_HZ` a second of the others."""
+    gaps: Ints
+    """(g, 2) ns, intervals that are too long: last sample before, first one after."""
     force_impulse: Floats
     """(n,) N s, integral of |F| since the first sample, gaps left out."""
     vertical_impulse: Floats
@@ -77,43 +84,61 @@ class FootTrack:
         return float((at[:, 1] - at[:, 0]).sum())
 
 
-def foot_track(signal: FootSignal, longest_interval_ns: float) -> FootTrack:
-    """Integrate the samples of a foot.
+def foot_track(
+    samples: Samples, clock: TimeSource, *, force_in_world: bool
+) -> tuple[FootTrack, Samples, int]:
+    """Integrate the samples of a foot with a finite force and a time later than all before.
 
     Args:
-        signal: the samples.
-        longest_interval_ns: a longer interval is a gap, over which nothing is added.
+        samples: of the foot, in the order of the log.
+        clock: on which is measured.
+        force_in_world: whether the wrenches are in the world frame.
+
+    Returns:
+        the track, its samples, and how many of those given have no such force.
     """
-    time, vertical, point = signal.time, signal.vertical, signal.samples.position
-    with np.errstate(over="ignore"):
-        columns = signal.force, vertical, signal.samples.force[:, :2]
-        stored = [each.astype(np.float32) for each in columns]
-    gap = np.diff(time) > longest_interval_ns
-    rows = np.flatnonzero(all_finite(point))
+    time, force = clock.of(samples), norms(samples.force.astype(np.float64, copy=False))
+    usable = np.isfinite(force)
+    not_finite = len(usable) - int(usable.sum())
+    if clock is TimeSource.HEADER:
+        usable &= time != 0
+    usable[usable] = advancing(time[usable])
+    row = np.flatnonzero(usable)
+    if len(row) < len(usable):
+        samples, time, force = samples.pick(usable), time[usable], force[usable]
+    known = samples.in_world | force_in_world | (force == 0.0)
+    vertical = np.where(known, samples.force[:, 2].astype(np.float64), np.nan)
+    steps = np.diff(time)
+    gap = steps > steady_gap_ns(steps)
+    rows = np.flatnonzero(all_finite(samples.position))
     placed = first_at_each_tick(time[rows], POINT_RATE_HZ)
     placed |= np.diff(rows, prepend=-2) > 1
     # From the last known vertical force, or the start, to the next known one.
-    edges = np.flatnonzero(np.diff(np.isnan(vertical), prepend=False, append=False))
+    edges = np.flatnonzero(np.diff(~known, prepend=False, append=False))
     first, behind = np.maximum(edges[::2] - 1, 0), np.minimum(edges[1::2], len(time) - 1)
-    return FootTrack(
+    track = FootTrack(
         time=time,
-        force=stored[0],
-        vertical_force=stored[1],
-        horizontal_force=stored[2],
-        point=point,
+        row=row,
+        log_time=samples.log_time,
+        force=force,
+        vertical_force=vertical,
+        horizontal_force=samples.force[:, :2],
+        point=samples.position,
         placed=rows[placed],
-        force_impulse=_running_total(time, signal.force, gap),
-        vertical_impulse=_running_total(time, vertical, gap),
+        gaps=np.stack([time[:-1][gap], time[1:][gap]], axis=1),
+        force_impulse=_running_total(steps, force, gap),
+        vertical_impulse=_running_total(steps, vertical, gap),
         vertical_unknown=np.stack([time[first], time[behind]], axis=1),
     )
+    return track, samples, not_finite
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def _running_total(time: Ints, value: Floats, gap: Flags) -> Floats:
+def _running_total(steps: Ints, value: Floats, gap: Flags) -> Floats:
     """(n,) integral of a value up to each row; what is not known adds nothing, nor does a gap."""
-    total = np.zeros(len(time))
+    total = np.zeros(len(value))
     part = value[1:] + value[:-1]
-    part *= np.diff(time) / 2e9
+    part *= steps / 2e9
     part[gap | np.isnan(part)] = 0.0
     np.cumsum(part, out=total[1:])
     return total

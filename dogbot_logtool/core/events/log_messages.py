@@ -103,10 +103,10 @@ def to_log_time(stats: Stats, time: Ints, start: int, end: int) -> Ints:
     Returns:
         (n,) ns, ascending, within the log.
     """
-    foot = max((foot.record for foot in stats.feet), key=lambda each: len(each.row), default=None)
-    if foot is not None and len(foot.row):
-        known = foot.track.time
-        row = np.minimum(np.searchsorted(known, time), len(known) - 1)
-        time = time + (foot.log_time - known)[row]
+    tracks = (foot.record.track for foot in stats.feet)
+    track = max(tracks, key=lambda each: len(each.row), default=None)
+    if track is not None and len(track.row):
+        row = np.minimum(np.searchsorted(track.time, time), len(track.time) - 1)
+        time = time + (track.log_time - track.time)[row]
     recorded: Ints = np.maximum.accumulate(np.clip(time, start, end))
     return recorded

@@ -134,14 +134,14 @@ def drawn_foot(
         force_in_world: whether all forces are in the world frame.
     """
     state = np.full(len(samples.log_time), LoadState.UNKNOWN, np.int8)
-    if contact_known and len(record.row):
+    if contact_known and len(record.track.row):
         state = _states(samples, record)
     known = state != LoadState.UNKNOWN
     rows = np.arange(len(state), dtype=np.int32)
     has_point = (samples.points > 0) & all_finite(samples.position)
-    begins = record.row[np.searchsorted(record.track.time, record.stances.touchdown)]
+    begins = record.track.row[np.searchsorted(record.track.time, record.stances.touchdown)]
     begins = begins[has_point[begins]]
-    steps = np.diff(record.log_time)
+    steps = np.diff(record.track.log_time)
     return DrawnFoot(
         number=number,
         samples=samples,
@@ -164,7 +164,7 @@ def _states(samples: Samples, record: FootHistory) -> NDArray[np.int8]:
     """
     count = len(samples.log_time)
     state = np.full(count, LoadState.UNKNOWN, np.int8)
-    last = np.searchsorted(record.row, np.arange(count), side="right") - 1
+    last = np.searchsorted(record.track.row, np.arange(count), side="right") - 1
     told = (last >= 0) & (all_finite(samples.force) | (not record.has_force))
     told &= ~timespans.covers(record.stopped, record.track.time)[last]
     state[told] = np.where(record.down[last[told]], LoadState.STANCE, LoadState.SWING)
@@ -177,5 +177,5 @@ def _ends(count: int, record: FootHistory) -> Flags:
     ends[-1:] = True
     silences = timespans.subtract(record.gaps, record.stopped)
     last = np.searchsorted(record.track.time, silences[:, 0], side="right") - 1
-    ends[record.row[last[last >= 0]]] = True
+    ends[record.track.row[last[last >= 0]]] = True
     return ends

@@ -10,8 +10,8 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.consistency.worlds import compare_worlds
-from dogbot_logtool.core.contact.stance_samples import FootSignal
 from dogbot_logtool.core.contact.track import FootTrack, foot_track
+from dogbot_logtool.core.corrections.clock import TimeSource
 from tests.core.load.feet import samples_of
 
 CORNERS = ((0.3, 0.15), (0.3, -0.15), (-0.3, 0.15), (-0.3, -0.15))
@@ -66,8 +66,8 @@ def foot(corner: Sequence[float], phase: float, seconds: float, turn_radps: floa
     point = np.column_stack([x, y, np.zeros_like(x)])
     point[cycle % 1.0 >= DUTY] = np.nan
     none = np.zeros_like(time)
-    samples = replace(samples_of(time, none), position=point)
-    return foot_track(FootSignal(samples, np.arange(len(time)), ns(time), none, none), np.inf)
+    samples = replace(samples_of(time, none), log_time=ns(time), position=point)
+    return foot_track(samples, TimeSource.LOG, force_in_world=True)[0]
 
 
 def feet(seconds: float = 20.0, turn_radps: float = 0.0) -> list[FootTrack]:
