@@ -20,7 +20,7 @@ from typing import Final
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.robot.options import CompareOptions, ConvertOptions, StatsOptions
 
 SAMPLES: Final = Path(__file__).parent

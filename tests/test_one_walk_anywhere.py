@@ -13,7 +13,7 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.workers import Start
-from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.robot.measuring.plan import make_plan
 from dogbot_logtool.robot.options import ConvertOptions, StatsOptions
 from dogbot_logtool.robot.topics.annotated import open_recorded

@@ -9,7 +9,7 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.storage import Location, shown
 
 if TYPE_CHECKING:
-    from dogbot_logtool.report.files.table_file import TableFile
+    from dogbot_logtool.report.table_file import TableFile
     from dogbot_logtool.results import Measurement
     from dogbot_logtool.robot.options import StatsOptions
     from dogbot_logtool.run.runner import OnProgress

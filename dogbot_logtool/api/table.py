@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.report.files.table_file import arrow_table
+from dogbot_logtool.report.table_file import arrow_table
 
 Result = TypeVar("Result")
 

@@ -38,8 +38,8 @@ from dogbot_logtool.core.timespans import covers
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import Location, location
-from dogbot_logtool.report.documents.stats_json import stats_json
-from dogbot_logtool.report.files.stride_table import stride_table
+from dogbot_logtool.report.documents import stats_json
+from dogbot_logtool.report.table_file import stride_table
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.robot.topics.annotated import open_recorded
 

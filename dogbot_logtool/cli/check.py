@@ -76,9 +76,11 @@ def check(
     from dogbot_logtool.commands.check import exit_code, read_limits  # noqa: PLC0415
     from dogbot_logtool.commands.tasks import Measure  # noqa: PLC0415
     from dogbot_logtool.io.targets import refuse_bad_report  # noqa: PLC0415
-    from dogbot_logtool.report.documents.check_json import check_json  # noqa: PLC0415
-    from dogbot_logtool.report.documents.damage import damage_json  # noqa: PLC0415
-    from dogbot_logtool.report.text.check_text import print_check  # noqa: PLC0415
+    from dogbot_logtool.report.check_report import (  # noqa: PLC0415
+        check_json,
+        print_check,
+    )
+    from dogbot_logtool.report.documents import damage_json  # noqa: PLC0415
     from dogbot_logtool.report.text.console import results  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
@@ -134,7 +136,7 @@ def _write_junit(
     overwrite: bool,
 ) -> None:
     from dogbot_logtool.io.output import whole_file  # noqa: PLC0415
-    from dogbot_logtool.report.documents.check_junit import check_junit  # noqa: PLC0415
+    from dogbot_logtool.report.check_report import check_junit  # noqa: PLC0415
 
     with whole_file(target, overwrite=overwrite) as file:
         file.write(check_junit(checked, failures))

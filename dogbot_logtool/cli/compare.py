@@ -138,9 +138,11 @@ def _compare_messages(
     from dogbot_logtool.io.output import whole_file  # noqa: PLC0415
     from dogbot_logtool.io.printable import printable  # noqa: PLC0415
     from dogbot_logtool.io.targets import refuse_bad_report  # noqa: PLC0415
-    from dogbot_logtool.report.documents.comparison_json import comparison_json  # noqa: PLC0415
-    from dogbot_logtool.report.documents.junit import junit_xml  # noqa: PLC0415
-    from dogbot_logtool.report.text.comparison_text import show_comparison  # noqa: PLC0415
+    from dogbot_logtool.report.comparison_report import (  # noqa: PLC0415
+        comparison_json,
+        junit_xml,
+        show_comparison,
+    )
     from dogbot_logtool.report.text.console import results  # noqa: PLC0415
 
     if junit is not None:
@@ -175,7 +177,7 @@ def _compare_gait(
     from dogbot_logtool.cli.two_sides import measured_side  # noqa: PLC0415
     from dogbot_logtool.commands.compare_gait import compare_gait  # noqa: PLC0415
     from dogbot_logtool.io.plain_json import to_json  # noqa: PLC0415
-    from dogbot_logtool.report.gait_comparison import gait_comparison_json, print_gait_comparison  # noqa: PLC0415
+    from dogbot_logtool.report.comparison_report import gait_comparison_json, print_gait_comparison  # noqa: PLC0415
     from dogbot_logtool.report.text.console import results  # noqa: PLC0415
     from dogbot_logtool.robot.options import StatsOptions  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415

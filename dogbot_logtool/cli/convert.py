@@ -157,7 +157,7 @@ def convert(
 
 
 def _as_json(done: "Conversion") -> dict[str, Any]:
-    from dogbot_logtool.report.documents.convert_json import conversion_json  # noqa: PLC0415
+    from dogbot_logtool.report.documents import conversion_json  # noqa: PLC0415
 
     return conversion_json(done)
 
@@ -165,6 +165,6 @@ def _as_json(done: "Conversion") -> dict[str, Any]:
 def _print(done: "Conversion", *, verbose: bool) -> None:
     """Print the summary of one log."""
     from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415 - rich costs 40 ms
-    from dogbot_logtool.report.text.convert_text import print_conversion  # noqa: PLC0415
+    from dogbot_logtool.report.text.conversion_text import print_conversion  # noqa: PLC0415
 
     print_conversion(diagnostics(), done, verbose=verbose)

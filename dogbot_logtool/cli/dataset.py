@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NoReturn
 from dogbot_logtool.cli.outcomes import Outcomes
 from dogbot_logtool.commands.tasks import MeasuredEntry, MeasureForDataset
 from dogbot_logtool.io.storage import from_root, location, shown
-from dogbot_logtool.report.dataset.dataset import Dataset, Pending, dataset_at, parse_labels
-from dogbot_logtool.report.text.dataset_text import DatasetRun
+from dogbot_logtool.report.dataset import Dataset, Pending, dataset_at, parse_labels
+from dogbot_logtool.report.text.conversion_text import DatasetRun
 from dogbot_logtool.run.choice import runner_for
 from dogbot_logtool.run.inputs import find_logs
 
@@ -55,7 +55,7 @@ def export_dataset(
         outcomes.add({})
     if not quiet:
         from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415 - rich costs 40 ms
-        from dogbot_logtool.report.text.dataset_text import print_dataset  # noqa: PLC0415
+        from dogbot_logtool.report.text.conversion_text import print_dataset  # noqa: PLC0415
 
         run.failed = len(outcomes.failures)
         print_dataset(diagnostics(), shown(dataset.files.root), run)

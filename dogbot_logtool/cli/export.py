@@ -95,7 +95,7 @@ def export(
     """  # noqa: D301 - click's own mark
     from dogbot_logtool.api.export import Export  # noqa: PLC0415
     from dogbot_logtool.io.output import refuse_bad_target, whole_file  # noqa: PLC0415
-    from dogbot_logtool.report.files.table_file import table_file  # noqa: PLC0415
+    from dogbot_logtool.report.table_file import table_file  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
     del verbose

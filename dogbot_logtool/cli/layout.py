@@ -7,7 +7,7 @@ import click
 
 from dogbot_logtool.cli.options import output_file, overwrite_option, quiet_option, topic_options
 from dogbot_logtool.cli.outcomes import Outcomes
-from dogbot_logtool.report.layouts.viewers import DEFAULT_VIEWER, VIEWERS
+from dogbot_logtool.report.layouts import DEFAULT_VIEWER, VIEWERS
 
 if TYPE_CHECKING:
     from dogbot_logtool.robot.options import TopicOptions

@@ -123,7 +123,7 @@ def _report_against(
     from dogbot_logtool.io.plain_json import to_json  # noqa: PLC0415
     from dogbot_logtool.io.storage import shown  # noqa: PLC0415
     from dogbot_logtool.io.targets import output_at  # noqa: PLC0415
-    from dogbot_logtool.report.gait_comparison import gait_comparison_json, print_comparison_page  # noqa: PLC0415
+    from dogbot_logtool.report.comparison_report import gait_comparison_json, print_comparison_page  # noqa: PLC0415
     from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 

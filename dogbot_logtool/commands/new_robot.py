@@ -7,7 +7,7 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.reader.containers.loss import Damage
-from dogbot_logtool.report.files.robot_file import RobotEvidence, robot_file
+from dogbot_logtool.report.robot_file import RobotEvidence, robot_file
 from dogbot_logtool.robot.feet.unknown import FootCandidates
 from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from dogbot_logtool.robot.probe import frame_names

@@ -6,7 +6,7 @@ from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.report.files.gait_figure import (
+from dogbot_logtool.report.gait_figure import (
     FORMATS,
     gait_figure,
     require_matplotlib,

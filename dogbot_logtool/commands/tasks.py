@@ -17,8 +17,7 @@ from dogbot_logtool.run.runner import OnProgress
 
 if TYPE_CHECKING:
     from dogbot_logtool.reader.containers.loss import Damage
-    from dogbot_logtool.report.dataset.dataset import Entry
-    from dogbot_logtool.report.dataset.rows import Tables
+    from dogbot_logtool.report.dataset import Entry, Tables
     from dogbot_logtool.results import Conversion, LogInfo, Measurement
     from dogbot_logtool.robot.options import (
         ConvertOptions,
@@ -111,9 +110,9 @@ def figures_of(measured: "Measurement", *, whole: bool = False, detail: bool = T
         detail: with curves and lists of times.
     """
     from dogbot_logtool.core.checks.voids import void_patterns  # noqa: PLC0415
-    from dogbot_logtool.report.documents.stats_json import stats_json  # noqa: PLC0415
-    from dogbot_logtool.report.files.stride_table import stride_table  # noqa: PLC0415
-    from dogbot_logtool.report.text.stats_summary import summary_row  # noqa: PLC0415
+    from dogbot_logtool.report.documents import stats_json  # noqa: PLC0415
+    from dogbot_logtool.report.table_file import stride_table  # noqa: PLC0415
+    from dogbot_logtool.report.verdict import summary_row  # noqa: PLC0415
 
     intervals = [foot.record.median_interval_s for foot in measured.stats.feet]
     return Figures(
@@ -162,8 +161,8 @@ class MeasureForDataset:
     def __call__(self, entry: "Entry", on_progress: OnProgress | None) -> "MeasuredEntry":
         """Measure a log."""
         from dogbot_logtool.commands.stats import measure  # noqa: PLC0415
-        from dogbot_logtool.report.dataset.rows import log_tables  # noqa: PLC0415
-        from dogbot_logtool.report.files.stride_table import stride_table  # noqa: PLC0415
+        from dogbot_logtool.report.dataset import log_tables  # noqa: PLC0415
+        from dogbot_logtool.report.table_file import stride_table  # noqa: PLC0415
 
         measured = measure(entry.location, self.options, on_progress)
         tables = log_tables(measured.metrics, stride_table(measured.stats))

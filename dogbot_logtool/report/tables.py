@@ -13,7 +13,7 @@ from dogbot_logtool.core.metrics import (
     TopicQuality,
     WalkMetrics,
 )
-from dogbot_logtool.core.records import Number, Spread
+from dogbot_logtool.core.records import Number
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
 
@@ -22,15 +22,6 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.statistics import Stats
 
 S = TypeVar("S")
-
-
-def _scaled(value: Spread, factor: float | None) -> Spread:
-    """Return an aggregate in another unit; None where the factor is not known."""
-    if value is None or factor is None:
-        return None
-    std = None if value.std is None else value.std * factor
-    mean, middle = value.mean * factor, value.median * factor
-    return Aggregate(value.n, mean, std, middle, value.min * factor, value.max * factor)
 
 
 # Without slots, which `Column[...](...)` cannot be called with before Python 3.12.
@@ -63,18 +54,14 @@ class FootRow:
     """Of the load."""
     leg: "LegFoot | None"
     """What else is known of its leg."""
-    per_weight: Number
-    """1/N: turns newtons into body weights."""
 
 
 def foot_rows(walk: WalkMetrics, stats: "Stats") -> dict[str, FootRow]:
     """Return the source of each foot's row, by its name."""
     shares = walk.forces.load_share.feet or {}
     legs = {} if stats.legs is None else {leg.name: leg for leg in stats.legs.feet}
-    weight = walk.settings.body_weight_n
-    per_weight = None if weight is None else 1.0 / weight
     return {
-        name: FootRow(foot, walk.gait.phase[name], shares.get(name), legs.get(name), per_weight)
+        name: FootRow(foot, walk.gait.phase[name], shares.get(name), legs.get(name))
         for name, foot in walk.feet.items()
     }
 
@@ -133,20 +120,6 @@ STEPS: Final[Sequence[Column[FootRow]]] = (
     Column("length m", lambda row: row.foot.stride_length_m, 3),
 )
 """Steps of each foot."""
-LOADS: Final[Sequence[Column[FootRow]]] = (
-    Column("share", lambda row: row.share, is_share=True),
-    Column("peak |F|", lambda row: row.foot.peak_force_n, 1),
-    Column("peak |F|", lambda row: row.foot.peak_force_bw, 2),
-    Column("mean |F|", lambda row: row.foot.mean_force_n, 1),
-    Column("mean |F|", lambda row: _scaled(row.foot.mean_force_n, row.per_weight), 2),
-    Column("peak Fz", lambda row: row.foot.peak_vertical_force_n, 1),
-    Column("peak Fz", lambda row: row.foot.peak_vertical_force_bw, 2),
-    Column("impact", lambda row: row.foot.impact_ratio, 2),
-    Column("friction", lambda row: row.foot.friction_use, 2),
-    Column("travel", lambda row: row.foot.contact_travel_m, 1, 1e3),
-    Column("slip", lambda row: row.foot.slip_m, 1, 1e3),
-)
-"""Loads of each foot, for the terminal."""
 PAGE_LOADS: Final[Sequence[Column[FootRow]]] = (
     Column("share", lambda row: row.share, is_share=True),
     Column("highest N", lambda row: row.foot.peak_force_n, 1, statistic="max"),
@@ -159,7 +132,7 @@ PAGE_LOADS: Final[Sequence[Column[FootRow]]] = (
     Column("friction", lambda row: row.foot.friction_use, 2),
     Column("slip mm", lambda row: row.foot.slip_m, 1, 1e3),
 )
-"""The same, for the page."""
+"""Loads of each foot."""
 LEGS: Final[Sequence[Column[FootRow]]] = (
     Column("clearance", lambda row: row.foot.clearance_m, 1, 1e3),
     Column("swing m", lambda row: row.foot.swing_length_m, 3),
@@ -192,13 +165,6 @@ SYMMETRY: Final[Sequence[Column[Symmetry]]] = (
     Column("peak force %", lambda pair: pair.peak_force_n, 1, is_signed=True),
 )
 """Right against left of each pair of feet."""
-SUMMARY: Final[Sequence[Column[WalkMetrics]]] = (
-    Column("duty", lambda walk: walk.gait.duty_factor, 3),
-    Column("strides/s", lambda walk: walk.gait.stride_frequency_hz, 3),
-    Column("m/s", lambda walk: walk.base.forward_speed_mps, 3),
-    Column("impulse/weight", lambda walk: walk.forces.vertical_impulse_over_weight, 4),
-)
-"""Several logs in the terminal."""
 INDEX: Final[Sequence[Column[WalkMetrics]]] = (
     Column("duration s", lambda walk: walk.log.duration_s, 2),
     Column("duty", lambda walk: walk.gait.duty_factor, 3),

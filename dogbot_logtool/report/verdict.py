@@ -1,98 +1,240 @@
-"""Which gait it is, and how sure that is, in words."""
+"""Which gait it is and how sure that is; whether the recording can be trusted, and why not.
+
+The same words stand on the terminal and on the page.
+"""
 
 import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import fields, replace
+from pathlib import PurePath
 from typing import Final
 
 from dogbot_logtool.core.checks.wording import counted
-from dogbot_logtool.core.gait.classes import BIPED, HEXAPOD, IRREGULAR, QUADRUPED, STAND, TOLERANCE
-from dogbot_logtool.core.gait.segments import Segment
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.metrics import Gait, Segment, WalkMetrics
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.finding import Finding, Severity
+from dogbot_logtool.io.printable import printable
+from dogbot_logtool.report.numbers import NOTHING, decimal
+from dogbot_logtool.results import Measurement
 
 FEWEST_STRIDES: Final = 3
 """Strides from which phases can be consistent."""
+UNNAMED: Final = {None, "irregular"}
+_HIGH: Final = 0.8
+_FAIR: Final = 0.5
+_WHOLE: Final = 0.7
+"""Share of a log from which its longest segment stands for the whole."""
+_SOURCES: Final = {
+    "plan": ", as planned, not measured",
+    "joint_torques": ", contact estimated from joint torques",
+    "kinematics": ", contact estimated from the motion of the legs",
+}
+
+SUMMARY_HEADERS: Final = (
+    "log",
+    "gait",
+    "conf.",
+    "speed\nm/s",
+    "strides\n1/s",
+    "duty",
+    "load\n%",
+    "quality",
+    "worst",
+)
+"""Headings of a `summary_row`."""
 
 
-def headline(stats: Stats) -> str:
-    """Name the gait of the longest segment in a few words; before that, when the robot falls."""
-    name, fall = gait_headline(stats), fall_headline(stats)
-    return f"{fall}; {name.lower()}" if fall else name
+@dataclass(frozen=True, slots=True)
+class Quality:
+    """Whether a recording can be trusted."""
+
+    word: str
+    """OK: no warning. USABLE: warnings, none of which voids a metric. DOUBTFUL: one does, or there
+    is an error. DAMAGED: something could not be read."""
+    reasons: str
+    """What the word rests on."""
+    warnings: tuple[tuple[Finding, ...], ...]
+    """Errors and warnings by code, the worst first; that something is lost has a line of its
+    own."""
+    unchecked: tuple[str, ...]
+    """Checks that could not be made, each with its reason."""
+
+    @property
+    def level(self) -> str:
+        """``good``, ``care`` or ``bad``: how it is coloured."""
+        return {"OK": "good", "USABLE": "care"}.get(self.word, "bad")
+
+    @property
+    def mark(self) -> str:
+        """A sign for those who see no colours."""
+        return {"OK": "✔", "USABLE": "▲"}.get(self.word, "✖")
+
+    @property
+    def line(self) -> str:
+        """The verdict in one line."""
+        return f"Data quality: {self.word} ({self.reasons})"
 
 
-def gait_headline(stats: Stats) -> str:
+def quality_of(measured: Measurement) -> Quality:
+    """Judge a recording."""
+    checks = measured.metrics.quality.checks
+    outcomes = Counter(check.outcome for check in checks)
+    made, lost = outcomes["passed"] + outcomes["failed"], measured.damage
+    warnings = _grouped(measured.findings)
+    is_doubtful = any(
+        each.voids or each.severity is Severity.ERROR for group in warnings for each in group
+    )
+    is_damaged = bool(lost.losses or lost.bytes)
+    reasons = [
+        counted(len(warnings), "warning") if warnings else "",
+        f"{outcomes['passed']} of {counted(made, 'check')} passed"
+        if outcomes["failed"]
+        else f"{counted(made, 'check')} passed",
+        f"{outcomes['not made']} could not be made" if outcomes["not made"] else "",
+    ]
+    word = (
+        "DAMAGED" if is_damaged else "DOUBTFUL" if is_doubtful else "USABLE" if warnings else "OK"
+    )
+    unchecked = tuple(
+        f"{each.name}: {each.reason}" for each in checks if each.outcome == "not made"
+    )
+    return Quality(word, ", ".join(filter(None, reasons)), warnings, unchecked)
+
+
+def _grouped(findings: Sequence[Finding]) -> tuple[tuple[Finding, ...], ...]:
+    """Join errors and warnings by code; first errors, then what voids metrics, then by rank."""
+    groups: dict[str, list[Finding]] = {}
+    warnings = [each for each in findings if each.severity is not Severity.NOTE]
+    for each in sorted(warnings, key=_consequence):
+        if each.code != "LOST":
+            groups.setdefault(each.code, []).append(each)
+    return tuple(map(tuple, groups.values()))
+
+
+def _consequence(finding: Finding) -> tuple[int, int, bool, float]:
+    rank = math.inf if finding.rank is None else finding.rank
+    return finding.severity, finding.code != "FALL", not finding.voids, rank
+
+
+def headline(walk: WalkMetrics) -> str:
+    """Name the gait, and how sure that is; before that, when the robot falls."""
+    gait, fall = gait_headline(walk), fall_headline(walk)
+    return f"{fall}; {gait[0].lower()}{gait[1:]}" if fall else gait
+
+
+def fall_headline(walk: WalkMetrics) -> str:
+    """``Fall at 8.0 s``, or that it tips over as the recording ends; empty if it does neither."""
+    times = [f"{each.onset_s:.1f} s" for each in walk.events if each.type == "fall"]
+    if times:
+        return f"Fall at {', '.join(times[:3])}"
+    tipping = [f"{each.onset_s:.1f} s" for each in walk.events if each.type == "tipping"]
+    return f"Tips over from {tipping[0]}, as the recording ends" if tipping else ""
+
+
+def gait_headline(walk: WalkMetrics) -> str:
     """Name the gait of the longest segment, and how sure that is."""
-    main = stats.main
-    if main is None:
-        return "Gait not known"
-    sure = how_sure(main)
-    return f"{gait_name(main)}, {sure}" if sure else gait_name(main)
+    details = gait_details(walk)
+    source = _SOURCES.get(walk.settings.contact_from or "", "") if walk.feet else ""
+    return f"Gait: {gait_of(walk)}" + (f" ({details})" if details else "") + source
 
 
-def fall_headline(stats: Stats) -> str:
-    """``Falls at 8.02 s``, or that it tips over as the recording ends; empty if it does neither."""
-    if not len(stats.fallen):
-        found = stats.tipping
-        at = "" if found is None else f"{(found.since - stats.origin) / 1e9:.2f} s"
-        return f"Tips over from {at}, as the recording ends" if at else ""
-    times = ", ".join(f"{at:.2f} s" for at in stats.seconds(stats.fallen[:3, 0]))
-    return f"Falls at {times}"
+def gait_of(walk: WalkMetrics) -> str:
+    """Name the gait of the longest segment, or say that it has no name."""
+    if walk.gait.name is not None:
+        return gait_name(walk.gait)
+    if any(each.code == "MOVES_WITHOUT_STEPS" for each in walk.findings):
+        return "moves without steps"
+    return "not known" if walk.feet else "not measured"
 
 
-def is_known(stats: Stats) -> bool:
-    """Tell whether the gait has a name."""
-    return stats.main is not None and stats.main.gait.name not in {None, IRREGULAR}
+def gait_name(gait: Gait) -> str:
+    """Name a gait as people do: ``lateral-sequence walk``."""
+    sequence = gait.sequence
+    if sequence in {"lateral", "diagonal"}:
+        sequence = f"{sequence}-sequence"
+    return " ".join(filter(None, (sequence, gait.name))) or "not known"
 
 
-def gait_name(segment: Segment) -> str:
-    """Name a gait as people do: ``Lateral-sequence walk``."""
-    gait = segment.gait
-    if segment.moves_without_steps:
-        return "Moves without steps"
-    if segment.is_lifted:
-        return "No foot loaded"
+def gait_details(walk: WalkMetrics) -> str:
+    """Say how sure the gait is, or why it is not known."""
+    gait = walk.gait
     if gait.name is None:
-        return "Gait not known"
-    sequence = {"lateral": "lateral-sequence ", "diagonal": "diagonal-sequence "}
-    prefix = sequence.get(gait.sequence or "", f"{gait.sequence} " if gait.sequence else "")
-    return f"{prefix}{gait.name}".capitalize()
+        return why_null(walk, "gait.name") if walk.feet else "no topic of feet"
+    if gait.name == "irregular" and gait.class_distance is not None:
+        near = f"nearest: {gait.nearest_name}, phases {gait.class_distance:.2f} cycles off"
+        return f"{near}; {counted(gait.strides or 0, 'stride')}"
+    return how_sure(gait)
 
 
-def how_sure(segment: Segment) -> str:
-    """``clearly`` or ``fairly`` for a gait that phases of some strides name; empty for others."""
-    gait = segment.gait
-    if gait.name in {None, IRREGULAR, STAND} or gait.distance is None or not _consistency(segment):
+def how_sure(gait: Gait) -> str:
+    """Say how sure the name of a gait is; empty where there is none, and of a stand."""
+    if gait.name in UNNAMED or gait.name == "stand" or gait.confidence is None:
         return ""
-    if segment.strides < FEWEST_STRIDES:
-        return "by few strides"
-    sure = gait.distance <= TOLERANCE / 2.0 and min(_consistency(segment)) > 0.95
-    return "clearly" if sure else "fairly"
+    strides = counted(gait.strides or 0, "stride")
+    if (gait.strides or 0) < FEWEST_STRIDES:
+        return f"low confidence: only {strides}"
+    # Never rounded up to 1.00.
+    return (
+        f"{confidence(gait)} confidence: {math.floor(gait.confidence * 100) / 100:.2f}; {strides}"
+    )
 
 
-def evidence(segment: Segment) -> str:
-    """Say by what a gait was named."""
-    gait, consistency = segment.gait, _consistency(segment)
-    feet = len(segment.phases)
-    if segment.moves_without_steps:
-        return "the base moves and no foot steps: wheels, or wrong contacts"
-    if segment.is_lifted:
-        return "the robot is held in the air, or lies on its body"
-    if feet not in {BIPED, QUADRUPED, HEXAPOD}:
-        return f"only gaits of two, four or six feet have names; this robot has {feet}"
-    if gait.name is None and len(consistency) == feet:
-        return "which foot is front or back, left or right must be known to name one"
-    if gait.name is None or gait.distance is None or not consistency:
-        return f"phases of all {feet} feet are needed to name one"
-    if gait.name == IRREGULAR:
-        phases = f"nearest to {gait.nearest}: phases {gait.distance:.2f} cycles off"
-    else:
-        phases = f"phases within {gait.distance:.3f} cycles"
-    strides = counted(segment.strides, "stride")
-    return f"{phases}, R at least {_floor(min(consistency))}, {strides}"
+def confidence(gait: Gait) -> str:
+    """Return high, fair or low."""
+    if gait.confidence is None or (gait.strides or 0) < FEWEST_STRIDES:
+        return "low"
+    return "high" if gait.confidence >= _HIGH else "fair" if gait.confidence >= _FAIR else "low"
 
 
-def _consistency(segment: Segment) -> list[float]:
-    return [phase.consistency for phase in segment.phases if phase is not None]
+def why_null(walk: WalkMetrics, path: str) -> str:
+    """Return why a metric is null, as a few words."""
+    because = walk.null_because.get(path, "not known")
+    found = next((each.text for each in walk.findings if each.code == because), "")
+    return found.split(": ")[0] or because
 
 
-def _floor(share: float) -> str:
-    """Two decimals, never rounded up."""
-    return f"{math.floor(share * 100.0) / 100.0:.2f}"
+def main_part(walk: WalkMetrics) -> Segment | None:
+    """Return the longest segment, where the whole log is another matter than it; None: it is not.
+
+    A fall, a stand or another gait would be mixed into the metrics of the whole log.
+    """
+    longest = max(walk.gait.segments, key=lambda each: each.end_s - each.start_s, default=None)
+    duration = walk.log.duration_s or 0.0
+    if longest is None or longest.end_s - longest.start_s >= _WHOLE * duration:
+        return None
+    return longest
+
+
+def during(walk: WalkMetrics, segment: Segment) -> WalkMetrics:
+    """Return a walk whose metrics of a span are those of a segment."""
+    own = {each.name: getattr(segment.gait, each.name) for each in fields(Gait)}
+    return replace(
+        walk,
+        base=segment.base,
+        gait=replace(walk.gait, **own),
+        feet=segment.feet,
+        forces=segment.forces,
+        stability=segment.stability,
+    )
+
+
+def summary_row(measured: Measurement) -> tuple[str, ...]:
+    """Return the row of a log among several."""
+    whole, quality = measured.metrics, quality_of(measured)
+    part, others = main_part(whole), len(whole.gait.segments) - 1
+    walk = whole if part is None else during(whole, part)
+    gait, load = walk.gait, walk.forces.vertical_impulse_over_weight
+    codes = [first.code for first, *_ in quality.warnings]
+    more = f" +{len(codes) - 1}" if len(codes) > 1 else ""
+    return (
+        printable(PurePath(whole.log.path).name),
+        NOTHING if gait.name is None else gait.name + (f" +{others}" if others > 0 else ""),
+        confidence(gait) if how_sure(gait) else NOTHING,
+        decimal(walk.base.forward_speed_mps, 2),
+        decimal(gait.stride_frequency_hz, 2),
+        decimal(gait.duty_factor, 2),
+        decimal(load and load * 100.0, 0),
+        quality.word,
+        f"{codes[0]}{more}" if codes else "",
+    )

@@ -304,7 +304,7 @@ def test_what_an_extra_brings_is_asked_for(
     shell: Shell, monkeypatch: pytest.MonkeyPatch, words: Sequence[object], package: str
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
-    dataset = ("cli.dataset", "report.dataset", "report.dataset.dataset", "report.dataset.files")
+    dataset = ("cli.dataset", "report.dataset")
     for module in ("run.cluster", *dataset):
         monkeypatch.delitem(sys.modules, f"dogbot_logtool.{module}", raising=False)
     done = shell(*words)

@@ -17,7 +17,7 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.plausible import FARTHEST_M
 from dogbot_logtool.io.plain_json import only_finite, to_json
 from dogbot_logtool.io.targets import Output
-from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from tests.oracles import walks
 from tests.oracles.mcap_file import write_mcap

@@ -13,8 +13,8 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.layout import view_of
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.report.documents.stats_json import stats_json
-from dogbot_logtool.report.layouts.foxglove import foxglove_layout
+from dogbot_logtool.report.documents import stats_json
+from dogbot_logtool.report.layouts import foxglove_layout
 from dogbot_logtool.report.text.stats_text import print_report
 from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from tests.oracles import walks
@@ -87,7 +87,9 @@ def test_gait_figures_are_whole_and_those_of_quadrupeds_null(
     print_report(Console(file=out, width=100), done)
     assert all(leg in out.getvalue() for leg in phases)
     assert "all four feet" not in out.getvalue()
-    assert {2: "Walk, clearly", 6: "Tripod, clearly"}[len(phases)] in out.getvalue()
+    assert {2: "Gait: walk (high confidence", 6: "Gait: tripod (high confidence"}[
+        len(phases)
+    ] in out.getvalue()
 
 
 @pytest.mark.parametrize("phases", [HEXAPOD, BIPED], ids=["hexapod", "biped"])

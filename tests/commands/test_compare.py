@@ -13,9 +13,7 @@ from rich.console import Console
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.comparison.outcome import Comparison
 from dogbot_logtool.errors import CallError, LogtoolError
-from dogbot_logtool.report.documents.comparison_json import comparison_json
-from dogbot_logtool.report.documents.junit import junit_xml
-from dogbot_logtool.report.text.comparison_text import show_comparison
+from dogbot_logtool.report.comparison_report import comparison_json, junit_xml, show_comparison
 from dogbot_logtool.robot.options import CompareOptions
 from tests.paths import SAMPLE_LOGS
 

@@ -11,7 +11,7 @@ from mcap_protobuf.decoder import DecoderFactory
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.robot.options import ConvertOptions, StatsOptions
 from tests.oracles import state_walks, walks
 from tests.oracles.state_walks import StateWalk

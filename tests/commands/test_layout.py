@@ -15,9 +15,7 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.layout import view_of
 from dogbot_logtool.core.scene.foot_style import FOOT_COLOURS
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.report.layouts.foxglove import foxglove_layout
-from dogbot_logtool.report.layouts.rviz import rviz_config
-from dogbot_logtool.report.layouts.view import View, upper_bound
+from dogbot_logtool.report.layouts import View, foxglove_layout, rviz_config, upper_bound
 from dogbot_logtool.robot.options import ConvertOptions, TopicOptions
 from tests.oracles.standing_log import write_standing_log
 from tests.paths import SAMPLE_LOGS

@@ -8,7 +8,7 @@ import pytest
 
 from dogbot_logtool.commands.new_robot import new_robot
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from tests.oracles import base_walks, state_walks, walks
 from tests.oracles.state_walks import StateWalk

@@ -16,8 +16,8 @@ from mcap.writer import Writer
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.metrics import NEEDS, WalkMetrics
 from dogbot_logtool.errors import CallError, LogError
-from dogbot_logtool.report.documents.metrics_schema import schema
-from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.report.documents import stats_json
+from dogbot_logtool.report.schema import schema
 from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from tests.measured import measured
 from tests.oracles.walks import Walk as ContactWalk

@@ -30,7 +30,7 @@ from dogbot_logtool.core.records import (
     unknown,
     values,
 )
-from dogbot_logtool.report.documents.metrics_schema import schema
+from dogbot_logtool.report.schema import schema
 
 SUFFIXES = {
     "_s": "s",

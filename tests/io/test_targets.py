@@ -14,7 +14,7 @@ from dogbot_logtool.io.targets import (
     refuse_other_format,
     targets,
 )
-from dogbot_logtool.report.layouts.viewers import VIEWERS
+from dogbot_logtool.report.layouts import VIEWERS
 
 MCAP = ".annotated.mcap"
 

@@ -6,7 +6,7 @@ import pytest
 
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.reader import recording
-from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.robot.options import StatsOptions
 from tests.paths import SAMPLE_LOGS
 

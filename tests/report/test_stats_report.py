@@ -19,12 +19,12 @@ from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding, finding_kinds
 from dogbot_logtool.reader.containers.loss import Damage, Loss
-from dogbot_logtool.report.documents.metrics_schema import schema
-from dogbot_logtool.report.documents.stats_json import stats_json
-from dogbot_logtool.report.files.stride_table import stride_table
+from dogbot_logtool.report.documents import stats_json
+from dogbot_logtool.report.schema import schema
+from dogbot_logtool.report.table_file import stride_table
 from dogbot_logtool.report.text.gait_diagram import ASCII, default_window, gait_diagram
-from dogbot_logtool.report.text.stats_summary import summary_row
-from dogbot_logtool.report.text.stats_text import print_report, print_summary, verdict
+from dogbot_logtool.report.text.stats_text import print_report, print_summary
+from dogbot_logtool.report.verdict import summary_row
 from dogbot_logtool.results import LogFacts
 from tests.analysed import analysed
 
@@ -151,7 +151,7 @@ def test_the_json_says_what_was_walked(trot: Stats) -> None:
 def test_whatever_is_missing_the_json_is_valid_and_the_report_printed(stats: Stats) -> None:
     assert valid_json(stats)["findings"]
     for width in (80, 140):
-        assert "Findings" in text_of(stats, width)
+        assert "Data quality: " in text_of(stats, width)
 
 
 def test_every_null_of_a_foot_has_a_reason() -> None:
@@ -195,10 +195,11 @@ def test_a_row_a_stride(trot: Stats) -> None:
 
 
 def test_the_verdict_comes_first(trot: Stats) -> None:
-    assert verdict(trot, measurement_of(trot, FACTS).metrics).plain.startswith("Trot, clearly")
     lines = text_of(trot, 140).splitlines()
-    assert lines[0].startswith("walks/trot.bag")
-    assert lines[2].startswith("Trot, clearly")
+    assert lines[0].startswith("trot.bag: ROS 1 bag")
+    assert lines[2].startswith("Gait: trot (high confidence: ")
+    assert lines[4].startswith("Data quality: ")
+    assert len(lines) <= 40
 
 
 @pytest.mark.parametrize("width", [80, 140])
@@ -214,7 +215,7 @@ def test_without_colour_there_are_no_escapes_and_with_it_the_same_words(trot: St
     plain, coloured = text_of(trot, 100), text_of(trot, 100, colour=True)
     assert "\x1b" not in plain
     assert "\x1b[" in coloured
-    for word in ("Trot", "front_left", "vertical impulse over weight"):
+    for word in ("Gait: trot", "front_left", "Load check"):
         assert word in plain
         assert word in coloured
 
@@ -255,5 +256,5 @@ def test_several_logs_have_a_row_each(trot: Stats) -> None:
     rows = [summary_row(measurement_of(stats, FACTS)) for stats in (trot, measured(feet=0))]
     print_summary(Console(file=file, width=80), rows)
     lines = file.getvalue().splitlines()
-    assert len(lines) == 3
-    assert "trot" in lines[1]
+    assert len(lines) == 4
+    assert lines[2].split()[:3] == ["trot.bag", "trot", "high"]

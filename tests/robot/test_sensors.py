@@ -9,7 +9,7 @@ import pytest
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from tests.truth import sensor_faults as sensor
 from tests.truth.log_file import write_log

@@ -11,7 +11,7 @@ from golden import GOLDEN, Case, cases
 from rich.console import Console
 
 from dogbot_logtool.commands.compare import compare
-from dogbot_logtool.report.text.comparison_text import show_comparison
+from dogbot_logtool.report.comparison_report import show_comparison
 from dogbot_logtool.robot.options import CompareOptions
 
 # Sines and powers differ in their last bits from one processor to the next.

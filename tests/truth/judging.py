@@ -112,8 +112,9 @@ def _excused(case: Case, figure: str, found: Outcome) -> Status:
 def _unknown(judged: Sequence[Judged], found: Outcome) -> Iterator[Judged]:
     """A log of which a figure is null for a fault of the log is not simply trusted."""
     null = [each.figure for each in judged if each.status == "null"]
-    if found.trust_level == "good" and set(null) - set(STRUCTURAL):
-        yield Judged("verdict", f"care: no {', '.join(null)}", found.trust_text, "wrong")
+    says_so = found.quality != "OK" or "could not be made" in found.quality_line
+    if not says_so and set(null) - set(STRUCTURAL):
+        yield Judged("verdict", f"care: no {', '.join(null)}", found.quality_line, "wrong")
 
 
 def _gait(case: Case, truth: Truth, found: Outcome) -> Iterator[Judged]:
@@ -136,9 +137,7 @@ def _verdict(case: Case, truth: Truth, found: Outcome) -> Iterator[Judged]:
         status: Status = "right" if said else "wrong"
         yield Judged("finding", case.says, ", ".join(said) or f"none of [{codes}]", status)
     if not case.says and not case.cause:
-        # Care without a warning: a check could not be made.
-        sound = found.trust_level == "good" or (found.trust_level == "care" and not codes)
-        yield Judged("verdict", "good", f"{found.trust_level} [{codes}]", _right(sound))
+        yield Judged("verdict", "OK", f"{found.quality} [{codes}]", _right(found.quality == "OK"))
     fell = bool(found.says("the robot falls"))
     if truth.falls_s or fell:
         yield Judged(

@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.report.documents.stats_json import stats_json
-from dogbot_logtool.report.page.summary import trust
-from dogbot_logtool.report.verdict import headline
+from dogbot_logtool.report.documents import stats_json
+from dogbot_logtool.report.verdict import headline, quality_of
 from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from tests.truth.log_file import write_log
 from tests.truth.recording import Recording
@@ -23,9 +22,9 @@ class Outcome:
 
     json: Mapping[str, Any]
     headline: str
-    trust_level: str
-    """``good``, ``care`` or ``bad``."""
-    trust_text: str
+    quality: str
+    """OK, USABLE, DOUBTFUL or DAMAGED."""
+    quality_line: str
 
     def figure(self, key: str) -> Any:
         """Return what stands at a dotted key; None also where something on the way is None.
@@ -86,10 +85,10 @@ def outcome(recording: Recording, folder: Path) -> Outcome:
 def measured_log(path: Path, topics: TopicOptions | None = None) -> Outcome:
     """Measure a log."""
     measured = measure(path, StatsOptions(topics or TopicOptions()))
-    trusted = trust(measured)
+    quality = quality_of(measured)
     return Outcome(
         stats_json(measured),
-        headline(measured.stats),
-        trusted.level,
-        trusted.text,
+        headline(measured.metrics),
+        quality.word,
+        quality.line,
     )

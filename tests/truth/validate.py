@@ -122,7 +122,7 @@ def _foot_figure(
 def _verdict(found: Outcome) -> str:
     counts = Counter(found.warnings())
     codes = ", ".join(f"`{code}`" + (f" x{n}" if n > 1 else "") for code, n in counts.items())
-    return f"{found.trust_level}: {codes}" if codes else found.trust_level
+    return f"{found.quality}: {codes}" if codes else found.quality
 
 
 def _judgement(judged: Sequence[Judged]) -> str:

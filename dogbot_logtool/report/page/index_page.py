@@ -10,31 +10,29 @@ import numpy as np
 from markupsafe import Markup
 
 from dogbot_logtool import __version__
-from dogbot_logtool.core.events.event import EventType
-from dogbot_logtool.core.events.events import find_events
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.numbers import NOTHING
 from dogbot_logtool.report.page.assets import own, policy_of, rendered
-from dogbot_logtool.report.page.summary import Trust, recorded_at, trust
+from dogbot_logtool.report.page.summary import recorded_at
 from dogbot_logtool.report.tables import INDEX, cells_of, headers
 from dogbot_logtool.report.text.gait_diagram import default_window
-from dogbot_logtool.report.verdict import headline
+from dogbot_logtool.report.verdict import Quality, headline, quality_of
 from dogbot_logtool.results import Measurement
 
 COLUMNS: Final = (
     "log",
     "strides",
     "gait",
-    "can it be trusted",
+    "data quality",
     "falls",
     "slips",
     "robot",
     "recorded (UTC)",
     *headers(INDEX),
 )
-_WORDS: Final = frozenset({"log", "gait", "can it be trusted", "robot", "recorded (UTC)"})
+_WORDS: Final = frozenset({"log", "gait", "data quality", "robot", "recorded (UTC)"})
 """Columns of words; the others are numbers."""
 _WIDTH: Final = 120
 """Pixels of the miniature gait diagram; also `_ROW`, of a foot in it."""
@@ -61,7 +59,7 @@ class IndexRow:
     verdict: str = ""
     cells: tuple[str, ...] = ()
     """Falls, slips, robot, date, and the numbers of the figures' table."""
-    trust: Trust | None = None
+    quality: Quality | None = None
     bars: tuple[Bar, ...] = ()
     feet: int = 0
     error: str = ""
@@ -70,20 +68,20 @@ class IndexRow:
 def index_row(measured: Measurement, page_name: str) -> IndexRow:
     """Return a log's row in the index."""
     stats, log = measured.stats, measured.facts
-    kinds = [event.type for event in find_events(stats)]
-    falls = kinds.count(EventType.FALL) + kinds.count(EventType.TIPPING)
+    kinds = [event.type for event in measured.metrics.events]
+    falls = kinds.count("fall") + kinds.count("tipping")
     cells = (
-        str(falls) if len(stats.base_history.time) else NOTHING,
-        str(kinds.count(EventType.SLIP)),
+        str(falls) if measured.metrics.base.duration_s is not None else NOTHING,
+        str(kinds.count("slip")),
         log.robot or NOTHING,
         recorded_at(log.start_s),
         *cells_of(INDEX, measured.metrics),
     )
     # The name of a file may be any bytes.
     address = quote(os.fsencode(page_name), safe="")
-    found = trust(measured)
+    walk, quality = measured.metrics, quality_of(measured)
     return IndexRow(
-        Path(log.path).name, address, headline(stats), cells, found, _bars(stats), len(stats.feet)
+        Path(log.path).name, address, headline(walk), cells, quality, _bars(stats), len(stats.feet)
     )
 
 

@@ -1,7 +1,6 @@
 """The page itself: figures and tables set in a template, with all that it needs."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -15,13 +14,10 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.report.numbers import NOTHING, span_of
 from dogbot_logtool.report.page.assets import json_in_html, own, page_script, policy_of, rendered
-from dogbot_logtool.report.page.charts.chart import packed
-from dogbot_logtool.report.page.charts.commands_figure import tracked_commands
-from dogbot_logtool.report.page.charts.cycle_figure import force_over_cycle
-from dogbot_logtool.report.page.charts.drawing import Drawing, drawn_seconds, foot_glyph
+from dogbot_logtool.report.page.charts.cycle_figures import force_over_cycle, legs_over_cycle
+from dogbot_logtool.report.page.charts.drawing import Drawing, drawn_seconds, foot_glyph, packed
 from dogbot_logtool.report.page.charts.ground_figure import walk_from_above
-from dogbot_logtool.report.page.charts.legs_figure import legs_over_cycle
-from dogbot_logtool.report.page.charts.motion_figure import motion
+from dogbot_logtool.report.page.charts.motion_figures import motion, tracked_commands
 from dogbot_logtool.report.page.charts.time_figures import gait_diagram, load_curves
 from dogbot_logtool.report.page.curves import with_curves
 from dogbot_logtool.report.page.event_list import band_labels, event_list, marks
@@ -105,7 +101,7 @@ def page(
         replay=replay,
         replay_json=json_in_html(replay),
         feet=_feet(stats),
-        summary=summary(replace(measured, stats=stats)),
+        summary=summary(measured),
         findings=grouped([each for each in measured.findings if each.code != "LOST"]),
         events=events,
         damage=log.damage.text,

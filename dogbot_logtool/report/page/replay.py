@@ -13,8 +13,7 @@ from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.report.page.charts.chart import packed
-from dogbot_logtool.report.page.charts.drawing import drawn_seconds, is_hind, thinned
+from dogbot_logtool.report.page.charts.drawing import drawn_seconds, is_hind, packed, thinned
 from dogbot_logtool.report.page.event_list import event_list
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.robot.robot_model.limbs import Limbs

@@ -1,29 +1,23 @@
 """The summary, to be read in ten seconds: the gait, a few numbers, and whether to trust them."""
 
 from collections.abc import Iterator, Sequence
-from typing import Final
 
-from dogbot_logtool.core.checks.engine import first_of
-from dogbot_logtool.core.checks.questions import Check, Outcome, checks_of
-from dogbot_logtool.core.gait.classes import STAND
 from dogbot_logtool.core.metrics import WalkMetrics
-from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.finding import Finding, Severity
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.report.numbers import date_of, decimal
 from dogbot_logtool.report.verdict import (
-    evidence,
+    UNNAMED,
+    Quality,
     fall_headline,
     gait_headline,
     gait_name,
-    is_known,
+    quality_of,
 )
 from dogbot_logtool.results import Measurement
 
-_LEAST_RANK: Final = 20
-"""Findings of a lower rank make some figures doubtful, not all."""
-_LONGEST: Final = 110
-"""Characters of a doubt in the headline; it stands in full below."""
+_FIRST = 3
+"""Warnings that stand at the top of the page."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,17 +35,6 @@ class FindingGroup:
 
 
 @dataclass(frozen=True, slots=True)
-class Trust:
-    """Whether the recording can be trusted."""
-
-    level: str
-    """``good``, ``care`` or ``bad``."""
-    text: str
-    above_all: tuple[str, ...] = ()
-    """The finding that harms the figures most, with its remedy."""
-
-
-@dataclass(frozen=True, slots=True)
 class Tile:
     """A number with its name."""
 
@@ -65,13 +48,14 @@ class Summary:
     """The head of the page."""
 
     headline: str
-    """The fall or, without one, what makes the figures doubtful, or else the gait."""
+    """The fall or, without one, the gait."""
     is_sound: bool
-    """Whether the headline is a gait that has a name."""
+    """Whether the headline is a gait that has a name, of a recording without doubt."""
     gait: str
-    """The gait, where something else is the headline."""
-    evidence: str
-    trust: Trust
+    """The gait, where a fall is the headline."""
+    quality: Quality
+    first: tuple[str, ...]
+    """The first warnings, each with its remedy."""
     tiles: tuple[Tile, ...]
     segments: tuple[str, ...]
     """The gaits in turn, where there are several."""
@@ -79,21 +63,16 @@ class Summary:
 
 def summary(measured: Measurement) -> Summary:
     """Sum up a log."""
-    stats = measured.stats
-    main = stats.main
-    words = "no foot makes a whole stride" if main is None else evidence(main)
-    if main is not None and main.gait.name == STAND:
-        words = "all feet are down" + (" for the longest time" if len(stats.segments) > 1 else "")
-    alarm = fall_headline(stats) or _doubt(measured)
-    name = gait_headline(stats)
+    walk, quality = measured.metrics, quality_of(measured)
+    fall, gait = fall_headline(walk), gait_headline(walk)
     return Summary(
-        alarm or name,
-        is_known(stats) and not alarm,
-        name if alarm else "",
-        words,
-        trust(measured),
-        tuple(_tiles(stats, measured.metrics)),
-        tuple(_segments(stats)) if len(stats.segments) > 1 else (),
+        fall or gait,
+        walk.gait.name not in UNNAMED and not fall and quality.level != "bad",
+        gait if fall else "",
+        quality,
+        tuple(f"{each.text}. {each.remedy}".strip() for each, *_ in quality.warnings[:_FIRST]),
+        tuple(_tiles(walk)),
+        tuple(_segments(walk)) if len(walk.gait.segments) > 1 else (),
     )
 
 
@@ -103,22 +82,6 @@ def recorded_at(start_s: float | None) -> str:
         return "not known"
     date = date_of(start_s)
     return f"{date:%Y-%m-%d %H:%M:%S} UTC" if date else f"{start_s:.0f} s (no date)"
-
-
-def _doubt(measured: Measurement) -> str:
-    """Say what makes all figures doubtful; empty: nothing known does."""
-    if measured.damage.losses:
-        return "In doubt: the log is damaged"
-    found = measured.findings
-    first = [each for each in first_of(found) if each.code != "FALL"]
-    grave = [each for each in first if (each.rank or 0) <= _LEAST_RANK]
-    errors = [each for each in found if each.severity is Severity.ERROR]
-    if not (grave or errors):
-        return ""
-    text = (grave or errors)[0].text
-    if len(text) > _LONGEST:
-        text = f"{text[:_LONGEST].rsplit(' ', 1)[0]} ..."
-    return f"In doubt: {text}"
 
 
 def grouped(findings: Sequence[Finding]) -> list[FindingGroup]:
@@ -138,77 +101,21 @@ def grouped(findings: Sequence[Finding]) -> list[FindingGroup]:
     ]
 
 
-def trust(measured: Measurement) -> Trust:
-    """Say whether the numbers can be relied on."""
-    # Damage has a sentence of its own.
-    found = [each for each in measured.findings if each.code != "LOST"]
-    severities = [each.severity for each in found]
-    above_all = tuple(f"{each.text}. {each.remedy}".strip() for each in first_of(found))
-    errors, warnings = severities.count(Severity.ERROR), severities.count(Severity.WARNING)
-    counted = ", ".join(
-        f"{count} {word}{'' if count == 1 else 's'}"
-        for count, word in ((errors, "error"), (warnings, "warning"))
-        if count
-    )
-    if measured.damage.losses:
-        text = "The log is damaged"
-        return Trust("bad", f"{text}; {counted}." if counted else f"{text}.", above_all)
-    if errors:
-        return Trust("bad", f"Do not trust it unseen: {counted}.", above_all)
-    if warnings:
-        return Trust("care", f"Trust it with care: {counted}.", above_all)
-    return _trust_of_checks(checks_of(measured.stats, found))
-
-
-def _trust_of_checks(checks: Sequence[Check]) -> Trust:
-    """Say whether a log without damage and warnings can be trusted."""
-    not_made = _listed(checks, Outcome.NOT_MADE)
-    if not_made:
-        return Trust("care", f"No fault was found, but not all was checked: {not_made}.")
-    passed = sum(check.outcome is Outcome.PASSED for check in checks)
-    text = f"It can be trusted: no damage, no warnings, {passed} checks passed."
-    left = _listed(checks, Outcome.DOES_NOT_APPLY)
-    return Trust("good", f"{text} Not checked: {left}." if left else text)
-
-
-def _listed(checks: Sequence[Check], outcome: Outcome) -> str:
-    """Name the checks with an outcome, each with its reason."""
-    return "; ".join(f"{each.name} ({each.reason})" for each in checks if each.outcome is outcome)
-
-
-def _tiles(stats: Stats, walk: WalkMetrics) -> Iterator[Tile]:
-    base, main = walk.base, stats.main
+def _tiles(walk: WalkMetrics) -> Iterator[Tile]:
+    base, gait = walk.base, walk.gait
     if base.path_length_m is not None:
-        yield Tile(
-            "distance",
-            f"{decimal(base.path_length_m, 2)} m",
-            f"{decimal(base.net_displacement_m, 2)} m from start to end",
-        )
-        if base.forward_speed_mps is not None:
-            sideways = decimal(base.lateral_speed_mps, 2)
-            yield Tile(
-                "speed forward",
-                f"{decimal(base.forward_speed_mps, 3)} m/s",
-                f"{sideways} m/s to the left",
-            )
-    if main is not None and main.stride_frequency_hz is not None:
-        yield Tile(
-            "stride frequency",
-            f"{decimal(main.stride_frequency_hz, 2)} Hz",
-            f"{main.strides} strides",
-        )
-    if main is not None and main.duty_factor is not None:
-        kind = "below one half" if main.duty_below_half else "one half or more"
-        yield Tile("duty factor", decimal(main.duty_factor, 3), kind)
-    yield from _load_tiles(stats, walk)
-
-
-def _load_tiles(stats: Stats, walk: WalkMetrics) -> Iterator[Tile]:
-    peaks = [
-        (float(curves.force.value.max()), foot.name)
-        for foot in stats.feet
-        if (curves := foot.record.curves) and curves.force
-    ]
+        net = f"{decimal(base.net_displacement_m, 2)} m from start to end"
+        yield Tile("distance", f"{decimal(base.path_length_m, 2)} m", net)
+    if base.forward_speed_mps is not None:
+        sideways = f"{decimal(base.lateral_speed_mps, 2)} m/s to the left"
+        yield Tile("speed forward", f"{decimal(base.forward_speed_mps, 3)} m/s", sideways)
+    if gait.stride_frequency_hz is not None:
+        frequency = f"{decimal(gait.stride_frequency_hz, 2)} Hz"
+        yield Tile("stride frequency", frequency, f"{gait.strides} strides")
+    if gait.duty_factor is not None:
+        kind = "below one half" if gait.duty_factor < 0.5 else "one half or more"
+        yield Tile("duty factor", decimal(gait.duty_factor, 3), kind)
+    peaks = [(foot.peak_force_n.max, name) for name, foot in walk.feet.items() if foot.peak_force_n]
     if peaks:
         highest, name = max(peaks)
         weight = walk.settings.body_weight_n
@@ -216,20 +123,15 @@ def _load_tiles(stats: Stats, walk: WalkMetrics) -> Iterator[Tile]:
         yield Tile("highest load", f"{decimal(highest, 1)} N", f"{name}{of}")
     ratio = walk.forces.vertical_impulse_over_weight
     if ratio is not None:
-        yield Tile("impulse over weight", decimal(ratio, 3), "1 is right")
-    stability = stats.stability
-    if stability is not None and stability.static_margin_m is not None:
-        margin = stability.static_margin_m
-        yield Tile(
-            "static margin",
-            f"{decimal(margin.median * 1e3, 0)} mm",
-            f"least {decimal(margin.min * 1e3, 0)} mm",
-        )
+        yield Tile("load check", f"{ratio:.1%}", "of the body weight on the feet")
+    margin = walk.stability.static_margin_m
+    if margin is not None:
+        least = f"min {decimal(margin.min * 1e3, 0)} mm"
+        yield Tile("static margin", f"{decimal(margin.median * 1e3, 0)} mm", least)
 
 
-def _segments(stats: Stats) -> Iterator[str]:
-    for segment in stats.segments:
-        start, end = ((each - stats.origin) / 1e9 for each in (segment.start, segment.end))
-        frequency = segment.stride_frequency_hz
-        pace = "" if frequency is None else f", {frequency:.2f} strides a second"
-        yield f"{start:.1f} to {end:.1f} s: {gait_name(segment).lower()}{pace}"
+def _segments(walk: WalkMetrics) -> Iterator[str]:
+    for each in walk.gait.segments:
+        frequency = each.gait.stride_frequency_hz
+        pace = "" if frequency is None else f", {frequency:.2f} strides/s"
+        yield f"{each.start_s:.1f} to {each.end_s:.1f} s: {gait_name(each.gait)}{pace}"

@@ -1,6 +1,6 @@
 """The tables of the page, in text; numbers of the same kind stand under one heading."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Final, TypeVar
 
 import numpy as np
@@ -8,12 +8,12 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats, Ints, distinct
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.loads import WalkLoads
-from dogbot_logtool.core.metrics import Forces, WalkMetrics
+from dogbot_logtool.core.metrics import Forces, Legs, WalkMetrics
 from dogbot_logtool.core.quality.quality import LEAST_SHARE, MOST_DEVIATIONS, Outliers, outliers
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.report.files.stride_table import foot_strides
 from dogbot_logtool.report.numbers import decimal, percent
+from dogbot_logtool.report.table_file import foot_strides
 from dogbot_logtool.report.tables import (
     JOINTS,
     LEGS,
@@ -27,7 +27,19 @@ from dogbot_logtool.report.tables import (
     grouped_load,
     headers,
 )
-from dogbot_logtool.report.text.legs_text import work_words
+
+
+def work_words(legs: Legs) -> Iterator[tuple[str, str]]:
+    """Yield names and values of what all legs do together, as far as it is known."""
+    done, positive = legs.absolute_work_j, legs.positive_work_j
+    if done is not None:
+        known = "?" if positive is None else f"{decimal(positive.median, 2)} J"
+        words = f"{decimal(done.median, 2)} J, {known} of it positive"
+        yield "work of all joints in a stride", words
+    cost = legs.mechanical_cost_of_transport
+    if cost is not None:
+        yield "mechanical cost of transport", f"{decimal(cost, 3)}  (|work| / weight x way)"
+
 
 MOST_STRIDES: Final = 200
 """Rows of the stride table."""

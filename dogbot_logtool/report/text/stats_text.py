@@ -1,66 +1,84 @@
-"""The figures of `stats` for people: the verdict first, then the feet, loads, and what to doubt."""
+"""`stats` for people: one screen of one walk, a row each of several.
 
-from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from typing import Final, TypeVar
+The order is that of the questions: what was read, which gait and how sure, can it be trusted and
+what is wrong, how each foot walks, what the whole robot does, what happened. Numbers are those of
+the metrics, which are null where a finding voids them.
+"""
 
-from rich.console import Console, Group, RenderableType
-from rich.padding import Padding
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import PurePath
+from typing import Final, NamedTuple
+
+from rich.console import Console, RenderableType
 from rich.text import Text
 
 from dogbot_logtool.core.arrays import Aggregate
-from dogbot_logtool.core.checks.engine import first_of
-from dogbot_logtool.core.events.event import STEPS as STEP_EVENTS
-from dogbot_logtool.core.gait.classes import STAND
-from dogbot_logtool.core.metrics import Legs, Symmetry, WalkMetrics
-from dogbot_logtool.core.records import Number
-from dogbot_logtool.core.scene.foot_style import short_names
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.checks.wording import counted
+from dogbot_logtool.core.events.event import STEPS
+from dogbot_logtool.core.metrics import Segment, WalkMetrics
+from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.finding import Finding, Severity
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.numbers import NOTHING, decimal
-from dogbot_logtool.report.tables import (
-    JOINTS,
-    LEGS,
-    LOADS,
-    STEPS,
-    Column,
-    FootRow,
-    cells_of,
-    foot_rows,
-    grouped_load,
-    headers,
-)
 from dogbot_logtool.report.text.console import print_command, print_damage, print_sentence
-from dogbot_logtool.report.text.gait_diagram import (
-    ASCII,
-    UNICODE,
-    default_window,
-    gait_diagram,
-    support_line,
-)
-from dogbot_logtool.report.text.legs_text import work_words
-from dogbot_logtool.report.text.side_text import command_lines, imu_lines
-from dogbot_logtool.report.text.stats_summary import SUMMARY_HEADERS
+from dogbot_logtool.report.text.gait_diagram import ASCII, UNICODE, gait_diagram
 from dogbot_logtool.report.text.text_layout import HangingIndent, NameTable, Row
-from dogbot_logtool.report.verdict import evidence, fall_headline, gait_name, how_sure, is_known
-from dogbot_logtool.results import LogFacts, Measurement
+from dogbot_logtool.report.verdict import (
+    SUMMARY_HEADERS,
+    Quality,
+    confidence,
+    during,
+    fall_headline,
+    gait_headline,
+    gait_name,
+    how_sure,
+    main_part,
+    quality_of,
+    why_null,
+)
+from dogbot_logtool.results import Measurement
 
-S = TypeVar("S")
-_INDENT: Final = 4
-"""Indent of further lines of a text that does not fit into one."""
-_STYLES: Final[Mapping[Severity, str]] = {
-    Severity.ERROR: "bold red",
-    Severity.WARNING: "yellow",
-    Severity.NOTE: "dim",
-}
+_SHOWN_WARNINGS: Final = 5
+_SHOWN_SEGMENTS: Final = 6
+_SHOWN_UNCHECKED: Final = 2
+_WIDE: Final = 100
+"""Columns of a console from which those of tables stand two apart."""
+_SUBJECT: Final = 15
+"""Columns of a subject's name and the blanks behind it."""
+_COLOURS: Final = {"OK": "bold green", "USABLE": "bold yellow"}
+_GRAVITY: Final = 9.80665
+"""m/s^2."""
+_AXES: Final = ("m/s forward", "m/s to the left", "rad/s")
 
-_INDICES: Final[Mapping[str, Callable[[Symmetry], Number]]] = {
-    "peak force": lambda pair: pair.peak_force_n,
-    "duty factor": lambda pair: pair.duty_factor,
-}
+
+class _Column(NamedTuple):
+    """A column of the table of feet; of several metrics the first that was measured is shown."""
+
+    heading: str
+    choices: tuple[tuple[str, str, float, int], ...]
+    """(unit, metric, factor, decimals)."""
+
+
+_COLUMNS: Final = (
+    _Column("contact", (("%", "contact_fraction", 100.0, 1),)),
+    _Column("stance", (("s", "stance_s", 1.0, 3),)),
+    _Column("swing", (("s", "swing_s", 1.0, 3),)),
+    _Column("duty", (("", "duty_factor", 1.0, 3),)),
+    _Column("phase", (("", "phase", 1.0, 3),)),
+    _Column("stride", (("m", "stride_length_m", 1.0, 3),)),
+    _Column("clearance", (("mm", "clearance_m", 1e3, 0),)),
+    _Column("load", (("%", "load_share", 100.0, 1),)),
+    _Column(
+        "peak Fz",
+        (("BW", "peak_vertical_force_bw", 1.0, 2), ("N", "peak_vertical_force_n", 1.0, 0)),
+    ),
+    _Column("peak |F|", (("BW", "peak_force_bw", 1.0, 2), ("N", "peak_force_n", 1.0, 0))),
+    _Column("slip", (("mm", "slip_m", 1e3, 1),)),
+)
+_INSTEAD: Final = {"peak |F|": "peak Fz"}
+"""A column that is shown only where another cannot be."""
 
 
 def print_report(console: Console, measured: Measurement, *, verbose: bool = False) -> None:
@@ -69,312 +87,387 @@ def print_report(console: Console, measured: Measurement, *, verbose: bool = Fal
     Args:
         console: where to; its width decides the layout.
         measured: what was measured of it.
-        verbose: say also what is merely good to know, foot by foot.
+        verbose: print all findings, and why each null was not measured.
     """
-    stats, log, walk = measured.stats, measured.facts, measured.metrics
-    feet = foot_rows(walk, stats)
+    walk, quality = measured.metrics, quality_of(measured)
+    part = main_part(walk)
+    shown = walk if part is None else during(walk, part)
+    _print(console, _source(walk), Text(), *_gait(console, walk, shown, part))
+    colour = _COLOURS.get(quality.word, "bold red")
+    _print(console, HangingIndent(Text(quality.line, style=colour), 2))
+    print_damage(console, measured.damage)
+    _print_warnings(console, quality, verbose=verbose)
     glyphs = ASCII if console.options.ascii_only else UNICODE
-    start, end = default_window(stats)
-    diagram = gait_diagram(stats, console.width - 2, window=(start, end), glyphs=glyphs)
-    legend = "filled: foot down"
-    if any(glyphs.unknown in line.plain for line in diagram):
-        legend += f"; {glyphs.unknown}: not known"
-    # The damage has a line of its own, at the top.
-    findings = [each for each in measured.findings if each.code != "LOST"]
-    parts: list[RenderableType] = [
-        Text(),
-        verdict(stats, walk),
-        *_segments(stats),
-        *_first(findings),
-        Text(),
-        *_events(walk),
-        _heading("Gait diagram", f"{start:.2f} to {end:.2f} s; {legend}"),
-        Padding(Group(*diagram), (0, 0, 0, 2), expand=False),
-        Text(),
-        _heading("Steps", "medians over whole strides"),
-        _metrics(console, STEPS, feet),
-        _support(stats),
-        Text(),
-        _heading("Loads", _load_unit(stats)),
-        _metrics(console, LOADS, feet),
-        *_load_lines(stats, walk),
-        Text(),
-        *_legs(console, feet, walk.legs, verbose=verbose),
-        _heading("Base"),
-        *_base(stats),
-        *_beside(stats, walk),
-        Text(),
-        _heading("Findings"),
-        *_findings(findings, verbose=verbose),
-    ]
+    if walk.feet:
+        diagram = gait_diagram(measured.stats, console.width - 4, glyphs=glyphs)
+        _print(console, Text(), *(Text.assemble("  ", line) for line in diagram))
+    _print(console, Text())
+    if part is not None:
+        when = f"{part.start_s:.1f} to {part.end_s:.1f} s"
+        _print(console, Text(f"Longest segment: {when}, {gait_name(part.gait)}", style="bold"))
+    if any(foot.contact_fraction is not None for foot in shown.feet.values()):
+        _print(console, _feet(console, shown), Text())
+    for name, line in _SUBJECTS.items():
+        if words := line(shown):
+            subject = f"{name:<{_SUBJECT}}", "bold"
+            _print(console, HangingIndent(Text.assemble(subject, printable(words)), _SUBJECT))
+    track = measured.stats.command_track
+    for name, drift in track.drifts.items() if verbose and track else ():
+        parts = zip(drift.tolist(), _AXES, strict=True)
+        words = ", ".join(f"{round(value, 3) + 0.0:+.3f} {unit}" for value, unit in parts)
+        _print(console, Text(f"{'Drift':<{_SUBJECT}}{name}: {words}"))
+    _print_notes(console, measured, verbose=verbose)
+
+
+def _print(console: Console, *parts: RenderableType) -> None:
     # A report keeps its width where no terminal shows it.
-    console.print(_title(log), highlight=False, soft_wrap=False, crop=False)
-    print_damage(console, log.damage)
-    console.print(Group(*parts), highlight=False, soft_wrap=False, crop=False)
-    for each in log.findings:
-        if each.command:
-            print_command(console, each.command, 2)
+    for each in parts:
+        console.print(each, highlight=False, soft_wrap=False, crop=False)
 
 
-def _title(log: LogFacts) -> HangingIndent:
-    duration = NOTHING if log.duration_s is None else f"{log.duration_s:.2f} s"
-    facts = f"  {log.container}, {duration}, {log.messages} messages"
-    return HangingIndent(Text.assemble((printable(log.path), "bold"), facts), 2)
+def _source(walk: WalkMetrics) -> HangingIndent:
+    """Name the log and what it is."""
+    log, robot = walk.log, walk.settings.robot
+    duration = NOTHING if log.duration_s is None else f"{log.duration_s:.1f} s"
+    facts = [log.container, duration, f"{log.messages:,} messages"]
+    if robot and robot != "generic":
+        guessed = " (guessed; --robot)" if walk.settings.robot_guessed else ""
+        facts.append(f"robot {robot}{guessed}")
+    elif robot:
+        facts.append("robot not known (--robot)")
+    words = printable(": " + ", ".join(facts))
+    return HangingIndent(Text.assemble((printable(PurePath(log.path).name), "bold"), words), 2)
 
 
-def _heading(words: str, aside: str = "") -> Text:
-    return Text.assemble((words, "bold"), (f"  {aside}" if aside else "", "dim"))
+# The gait, and whether the log can be trusted
 
 
-def verdict(stats: Stats, walk: WalkMetrics) -> Text:
-    """Say in a line or two which gait it is, and how sure that is."""
-    fall = fall_headline(stats)
-    return (
-        Text.assemble((f"{fall}\n", "bold red"), _gait(stats, walk)) if fall else _gait(stats, walk)
-    )
+def _gait(
+    console: Console, walk: WalkMetrics, shown: WalkMetrics, part: Segment | None
+) -> Iterator[RenderableType]:
+    """Yield the fall, the gait and how fast it is."""
+    fall = fall_headline(walk)
+    if fall:
+        yield Text(fall, style="bold red")
+    if len(walk.gait.segments) > 1:
+        names = [gait_name(each.gait) for each in walk.gait.segments]
+        more = " ..." if len(names) > _SHOWN_SEGMENTS else ""
+        line = f"Gait: {', '.join(names[:_SHOWN_SEGMENTS])}{more}"
+        yield HangingIndent(Text(line, style="bold"), 2)
+        yield _segments(console, walk.gait.segments)
+        return
+    yield HangingIndent(Text(printable(gait_headline(walk)), style="bold"), 2)
+    gait, base = shown.gait, shown.base
+    flight, both = gait.flight_fraction, gait.double_support_fraction
+    parts = [
+        _with_unit(base.forward_speed_mps, 3, " m/s forward"),
+        _with_unit(gait.stride_frequency_hz, 2, " strides/s"),
+        "" if gait.duty_factor is None else f"duty factor {gait.duty_factor:.2f}",
+        f"flight {flight:.0%}" if flight and flight >= 0.005 else "",
+        "" if both is None else f"double support {both:.0%}",
+    ]
+    when = f" ({part.start_s:.1f} to {part.end_s:.1f} s)" if part else ""
+    yield HangingIndent(Text((", ".join(filter(None, parts)) or "speed not known") + when), 2)
 
 
-def _gait(stats: Stats, walk: WalkMetrics) -> Text:
-    main = stats.main
-    if main is None:
-        return Text("Gait not known: no foot makes a whole stride.", style="bold yellow")
-    if main.gait.name is not None and walk.gait.name is None:
-        cause = walk.null_because.get("gait.name", "")
-        return Text(f"Gait not known ({cause}).", style="bold yellow")
-    if main.gait.name == STAND:
-        extent = "throughout" if len(stats.segments) == 1 else "for the longest time"
-        return Text.assemble(("Stand", "bold green"), f": all feet are down {extent}.")
-    style = "bold green" if is_known(stats) else "bold yellow"
-    sure = how_sure(main)
-    line = Text.assemble((gait_name(main), style), f", {sure}" if sure else "")
-    line.append(f"\n{evidence(main)}")
-    if main.duty_factor is not None:
-        line.append(f"\nduty factor {main.duty_factor:.3f}")
-    if main.stride_frequency_hz is not None:
-        line.append(f", {main.stride_frequency_hz:.3f} strides a second")
-    speed = walk.base.forward_speed_mps
-    if speed is not None:
-        # Rounded first: -0.0001 is no -0.000.
-        line.append(f", {round(speed, 3) + 0.0:.3f} m/s forward")
-    return line
+def _segments(console: Console, segments: Sequence[Segment]) -> NameTable:
+    """Return a row for each of the first segments."""
+    headings = ("time", "gait", "conf.", "m/s forward", "strides/s", "duty", "strides")
+    rows = [
+        Row(
+            [f"{each.start_s:.1f} to {each.end_s:.1f} s"],
+            [
+                gait_name(each.gait),
+                confidence(each.gait) if how_sure(each.gait) else NOTHING,
+                decimal(each.base.forward_speed_mps, 3),
+                decimal(each.gait.stride_frequency_hz, 2),
+                decimal(each.gait.duty_factor, 2),
+                str(each.gait.strides or NOTHING),
+            ],
+        )
+        for each in segments[:_SHOWN_SEGMENTS]
+    ]
+    if len(segments) > _SHOWN_SEGMENTS:
+        rows.append(Row([f"... {len(segments) - _SHOWN_SEGMENTS} more"], [""] * 6))
+    return _table(console, headings, rows, left=(1, 2), margin=2)
 
 
-def _segments(stats: Stats) -> list[RenderableType]:
-    if len(stats.segments) < 2:
-        return []
-    parts = []
-    for segment in stats.segments:
-        start, end = ((each - stats.origin) / 1e9 for each in (segment.start, segment.end))
-        frequency = segment.stride_frequency_hz
-        pace = "" if frequency is None else f", {frequency:.2f} strides/s"
-        parts.append(f"{start:.1f}-{end:.1f} s {gait_name(segment).lower()}{pace}")
-    return [HangingIndent(Text("in turn: " + "; ".join(parts)), _INDENT)]
-
-
-def _table(console: Console, headings: Sequence[str], rows: Sequence[Row]) -> NameTable:
-    gap = 1 if console.width < 100 else 3
-    return NameTable(headings, rows, margin=2, gap=gap, heading_style="dim")
-
-
-def _metrics(
-    console: Console, columns: Sequence[Column[S]], sources: Mapping[str, S], of: str = "foot"
+def _table(
+    console: Console,
+    headings: Sequence[str],
+    rows: Sequence[Row],
+    left: Sequence[int] = (),
+    margin: int = 0,
 ) -> NameTable:
-    """Return the metrics of feet or joints, a row each."""
-    rows = [Row([printable(name)], cells_of(columns, each)) for name, each in sources.items()]
-    return _table(console, (of, *headers(columns)), rows)
+    gap = 2 if console.width >= _WIDE else 1
+    return NameTable(headings, rows, left, margin=margin, gap=gap, heading_style="dim")
 
 
-def _load_unit(stats: Stats) -> str:
-    unit = "newtons" if stats.loads.weight_n is None else "body weights"
-    return f"medians over whole stances; forces in {unit}, travel and slip in mm"
+def _print_warnings(console: Console, quality: Quality, *, verbose: bool) -> None:
+    """Print each warning, what it voids and what to do about it; the worst first."""
+    if verbose or quality.word == "OK":
+        for check in quality.unchecked[: None if verbose else _SHOWN_UNCHECKED]:
+            print_sentence(console, ("  not checked  ", "dim"), printable(check), indent=15)
+    groups = quality.warnings
+    for first, *others in groups[: None if verbose else _SHOWN_WARNINGS]:
+        more = f" (and {len(others)} more)" if others and not verbose else ""
+        for each in [first, *others] if verbose else [first]:
+            _print_finding(console, each, more)
+    if (hidden := len(groups) - _SHOWN_WARNINGS) > 0 and not verbose:
+        _print(console, Text(f"  - {counted(hidden, 'more warning')} (-v)"))
 
 
-def _support(stats: Stats) -> HangingIndent:
-    names = short_names([printable(foot.name) for foot in stats.feet])
-    line = Text("  feet down: ", style="dim")
-    if stats.support is not None:
-        shares = [
-            f"{number}: {share:.0%}"
-            for number, share in enumerate(stats.support.feet_down)
-            if share >= 0.005
-        ]
-        line.append(", ".join(shares) + f"  ({support_line(stats, names)})", style="default")
-    else:
-        line.append("not known")
-    return HangingIndent(line, _INDENT)
+def _print_finding(console: Console, finding: Finding, more: str) -> None:
+    sentence = printable(finding.sentence + more), "yellow"
+    print_sentence(console, "  - ", sentence, (f"  {finding.code}", "dim"), indent=4)
+    voids = f"Not given: {in_words(finding.voids)}. " if finding.voids else ""
+    print_sentence(console, f"    {printable(voids)}{finding.remedy}", indent=4)
+    if finding.command:
+        print_command(console, finding.command, 4)
 
 
-def _load_lines(stats: Stats, walk: WalkMetrics) -> list[RenderableType]:
-    loads = stats.loads
-    lines: list[RenderableType] = []
-    ratio = walk.forces.vertical_impulse_over_weight
-    if ratio is not None:
-        lines.append(_line("vertical impulse over weight", f"{ratio:.4f}  (1 is right)"))
-    if walk.forces.load_share.feet is not None:
-        words = [f"{name} {share:.1%}" for name, share in grouped_load(walk.forces.load_share)]
-        of = "vertical impulse" if loads.share_of == "vertical_impulse" else "impulse of |F|"
-        if words:
-            lines.append(_line(f"share of {of}", ", ".join(words)))
-    for name, of_pair in _INDICES.items():
-        indices = {pair: of_pair(each) for pair, each in walk.forces.symmetry_index_percent.items()}
-        words = [f"{pair} {index:+.1f} %" for pair, index in indices.items() if index is not None]
-        if words:
-            lines.append(_line(f"right over left, {name}", ", ".join(words)))
-    margin = walk.stability.static_margin_m
-    if margin is not None:
-        undefined = walk.stability.undefined_fraction or 0.0
-        lines.append(
-            _line(
-                "static margin",
-                f"median {margin.median * 1e3:.0f} mm, least {margin.min * 1e3:.0f} mm, "
-                f"no polygon for {undefined:.0%} of the time",
-            )
+def in_words(patterns: Sequence[str]) -> str:
+    """Name the metrics that patterns stand for."""
+    words = []
+    for pattern in patterns:
+        group, _, rest = pattern.partition(".")
+        if group == "feet":
+            foot, _, metric = rest.partition(".")
+            what = _without_unit(metric)
+            whose = "" if foot in {"*", ""} else f" of {foot}"
+            words.append(f"{what or 'all'}{whose}" if whose or what else "feet")
+        elif rest != "confidence":
+            words.append(group if rest in {"*", "name"} else _without_unit(rest))
+    return ", ".join(dict.fromkeys(words))
+
+
+def _without_unit(key: str) -> str:
+    for unit in ("_m", "_n", "_bw", "_s", "_mps", "_fraction"):
+        key = key.strip("*").rstrip("._").removesuffix(unit)
+    return key.replace("_", " ").replace(".*", "").replace(".", " ")
+
+
+# How each foot walks
+
+
+def _of_foot(walk: WalkMetrics, name: str, metric: str) -> float | None:
+    """Return a metric of a foot: a number, or the median of an aggregate."""
+    if metric == "phase":
+        return walk.gait.phase[name].mean if name in walk.gait.phase else None
+    if metric == "load_share":
+        return (walk.forces.load_share.feet or {}).get(name)
+    value: Aggregate | float | None = getattr(walk.feet[name], metric)
+    return value.median if isinstance(value, Aggregate) else value
+
+
+def _feet(console: Console, walk: WalkMetrics) -> NameTable:
+    """Return the table of feet, without columns that no foot has."""
+    columns: dict[str, list[str]] = {}
+    for column in _COLUMNS:
+        if any(each.startswith(_INSTEAD.get(column.heading, "\n")) for each in columns):
+            continue
+        for unit, metric, factor, decimals in column.choices:
+            numbers = [_of_foot(walk, name, metric) for name in walk.feet]
+            if any(number is not None for number in numbers):
+                columns[f"{column.heading}\n{unit}"] = [
+                    decimal(number and number * factor, decimals) for number in numbers
+                ]
+                break
+    rows = [
+        Row(
+            [Text(printable(name), style=foot_colour(index))],
+            [each[index] for each in columns.values()],
         )
-    return lines
-
-
-def _legs(
-    console: Console, feet: Mapping[str, FootRow], legs: Legs, *, verbose: bool
-) -> list[RenderableType]:
-    """Return the legs, if verbose their joints, too; nothing where the log tells of none."""
-    parts: list[RenderableType] = []
-    if any(row.leg is not None and row.leg.frame for row in feet.values()):
-        parts += [
-            _heading("Legs", "medians over whole strides; heights in mm"),
-            _metrics(console, LEGS, feet),
-        ]
-    if legs.joints and verbose:
-        of_legs = {name: joint for name, joint in legs.joints.items() if joint.foot}
-        parts += [
-            _heading("Joints", "rad and N m (m and N of those that slide)"),
-            _metrics(console, JOINTS, of_legs or legs.joints, "joint"),
-        ]
-    lines = [_line(name, words) for name, words in work_words(legs)]
-    if lines and not parts:
-        parts = [_heading("Legs", "medians over whole strides")]
-    return [*parts, *lines, Text()] if parts else []
-
-
-def _line(name: str, value: str) -> HangingIndent:
-    return HangingIndent(Text.assemble(("  " + name + ": ", "dim"), printable(value)), _INDENT)
-
-
-def _base(stats: Stats) -> list[RenderableType]:
-    base = stats.base
-    if base is None:
-        return [_line("odometry", "none that can be used")]
-    path_m, seconds = base.path_length_m, base.duration_s
-    speeds = [
-        f"{decimal(value, 3)} m/s {name}"
-        for name, value in (
-            ("along the path", path_m / seconds if seconds and path_m is not None else None),
-            ("forward", base.forward_speed_mps),
-            ("to the left", base.lateral_speed_mps),
-        )
-        if value is not None
+        for index, name in enumerate(walk.feet)
     ]
-    return [
-        _line(
-            "path",
-            f"{decimal(base.path_length_m, 3)} m, net {decimal(base.net_displacement_m, 3)} m, "
-            f"turned {decimal(base.yaw_change_rad, 3)} rad",
-        ),
-        _line("speed", ", ".join(speeds)),
-        _line("height", f"{_spread(base.height_m, 'm')}, Froude number {decimal(base.froude, 3)}"),
-        _line(
-            "attitude",
-            f"roll {_spread(base.roll_rad, 'rad')}, pitch {_spread(base.pitch_rad, 'rad')}",
-        ),
-    ]
+    return _table(console, ("foot", *columns), rows)
 
 
-def _beside(stats: Stats, walk: WalkMetrics) -> list[RenderableType]:
-    """Return the lines on commands and accelerometer of logs that have them."""
-    parts: list[RenderableType] = []
-    track = stats.command_track
-    if track is not None:
-        words = f"{printable(track.history.topic)}, means over {track.window_ns / 1e9:.2f} s"
-        parts += [Text(), _heading("Commands", words)]
-        parts += [_line(*line) for line in command_lines(walk.commands, track.drifts)]
-    if walk.imu.topic is not None:
-        parts += [Text(), _heading("Accelerometer", printable(walk.imu.topic))]
-        parts += [_line(*line) for line in imu_lines(walk.imu)]
-    return parts
+# What the whole robot does
 
 
-def _first(findings: Sequence[Finding]) -> list[RenderableType]:
-    """Return what to look at first, each with its remedy; nothing where nothing is grave."""
-    lines: list[RenderableType] = []
-    for each in first_of(findings):
-        text = Text.assemble(("  " + printable(each.sentence) + ". ", "yellow"), each.remedy)
-        lines.append(HangingIndent(text, _INDENT))
-    return [Text(), _heading("What to look at first"), *lines] if lines else []
-
-
-def _events(walk: WalkMetrics) -> list[RenderableType]:
-    """Return how often each event happened, and when first; touchdowns and lift-offs left out."""
-    happened = [each for each in walk.events if each.type not in STEP_EVENTS]
-    if not happened:
-        return []
-    first = {each.type: each.onset_s for each in reversed(happened)}
-    counts = Counter(each.type for each in happened)
+def _support(walk: WalkMetrics) -> str:
+    shares = {int(number): share for number, share in (walk.gait.support or {}).items()}
     words = [
-        f"{kind.replace('_', ' ')} {counts[kind]} (at {at:.2f} s)"
-        if counts[kind] == 1
-        else f"{kind.replace('_', ' ')} {counts[kind]} (first at {at:.2f} s)"
-        for kind, at in sorted(first.items(), key=lambda item: item[1])
+        f"{number} {'foot' if number == 1 else 'feet'} {share:.0%}"
+        for number, share in shares.items()
+        if share >= 0.005
     ]
-    return [
-        _heading("Events", "export --table events writes all"),
-        _line("happened", ", ".join(words)),
-        Text(),
+    if words:
+        return ", ".join(words) + " of the time"
+    unknown = walk.feet and "gait.support" in walk.null_because
+    return f"not known: {why_null(walk, 'gait.support')}" if unknown else ""
+
+
+def _stability(walk: WalkMetrics) -> str:
+    stability = walk.stability
+    margin = stability.static_margin_m
+    if margin is None:
+        return ""
+    known = 1.0 - (stability.unknown_fraction or 0.0)
+    defined = known - (stability.undefined_fraction or 0.0)
+    when = f"; defined {defined:.0%} of the time" if defined < 0.995 else ""
+    median, least = (f"{value * 1e3:.0f} mm" for value in (margin.median, margin.min))
+    return f"static margin {median} (median), min {least}{when}"
+
+
+def _load_check(walk: WalkMetrics) -> str:
+    ratio, weight = walk.forces.vertical_impulse_over_weight, walk.settings.body_weight_n
+    if ratio is not None:
+        mass = walk.settings.mass_kg
+        of = "" if mass is None else f" ({mass:.1f} kg)"
+        return f"the feet carry {ratio:.1%} of the body weight{of}"
+    if all(foot.peak_force_n is None for foot in walk.feet.values()):
+        return ""
+    kg = "" if weight is None else f"{weight:.0f} N ({weight / _GRAVITY:.1f} kg)"
+    carried = f"; the feet carry {kg} on average" if kg else ""
+    return f"not made: {why_null(walk, 'forces.vertical_impulse_over_weight')}{carried}"
+
+
+def _base(walk: WalkMetrics) -> str:
+    base = walk.base
+    if base.path_length_m is None:
+        return f"not measured: {why_null(walk, 'base.path_length_m')}"
+    turn = math.degrees(base.yaw_change_rad or 0.0)
+    parts = [
+        f"{base.path_length_m:.2f} m travelled",
+        f"turned {turn:.0f} deg" if abs(turn) > 3.0 else "",
+        f"height {base.height_m.median:.3f} m" if base.height_m else "",
+        _angle("roll", base.roll_rad),
+        _angle("pitch", base.pitch_rad),
     ]
+    return ", ".join(filter(None, parts))
 
 
-def _findings(findings: Sequence[Finding], *, verbose: bool) -> list[RenderableType]:
-    """Return the findings, the worst first; of those with one code the first, unless verbose."""
-    lines: list[RenderableType] = []
-    alike = Counter(each.code for each in findings)
-    for each in findings if verbose else _first_of_each(findings):
-        more = "" if verbose or alike[each.code] == 1 else f" (and {alike[each.code] - 1} more)"
-        lines.append(_finding(each, more))
-    return lines or [Text("  nothing to complain about", style="green")]
+def _angle(name: str, angle: Aggregate | None) -> str:
+    if angle is None:
+        return ""
+    spread = "" if angle.std is None else f" (sd {decimal(math.degrees(angle.std), 1)})"
+    return f"{name} {decimal(math.degrees(angle.median), 1)} deg{spread}"
 
 
-def _first_of_each(findings: Sequence[Finding]) -> list[Finding]:
-    """Return the first finding of each code."""
-    return list({each.code: each for each in reversed(findings)}.values())[::-1]
+def _energy(walk: WalkMetrics) -> str:
+    work, cost = walk.legs.absolute_work_j, walk.legs.mechanical_cost_of_transport
+    parts = [
+        "" if work is None else f"{work.median:.1f} J of joint work a stride",
+        "" if cost is None else f"mechanical cost of transport {cost:.2f}",
+    ]
+    return ", ".join(filter(None, parts))
 
 
-def _finding(finding: Finding, more: str) -> RenderableType:
-    label = f"  {finding.severity.word:<7} ", _STYLES[finding.severity]
-    text = printable(finding.sentence + more)
-    sentence = Text.assemble(label, text, (f"  {printable(finding.code)}", "dim"))
-    return HangingIndent(sentence, len(label[0]))
+def _commands(walk: WalkMetrics) -> str:
+    commands = walk.commands
+    errors = [
+        _with_unit(commands.forward.rms_error_mps, 2, " m/s forward"),
+        _with_unit(commands.lateral.rms_error_mps, 2, " m/s sideways"),
+        _with_unit(commands.yaw.rms_error_radps, 2, " rad/s"),
+    ]
+    known = ", ".join(filter(None, errors))
+    return f"{commands.topic}: RMS error {known}" if known else ""
+
+
+def _accelerometer(walk: WalkMetrics) -> str:
+    imu, ratio = walk.imu, walk.imu.forces_over_accelerometer
+    parts = [
+        _with_unit(imu.accelerometer_mps2, 2, " m/s^2 over strides"),
+        "" if imu.tilt_rad is None else f"tilt {math.degrees(imu.tilt_rad):.1f} deg",
+        "" if ratio is None else f"the forces are {ratio:.1%} of mass x acceleration",
+    ]
+    known = ", ".join(filter(None, parts))
+    return f"{imu.topic}: {known}" if known else ""
+
+
+def _events(walk: WalkMetrics) -> str:
+    times: dict[str, list[float]] = {}
+    for each in walk.events:
+        if each.type not in STEPS:
+            times.setdefault(each.type.replace("_", " "), []).append(each.onset_s)
+    kinds = [
+        f"{kind} at {at[0]:.1f} s"
+        if len(at) == 1
+        else f"{len(at)} x {kind}, first at {at[0]:.1f} s"
+        for kind, at in times.items()
+    ]
+    what = ", ".join(kinds) or "none"
+    steps = sum(each.type in STEPS for each in walk.events)
+    return f"{what}; {steps} touchdowns and lift-offs (export --table events)" if steps else what
+
+
+def _not_measured(walk: WalkMetrics) -> str:
+    """Name the columns that the table of feet lacks, with the cause."""
+    absent: dict[str, list[str]] = {}
+    for column in _COLUMNS:
+        metrics = [metric for _, metric, *_ in column.choices]
+        found = [_of_foot(walk, name, metric) for name in walk.feet for metric in metrics]
+        if found and column.heading not in _INSTEAD and set(found) == {None}:
+            paths = {"phase": "gait.name", "load_share": "forces.load_share.feet"}
+            path = paths.get(metrics[-1], f"feet.{next(iter(walk.feet))}.{metrics[-1]}")
+            absent.setdefault(why_null(walk, path), []).append(column.heading)
+    return "; ".join(f"{', '.join(names)} ({cause})" for cause, names in absent.items())
+
+
+def _with_unit(number: float | None, decimals: int, unit: str) -> str:
+    return "" if number is None else f"{decimal(number, decimals)}{unit}"
+
+
+_SUBJECTS: Final[Mapping[str, Callable[[WalkMetrics], str]]] = {
+    "Support": _support,
+    "Stability": _stability,
+    "Load check": _load_check,
+    "Base": _base,
+    "Energy": _energy,
+    "Commands": _commands,
+    "Accelerometer": _accelerometer,
+    "Events": _events,
+    "Not measured": _not_measured,
+}
+
+
+def _print_notes(console: Console, measured: Measurement, *, verbose: bool) -> None:
+    """Print how many notes there are; if verbose all, and why each null was not measured."""
+    notes = [each for each in measured.findings if each.severity is Severity.NOTE]
+    if not verbose:
+        if notes:
+            _print(console, Text(f"{counted(len(notes), 'note')} (-v)", style="dim"))
+        return
+    for note in notes:
+        text = printable(note.text)
+        print_sentence(console, ("note  ", "dim"), text, (f"  {note.code}", "dim"), indent=6)
+    causes: dict[str, dict[str, None]] = {}
+    for path, cause in measured.metrics.null_because.items():
+        if not path.startswith("gait.segments."):
+            causes.setdefault(cause, {})[_folded(measured.metrics, path)] = None
+    if causes:
+        _print(console, Text("Not measured because", style="bold"))
+    for cause, paths in causes.items():
+        print_sentence(console, (f"  {cause}: ", "dim"), printable(", ".join(paths)), indent=4)
+
+
+def _folded(walk: WalkMetrics, path: str) -> str:
+    """Return a path with a star for the name of a foot, joint or topic."""
+    groups: dict[str, Iterable[str]] = {
+        "feet": walk.feet,
+        "gait.phase": walk.feet,
+        "quality.feet": walk.feet,
+        "quality.topics": walk.quality.topics,
+        "legs.joints": walk.legs.joints,
+    }
+    for group, names in groups.items():
+        for name in names:
+            if path.startswith(f"{group}.{name}."):
+                return f"{group}.*{path.removeprefix(f'{group}.{name}')}"
+    return path
+
+
+# Several logs
 
 
 def print_summary(
     console: Console, rows: Sequence[Sequence[str]], damage: Sequence[Damage] = ()
 ) -> None:
-    """Print what was lost of which log, then a `summary_row` a log.
-
-    Whether a log is damaged stands in the table only where some are.
-    """
+    """Print what was lost of which log, then a `summary_row` a log."""
     for each in damage:
         if each.losses:
             print_sentence(console, (" damage  ", "red"), printable(each.line))
-    is_damaged = [row[-1] != NOTHING for row in rows]
-    count = len(SUMMARY_HEADERS) if any(is_damaged) else len(SUMMARY_HEADERS) - 1
-    lines = [
-        Row([row[0]], row[1:count], "yellow" if damaged else "")
-        for row, damaged in zip(rows, is_damaged, strict=True)
-    ]
-    table = replace(_table(console, SUMMARY_HEADERS[:count], lines), margin=0)
-    console.print(table, crop=False)
-
-
-def _spread(value: Aggregate | None, unit: str) -> str:
-    if value is None:
-        return NOTHING
-    std = "" if value.std is None else f" (sd {value.std:.3f})"
-    return f"{decimal(value.mean, 3)} {unit}{std}"
+    lines = [Row([row[0]], row[1:], "" if row[-2] == "OK" else "yellow") for row in rows]
+    _print(console, _table(console, SUMMARY_HEADERS, lines, left=(1, 2, 7, 8)))

@@ -4,14 +4,10 @@ import math
 from typing import Final
 
 import numpy as np
-import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.scene.feet import LoadState
 from dogbot_logtool.core.scene.loads import Loads, foot_loads, silences
-from dogbot_logtool.core.settings import body_weight_n
 from tests.core.scene.drawn_feet import MS, NOWHERE, foot_of
 
 DOGBOT_KG: Final = 21.261
@@ -22,34 +18,6 @@ def loads_of(*vertical: float, weight_n: float | None = None, opening: int = 0) 
     rule = ContactRule(on_n=10.0, off_n=4.0, debounce_s=0.0)
     messages = [(10.0 * (row + 1), force, NOWHERE) for row, force in enumerate(vertical)]
     return foot_loads(foot_of(messages, rule), slice(0, len(vertical)), weight_n, opening)
-
-
-def test_the_weight_of_dogbot() -> None:
-    assert body_weight_n(DOGBOT_KG) == pytest.approx(208.57, abs=0.01)
-
-
-def test_a_robot_of_unknown_mass_has_no_weight() -> None:
-    assert body_weight_n(None) is None
-
-
-@settings(max_examples=50, deadline=None)
-@given(st.lists(st.floats(-1e4, 1e4), max_size=10))
-def test_the_load_is_the_magnitude_of_the_force(forces: list[float]) -> None:
-    loads = loads_of(*forces, weight_n=208.5, opening=10 * MS)
-    magnitudes = [math.sqrt(force * force) for force in forces]
-    assert loads.force.tolist() == magnitudes
-    assert loads.body_weights.tolist() == [magnitude / 208.5 for magnitude in magnitudes]
-
-
-def test_body_weights_are_unknown_without_a_weight() -> None:
-    assert np.isnan(loads_of(12.0, 0.0).body_weights).all()
-
-
-@pytest.mark.parametrize("force", [math.nan, math.inf, 1e200])
-def test_what_is_not_finite_stays_so(force: float) -> None:
-    loads = loads_of(5.0, force, weight_n=100.0, opening=10 * MS)
-    assert np.isfinite(loads.force).tolist() == [True, False]
-    assert np.isfinite(loads.body_weights).tolist() == [True, False]
 
 
 def test_states_are_those_of_contact_detection() -> None:

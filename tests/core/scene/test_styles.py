@@ -8,12 +8,10 @@ from pathlib import Path
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.core.scene import arrows
 from dogbot_logtool.core.scene.arrows import (
     ArrowCounts,
     ArrowInput,
     Arrows,
-    ArrowScale,
     pressure_arrows,
 )
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, DEFAULT_STYLE, ArrowStyle
@@ -33,42 +31,6 @@ def test_the_styles_of_the_design() -> None:
         "force": (0.5, None),
     }
     assert DEFAULT_STYLE == "pressure"
-
-
-def test_only_arrows_along_the_force_need_directions() -> None:
-    assert [name for name, style in ARROW_STYLES.items() if style.needs_directions] == ["force"]
-
-
-def test_only_classic_is_made_of_contact_states() -> None:
-    from_states = [name for name, style in ARROW_STYLES.items() if style.needs_contact_states]
-    assert from_states == ["classic"]
-
-
-@pytest.mark.parametrize("name", ARROW_STYLES)
-def test_every_style_computes_its_own_arrows(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    called: list[str] = []
-    for each in ARROW_STYLES:
-
-        def stand_in(*_: object, each: str = each, **__: object) -> tuple[Arrows, ArrowCounts]:
-            called.append(each)
-            return arrows.no_arrows(), ArrowCounts()
-
-        monkeypatch.setattr(arrows, f"{each}_arrows", stand_in)
-    given = ArrowInput(
-        samples=None,  # type: ignore[arg-type]
-        contacts=object(),  # type: ignore[arg-type]
-        force_in_world=False,
-        body_weight_n=None,
-        scale=ArrowScale(),
-    )
-    ARROW_STYLES[name].compute(given)
-    assert called == [name]
-
-
-def test_classic_without_contact_states_draws_nothing() -> None:
-    given = ArrowInput(None, None, False, None, 100.0)  # type: ignore[arg-type]  # noqa: FBT003
-    drawn, counts = ARROW_STYLES["classic"].compute(given)
-    assert (len(drawn.foot), counts) == (0, ArrowCounts())
 
 
 def test_a_row_is_all_that_a_style_needs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

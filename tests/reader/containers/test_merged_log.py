@@ -19,7 +19,7 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.reader import opening
 from dogbot_logtool.reader.containers import log, merged_log
 from dogbot_logtool.reader.containers.mcap.records import read_extra
-from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from tests import forked_cli
 from tests.oracles import walks

@@ -16,7 +16,7 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.robot.topics.selection import select_topics
 from tests.oracles import walks

@@ -21,8 +21,7 @@ from upath import UPath
 
 from dogbot_logtool.commands.tasks import MeasureForDataset
 from dogbot_logtool.io import storage
-from dogbot_logtool.report.dataset.dataset import dataset_at, hash_of, is_gone
-from dogbot_logtool.report.dataset.rows import TABLES
+from dogbot_logtool.report.dataset import TABLES, dataset_at, hash_of, is_gone
 from dogbot_logtool.robot.options import StatsOptions
 from dogbot_logtool.run.inputs import Found, LogSet
 from tests.forked_cli import Ended, run

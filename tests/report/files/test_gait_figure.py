@@ -20,8 +20,8 @@ from dogbot_logtool.commands.plot import write_plot
 from dogbot_logtool.commands.stats import measure, measurement_of
 from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.report.documents.stats_json import stats_json
-from dogbot_logtool.report.files.gait_figure import FORMATS, gait_figure, write_figure
+from dogbot_logtool.report.documents import stats_json
+from dogbot_logtool.report.gait_figure import FORMATS, gait_figure, write_figure
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.robot.options import PlotOptions, StatsOptions, TopicOptions
 from tests.measured import measured

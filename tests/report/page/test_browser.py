@@ -23,7 +23,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 from dogbot_logtool.commands.report import Reports
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.io.targets import Output
-from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from tests.oracles import walks
 from tests.paths import SAMPLE_LOGS

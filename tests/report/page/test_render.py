@@ -17,7 +17,7 @@ from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.containers.loss import Damage, Loss
-from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.page.assets import own
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import Beside, page
@@ -162,14 +162,14 @@ def test_a_fall_or_a_doubt_is_the_headline() -> None:
     start = stats.origin + 2_000_000_000
     fallen = replace(stats, fallen=np.array([[start, stats.end]], np.int64))
     html = page(measurement_of(fallen, facts), 0).decode()
-    assert re.search(r'class="verdict unknown">Falls at 2\.00 s<', html)
-    assert '<p class="gait">Trot, clearly</p>' in html
+    assert re.search(r'class="verdict unknown">Fall at 2\.0 s<', html)
+    assert '<p class="gait">Gait: trot (high confidence' in html
     bands = [
         each["layout"]["shapes"] for each in drawings(html.encode()).values() if each["over_time"]
     ]
     assert all((band[0]["x0"], band[0]["y0"], band[0]["y1"]) == (2.0, 0.0, 1.0) for band in bands)
     html = page(measurement_of(stats, replace(facts, damage=GONE)), 0).decode()
-    assert "In doubt: the log is damaged" in html
+    assert "Data quality: DAMAGED" in html
 
 
 def test_the_page_tells_date_robot_and_version() -> None:
@@ -205,7 +205,7 @@ def test_damage_is_marked_where_it_is_in_the_file() -> None:
     stats, facts = trot()
     html = page(measurement_of(stats, replace(facts, damage=GONE)), 1000).decode()
     assert "left:25.000%;width:10.000%" in html
-    assert "The log is damaged" in html
+    assert "Data quality: DAMAGED" in html
 
 
 def samples(foot: int, time: Floats, spikes: Floats) -> Samples:
@@ -269,7 +269,7 @@ def test_a_log_of_contacts_only_has_a_page_that_says_what_is_missing() -> None:
     ).decode()
     assert "tell contact, not force" in html
     assert "positions are not known" in html
-    assert "Walk, clearly" in html
+    assert "Gait: walk (high confidence" in html
 
 
 def test_a_log_without_any_contact_has_a_page() -> None:
@@ -290,5 +290,5 @@ def test_the_index_has_a_row_a_log_and_says_why_one_is_missing() -> None:
     assert tags.loads == ["href=a%20b%23%3F.report.html"]
     assert tags.seen.count("rect") > 4 * 3
     assert "img" not in tags.seen
-    assert b"Trot, clearly" in html
+    assert b"Gait: trot (high confidence" in html
     assert b"is no log" in html

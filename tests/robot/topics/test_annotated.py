@@ -18,7 +18,7 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.reader.containers.log import Chunk
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.robot.options import (
     CompareOptions,

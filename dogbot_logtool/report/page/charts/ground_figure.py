@@ -8,16 +8,18 @@ from dogbot_logtool.core.arrays import Floats, Ints, distinct
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.stability import GroundPoints, footprints, pressure_path
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.report.page.charts.chart import Chart, Trace, scatter
 from dogbot_logtool.report.page.charts.drawing import (
     MARGIN,
     NEUTRAL,
     SECOND,
+    Chart,
     Drawing,
+    Trace,
     drawn_metres,
     drawn_seconds,
     foot_marker,
     label,
+    scatter,
     thinned,
 )
 

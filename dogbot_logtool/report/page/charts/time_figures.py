@@ -11,13 +11,16 @@ from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
-from dogbot_logtool.report.page.charts.chart import Chart, Trace, bars, scatter
 from dogbot_logtool.report.page.charts.drawing import (
     MARGIN,
     NEUTRAL,
+    Chart,
     Drawing,
+    Trace,
+    bars,
     drawn_seconds,
     label,
+    scatter,
     seconds,
     time_axis,
     translucent,

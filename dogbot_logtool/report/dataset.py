@@ -1,34 +1,203 @@
-"""A dataset: which logs are to be measured for it, and how their rows are written."""
+"""The metrics of many logs as Parquet, for any SQL engine: what `export --dataset` keeps.
+
+    logs/3f2a....parquet       a row: a log, with groups of metrics as structs (base, gait ...)
+    feet/3f2a....parquet       a row a foot of that log; likewise strides, events, findings
+
+A file is named by the hash of its log's path. Writing is replacing that file; those of other logs
+are never opened. Two calls that write one log write the same bytes, so nothing is locked.
+"""
 
 import hashlib
+import io
 import json
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import asdict, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING, Any, Final
 
 from dogbot_logtool import __version__
+from dogbot_logtool.core import metrics
 from dogbot_logtool.core.metrics import SCHEMA_VERSION
+from dogbot_logtool.core.records import Field, fields_of, is_record, to_json
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.errors import DAMAGED, CallError, LogtoolError
-from dogbot_logtool.io import storage
-from dogbot_logtool.io.storage import Location, valid_unicode
-from dogbot_logtool.report.dataset.files import Files
-from dogbot_logtool.report.dataset.rows import (
-    TABLES,
-    Tables,
-    failed_tables,
-    labels_of,
-    with_hash,
-    with_labels,
+from dogbot_logtool.errors import (
+    DAMAGED,
+    CallError,
+    ExtraMissingError,
+    LogtoolError,
+    StoreError,
 )
+from dogbot_logtool.io import storage
+from dogbot_logtool.io.output import whole_file
+from dogbot_logtool.io.storage import Location, valid_unicode
+from dogbot_logtool.report.table_file import arrow_table
+from dogbot_logtool.results import StrideTable
 from dogbot_logtool.run.inputs import Found, LogSet
+
+try:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+except ImportError as error:
+    raise ExtraMissingError("--dataset", "fleet") from error
 
 if TYPE_CHECKING:
     from dogbot_logtool.robot.options import StatsOptions
+
+
+TABLES: Final = ("strides", "feet", "events", "findings", "logs")
+"""In the order in which they are written: a log that is in `logs` is in all of them."""
+_TYPES: Final[Mapping[Any, Any]] = {
+    float: pa.float64(),
+    int: pa.int64(),
+    str: pa.string(),
+    bool: pa.bool_(),
+}
+
+Tables = Mapping[str, Any]
+"""`pyarrow.Table` of each of `TABLES`."""
+
+
+def log_tables(walk: metrics.WalkMetrics, strides: StrideTable) -> Tables:
+    """Return the rows of a log that was measured."""
+    row = {"error": None, **to_json(walk)}
+    foot = pa.array(strides.foot, pa.string())
+    tables = {
+        "strides": arrow_table(strides.columns).add_column(0, "foot", foot),
+        "logs": pa.Table.from_pylist([row], _log_schema()),
+    }
+    for field in fields_of(metrics.WalkMetrics):
+        if field.name in TABLES:
+            tables[field.name] = _rows(field, getattr(walk, field.name))
+    return tables
+
+
+def failed_tables(sentence: str) -> Tables:
+    """Return the row of a log that could not be measured."""
+    return {"logs": pa.Table.from_pylist([{"error": sentence}], _log_schema())}
+
+
+def with_hash(rows: Any, log_hash: str) -> Any:  # noqa: ANN401 - pyarrow has no types
+    """Return rows behind a column that joins the tables."""
+    return rows.add_column(0, "log_hash", pa.array([log_hash] * len(rows), pa.string()))
+
+
+def with_labels(rows: Any, labels: Mapping[str, str]) -> Any:  # noqa: ANN401
+    """Return the row of a log with these labels."""
+    column = pa.array([list(labels.items())] * len(rows), pa.map_(pa.string(), pa.string()))
+    names = rows.column_names
+    if "labels" in names:
+        return rows.set_column(names.index("labels"), "labels", column)
+    return rows.append_column("labels", column)
+
+
+def labels_of(rows: Any) -> dict[str, str]:  # noqa: ANN401
+    """Return the labels of the row of a log."""
+    return dict(rows["labels"][0].as_py())
+
+
+def _rows(field: Field, items: Any) -> Any:  # noqa: ANN401 - records, by name or in a list
+    """Return a row a record."""
+    columns = list(_columns(field.inner))
+    if field.kind != "map":
+        return pa.Table.from_pylist([to_json(each) for each in items], pa.schema(columns))
+    rows = [{"foot": name, **to_json(each)} for name, each in items.items()]
+    return pa.Table.from_pylist(rows, pa.schema([pa.field("foot", pa.string()), *columns]))
+
+
+def _log_schema() -> Any:  # noqa: ANN401 - pyarrow has no types
+    return pa.schema([pa.field("error", pa.string()), *_columns(metrics.WalkMetrics)])
+
+
+def _columns(record: Any) -> Iterator[Any]:  # noqa: ANN401 - a class of records
+    """Yield the columns of the fields of a record; lists of records are tables of their own."""
+    for field in fields_of(record):
+        kind = _type(field)
+        if kind is not None:
+            yield pa.field(field.name, kind, metadata={"unit": field.of.unit})
+
+
+def _type(field: Field) -> Any:  # noqa: ANN401 - pyarrow has no types
+    if field.kind in {"record", "aggregate", "curve"}:
+        return pa.struct(list(_columns(field.inner)))
+    if field.kind in {"map", "records"}:
+        return None if is_record(field.inner) else pa.map_(pa.string(), _TYPES[field.inner])
+    one = _TYPES.get(field.inner, pa.string())
+    return pa.list_(one) if field.kind == "list" else one
+
+
+_STATE: Final = b"dogbot_logtool"
+"""Key of a file's metadata: what became of the log, as JSON."""
+
+
+@dataclass(frozen=True, slots=True)
+class Files:
+    """The files below the directory or URL of a dataset: one a table and log."""
+
+    root: Location
+
+    def hashes(self) -> list[str]:
+        """Return the names of the logs that are there."""
+        folder = self.root / "logs"
+        if isinstance(folder, Path):
+            return sorted(file.stem for file in folder.glob("*.parquet"))
+        folder.fs.invalidate_cache()
+        names = map(PurePosixPath, storage.asked(folder, lambda: folder.fs.find(folder.path)))
+        return sorted(name.stem for name in names if name.suffix == ".parquet")
+
+    def read_log(self, log_hash: str) -> tuple[Any, dict[str, Any]] | None:
+        """Return the row of a log, a `pyarrow.Table`, and its state; None: there is none.
+
+        Raises:
+            LogtoolError: it cannot be read.
+        """
+        file = self._file("logs", log_hash)
+        try:
+            if isinstance(file, Path):
+                content = file.read_bytes()
+            else:
+                content = storage.asked(file, lambda: file.fs.cat_file(file.path))
+            rows = pq.read_table(io.BytesIO(content), use_threads=False)
+        except (FileNotFoundError, CallError):
+            return None
+        except StoreError:
+            raise
+        except (OSError, pa.ArrowException) as error:
+            raise LogtoolError(f"{storage.shown(file)}: cannot be read: {error}") from error
+        return rows, json.loads((rows.schema.metadata or {}).get(_STATE, b"{}"))
+
+    def write(self, table: str, log_hash: str, rows: Any, state: dict[str, Any]) -> None:  # noqa: ANN401
+        """Write, or replace, the rows of a log in a table, a `pyarrow.Table`.
+
+        Raises:
+            LogtoolError: they cannot be written.
+        """
+        buffer = io.BytesIO()
+        marked = rows.replace_schema_metadata({_STATE: json.dumps(state)})
+        pq.write_table(marked, buffer, compression="zstd", write_statistics=False)
+        target = self._file(table, log_hash)
+        if isinstance(target, Path):
+            with whole_file(target, overwrite=True, makes_folder=True) as file:
+                file.write(buffer.getvalue())
+        else:
+            # One request, so that the object is there as a whole or not at all.
+            storage.asked(target, lambda: target.fs.pipe_file(target.path, buffer.getvalue()))
+
+    def remove(self, table: str, log_hash: str) -> None:
+        """Remove the rows of a log from a table, if they are there."""
+        file = self._file(table, log_hash)
+        if isinstance(file, Path):
+            file.unlink(missing_ok=True)
+            return
+        with suppress(CallError):
+            storage.asked(file, lambda: file.fs.rm_file(file.path))
+
+    def _file(self, table: str, log_hash: str) -> Location:
+        return self.root / table / f"{log_hash}.parquet"
+
 
 _ASKED_AT_ONCE: Final = 16
 _ESCAPED: Final = re.compile(rb"\\x([89a-f][0-9a-f])")

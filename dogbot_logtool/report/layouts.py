@@ -1,14 +1,13 @@
-"""A layout for Foxglove and Lichtblick: robot and events beside load curves and gait diagram.
+"""Views of annotated logs, set up for viewers."""
 
-Curves and gait diagram have the same width and no labels at their left, since only then their time
-axes line up: what a curve spans stands in its title.
-"""
-
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from math import floor, log10, radians
 from typing import Any, Final
 
 from dogbot_logtool.core.scene.foot_style import foot_colour
-from dogbot_logtool.report.layouts.view import View
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.io.plain_json import to_json
+from dogbot_logtool.reader.containers.loss import SOUND, Damage
 from dogbot_logtool.writer.topics import (
     EVENTS_TOPIC,
     LEGS_TOPIC,
@@ -18,6 +17,52 @@ from dogbot_logtool.writer.topics import (
     label_topic,
     load_topic,
 )
+
+_ASIDE_DEG: Final = 75.0
+"""The camera looks at the robot's front from this much to its right: nearer to the front, a
+quadruped's right fore leg hides the left hind one, which stands with it in a trot."""
+_STEPS: Final = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """The robot whose annotated log is shown."""
+
+    feet: tuple[str, ...]
+    world_frame: str
+    """The frame in which the ground is."""
+    base_frame: str
+    """The frame to follow."""
+    forward_axis: str = "+x"
+    """The body axis that points forward."""
+    peak_n: float | None = None
+    """N, upper bound of the load curves; None: not known."""
+    size_m: float = 0.6
+    """m, length of the body."""
+    turned_deg: float = 0.0
+    """Yaw of the base in the world at the log's start."""
+    has_stamps: bool = True
+    """Whether header stamps tell when a transform holds."""
+    damage: Damage = SOUND
+    """What could not be read of the log that was looked at."""
+
+    @property
+    def camera_deg(self) -> float:
+        """Direction of the camera from the base, from its +x to the left: 0 to 360."""
+        heading = {"+x": 0.0, "+y": 90.0, "-x": 180.0, "-y": 270.0}[self.forward_axis]
+        return (heading - _ASIDE_DEG) % 360.0
+
+    @property
+    def camera_in_world_deg(self) -> float:
+        """Direction of the camera from the base, from the world's +x to the left: 0 to 360."""
+        return (self.camera_deg + self.turned_deg) % 360.0
+
+
+def upper_bound(value: float) -> float:
+    """Return a round number that is at least a positive one, and hardly more."""
+    power = 10.0 ** floor(log10(value))
+    return next(power * step for step in _STEPS if power * step >= value * (1.0 - 1e-9))
+
 
 _MOST_CURVES: Final = 4
 """Panels of curves: more would be too low to read."""
@@ -189,3 +234,124 @@ def _events() -> dict[str, Any]:
         "minLogLevel": 1,
         "topicToRender": EVENTS_TOPIC,
     }
+
+
+_WINDOW: Final = {
+    "Width": 1280,
+    "Height": 720,
+    "X": 0,
+    "Y": 0,
+    "Hide Left Dock": True,
+    "Displays": {"collapsed": True},
+}
+"""Pixels: without them RViz opens a window too small to see anything in. Without the last two, its
+list of displays covers the robot."""
+
+
+def rviz_config(view: View) -> dict[str, Any]:
+    """Return the content of a ``.rviz`` file, which is YAML.
+
+    RViz takes the robot from the parameter ``robot_description``, not from the topic.
+    """
+    topics = [topic(foot) for foot in view.feet for topic in (arrow_topic, label_topic)]
+    topics.append(LEGS_TOPIC)
+    return {
+        "Panels": [{"Class": "rviz/Displays", "Name": "Displays"}],
+        "Visualization Manager": {
+            "Class": "",
+            "Enabled": True,
+            "Displays": [
+                _grid(view),
+                {
+                    "Class": "rviz/RobotModel",
+                    "Name": "Robot",
+                    "Enabled": True,
+                    "Robot Description": "robot_description",
+                    "Collision Enabled": False,
+                    "Visual Enabled": True,
+                },
+                *(_markers("Marker", topic) for topic in topics),
+                _markers("MarkerArray", SUPPORT_TOPIC),
+            ],
+            "Global Options": {
+                "Background Color": "48; 48; 48",
+                "Fixed Frame": view.world_frame,
+                "Frame Rate": 30,
+            },
+            "Tools": [{"Class": "rviz/MoveCamera"}, {"Class": "rviz/Measure"}],
+            "Views": {"Current": _camera(view)},
+        },
+        "Window Geometry": _WINDOW,
+    }
+
+
+def _grid(view: View) -> dict[str, Any]:
+    return {
+        "Class": "rviz/Grid",
+        "Name": "Ground",
+        "Enabled": True,
+        "Alpha": 0.3,
+        "Cell Size": 0.5,
+        "Color": "160; 160; 164",
+        "Plane": "XY",
+        "Plane Cell Count": 80,
+        "Reference Frame": view.world_frame,
+    }
+
+
+def _markers(kind: str, topic: str) -> dict[str, Any]:
+    return {
+        "Class": f"rviz/{kind}",
+        "Name": topic,
+        "Enabled": True,
+        "Marker Topic": topic,
+        "Queue Size": 100,
+    }
+
+
+def _camera(view: View) -> dict[str, Any]:
+    return {
+        "Class": "rviz/Orbit",
+        "Name": "Robot",
+        "Target Frame": view.base_frame,
+        "Distance": round(4.4 * view.size_m, 2),
+        "Pitch": 0.35,
+        "Yaw": round(radians(view.camera_in_world_deg), 4),
+        "Focal Point": {"X": 0, "Y": 0, "Z": 0},
+    }
+
+
+DEFAULT_VIEWER: Final = "foxglove"
+
+
+@dataclass(frozen=True, slots=True)
+class Viewer:
+    """One viewer."""
+
+    name: str
+    summary: str
+    suffix: str
+    """Suffix of its files."""
+    layout: Callable[[View], bytes]
+    """Returns the content of its file."""
+
+
+def _foxglove(view: View) -> bytes:
+    return _json(foxglove_layout(view))
+
+
+def _rviz(view: View) -> bytes:
+    # JSON is YAML, too.
+    return _json(rviz_config(view))
+
+
+def _json(layout: dict[str, Any]) -> bytes:
+    return (to_json(layout, indent=2) + "\n").encode()
+
+
+_VIEWERS: Final = (
+    Viewer("foxglove", "Foxglove and Lichtblick", ".json", _foxglove),
+    Viewer("rviz", "RViz, for logs converted with --encoding ros1", ".rviz", _rviz),
+)
+VIEWERS: Final[Mapping[str, Viewer]] = {each.name: each for each in _VIEWERS}
+"""By name, in the order of ``--help``."""

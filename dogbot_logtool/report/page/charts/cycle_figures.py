@@ -1,4 +1,4 @@
-"""Curves over the gait cycle, each with a band around it: a panel a pair of legs, row by row."""
+"""Curves over the gait cycle, each with a band around it: forces, heights of the feet, joints."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
@@ -6,11 +6,21 @@ from typing import Any, Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
+from dogbot_logtool.core.gait.feet import CycleCurve
+from dogbot_logtool.core.legs.legs import LegFigures
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.report.page.charts.chart import Chart, Trace, scatter
-from dogbot_logtool.report.page.charts.drawing import MARGIN, label, translucent
+from dogbot_logtool.io.printable import printable
+from dogbot_logtool.report.page.charts.drawing import (
+    MARGIN,
+    Chart,
+    Drawing,
+    Trace,
+    label,
+    scatter,
+    translucent,
+)
 
 _ENDS: Final = {"front": "fore feet", "middle": "middle feet", "back": "hind feet"}
 _BETWEEN: Final = 0.06
@@ -189,3 +199,113 @@ def heading(title: str, domain: dict[str, list[float]]) -> dict[str, Any]:
         "yanchor": "bottom",
         "showarrow": False,
     }
+
+
+_FORCE_PIXELS = 250
+_FORCES: Final = (
+    "0 % is the foot's own touchdown. Line: median over whole strides, dashed for feet on the "
+    "right; band: from the lower to the upper quartile."
+)
+
+
+def force_over_cycle(stats: Stats) -> Drawing | None:
+    """Draw a panel a pair of legs; None where no force over a stride is known."""
+    vertical = [foot.vertical_over_stride for foot in stats.feet]
+    forward = [foot.forward_over_stride for foot in stats.feet]
+    known = [
+        (name, each) for name, each in (("vertical", vertical), ("forward", forward)) if any(each)
+    ]
+    if not known:
+        return None
+    rows = [PanelRow(name, "N", _bands(curves), ".1f", with_zero=True) for name, curves in known]
+    chart = over_cycle(stats, rows, _FORCE_PIXELS)
+    return Drawing(
+        "cycle", "Force over the gait cycle", _highest(stats, known[0][1]), _FORCES, chart
+    )
+
+
+def _bands(curves: Sequence[CycleCurve | None]) -> dict[int, Band]:
+    return {
+        foot: Band(curve.percent, curve.lower, curve.median, curve.upper)
+        for foot, curve in enumerate(curves)
+        if curve
+    }
+
+
+def _highest(stats: Stats, curves: Sequence[CycleCurve | None]) -> str:
+    highest = ", ".join(
+        f"{foot.name} {curve.median.max():.0f} N over {curve.number} strides"
+        for foot, curve in zip(stats.feet, curves, strict=True)
+        if curve
+    )
+    return f"The usual force of each foot over its stride. Highest median: {highest}."
+
+
+_MOST_ROWS: Final = 8
+"""Panels above each other."""
+_ROW_PIXELS: Final = 190
+_LEAST_RAD: Final = 0.05
+"""Span of a joint's row at least: what rests shows no noise."""
+_LEGS: Final = (
+    "0 % is the foot's own touchdown; dashed: legs on the right. Foot: height above the line "
+    "between its footfalls. Joints: position. Median and quartiles over whole strides."
+)
+
+
+def legs_over_cycle(stats: Stats) -> Drawing | None:
+    """Draw a panel a pair of legs and kind of joint; None where no legs are known."""
+    legs = stats.legs
+    rows = [] if legs is None else [*_heights(legs), *_joints(legs)][:_MOST_ROWS]
+    if not rows:
+        return None
+    chart = over_cycle(stats, rows, _ROW_PIXELS)
+    return Drawing("legs", "Legs over the gait cycle", _clearances(stats, legs), _LEGS, chart)
+
+
+def _heights(legs: LegFigures) -> list[PanelRow]:
+    """Return the row of the feet's heights, if any is known."""
+    bands = {
+        foot: Band(
+            curve.percent, *(1e3 * each for each in (curve.lower, curve.median, curve.upper))
+        )
+        for foot, leg in enumerate(legs.feet)
+        if (curve := leg.height) is not None
+    }
+    return [PanelRow("foot", "mm", bands)] if bands else []
+
+
+def _joints(legs: LegFigures) -> list[PanelRow]:
+    """Return a row a kind of joint: those of different legs that are alike."""
+    numbers = {leg.name: row for row, leg in enumerate(legs.feet)}
+    kinds = _kinds(legs)
+    rows: dict[str, dict[int, Band]] = {}
+    for name, joint in legs.metrics.joints.items():
+        curve = joint.position_over_stride
+        if curve is None or joint.foot is None:
+            continue
+        parts = (curve.percent, curve.lower, curve.median, curve.upper)
+        band = Band(*(np.array(each) for each in parts))
+        rows.setdefault(kinds.get(name, name), {})[numbers[joint.foot]] = band
+    return [PanelRow(name, "rad", bands, least=_LEAST_RAD) for name, bands in rows.items()]
+
+
+def _kinds(legs: LegFigures) -> dict[str, str]:
+    """Return what joints of all legs that are alike are called, by their names."""
+    kinds = {}
+    for pair in legs.settings.pairs:
+        end, _, rest = pair.name.partition("_")
+        kind = rest if end in {"front", "middle", "back"} and rest else pair.name
+        kinds[pair.left] = kinds[pair.right] = kind.removesuffix("_joint").replace("_", " ")
+    return kinds
+
+
+def _clearances(stats: Stats, legs: LegFigures | None) -> str:
+    known = [] if legs is None else [leg for leg in legs.feet if leg.height is not None]
+    medians = (1e3 * float(np.nanmedian(leg.strides["clearance_m"])) for leg in known)
+    clear = ", ".join(
+        f"{printable(leg.name)} {median:.0f} mm" for leg, median in zip(known, medians, strict=True)
+    )
+    joints = [] if legs is None else list(legs.metrics.joints.values())
+    moving = sum(joint.position_over_stride is not None for joint in joints)
+    text = f"Motion of {moving} joints over the stride of their {len(stats.feet)} feet."
+    return f"{text} Clearance of the feet: {clear}." if clear else text

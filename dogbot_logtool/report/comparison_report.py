@@ -1,0 +1,264 @@
+"""Results of `compare` as text, plain data and JUnit XML."""
+
+from collections.abc import Sequence
+from typing import Any, Final
+from xml.etree import ElementTree as ET
+
+from rich.console import Console
+
+from dogbot_logtool import __version__
+from dogbot_logtool.comparison.outcome import Comparison, Difference, Tally
+from dogbot_logtool.comparison.walks.two_runs import CONFIDENCE, FigureDifference, GaitComparison
+from dogbot_logtool.io.plain_json import to_json
+from dogbot_logtool.io.printable import printable
+from dogbot_logtool.io.storage import shown
+from dogbot_logtool.report.documents import damage_json
+from dogbot_logtool.report.text.console import human_size, print_losses, print_sentence
+from dogbot_logtool.report.text.text_layout import NameTable, Row
+
+_STYLES = {"same": "green", "different": "bold red"}
+_MOST_ROWS: Final = 200
+"""A row of a table takes a millisecond, so thousands would take seconds."""
+
+
+def show_comparison(comparison: Comparison, console: Console) -> None:
+    """Print a comparison."""
+    style = _STYLES["same" if comparison.same else "different"]
+    print_sentence(console, (printable(comparison.verdict), style))
+    for damage in comparison.damage:
+        print_sentence(console, (" damage  ", "red"), printable(damage.line))
+        print_losses(console, damage)
+    shown = _shown(comparison.tallies)
+    if shown:
+        console.print(_table(comparison, shown), crop=False)
+    if more := len(comparison.tallies) - len(shown):
+        different = sum(not tally.same for tally in comparison.tallies)
+        different -= sum(not tally.same for tally in shown)
+        print_sentence(console, f"... and {more} more, {different} of them different")
+    for tally in shown:
+        if tally.note:
+            print_sentence(console, printable(f"{tally.name}: {tally.note}"))
+    for difference in comparison.differences:
+        print_sentence(console, printable(difference.line))
+    if more := comparison.difference_count - len(comparison.differences):
+        print_sentence(console, f"... and {more} more")
+
+
+def _shown(tallies: Sequence[Tally]) -> Sequence[Tally]:
+    """Return the rows of the table: all, or of very many the first that differ."""
+    if len(tallies) <= _MOST_ROWS:
+        return tallies
+    return [tally for tally in tallies if not tally.same][:_MOST_ROWS]
+
+
+def _table(comparison: Comparison, shown: Sequence[Tally]) -> NameTable:
+    # Plain ASCII columns: what is redirected into a file is read in a browser or mailed.
+    unit = comparison.unit
+    counts = (unit, "equal", "within tolerance", "different", "missing", "extra", "largest |d|")
+    rows = [_tally_row(tally) for tally in shown]
+    return NameTable(("topic" if unit == "messages" else "part", *counts), rows)
+
+
+def _tally_row(tally: Tally) -> Row:
+    count = f"{tally.expected}"
+    if tally.actual != tally.expected:
+        count += f" / {tally.actual}"
+    numbers = (
+        tally.equal,
+        tally.within_tolerance,
+        tally.different,
+        tally.missing,
+        tally.extra,
+    )
+    deviation = f"{tally.deviation:.3g}" if tally.deviation else "0"
+    style = "" if tally.same else _STYLES["different"]
+    return Row([printable(tally.name)], [count, *map(str, numbers), deviation], style)
+
+
+SCHEMA: Final = "dogbot-logtool/compare/2"
+"""Changes when a field goes or changes its meaning; new fields may come."""
+
+
+def comparison_json(comparison: Comparison) -> str:
+    """Return the document, indented, with a line break at its end."""
+    return to_json(comparison_document(comparison), indent=2) + "\n"
+
+
+def comparison_document(comparison: Comparison) -> dict[str, Any]:
+    """Return the comparison as JSON's own types."""
+    return {
+        "schema": SCHEMA,
+        "tool": {"name": "dogbot-logtool", "version": __version__},
+        "expected": shown(comparison.expected),
+        "actual": shown(comparison.actual),
+        "same": comparison.same,
+        "exit_code": comparison.exit_code,
+        "verdict": comparison.verdict,
+        "unit": comparison.unit,
+        "topics": [_tally(tally) for tally in comparison.tallies],
+        "differences": [_difference(difference) for difference in comparison.differences],
+        "difference_count": comparison.difference_count,
+        "damage": [{"log": each.log, **damage_json(each)} for each in comparison.damage],
+        "warnings": list(comparison.warnings),
+    }
+
+
+def _tally(tally: Tally) -> dict[str, Any]:
+    return {
+        "name": tally.name,
+        "type": tally.type_name,
+        "same": tally.same,
+        "only_in": tally.only_in or None,
+        "expected": tally.expected,
+        "actual": tally.actual,
+        "equal": tally.equal,
+        "within_tolerance": tally.within_tolerance,
+        "different": tally.different,
+        "missing": tally.missing,
+        "extra": tally.extra,
+        "described_differently": tally.faults,
+        "largest_deviation": tally.deviation,
+        "largest_deviation_at": tally.deviation_path or None,
+        "note": tally.note or None,
+    }
+
+
+def _difference(difference: Difference) -> dict[str, Any]:
+    return {
+        "kind": difference.kind.value,
+        "topic": difference.topic,
+        "index": difference.index,
+        "time_s": difference.time_s,
+        "path": difference.path,
+        "expected": difference.expected,
+        "actual": difference.actual,
+        "deviation": difference.deviation,
+        "line": difference.line,
+    }
+
+
+def junit_xml(comparison: Comparison) -> bytes:
+    """Return the XML document, in UTF-8.
+
+    A topic that differs is a failure, damage of a file an error.
+    """
+    failures = sum(not tally.same for tally in comparison.tallies)
+    errors = bool(comparison.damage)
+    counts = {
+        "tests": str(len(comparison.tallies) + 1),
+        "failures": str(failures),
+        "errors": str(int(errors)),
+    }
+    root = ET.Element("testsuites", counts)
+    name = printable(f"compare {comparison.expected} {comparison.actual}")
+    suite = ET.SubElement(root, "testsuite", {"name": name, **counts})
+    _add_files(suite, comparison)
+    for tally in comparison.tallies:
+        _add_topic(suite, comparison, tally)
+    document: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
+    return document + b"\n"
+
+
+def _add_files(suite: ET.Element, comparison: Comparison) -> None:
+    case = _add_case(suite, comparison, "files can be read")
+    if comparison.damage:
+        lines = [printable(damage.line) for damage in comparison.damage]
+        error = ET.SubElement(case, "error", {"message": f"damage: {'; '.join(lines)}"})
+        error.text = "\n".join(
+            printable(loss.what) for damage in comparison.damage for loss in damage.losses
+        )
+
+
+def _add_topic(suite: ET.Element, comparison: Comparison, tally: Tally) -> None:
+    case = _add_case(suite, comparison, printable(tally.name))
+    if not tally.same:
+        summary = tally.summary(comparison.unit)
+        failure = ET.SubElement(case, "failure", {"message": summary})
+        lines = [one.line for one in comparison.differences if one.topic == tally.name]
+        failure.text = "\n".join(lines or [summary])
+
+
+def _add_case(suite: ET.Element, comparison: Comparison, name: str) -> ET.Element:
+    attributes = {"classname": printable(comparison.expected.name), "name": name}
+    return ET.SubElement(suite, "testcase", attributes)
+
+
+_HEADINGS: Final = ("figure", "first", "second", "difference", "from", "to", "effect", "strides")
+
+
+def print_gait_comparison(console: Console, found: GaitComparison, *, verbose: bool) -> None:
+    """Print what differs, the largest effect first.
+
+    Args:
+        console: where to.
+        found: the comparison.
+        verbose: print also what does not differ.
+    """
+    for damage in found.damage:
+        print_sentence(console, (" damage   ", "red"), printable(damage.line))
+    for doubt in found.doubts:
+        print_sentence(console, ("doubtful  ", "yellow"), printable(doubt), indent=10)
+    if found.reasons:
+        print_sentence(console, ("not comparable", "bold red"))
+        for reason in found.reasons:
+            print_sentence(console, f"  {printable(reason)}", indent=4)
+        return
+    differing, all_of_them = found.differing, found.differences
+    style = "bold red" if differing else "green"
+    verdict = f"{len(differing)} of {len(all_of_them)} figures differ"
+    print_sentence(console, (verdict, style), f" (at {CONFIDENCE:.0%} over all of them)")
+    shown = all_of_them if verbose else differing
+    if shown:
+        console.print(NameTable(_HEADINGS, [_metric_row(each) for each in shown]), crop=False)
+
+
+def print_comparison_page(console: Console, name: str, size: int, found: GaitComparison) -> None:
+    """Print what a page that compares two sides comes to.
+
+    Args:
+        console: where to.
+        name: of the page.
+        size: bytes.
+        found: the comparison.
+    """
+    words = f"{len(found.differing)} of {len(found.differences)} figures differ"
+    if found.reasons:
+        words = f"not comparable: {'; '.join(found.reasons)}"
+    name_in_bold = printable(name), "bold"
+    print_sentence(console, name_in_bold, printable(f": {words} ({human_size(size)})"))
+
+
+def _metric_row(each: FigureDifference) -> Row:
+    low, high = each.interval
+    cells = (*each.medians, each.difference, low, high)
+    numbers = [f"{cell:.4g}" for cell in cells]
+    counts = f"{each.counts[0]} / {each.counts[1]}"
+    name = printable(f"{each.foot} {each.figure}")
+    return Row([name], [*numbers, f"{each.effect:.1f}", counts], "" if each.differs else "dim")
+
+
+def gait_comparison_json(found: GaitComparison) -> dict[str, Any]:
+    """Return the comparison as plain data."""
+    return {
+        "first": list(found.sides[0]),
+        "second": list(found.sides[1]),
+        "damage": [{"log": each.log, **damage_json(each)} for each in found.damage],
+        "comparable": not found.reasons,
+        "reasons": list(found.reasons),
+        "doubts": list(found.doubts),
+        "confidence": CONFIDENCE,
+        "differences": [_metric_difference(each) for each in found.differences],
+    }
+
+
+def _metric_difference(each: FigureDifference) -> dict[str, Any]:
+    return {
+        "foot": each.foot,
+        "figure": each.figure,
+        "strides": list(each.counts),
+        "medians": list(each.medians),
+        "difference": each.difference,
+        "interval": list(each.interval),
+        "effect": each.effect,
+        "differs": each.differs,
+    }

@@ -1,0 +1,115 @@
+"""Results as plain data: `--json` of every command but those that compare."""
+
+from collections.abc import Iterator
+from dataclasses import asdict, replace
+from typing import Any
+
+from dogbot_logtool import __version__
+from dogbot_logtool.core.events.event import STEPS
+from dogbot_logtool.core.metrics import WalkMetrics
+from dogbot_logtool.core.records import to_json, values
+from dogbot_logtool.finding import Finding
+from dogbot_logtool.io.plain_json import not_finite, only_finite
+from dogbot_logtool.io.printable import listed
+from dogbot_logtool.io.storage import shown
+from dogbot_logtool.reader.containers.loss import Damage
+from dogbot_logtool.results import Conversion, Measurement
+
+
+def damage_json(damage: Damage) -> dict[str, Any]:
+    """Return damage as plain values.
+
+    `messages` is null when their number cannot be known, `text` where the log is sound, and
+    `start_s` and `end_s`, which count from the log's first message, where they are not known.
+    """
+    return {
+        "text": damage.text or None,
+        "messages": damage.messages,
+        "bytes": damage.bytes,
+        "places": [
+            {
+                "offset": loss.offset,
+                "text": loss.what,
+                "messages": loss.messages,
+                "bytes": loss.bytes,
+                "start_s": damage.seconds(loss.start_time),
+                "end_s": damage.seconds(loss.end_time),
+            }
+            for loss in damage.losses
+        ],
+    }
+
+
+def finding_json(finding: Finding) -> dict[str, Any]:
+    """Return a finding as plain data."""
+    return {
+        "code": finding.code,
+        "severity": finding.severity.word,
+        "text": finding.text,
+        "remedy": finding.remedy,
+        "where": finding.where or None,
+        "voids": list(finding.voids),
+    }
+
+
+Json = dict[str, Any]
+
+
+def stats_json(measured: Measurement, *, detail: bool = True) -> Json:
+    """Return all metrics of one log as plain data; what is not known is None.
+
+    Args:
+        measured: what was measured of it.
+        detail: with curves, lists of times, and the events of every stride.
+    """
+    walk = measured.metrics if detail else _without_detail(measured.metrics)
+    document: Json = to_json(walk, detail=detail)
+    finite: Json = only_finite(document)
+    # Comparing is far quicker than looking for paths, of which there are nearly never any.
+    if finite != document and (overflowed := list(not_finite(document))):
+        text = f"metrics that are too large for a number are null: {listed(overflowed)}"
+        finding = Finding("NOT_FINITE", text, cases=("result",))
+        finite["findings"].append(finding_json(finding))
+        finite["null_because"] |= dict.fromkeys(overflowed, finding.code)
+    return finite
+
+
+def _without_detail(walk: WalkMetrics) -> WalkMetrics:
+    """Return metrics without the events of every stride, and without reasons of detail."""
+    detailed = set(_detailed(walk))
+    return replace(
+        walk,
+        events=tuple(each for each in walk.events if each.type not in STEPS),
+        null_because={
+            path: reason for path, reason in walk.null_because.items() if path not in detailed
+        },
+    )
+
+
+def _detailed(walk: WalkMetrics) -> Iterator[str]:
+    for path, _, field in values(walk):
+        if field.is_detail:
+            yield ".".join(path)
+
+
+def conversion_json(done: Conversion) -> dict[str, Any]:
+    """Return what was done as plain values."""
+    return {
+        "tool": {"name": "dogbot-logtool", "version": __version__},
+        "input": shown(done.source),
+        "output": shown(done.target),
+        "container": done.container,
+        "robot": done.robot.name,
+        "style": done.style,
+        "encoding": done.encoding,
+        "topics": {
+            "odometry": list(done.odometry_topics),
+            "feet": {foot.name: foot.topic for foot in done.robot.feet},
+        },
+        "frames": {"world": done.world_frame, "base": done.base_frame},
+        "messages": {"read": done.messages, "copied": done.copied},
+        "annotations": dict(done.annotations),
+        "skipped": {**asdict(done.counts.arrows), "bad_poses": done.bad_poses},
+        "findings": [finding_json(each) for each in done.findings],
+        "damage": damage_json(done.damage),
+    }

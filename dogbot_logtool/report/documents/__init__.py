@@ -1,1 +1,0 @@
-"""Reports for programs: JSON, JUnit XML, graphs."""

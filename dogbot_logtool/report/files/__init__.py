@@ -1,1 +1,0 @@
-"""Files: tables, events, figures for papers, robots."""

@@ -1,1 +1,0 @@
-"""Views of annotated logs, set up for viewers."""
