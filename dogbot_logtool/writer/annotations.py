@@ -152,7 +152,7 @@ class Annotations:
         encoding = self.encoding
         return (
             kept_template(encoding.drawing, channel, drawn),
-            kept_template(encoding.removal, channel, drawn.name, drawn.frame),
+            kept_template(encoding.removal, channel, drawn),
         )
 
     def robot_description(self, urdf: str, log_time: int) -> MessageRecords:
@@ -213,9 +213,8 @@ def _legs_template(
     encoding: Encoding, channel: int, frame: str, look: SupportLook, feet: tuple[int, ...]
 ) -> Template:
     """Return a message that draws the legs of some feet; without any, one that removes them all."""
-    if not feet:
-        return kept_template(encoding.removal, channel, "legs", frame)
-    return kept_template(encoding.drawing, channel, drawing.legs(feet, frame, look))
+    message = encoding.drawing if feet else encoding.removal
+    return kept_template(message, channel, drawing.legs(feet, frame, look))
 
 
 def description_type(profile: str) -> MessageType:

@@ -69,7 +69,7 @@ class Encoding(ABC):
         """Return a message that draws."""
 
     @abstractmethod
-    def _removal(self, name: str, frame: str) -> Literal:
+    def _removal(self, drawing: Drawing) -> Literal:
         """Return a message that removes a drawing."""
 
     @abstractmethod
@@ -91,9 +91,9 @@ class Encoding(ABC):
         kind = self.support_type if several else self.arrow_type
         return self.template(kind, self._drawing(drawing))
 
-    def removal(self, name: str, frame: str) -> Template:
-        """Return a message that removes a drawing."""
-        return self.template(self.arrow_type, self._removal(name, frame))
+    def removal(self, drawing: Drawing) -> Template:
+        """Return a message that removes a drawing, whatever it is made of."""
+        return self.template(self.arrow_type, self._removal(drawing))
 
     def load(self, state: str) -> Template:
         """Return a message that gives a foot's load in one of `LOAD_STATES`."""

@@ -163,9 +163,8 @@ class FoxgloveEncoding(Encoding):
                 entity.setdefault(field, []).append(literal)
         return {"entities": [entity]}
 
-    def _removal(self, name: str, frame: str) -> Literal:
-        del frame  # an entity is removed by its id, in whatever frame it is
-        return {"deletions": [{"id": name, "timestamp": self.stamp()}]}
+    def _removal(self, drawing: Drawing) -> Literal:
+        return {"deletions": [{"id": drawing.name, "timestamp": self.stamp()}]}
 
     def _event(self, event: EventMessage) -> Literal:
         return {

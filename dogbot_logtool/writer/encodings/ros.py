@@ -167,10 +167,9 @@ class Ros2Encoding(Encoding):
             **_geometry(one),
         }
 
-    def _removal(self, name: str, frame: str) -> Literal:
-        del name  # every drawing has a topic of its own
-        pose = {"orientation": UPRIGHT}
-        return {"header": self._header(frame), "ns": "dogbot", "action": _DELETE, "pose": pose}
+    def _removal(self, drawing: Drawing) -> Literal:
+        header, pose = self._header(drawing.frame), {"orientation": UPRIGHT}
+        return {"header": header, "ns": drawing.namespace, "action": _DELETE, "pose": pose}
 
     def _event(self, event: EventMessage) -> Literal:
         time = self.time(event.time)

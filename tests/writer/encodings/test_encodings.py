@@ -107,9 +107,13 @@ def test_arrows(encoding: Encoding) -> None:
 
 @each_encoding
 def test_removals(encoding: Encoding) -> None:
-    message, _ = decoded(encoding.removal("left", "world"), encoding.arrow_type)
+    label = drawing.label("left", "world", "L")
+    message, _ = decoded(encoding.removal(label), encoding.arrow_type)
     if hasattr(message, "header"):
+        shown, _ = decoded(encoding.drawing(label), encoding.arrow_type)
         assert (message.action, time_of(message.header.stamp)) == (2, TIME)
+        # Viewers know a marker by its namespace and id.
+        assert (message.ns, message.id) == (shown.ns, shown.id)
     else:
         (deletion,) = message.deletions
         assert (deletion.id, time_of(deletion.timestamp)) == ("left", TIME)
