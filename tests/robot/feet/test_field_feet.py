@@ -340,9 +340,9 @@ def test_a_robot_of_two_files_that_are_one_recording(tmp_path: Path) -> None:
 def test_feet_without_a_leg_are_said_to_need_one(tmp_path: Path) -> None:
     told = forked_cli.run("info", six_feet(tmp_path / "walk.mcap"))
     assert "put front_left, back_right ... for" in " ".join(told.stdout.split())
-    found = forked_cli.run(*command(told.stdout))
+    found = forked_cli.run(*command(told.stdout), "-v")
     text = " ".join(found.stdout.split())
-    assert "which foot is front or back, left or right must be known to name one" in text
+    assert "a gait's name needs to know which foot is front or back, left or right" in text
     assert "phases of all" not in text
 
 

@@ -44,7 +44,7 @@ def test_info_offers_feet(sensors: Path) -> None:
 
 def test_the_offered_command_can_be_typed(sensors: Path) -> None:
     told = run("stats", sensors)
-    assert "Gait not known" in told.stdout
+    assert "Gait: not measured (no topic of feet)" in told.stdout
     done = run(*command(told.stdout), "--json", "-v")
     figures = json.loads(done.stdout)
     feet = {name: foot["topic"] for name, foot in figures["settings"]["feet"].items()}
