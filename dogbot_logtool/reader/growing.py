@@ -12,6 +12,9 @@ from dogbot_logtool.errors import LogtoolError
 
 LARGEST_IN_MEMORY: Final = 2 << 30
 """Bytes from which columns lie in a file that is mapped into memory."""
+_FIRST_BYTES: Final = 64 << 10
+_BLOCK_BYTES: Final = 4 << 20
+"""Of a block: large enough for the system to take it back when it is freed."""
 
 
 class GrowingColumns(Generic[AnyColumns]):
@@ -24,14 +27,14 @@ class GrowingColumns(Generic[AnyColumns]):
     def __init__(self, *, on_disk: bool = False) -> None:
         self._on_disk = on_disk
         self._type: type[AnyColumns] | None = None
-        self._columns: list[_Memory | _File] = []
+        self._columns: list[_Blocks | _File] = []
 
     def add(self, part: AnyColumns) -> None:
         """Append the rows of a record."""
         names = [field.name for field in fields(part)]
         if self._type is None:
             self._type = type(part)
-            self._columns = [_File() if self._on_disk else _Memory() for _ in names]
+            self._columns = [_File() if self._on_disk else _Blocks() for _ in names]
         for name, column in zip(names, self._columns, strict=True):
             column.add(getattr(part, name))
 
@@ -44,21 +47,40 @@ class GrowingColumns(Generic[AnyColumns]):
         return found
 
 
-class _Memory:
-    """A column in memory."""
+class _Blocks:
+    """A column in memory: copied into blocks, so that small parts can be freed at once."""
 
     def __init__(self) -> None:
-        self._parts: list[NDArray[Any]] = []
+        self._blocks: list[NDArray[Any]] = []
+        self._filled = 0
 
     def add(self, values: NDArray[Any]) -> None:
         """Append rows."""
-        self._parts.append(values)
+        if not self._blocks:
+            self._begin(values)
+        while True:
+            block = self._blocks[-1]
+            count = min(len(values), len(block) - self._filled)
+            block[self._filled : self._filled + count] = values[:count]
+            self._filled += count
+            values = values[count:]
+            if not len(values):
+                return
+            self._begin(values)
 
     def finish(self) -> NDArray[Any]:
         """Return all rows."""
-        whole = np.concatenate(self._parts)
-        self._parts.clear()
+        self._blocks[-1] = self._blocks[-1][: self._filled]
+        whole = np.concatenate(self._blocks)
+        self._blocks.clear()
         return whole
+
+    def _begin(self, values: NDArray[Any]) -> None:
+        row_bytes = values.itemsize * int(np.prod(values.shape[1:], dtype=np.int64))
+        size = min(_FIRST_BYTES << len(self._blocks), _BLOCK_BYTES)
+        rows = max(size // row_bytes, 1)
+        self._blocks.append(np.empty((rows, *values.shape[1:]), values.dtype))
+        self._filled = 0
 
 
 class _File:
