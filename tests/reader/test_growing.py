@@ -4,12 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from dogbot_logtool.report.documents import stats_json
 
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.reader import growing, recording
 from dogbot_logtool.reader.growing import GrowingColumns
+from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.robot.options import StatsOptions
 from tests.oracles.straight_walk import Walk
 from tests.paths import SAMPLE_LOGS
