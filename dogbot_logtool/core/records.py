@@ -176,7 +176,8 @@ def values(
         chosen: which fields; it is asked once for each type of records.
         path: of the record.
     """
-    for field, leads_on in _fields_to(type(record), chosen):
+    kind: Any = type(record)
+    for field, leads_on in _fields_to(kind, chosen):
         value, here = getattr(record, field.name), (*path, field.name)
         for key, each in _items(field, value):
             if leads_on and each is not None:
