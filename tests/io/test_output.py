@@ -208,11 +208,11 @@ def test_a_link_to_nowhere_is_told_before_any_work(tmp_path: Path) -> None:
     assert files(tmp_path) == ["x.mcap"]
 
 
-@pytest.fixture(params=["FIFO", "socket", "device"])
+@pytest.fixture(params=["named pipe", "socket", "device"])
 def special(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[tuple[str, Path]]:
     """Return what is no regular file: its kind and its name."""
     target = tmp_path / "x.mcap"
-    if request.param == "FIFO":
+    if request.param == "named pipe":
         os.mkfifo(target)
     elif request.param == "device":
         target.symlink_to(os.devnull)

@@ -19,10 +19,10 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.provenance import is_marked
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
-from dogbot_logtool.reader.containers.chunks.packed_messages import unpacked
 from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Schema
 from dogbot_logtool.reader.containers.log import BATCH_SIZE, Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.packed_messages import unpacked
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.message_table import concatenate_messages
 

@@ -10,7 +10,6 @@ from mcap import records
 from mcap.opcode import Opcode
 
 from dogbot_logtool.core.arrays import Bytes, Ints
-from dogbot_logtool.reader.containers.chunks.records import Readable, Records, blank_messages
 from dogbot_logtool.reader.containers.mcap.records import (
     CHUNK_HEAD,
     LARGEST_PADDING,
@@ -21,6 +20,7 @@ from dogbot_logtool.reader.containers.mcap.records import (
 from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.decode.columns import gather
 from dogbot_logtool.reader.decode.message_table import Messages
+from dogbot_logtool.reader.salvage.records import Readable, Records, blank_messages
 
 MESSAGE_HEAD: Final = np.dtype(
     [

@@ -72,22 +72,6 @@ def decode_record(
     return record if len(body) - stream.count <= padding else None
 
 
-def schema_of(schema: records.Schema) -> Schema:
-    """Convert the mcap library's schema."""
-    return Schema(schema.id, schema.name, schema.encoding, schema.data)
-
-
-def channel_of(channel: records.Channel, schemas: dict[int, Schema]) -> Channel:
-    """Convert the mcap library's channel."""
-    return Channel(
-        channel.id,
-        channel.topic,
-        channel.message_encoding,
-        schemas.get(channel.schema_id),
-        channel.metadata,
-    )
-
-
 def schema_record(schema: Schema) -> records.Schema:
     """Return the record of a schema."""
     return records.Schema(

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import zstandard
 
-from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkDamage
-from dogbot_logtool.reader.containers.chunks.compression import (
+from dogbot_logtool.reader.containers.compression import (
     MAX_CHUNK_SIZE,
     check_claimed_size,
     decompress_into,
 )
+from dogbot_logtool.reader.salvage.content import ChunkDamage
 from tests.reader.bag_bytes import lz4_as_rosbag
 
 CONTENT = np.random.default_rng(0).bytes(100_000) + b"gait " * 60_000
