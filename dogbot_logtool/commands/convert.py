@@ -19,7 +19,11 @@ from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
-from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
+from dogbot_logtool.reader.containers.salvage.losses import (
+    damage_of,
+    malformed_messages,
+    wrong_statistics,
+)
 from dogbot_logtool.reader.workers import Start, in_order
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.robot.options import ConvertOptions, StatsOptions

@@ -10,11 +10,11 @@ from dogbot_logtool.core.quality.quality import mean_rate_hz
 from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader.containers.log import Log
+from dogbot_logtool.reader.containers.salvage.losses import damage_of
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES
 from dogbot_logtool.reader.opening import open_joined
 from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.results import LogInfo, TopicInfo
 from dogbot_logtool.robot.feet.message_feet import is_planned
 from dogbot_logtool.robot.frames.frame_findings import frame_findings

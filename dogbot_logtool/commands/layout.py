@@ -10,8 +10,8 @@ from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.plausible import STRONGEST_N
 from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.errors import LogError
+from dogbot_logtool.reader.containers.salvage.losses import damage_of
 from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.report.layouts import View, upper_bound
 from dogbot_logtool.robot.feet.selection import assign_feet
 from dogbot_logtool.robot.options import TopicOptions

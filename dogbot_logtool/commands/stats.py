@@ -14,8 +14,12 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.reader.containers.log import Log, Loss
+from dogbot_logtool.reader.containers.salvage.losses import (
+    damage_of,
+    malformed_messages,
+    wrong_statistics,
+)
 from dogbot_logtool.reader.recording import ReadLog, read_recording
-from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
 from dogbot_logtool.results import LogFacts, Measurement
 from dogbot_logtool.robot.measuring.plan import LearntSettings, make_plan
 from dogbot_logtool.robot.measuring.walk import Measured, measure_recording

@@ -85,17 +85,6 @@ def test_any_error_leaves_nothing(tmp_path: Path, error: type[BaseException]) ->
     assert files(tmp_path) == []
 
 
-@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
-@pytest.mark.usefixtures("way")
-def test_an_error_leaves_the_old_file(tmp_path: Path, error: type[BaseException]) -> None:
-    target = tmp_path / "x.mcap"
-    target.write_bytes(b"old")
-    with pytest.raises(error):
-        fail_midway(target, error, overwrite=True)
-    assert target.read_bytes() == b"old"
-    assert files(tmp_path) == ["x.mcap"]
-
-
 @pytest.mark.usefixtures("way")
 def test_overwriting(tmp_path: Path) -> None:
     target = tmp_path / "x.mcap"
@@ -123,16 +112,6 @@ def test_a_target_that_comes_to_exist_meanwhile_is_kept(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("way")
-def test_a_link_to_nowhere_is_kept(tmp_path: Path) -> None:
-    target = tmp_path / "x.mcap"
-    target.symlink_to(tmp_path / "nowhere")
-    with pytest.raises(CallError):
-        write(target, b"new")
-    assert files(tmp_path) == ["x.mcap"]
-    assert target.is_symlink()
-
-
-@pytest.mark.usefixtures("way")
 @pytest.mark.parametrize("mask", [0o022, 0o077, 0o002, 0])
 def test_permissions_follow_the_umask(tmp_path: Path, mask: int) -> None:
     before = os.umask(mask)
@@ -144,18 +123,6 @@ def test_permissions_follow_the_umask(tmp_path: Path, mask: int) -> None:
         assert os.umask(before) == mask
     plain = (tmp_path / "y").stat().st_mode
     assert (tmp_path / "x.mcap").stat().st_mode == plain
-
-
-def test_the_umask_is_never_changed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is the whole process's: another thread would create files for everybody to write."""
-
-    def refuse(mask: int) -> int:
-        raise AssertionError(f"the umask was set to {mask:o}")
-
-    monkeypatch.setattr(os, "umask", refuse)
-    write(tmp_path / "x.mcap", b"new")
-    write(tmp_path / "x.mcap", b"newer", overwrite=True)
-    assert files(tmp_path) == ["x.mcap"]
 
 
 @pytest.mark.usefixtures("way")
@@ -361,14 +328,6 @@ def test_a_full_disk(tiny: Path, piece: int) -> None:
         write(target, *[bytes(piece)] * 100)
     assert files(tiny) == ["old"]
     assert old.read_bytes() == b"old"
-
-
-def test_a_disk_that_fills_with_the_last_bytes(tiny: Path) -> None:
-    """The last bytes are written when the file is closed."""
-    (tiny / "filler").write_bytes(bytes(60_000))
-    with pytest.raises(LogtoolError, match="No space left"):
-        write(tiny / "x.mcap", bytes(8_000))
-    assert files(tiny) == ["filler"]
 
 
 def test_bad_targets(tmp_path: Path) -> None:

@@ -13,9 +13,14 @@ from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
 from dogbot_logtool.reader.containers.contents import UNKNOWN_CHANNEL, ChannelIds, Chunk, Contents
 from dogbot_logtool.reader.containers.log import Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.salvage.content import (
+    ChunkContent,
+    ChunkDamage,
+    left_out,
+    undescribed,
+)
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
-from dogbot_logtool.reader.salvage.content import ChunkContent, ChunkDamage, left_out, undescribed
 
 _ROUND_SIZE: Final = 1 << 20
 

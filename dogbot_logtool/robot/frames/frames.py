@@ -13,6 +13,7 @@ from dogbot_logtool.core.frames.transforms import (
 )
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Channel, Log, Loss, Span
+from dogbot_logtool.reader.containers.salvage.losses import malformed_messages
 from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS
 from dogbot_logtool.reader.messages.messages import malformed_in
 from dogbot_logtool.reader.messages.transforms import (
@@ -21,7 +22,6 @@ from dogbot_logtool.reader.messages.transforms import (
     is_static,
     transform_columns,
 )
-from dogbot_logtool.reader.salvage.losses import malformed_messages
 from dogbot_logtool.reader.workers import in_order
 from dogbot_logtool.run.runner import OnProgress
 

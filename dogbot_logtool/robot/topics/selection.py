@@ -12,12 +12,12 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import MOST, listed, printable, shell_joined
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Channel, Log
+from dogbot_logtool.reader.containers.salvage.losses import damage_of
 from dogbot_logtool.reader.messages.bases import Base
 from dogbot_logtool.reader.messages.contact_messages import source_of, without_flags
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.source import Source
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
-from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.feet.flag_check import compare_flags, flag_findings
 from dogbot_logtool.robot.feet.message_feet import is_planned

@@ -13,7 +13,7 @@ from dogbot_logtool.reader.containers.compression import (
     check_claimed_size,
     decompress_into,
 )
-from dogbot_logtool.reader.salvage.content import ChunkDamage
+from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
 from tests.reader.bag_bytes import lz4_as_rosbag
 
 CONTENT = np.random.default_rng(0).bytes(100_000) + b"gait " * 60_000

@@ -20,9 +20,9 @@ from dogbot_logtool.reader.containers.bag.records import (
 from dogbot_logtool.reader.containers.compression import check_claimed_size, decompress_into
 from dogbot_logtool.reader.containers.contents import Chunk
 from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage, read_content
+from dogbot_logtool.reader.containers.salvage.records import Index, Readable, merged_index
 from dogbot_logtool.reader.containers.sources.source import ByteSource
-from dogbot_logtool.reader.salvage.content import ChunkContent, ChunkDamage, read_content
-from dogbot_logtool.reader.salvage.records import Index, Readable, merged_index
 
 _INDEX_ENTRY: Final = np.dtype([("seconds", "<u4"), ("nanoseconds", "<u4"), ("offset", "<u4")])
 _RECURRING_SIZE: Final = 64

@@ -17,9 +17,9 @@ from dogbot_logtool.reader.containers.bag.records import (
     record_at,
     record_in_file,
 )
+from dogbot_logtool.reader.containers.salvage.records import Readable, Records, blank_messages
 from dogbot_logtool.reader.decode.columns import gather, gather_bytes, rows_like
 from dogbot_logtool.reader.decode.message_table import Messages
-from dogbot_logtool.reader.salvage.records import Readable, Records, blank_messages
 
 INDEX_ENTRY_SIZE: Final = 12
 _MOST_TEMPLATES: Final = 8

@@ -14,9 +14,9 @@ from dogbot_logtool.reader.containers.bag.records import BagOp
 from dogbot_logtool.reader.containers.bag.scan import BagScan
 from dogbot_logtool.reader.containers.chunked_log import ChunkedLog
 from dogbot_logtool.reader.containers.contents import ChannelIds, Chunk, Contents
+from dogbot_logtool.reader.containers.salvage.content import ChunkContent
 from dogbot_logtool.reader.containers.signatures import BAG_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource
-from dogbot_logtool.reader.salvage.content import ChunkContent
 
 
 class BagLog(ChunkedLog):

@@ -9,7 +9,7 @@ from enum import IntEnum
 from typing import Final
 
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.reader.salvage.records import Readable
+from dogbot_logtool.reader.containers.salvage.records import Readable
 
 U32: Final = struct.Struct("<I")
 _TIME: Final = struct.Struct("<II")

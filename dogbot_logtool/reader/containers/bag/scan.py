@@ -25,10 +25,10 @@ from dogbot_logtool.reader.containers.bag.records import (
 )
 from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, time_range
 from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage
+from dogbot_logtool.reader.containers.salvage.scan import IndexEntry, Scan
 from dogbot_logtool.reader.containers.signatures import BAG_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource, in_groups
-from dogbot_logtool.reader.salvage.content import ChunkContent, ChunkDamage
-from dogbot_logtool.reader.salvage.scan import IndexEntry, Scan
 
 _UNSUSPICIOUS_SIZE: Final = 64 << 20
 _LARGEST_SHARE: Final = 4

@@ -14,9 +14,9 @@ from dogbot_logtool.reader.containers.contents import Chunk
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.mcap.format import McapFormat
 from dogbot_logtool.reader.containers.mcap.records import CHUNK_HEAD, RECORD_HEAD
+from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage, read_content
+from dogbot_logtool.reader.containers.salvage.records import Index, merged_index
 from dogbot_logtool.reader.containers.sources.source import ByteSource
-from dogbot_logtool.reader.salvage.content import ChunkContent, ChunkDamage, read_content
-from dogbot_logtool.reader.salvage.records import Index, merged_index
 
 INDEX_ENTRY: Final = np.dtype([("log_time", "<i8"), ("offset", "<u8")])
 _INDEX_HEAD: Final = struct.Struct("<BQHI")

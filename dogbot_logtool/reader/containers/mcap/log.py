@@ -16,9 +16,9 @@ from dogbot_logtool.reader.containers.mcap.descriptions import Descriptions
 from dogbot_logtool.reader.containers.mcap.format import McapFormat
 from dogbot_logtool.reader.containers.mcap.records import RECORD_HEAD, decode_record
 from dogbot_logtool.reader.containers.mcap.scan import SUMMARY_CONTRADICTS, McapScan
+from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage
 from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource
-from dogbot_logtool.reader.salvage.content import ChunkContent, ChunkDamage
 
 _LARGEST_HEADER: Final = 1 << 20
 _MOST_FIRST_CHUNKS: Final = 8

@@ -31,10 +31,10 @@ from dogbot_logtool.reader.containers.mcap.summary import (
     indexed_chunk,
     read_section,
 )
+from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage
+from dogbot_logtool.reader.containers.salvage.scan import IndexEntry, Scan
 from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource, in_groups
-from dogbot_logtool.reader.salvage.content import ChunkContent, ChunkDamage
-from dogbot_logtool.reader.salvage.scan import IndexEntry, Scan
 
 _LARGEST_TIME: Final = 2**63 - 1
 SUMMARY_CONTRADICTS: Final = (

@@ -10,14 +10,14 @@ from dogbot_logtool.core.arrays import Bytes, Flags, Ints
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.contents import Chunk
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.decode.message_table import Messages
-from dogbot_logtool.reader.salvage.records import (
+from dogbot_logtool.reader.containers.salvage.records import (
     FoundRecords,
     Index,
     RecordFormat,
     find_all,
     find_indexed,
 )
+from dogbot_logtool.reader.decode.message_table import Messages
 
 
 class ChunkDamage(Exception):  # noqa: N818 - it never reaches a user; `Loss` does

@@ -11,14 +11,14 @@ from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, time_range
 from dogbot_logtool.reader.containers.loss import Loss, Losses
-from dogbot_logtool.reader.containers.sources.source import ByteSource
-from dogbot_logtool.reader.salvage.content import (
+from dogbot_logtool.reader.containers.salvage.content import (
     ChunkContent,
     ChunkDamage,
     left_out,
     undescribed,
 )
-from dogbot_logtool.reader.salvage.records import RecordFormat, next_sound
+from dogbot_logtool.reader.containers.salvage.records import RecordFormat, next_sound
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 _REGION_SIZE: Final = 1 << 20
 """Messages outside chunks are read in runs of about this many bytes."""
