@@ -17,12 +17,12 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
+from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
 from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
 from dogbot_logtool.reader.workers import Start, in_order
 from dogbot_logtool.results import Conversion
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions
 from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.run.runner import OnProgress
@@ -65,34 +65,23 @@ def convert(
         LogtoolError: the target cannot be written.
     """
     overwrite, makes_folder = options.overwrite, options.makes_folder
-    for file in (source, *options.topics.joined):
+    for file in (source, *options.joined):
         refuse_bad_target(target, file, overwrite=overwrite, makes_folder=makes_folder)
-    log = open_recorded(source, options.topics.joined)
+    log = open_recorded(source, options.joined)
     try:
         first, second = _halves(progress)
-        measured = measure_log(log, _measuring(options), first, with_soles=True)
+        measured = measure_log(log, options, first, with_soles=True)
         learnt = measured.learnt
         plan = make_plan(log, learnt.selection, learnt.probe, learnt.sensors, options)
         stats, metrics = measured.measurement.stats, measured.measurement.metrics
         scene = draw(plan, measured.recording, stats, metrics, _end(log, options))
         annotations, moved = annotations_of(log, plan)
-        writer = SpanWriter(scene, annotations, time_limits(log, options.start_s, options.end_s))
+        writer = SpanWriter(scene, annotations, time_limits(log, options.start, options.end))
         written = _write(log, target, writer, measured, second, start)
         findings = _findings(scene, measured, moved, written.counts)
         return _conversion(log, target, writer, measured, written, findings)
     finally:
         log.close()
-
-
-def _measuring(options: ConvertOptions) -> StatsOptions:
-    """Return the options of what is drawn, as `stats` takes them."""
-    return StatsOptions(
-        topics=options.topics,
-        wrench_frame=options.wrench_frame,
-        start_s=options.start_s,
-        end_s=options.end_s,
-        jobs=options.jobs,
-    )
 
 
 def _halves(progress: OnProgress | None) -> tuple[OnProgress | None, OnProgress | None]:
@@ -107,7 +96,7 @@ def _halves(progress: OnProgress | None) -> tuple[OnProgress | None, OnProgress 
 
 def _end(log: Log, options: ConvertOptions) -> int:
     """Return the log time, ns, of the last message that is taken."""
-    _, end = time_limits(log, options.start_s, options.end_s)
+    _, end = time_limits(log, options.start, options.end)
     last = log.end_time or 0
     return last if end is None else min(end, last)
 

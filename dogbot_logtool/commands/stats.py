@@ -13,13 +13,13 @@ from dogbot_logtool.core.walk_metrics.walk import metrics_of
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import Location, shown
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.recording import ReadLog, read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
 from dogbot_logtool.results import LogFacts, Measurement
 from dogbot_logtool.robot.measuring.plan import LearntSettings, make_plan
 from dogbot_logtool.robot.measuring.walk import Measured, measure_recording
-from dogbot_logtool.robot.options import StatsOptions
 from dogbot_logtool.robot.probe_findings import order_findings
 from dogbot_logtool.robot.time_span import TimeLimits, refuse_empty_span
 from dogbot_logtool.robot.topics.annotated import open_recorded
@@ -28,7 +28,7 @@ from dogbot_logtool.run.runner import OnProgress
 
 def measure(
     path: Location,
-    options: StatsOptions,
+    options: MeasureOptions,
     progress: OnProgress | None = None,
 ) -> Measurement:
     """Work out all figures of a log.
@@ -42,7 +42,7 @@ def measure(
         CallError: no such file, or a topic or time in the options that the log does not have.
         LogError: it is no log, or has nothing to measure.
     """
-    log = open_recorded(path, options.topics.joined)
+    log = open_recorded(path, options.joined)
     try:
         return measure_log(log, options, progress).measurement
     finally:
@@ -63,7 +63,7 @@ class MeasuredLog:
 
 def measure_log(
     log: Log,
-    options: StatsOptions,
+    options: MeasureOptions,
     progress: OnProgress | None = None,
     *,
     with_soles: bool = False,

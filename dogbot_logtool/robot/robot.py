@@ -3,15 +3,18 @@
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Final
+from typing import Any, Final, Literal, get_args
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.toml_table import TomlFile, TomlTable, read_toml
 from dogbot_logtool.reader.foot import Foot, FootField
 
-AXES: Final = ("+x", "-x", "+y", "-y")
+Axis = Literal["+x", "-x", "+y", "-y"]
 """Body axes that can point forward."""
+WrenchFrame = Literal["auto", "world", "link"]
+Clock = Literal["header", "log"]
+Tare = Literal["auto", "none"]
 GENERIC: Final = "generic"
 MOST_FEET: Final = 64
 """A robot's file or a log that has more is a mistake, and takes the square of the time."""
@@ -39,12 +42,24 @@ class Robot:
     name: str
     description: str = ""
     mass_kg: float | None = None
-    forward_axis: str = "+x"
+    forward_axis: Axis = "+x"
+    wrench_frame: WrenchFrame = "auto"
+    """The frame of the recorded wrenches; auto: by evidence."""
+    clock: Clock | None = None
+    """What times are measured on: header stamps, or log time; None: header stamps, and log time
+    where those cannot be used."""
+    tare: Tare = "auto"
+    """Whether what unloaded sensors read is estimated for feet without `offset_n`, and taken off;
+    none: their forces stay as recorded."""
     com_offset_m: tuple[float, float, float] | None = None
     """m: the centre of mass from the base's frame, in its axes; None: taken to be there."""
     foot_rolling_m: float | None = None
     """m: how far a foot's contact point travels in a stance without slipping; None: not known."""
     odometry_topic: str | None = None
+    command_topic: str | None = None
+    """Topic of the velocity commands; None: found by type and name. Likewise `imu_topic`, of the
+    base's inertial unit."""
+    imu_topic: str | None = None
     world_frame: str | None = None
     base_frame: str | None = None
     feet: tuple[Foot, ...] = ()
@@ -61,6 +76,8 @@ class Robot:
     debounce_s: float | None = None
     """s: shorter swings are filled, then shorter stances dropped; None: 20 ms, or 1.5
     sampling intervals where that is more."""
+    given: frozenset[str] = frozenset()
+    """Fields that the user set for this call."""
 
     @property
     def topics(self) -> frozenset[str]:
@@ -77,6 +94,10 @@ class Robot:
     def with_mass(self, mass_kg: float | None) -> "Robot":
         """Return this robot with another mass, where one is given."""
         return self if mass_kg is None else replace(self, mass_kg=mass_kg)
+
+    def is_given(self, field: str) -> bool:
+        """Tell whether the user set a field for this call: ``mass_kg``, ``tare.front_left``."""
+        return field in self.given
 
 
 @cache
@@ -139,10 +160,15 @@ def parse_robot(text: str, source: str) -> Robot:
         name=table.text("name") or Path(source).stem,
         description=table.text("description") or "",
         mass_kg=table.positive("mass_kg"),
-        forward_axis=table.choice("forward_axis", AXES) or "+x",
+        forward_axis=_choice(table, "forward_axis", Axis) or "+x",
+        wrench_frame=_choice(table, "wrench_frame", WrenchFrame) or "auto",
+        clock=_choice(table, "clock", Clock),
+        tare=_choice(table, "tare", Tare) or "auto",
         com_offset_m=table.vector("com_offset_m"),
         foot_rolling_m=table.positive("foot_rolling_m"),
         odometry_topic=topics.text("odometry"),
+        command_topic=topics.text("command"),
+        imu_topic=topics.text("imu"),
         world_frame=frames.frame("world"),
         base_frame=frames.frame("base"),
         feet=tuple(_foot(feet.section(name), name) for name in feet.names),
@@ -160,6 +186,10 @@ def parse_robot(text: str, source: str) -> Robot:
     if on is not None and off is not None and off > on:
         raise contact.fault("off_n", "contact.off_n is above contact.on_n; it must not be")
     return robot
+
+
+def _choice(table: TomlTable, key: str, words: Any) -> Any:  # noqa: ANN401 - a `Literal`
+    return table.choice(key, get_args(words))
 
 
 def _foot(table: TomlTable, name: str) -> Foot:

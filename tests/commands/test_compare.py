@@ -13,8 +13,8 @@ from rich.console import Console
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.comparison.outcome import Comparison
 from dogbot_logtool.errors import CallError, LogtoolError
+from dogbot_logtool.options import CompareOptions
 from dogbot_logtool.report.comparison_report import comparison_json, junit_xml, show_comparison
-from dogbot_logtool.robot.options import CompareOptions
 from tests.paths import SAMPLE_LOGS
 
 WALK = SAMPLE_LOGS / "dogbot_walk.mcap"

@@ -22,7 +22,7 @@ import pytest
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
+from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.commands.conversions import (
     COMPRESSIONS,
@@ -191,12 +191,12 @@ def test_a_time_range_between_two_messages_is_refused(folder: Path) -> None:
 def test_forces_of_all_kinds(tmp_path: Path, style: str) -> None:
     log = write_bag(tmp_path / "odd.bag", odd_contacts())
     options = ConvertOptions(
-        style=style, encoding="ros1", wrench_frame="world", topics=TopicOptions(robot="dogbot")
+        robot="dogbot", style=style, encoding="ros1", set={"wrench_frame": "world"}
     )
     conversion = convert(log, tmp_path / "out.mcap", options)
     written = read_written(tmp_path / "out.mcap")
     contact = measured_contact(
-        log, "front_left", StatsOptions(topics=options.topics, wrench_frame="world")
+        log, "front_left", part_of(options, MeasureOptions)
     )
     expected = expected_arrows(log, "front_left", style, in_world=True, contact=contact)
     told = written_arrows(written, "front_left", "ros1", style)

@@ -12,8 +12,8 @@ from dogbot_logtool.conversion.plan import ConversionPlan, make_plan
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame, WrenchFrameEvidence
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.finding import Severity
+from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.robot.options import ConvertOptions, TopicOptions
 from dogbot_logtool.robot.probe import Probe
 from dogbot_logtool.robot.probe_findings import probe_findings
 from dogbot_logtool.robot.sensors import learn_sensors
@@ -28,7 +28,7 @@ UNKNOWN = WrenchFrameEvidence(WrenchFrame.UNKNOWN)
 def looked_at(path: Path) -> tuple[Selection, Probe]:
     """Return what a look into a log shows."""
     log = open_log(path)
-    selection = select_topics(log, TopicOptions())
+    selection = select_topics(log, MeasureOptions())
     probe = probe_log(log, selection, with_soles=True)
     log.close()
     return selection, probe
@@ -43,7 +43,7 @@ class Case:
 
     def plan(self, **options: Any) -> ConversionPlan:
         wanted = ConvertOptions(**options)
-        learnt = learn_sensors(self.selection, self.probe, wanted.topics)
+        learnt = learn_sensors(self.selection, self.probe)
         return make_plan(self.log, self.selection, self.probe, learnt, wanted)
 
     def see(self, **probe: Any) -> None:

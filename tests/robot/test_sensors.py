@@ -9,8 +9,8 @@ import pytest
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from tests.truth import sensor_faults as sensor
 from tests.truth.log_file import write_log
 from tests.truth.recorders import recorder
@@ -28,7 +28,7 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def figures(log: Path, **options: Any) -> dict[str, Any]:
-    done = measure(log, StatsOptions(TopicOptions(**options)))
+    done = measure(log, MeasureOptions(**options))
     return stats_json(done)
 
 
@@ -75,7 +75,7 @@ def test_loads_are_drawn_without_offsets(log: Path, tmp_path: Path) -> None:
     from mcap_protobuf.decoder import DecoderFactory  # noqa: PLC0415
 
     target = tmp_path / "out.mcap"
-    convert(log, target, ConvertOptions(TopicOptions(mass_kg=20.0)))
+    convert(log, target, ConvertOptions(mass=20.0))
     with target.open("rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
         loads = [

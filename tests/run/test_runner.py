@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from dogbot_logtool.run.choice import runner_for
 
 from dogbot_logtool.errors import CallError, StoreError
 from dogbot_logtool.run import processes
-from dogbot_logtool.run.choice import runner_for
 from dogbot_logtool.run.processes import ProcessRunner
 from dogbot_logtool.run.runner import Failure, OnProgress, Runner, attempt
 from tests.paths import ROOT

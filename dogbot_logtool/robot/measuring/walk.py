@@ -17,6 +17,7 @@ from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.core.walk import analyse
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.robot.frames.world_frames import frame_findings
 from dogbot_logtool.robot.measuring.plan import (
@@ -25,7 +26,6 @@ from dogbot_logtool.robot.measuring.plan import (
     learn_settings,
     learnt_on_clock,
 )
-from dogbot_logtool.robot.options import StatsOptions
 from dogbot_logtool.robot.probe_findings import probe_findings
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def measure_recording(
     log: Log,
     recording: Recording,
     plan: MeasuringPlan,
-    options: StatsOptions,
+    options: MeasureOptions,
     *,
     with_soles: bool = False,
 ) -> Measured:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from dogbot_logtool.robot.options import TopicOptions
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.robot.topics.selection import select_topics
 from tests import forked_cli
@@ -227,7 +227,7 @@ def test_a_known_robot_is_recognised_by_fields_of_all_its_feet(tmp_path: Path, l
             entries.append(walks.Entry(f"/leg_{leg + 1}/foot_contact", kind, time, data))
     walks.write_mcap(tmp_path / "log.mcap", walk, entries)
     log = open_recorded(tmp_path / "log.mcap")
-    found = select_topics(log, TopicOptions())
+    found = select_topics(log, MeasureOptions())
     log.close()
     assert found.robot.name == ("hexapod" if legs == 6 else "generic")
     assert len(found.contacts) == (6 if legs == 6 else 0)

@@ -13,9 +13,9 @@ from rich.console import Console
 import dogbot_logtool as dl
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.metrics import NEEDS
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.page.render import page
 from dogbot_logtool.report.text.stats_text import print_report
-from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from tests.report.page.page_data import drawings
 from tests.truth.commanded import Commanded, commanded_walk
 from tests.truth.gaits import WALK
@@ -77,7 +77,7 @@ def test_both_velocities_are_a_table(tmp_path: Path) -> None:
 
 def test_commands_and_accelerometer_are_in_the_report(tmp_path: Path) -> None:
     recording = with_imu(commanded_walk(ROBOT, ROBOT.commands()))
-    options = StatsOptions(TopicOptions(mass_kg=20.0))
+    options = MeasureOptions(mass=20.0)
     done = measure(write_log(recording, tmp_path / "x.mcap"), options)
     console = Console(width=100, record=True, file=StringIO())
     print_report(console, done)

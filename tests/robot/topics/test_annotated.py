@@ -16,15 +16,11 @@ from mcap.writer import Writer
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.options import CompareOptions, ConvertOptions, MeasureOptions
 from dogbot_logtool.reader.containers.log import Chunk
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.results import Conversion
-from dogbot_logtool.robot.options import (
-    CompareOptions,
-    ConvertOptions,
-    StatsOptions,
-)
 from dogbot_logtool.robot.topics.annotated import annotations_left_out, open_recorded
 from dogbot_logtool.writer import channels as added_channels
 from dogbot_logtool.writer.encodings.encoding import MessageType
@@ -116,7 +112,7 @@ def test_another_style_and_encoding_replace_the_old_ones(
 
 
 def figures(log: Path) -> dict[str, Any]:
-    done = measured(log) if log in {LONG, WALK} else measure(log, StatsOptions())
+    done = measured(log) if log in {LONG, WALK} else measure(log, MeasureOptions())
     found = stats_json(done)
     # What a file is called and how it is packed is no figure; the rest is.
     del found["log"]["path"], found["log"]["container"]
