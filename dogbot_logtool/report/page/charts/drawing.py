@@ -63,7 +63,7 @@ def _trace(trace: Trace) -> dict[str, Any]:
         for key, step in (("x", LARGEST_STEP), ("y", np.inf), ("customdata", 10 * LARGEST_STEP))
         if isinstance(trace.get(key), np.ndarray)
     }
-    return _plain(trace) | points
+    return {**_plain(trace), **points}
 
 
 def packed_small(values: NDArray[Any], largest_step: float) -> dict[str, Any]:
