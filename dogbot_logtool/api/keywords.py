@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.storage import Location, location
 from dogbot_logtool.option import as_keyword, definitions, make, options_of
-from dogbot_logtool.robot.settings import check_settings
+from dogbot_logtool.robot.settings import check_robot_options
 
 PathOrName = str | os.PathLike[str]
 """A file, the directory of a ROS 2 bag, or a URL."""
@@ -47,7 +47,7 @@ def options_from(record: type[Options], given: Mapping[str, Any]) -> Options:
         CallError: one is not what it must be.
     """
     made = make(record, given, as_keyword)
-    check_settings(getattr(made, "set", None))
+    check_robot_options(made)
     return made
 
 

@@ -46,13 +46,12 @@ class Call:
         """Begin.
 
         Raises:
-            CallError: --set names no field of a robot's file, or no value for it.
+            CallError: see `check_robot_options`.
         """
-        settings = getattr(options, "set", None)
-        if settings:
-            from dogbot_logtool.robot.settings import check_settings  # noqa: PLC0415 - seldom given
+        if getattr(options, "set", None) or getattr(options, "foot", None):
+            from dogbot_logtool.robot.settings import check_robot_options  # noqa: PLC0415 - seldom
 
-            check_settings(settings)
+            check_robot_options(options)
         self._quiet = options.quiet
         self._scheduler: str | None = getattr(options, "scheduler", None)
         self._jobs: int = getattr(options, "jobs", 1)

@@ -28,7 +28,9 @@ def run(options: Stats) -> NoReturn:
     runner = call.runner("stats", len(logs.paths))
     is_one = len(logs.paths) == 1
     chosen = replace(options, jobs=runner.jobs)
-    work = partial(figures, options=chosen, whole=is_one, detail=options.verbose)
+    work = partial(
+        figures, options=chosen, whole=is_one, as_json=options.json, detail=options.verbose
+    )
     measured: list[Figures] = []
     for done in call.each(work, logs.paths, logs.names, runner):
         call.add(done.json)

@@ -29,6 +29,7 @@ def figures(
     *,
     options: "MeasureOptions",
     whole: bool = False,
+    as_json: bool = True,
     detail: bool = True,
     progress: OnProgress | None = None,
 ) -> Figures:
@@ -38,15 +39,19 @@ def figures(
         log: the log.
         options: of measuring.
         whole: with the whole measurement.
-        detail: with curves and lists of times.
+        as_json: with its JSON.
+        detail: that has curves and lists of times.
         progress: called with bytes done and bytes in all.
     """
     from dogbot_logtool.commands.stats import measure  # noqa: PLC0415
 
-    return figures_of(measure(log, options, progress), whole=whole, detail=detail)
+    measured = measure(log, options, progress)
+    return figures_of(measured, whole=whole, as_json=as_json, detail=detail)
 
 
-def figures_of(measured: "Measurement", *, whole: bool = False, detail: bool = True) -> Figures:
+def figures_of(
+    measured: "Measurement", *, whole: bool = False, as_json: bool = True, detail: bool = True
+) -> Figures:
     """Return what is reported of a log that was measured; see `figures`."""
     from dogbot_logtool.core.checks.voids import void_patterns  # noqa: PLC0415
     from dogbot_logtool.report.documents import stats_json  # noqa: PLC0415
@@ -56,7 +61,7 @@ def figures_of(measured: "Measurement", *, whole: bool = False, detail: bool = T
     intervals = [foot.record.median_interval_s for foot in measured.stats.feet]
     return Figures(
         summary_row(measured),
-        stats_json(measured, detail=detail),
+        stats_json(measured, detail=detail) if as_json else {},
         stride_table(measured.stats, void_patterns(measured.findings)),
         max((each for each in intervals if each is not None), default=0.0),
         measured.facts.robot,

@@ -119,13 +119,14 @@ def test_a_second_parent(trot: Case, tf: str, parents: set[str], *, copy: bool) 
 )
 def test_the_wrench_frame(trot: Case, option: str, seen: WrenchFrame, *, in_world: bool) -> None:
     trot.see(wrench_frame=WrenchFrameEvidence(seen))
-    plan = trot.plan(wrench_frame=option, style="force")
+    trot.know(wrench_frame=option)
+    plan = trot.plan(style="force")
     turns = plan.frames is not None and any(plan.frames.links)
     assert turns == (WrenchFrame.LINK in {option, seen} and not in_world)
     assert ("NOT_DRAWN" in codes(plan)) == (not in_world and not turns)
     (finding,) = (each for each in plan.findings if each.code == "WRENCH_FRAME")
     assert (finding.severity is Severity.WARNING) == (seen is WrenchFrame.UNKNOWN)
-    assert "NOT_DRAWN" not in codes(trot.plan(wrench_frame=option, style="pressure"))
+    assert "NOT_DRAWN" not in codes(trot.plan(style="pressure"))
 
 
 @pytest.mark.parametrize(
@@ -156,8 +157,8 @@ def test_weight_and_arrow_style(trot: Case) -> None:
 
 def test_the_output_begins_where_its_messages_do(walk: Case) -> None:
     assert walk.log.start_time == 5_000_000_000
-    assert walk.plan(start_s=1.5, end_s=2.0).opening == 6_500_000_000
-    assert walk.plan().opening == walk.plan(start_s=0.0).opening == 5_000_000_000
+    assert walk.plan(start=1.5, end=2.0).opening == 6_500_000_000
+    assert walk.plan().opening == walk.plan(start=0.0).opening == 5_000_000_000
 
 
 def test_without_anything_to_annotate(trot: Case) -> None:

@@ -114,18 +114,18 @@ def test_the_best_of_several_is_taken_and_the_others_are_said(tmp_path: Path) ->
     stats = measured(tmp_path, recording)
     assert stats["commands"]["topic"] == "/robot/cmd_vel"
     text = " ".join(said(stats, "TOPICS_CHOSEN"))
-    assert "/cmd_vel_nav, /nav/command_velocity, /joy/desired (--command chooses)" in text
-    named = measured(tmp_path, recording, "y.mcap", command="/joy/desired")
+    assert "/cmd_vel_nav, /nav/command_velocity, /joy/desired (--set command_topic chooses)" in text
+    named = measured(tmp_path, recording, "y.mcap", set={"command_topic": "/joy/desired"})
     assert named["commands"]["topic"] == "/joy/desired"
 
 
 def test_a_topic_that_is_not_there_is_refused(tmp_path: Path) -> None:
     recording = walk(ROBOT.commands())
-    with pytest.raises(dl.CallError, match=r"--command: /other is not in the log.*: /cmd_vel"):
-        measured(tmp_path, recording, command="/other")
+    with pytest.raises(dl.CallError, match=r"command_topic: /other is not in the log.*: /cmd_vel"):
+        measured(tmp_path, recording, set={"command_topic": "/other"})
     topic = recording.robot.odometry_topic
     with pytest.raises(dl.CallError, match="is of another type"):
-        measured(tmp_path, recording, "y.mcap", command=topic)
+        measured(tmp_path, recording, "y.mcap", set={"command_topic": topic})
 
 
 def test_commands_that_are_no_numbers_are_said(tmp_path: Path) -> None:
@@ -211,7 +211,9 @@ def test_other_units_are_left_aside(tmp_path: Path) -> None:
     beside = (imu, *(replace(imu, topic=topic) for topic in others))
     stats = measured(tmp_path, replace(recording, beside=beside))
     assert stats["imu"]["topic"] == "/imu/data"
-    named = measured(tmp_path, replace(recording, beside=beside), "y.mcap", imu="/camera/imu")
+    named = measured(
+        tmp_path, replace(recording, beside=beside), "y.mcap", set={"imu_topic": "/camera/imu"}
+    )
     assert named["imu"]["topic"] == "/camera/imu"
 
 

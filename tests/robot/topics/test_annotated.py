@@ -249,11 +249,11 @@ def test_what_was_lost_before_is_not_forgotten(tmp_path: Path) -> None:
 
 def test_a_part_of_an_annotated_log_is_a_part_of_that_log(tmp_path: Path) -> None:
     once, part = tmp_path / "once.mcap", tmp_path / "part.mcap"
-    converted(TROUBLED, once, start_s=1.0)
+    converted(TROUBLED, once, start=1.0)
     converted(once, tmp_path / "again.mcap")
     (record,) = records(tmp_path / "again.mcap")
     assert (record.metadata["input"], record.metadata["start_s"]) == (TROUBLED.name, "1.0")
-    converted(once, part, end_s=2.0)
+    converted(once, part, end=2.0)
     (record,) = records(part)
     assert (record.metadata["input"], record.metadata["start_s"]) == ("once.mcap", "")
 
