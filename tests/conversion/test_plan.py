@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from dogbot_logtool.conversion.plan import ConversionPlan, make_plan
+from dogbot_logtool.conversion.plan import ConversionPlan, make_plan, refuse_unknown_names
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame, WrenchFrameEvidence
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.finding import Severity
@@ -131,15 +131,15 @@ def test_the_wrench_frame(trot: Case, option: str, seen: WrenchFrame, *, in_worl
 @pytest.mark.parametrize(
     ("option", "sentence"),
     [
-        ({"style": "bold"}, "no arrow style 'bold'; known: classic, pressure, force"),
-        ({"encoding": "xml"}, "no encoding 'xml'; known: foxglove, ros1, ros2"),
+        (ConvertOptions(style="bold"), "no arrow style 'bold'; known: classic, pressure, force"),
+        (ConvertOptions(encoding="xml"), "no encoding 'xml'; known: foxglove, ros1, ros2"),
     ],
 )
 def test_an_unknown_style_or_encoding_is_a_wrong_call(
-    trot: Case, option: dict[str, str], sentence: str
+    option: ConvertOptions, sentence: str
 ) -> None:
     with pytest.raises(CallError, match=sentence):
-        trot.plan(**option)
+        refuse_unknown_names(option)
 
 
 def test_weight_and_arrow_style(trot: Case) -> None:
