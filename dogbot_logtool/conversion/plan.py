@@ -98,7 +98,9 @@ def make_plan(
     left_out = channels_left_out(log, options)
     findings.extend(copy_findings(log, options, left_out))
     start_time, _ = time_limits(log, options.start_s, options.end_s)
-    description = robot_description(log, selection, probe, base, options.urdf, copy=options.copy)
+    description = robot_description(
+        log, selection, probe, base, options.topics.urdf, copy=options.copy
+    )
     findings.extend(description.findings)
     return ConversionPlan(
         selection=selection,
