@@ -84,6 +84,21 @@ class Selection:
     """Whether the base's poses are worked out from the legs."""
 
     @property
+    def has_base(self) -> bool:
+        """Whether there are poses of the base, recorded or worked out."""
+        return bool(self.odometry) or self.base_from_legs
+
+    @property
+    def has_feet(self) -> bool:
+        """Whether there are contacts of feet, recorded or worked out."""
+        return bool(self.contacts) or bool(self.contact_from)
+
+    @property
+    def has_points(self) -> bool:
+        """Whether feet have contact points."""
+        return bool(self.contact_from) or any(source.has_points for source in self.sources)
+
+    @property
     def without_header(self) -> tuple[str, ...]:
         """The types of used messages that have no header."""
         used: list[Source] = [*self.sources]
