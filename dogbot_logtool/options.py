@@ -34,6 +34,8 @@ class RobotOptions:
     """Known robot or a robot's file; default: guessed from the topics."""
     mass: Annotated[float | None, As("KG", range=Range(1e-3, 1e6))] = None
     """Mass of the robot."""
+    urdf: File = None
+    """Description of the robot, of its legs above all; default: the log's own."""
     foot: Annotated[Pairs, As("NAME=TOPIC[:FIELD]")] = None
     """Contact topic of a foot, or a field of any message (/feet:data[3]); repeatable."""
     odom_topic: Annotated[str | None, As("TOPIC[:WHICH]")] = None
@@ -104,8 +106,6 @@ class ConvertOptions(MeasureOptions):
     """Write /tf; auto: unless the log places the base otherwise."""
     tf_rate: Annotated[float, As("HZ", range=Range(1e-3, 1e6, or_zero=True))] = 50.0
     """Transforms a second; 0: every pose."""
-    urdf: File = None
-    """Robot to draw; default: the log's own, else one of boxes and cylinders."""
     compression: Annotated[Literal["zstd", "lz4", "none"] | None, As()] = None
     """Of the output; default: zstd, and chunks copied from an MCAP as they are."""
     overwrite: Flag = False
