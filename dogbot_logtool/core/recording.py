@@ -8,6 +8,7 @@ from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.transforms import RecordedTransforms, no_transforms
 from dogbot_logtool.core.legs.joints import JointTable
+from dogbot_logtool.core.legs.paths import FootPath
 from dogbot_logtool.core.vectors import VectorSamples
 from dogbot_logtool.dataclass import dataclass
 
@@ -37,6 +38,9 @@ class Recording:
 
     feet: tuple[Samples, ...] = ()
     """Contact samples of each foot, as recorded."""
+    places: tuple[FootPath | None, ...] = ()
+    """Of each foot in the base's axes, where its messages tell that; None: they do not. Empty: no
+    foot's do."""
     planned: tuple[Samples, ...] = ()
     """The same as a plan in the log has them."""
     links: Mapping[int, frozenset[str]] = field(default_factory=dict)

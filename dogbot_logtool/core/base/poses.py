@@ -1,7 +1,7 @@
 """Poses of the base: as recorded, as a history at up to 100 Hz, and without jumps."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import field, replace
 from typing import Final
 
 import numpy as np
@@ -140,6 +140,8 @@ POSE_RATE_HZ: Final = 100.0
 """Interpolation between poses 10 ms apart misses 0.1 mm at 10 m/s^2; an hour of them is 20 MB."""
 LOOKUP_S: Final = 0.1
 """A pose further from a time than this does not tell where the base was."""
+SLOWEST_S: Final = 0.5
+"""The same of poses that are so rare."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,6 +161,14 @@ class BaseHistory:
     """(n, 3) rad, roll, pitch, yaw; yaw unwrapped."""
     gaps: Ints
     """(g, 2) ns, silences: last pose before, first one after."""
+    velocity: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    """(n, 3) m/s, the twist beside each pose, in the world or the body; empty: there is none."""
+    turn_rate: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    """(n, 3) rad/s, likewise."""
+    repeated: int = 0
+    """Messages that repeat the pose before while the base moves; left out."""
+    interval_s: float = 0.0
+    """s, the usual time between two poses; 0: as often as they are kept."""
 
     @property
     def known(self) -> Ints:
@@ -167,10 +177,23 @@ class BaseHistory:
             return timespans.no_spans()
         return timespans.subtract(self.time[[0, -1]][None, :], self.gaps)
 
+    @property
+    def _reach_ns(self) -> float:
+        """How far a pose tells of, ns: further where poses are rare."""
+        return max(LOOKUP_S, min(self.interval_s, SLOWEST_S)) * 1e9
+
     def without_poses(self) -> "BaseHistory":
         """Return the history of poses of which none can be used."""
         none = np.empty((0, 3))
-        return replace(self, time=self.time[:0], position=none, angles=none, gaps=self.gaps[:0])
+        return replace(
+            self,
+            time=self.time[:0],
+            position=none,
+            angles=none,
+            velocity=none,
+            turn_rate=none,
+            gaps=self.gaps[:0],
+        )
 
     def position_at(self, time: Ints) -> Floats:
         """Interpolate the position linearly between poses.
@@ -213,12 +236,12 @@ class BaseHistory:
         at: Floats = first + share * (values.take(after, axis=0) - first)
         # Both poses around a time must be near; beyond the ends there is only one.
         away = np.maximum(np.abs(since), np.abs(self.time[after] - time))
-        at[away > LOOKUP_S * 1e9] = np.nan
+        at[away > self._reach_ns] = np.nan
         return at
 
     def unplaced(self, spans: Ints) -> int:
         """Return the time in spans, ns, that lies further than 0.1 s from every pose."""
-        reach = round(LOOKUP_S * 1e9)
+        reach = round(self._reach_ns)
         if len(self.time) == 0:
             return timespans.total(spans)
         edges = np.concatenate([self.time[:1], self.gaps.ravel(), self.time[-1:]]).reshape(-1, 2)
@@ -238,8 +261,10 @@ def base_history(odometry: Odometry, clock: TimeSource, breaks: Ints | None = No
     usable = usable_poses(odometry)
     good = usable & ((time != 0) | (clock is TimeSource.LOG))
     good[good] = advancing(time[good])
-    longest = steady_gap_ns(np.diff(time[good]))
     rows = np.flatnonzero(good)
+    fresh = _distinct(odometry, rows)
+    rows = rows[fresh]
+    longest = steady_gap_ns(np.diff(time[rows]))
     kept = odometry.pick(rows[first_at_each_tick(time[rows], POSE_RATE_HZ)])
     time = clock.of(kept)
     angles = roll_pitch_yaw(normalised(kept.orientation))
@@ -252,7 +277,43 @@ def base_history(odometry: Odometry, clock: TimeSource, breaks: Ints | None = No
         position=kept.position,
         angles=angles,
         gaps=_gaps(time, longest, timespans.no_spans() if breaks is None else breaks),
+        velocity=kept.linear_velocity,
+        turn_rate=kept.angular_velocity,
+        repeated=int((~fresh).sum()),
+        interval_s=float(median_of(np.diff(time))) / 1e9 if len(time) > 1 else 0.0,
     )
+
+
+FEWEST_DISTINCT: Final = 5
+"""Changes of the pose from which it is told how often a topic repeats one."""
+
+
+def _distinct(odometry: Odometry, rows: Ints) -> Flags:
+    """Tell which messages tell a pose anew, where a topic sends each pose several times.
+
+    Args:
+        odometry: messages.
+        rows: (n,) those that can be used.
+
+    Returns:
+        (n,) all, where poses change from message to message. Of a pose that lasts, as that of a
+        robot that stands, some are kept, so that it is no gap.
+    """
+    position, turn = odometry.position[rows], odometry.orientation[rows]
+    same = (position[1:] == position[:-1]).all(axis=1)
+    fresh = np.ones(len(rows), np.bool_)
+    if not same.any():
+        return fresh
+    same &= (turn[1:] == turn[:-1]).all(axis=1)
+    first = np.flatnonzero(np.concatenate([[True], ~same]))
+    length = np.diff(first, append=len(rows))
+    if len(first) <= FEWEST_DISTINCT:
+        return fresh
+    usual = int(median_of(length[1:-1]))
+    if usual < 2:
+        return fresh
+    since = np.arange(len(rows)) - np.repeat(first, length)
+    return np.asarray(since % (2 * usual) == 0)
 
 
 def _gaps(time: Ints, longest_ns: float, breaks: Ints) -> Ints:

@@ -60,7 +60,7 @@ def falls(stats: Stats) -> Iterator[Finding]:
 def poses(stats: Stats) -> Iterator[Finding]:
     """Yield how many poses are missing or cannot be used."""
     record = stats.base_history
-    if stats.base is None and stats.leaning_rad is not None:
+    if stats.base is None and (stats.leaning_rad is not None or stats.frozen is not None):
         return
     if record.messages and record.not_usable == record.messages:
         all_poses = counted(record.messages, "pose")

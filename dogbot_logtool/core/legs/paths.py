@@ -11,7 +11,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, median_of
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.corrections.clock import first_at_each_tick
+from dogbot_logtool.core.corrections.clock import advancing, first_at_each_tick
 from dogbot_logtool.core.frames.kinematics import Joint, link_poses
 from dogbot_logtool.core.frames.transforms import TransformBuffer, chain_of_frames
 from dogbot_logtool.core.legs.joints import JointLimits, JointTrack, silent_before, unbroken
@@ -110,6 +110,14 @@ class FootPath:
         turn = from_roll_pitch_yaw(base.angles_at(self.time))
         position = base.position_at(self.time) + rotate(turn, self.position.astype(np.float64))
         return _path(self.time, position)
+
+
+def path_of(time: Ints, position: Floats | Float32s) -> FootPath:
+    """Return the path of a foot by positions that messages tell, (n, 3) m; NaN: not known."""
+    advances = advancing(time)
+    rows = np.flatnonzero(advances)
+    rows = rows[first_at_each_tick(time[rows], TRANSFORM_RATE_HZ)]
+    return _path(time[rows], position[rows])
 
 
 def _path(time: Ints, position: Floats | Float32s) -> FootPath:

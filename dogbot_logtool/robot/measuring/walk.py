@@ -1,5 +1,6 @@
 """From the columns of a recording to all figures: corrections, the walk, its plan."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -30,7 +31,7 @@ from dogbot_logtool.robot.probe_findings import probe_findings
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.frames.transforms import TransformBuffer
-    from dogbot_logtool.core.legs.paths import LegSettings
+    from dogbot_logtool.core.legs.paths import FootPath, LegSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,14 +88,41 @@ def _measured(
     findings = _findings(recording, learnt, plan)
     legs = _legs(log, recording, learnt)
     feet = _with_swings(log, _without_offsets(recording, learnt), learnt, plan)
-    if learnt.frames is not None:
+    places = _places(feet, learnt)
+    if learnt.frames is None:
+        feet = _without_places(feet, places)
+    else:
         tracks = learnt.frames.tracks(recording.transforms, recording.base)
         placed = learnt.frames.place(feet, tracks)
         feet = placed.samples
         findings.extend(frame_findings(learnt.frames, placed))
-    corrected = replace(recording, feet=feet)
+    corrected = replace(recording, feet=feet, places=places)
     stats = analyse(corrected, learnt.settings, legs)
     return Measured(stats, corrected, tuple(findings), learnt)
+
+
+def _places(feet: Sequence[Samples], learnt: LearntSettings) -> "tuple[FootPath | None, ...]":
+    """Return the places of feet in the base's axes, where their messages tell those."""
+    selection = learnt.selection
+    told = [any(each.in_base for each in selection.sources_of(foot)) for foot in range(len(feet))]
+    if not any(told):
+        return ()
+    from dogbot_logtool.core.legs.paths import path_of  # noqa: PLC0415
+
+    return tuple(
+        path_of(learnt.settings.clock.of(samples), samples.position) if is_told else None
+        for samples, is_told in zip(feet, told, strict=True)
+    )
+
+
+def _without_places(
+    feet: tuple[Samples, ...], places: "Sequence[FootPath | None]"
+) -> tuple[Samples, ...]:
+    """Return samples without positions that nothing turns into the world."""
+    return tuple(
+        replace(samples, position=np.full_like(samples.position, np.nan)) if path else samples
+        for samples, path in zip(feet, places or (None,) * len(feet), strict=True)
+    )
 
 
 def _legs(
@@ -120,8 +148,6 @@ def _without_offsets(recording: Recording, learnt: LearntSettings) -> tuple[Samp
             lists_contacts=any(source.lists_contacts for source in sources),
             only_presses=any(source.is_raw or source.one_axis for source in sources),
         )
-        if learnt.frames is None and any(source.in_base for source in sources):
-            samples = replace(samples, position=np.full_like(samples.position, np.nan))
         feet.append(samples)
     return tuple(feet)
 
