@@ -11,8 +11,9 @@ from dogbot_logtool.core.base.axes import with_forward_axis
 from dogbot_logtool.core.base.falls import fallen_spans
 from dogbot_logtool.core.base.frozen import Frozen, find_frozen, without_frozen
 from dogbot_logtool.core.base.ground import height_drift_m, height_over_feet
+from dogbot_logtool.core.base.jumps import PoseJumps, find_jumps, without_jumps
 from dogbot_logtool.core.base.motion import BaseTrack, base_motion, find_travel
-from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps, find_jumps, without_jumps
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.base.witness import Witness, feet_witness
 from dogbot_logtool.core.consistency.stopped import without_stopped
 from dogbot_logtool.core.consistency.worlds import Worlds, placed_poses
@@ -187,15 +188,24 @@ def mask_walk(corrected: Corrected) -> MaskedWalk:
     delay = None if apart else _long_delay(records, base, period_s, strides)
     apart = apart | {settings.odometry_topic} if delay else apart
     rise_m = height_drift_m(base, height, strides)
-    track = BaseTrack(base, find_travel(base), height, records, standing.still, jumps)
+    track = BaseTrack(base, find_travel(base), height, records, standing.still)
     guessed = settings.forward_axis
     motion = base_motion(track, guessed)
     settings = with_forward_axis(settings, track, motion)
     if settings.forward_axis != guessed:
         motion = base_motion(track, settings.forward_axis)
     feet = tuple(
-        foot_steps(settings, row, record, base, fallen, standing, is_dead=dead[row])
-        for row, record in enumerate(records)
+        foot_steps(
+            settings,
+            row,
+            record,
+            base,
+            fallen,
+            standing,
+            path=None if path is None else path.in_world(base),
+            is_dead=dead[row],
+        )
+        for row, (record, path) in enumerate(zip(records, corrected.places, strict=True))
     )
     return MaskedWalk(
         settings=settings,

@@ -93,8 +93,8 @@ def judge(case: Case, recording: Recording, found: Outcome) -> list[Judged]:
     walks = recording.truth.feet[0].stride_period_s is not None
     judged += _walk(case, recording, found) if walks else _no_steps(recording, found)
     judged += _whole(case, recording, found)
-    judged += _unknown(judged, found)
-    return [each for each in judged if each.figure not in case.skip]
+    judged = [each for each in judged if each.figure not in case.skip]
+    return judged + [each for each in _unknown(judged, found) if each.figure not in case.skip]
 
 
 def faults(judged: Sequence[Judged]) -> list[Judged]:

@@ -67,8 +67,8 @@ def scale(stats: Stats) -> Iterator[Finding]:
         factor = compared.scale
         if factor is None:
             continue
-        if SCALES[0] <= factor <= SCALES[1] or _is_drift(stats, factor):
-            return
+        if SCALES[0] <= factor <= SCALES[1]:
+            break
         walked, told = compared.walked_m
         text = (
             f"the poses go {factor:.3g} times as far as {compared.by} in {len(compared.way)} "
@@ -84,12 +84,6 @@ def scale(stats: Stats) -> Iterator[Finding]:
             f"{longest:.1f} m): millimetres, another unit, or another clock?"
         )
         yield Finding("POSE_SCALE", text, "base", cases=_cases(names), feet=names)
-
-
-def _is_drift(stats: Stats, factor: float) -> bool:
-    """Tell whether poses that stay among the contact points are only compared badly."""
-    worlds = stats.worlds
-    return worlds is not None and worlds.agree and SCALES[0] ** 2 <= factor <= SCALES[1] ** 2
 
 
 def _unit(factor: float) -> str:

@@ -20,6 +20,7 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.robot.frames.world_frames import frame_findings
+from dogbot_logtool.robot.measuring.moved_base import with_poses_of_base
 from dogbot_logtool.robot.measuring.plan import (
     LearntSettings,
     MeasuringPlan,
@@ -67,8 +68,10 @@ def measure_recording(
     Raises:
         CallError: an option names a foot that the log does not have.
     """
+    recording, moved = with_poses_of_base(recording, plan.selection)
     learnt = learn_settings(recording, plan.selection, plan.side, options, with_soles=with_soles)
     measured = _measured(log, recording, learnt, plan)
+    measured = replace(measured, findings=(*measured.findings, *moved))
     if plan.planned is None:
         return measured
     of_plan = replace(recording, feet=recording.planned, links={}, joints=())

@@ -12,7 +12,7 @@ from dogbot_logtool.core.base.motion import (
     froude_number,
     stride_lengths,
 )
-from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history, find_jumps
+from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.metrics import Base
 
@@ -38,7 +38,7 @@ def record(odometry: Odometry) -> BaseHistory:
 def track(odometry: Odometry, height_m: float = 0.3) -> BaseTrack:
     base = record(odometry)
     height = np.full(len(base.time), height_m)
-    return BaseTrack(base, find_travel(base), height, (), timespans.no_spans(), find_jumps(base))
+    return BaseTrack(base, find_travel(base), height, (), timespans.no_spans())
 
 
 def motion(odometry: Odometry, forward_axis: str = "+x") -> Base:
