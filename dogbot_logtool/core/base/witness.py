@@ -94,8 +94,8 @@ def _footfalls(foot: FootHistory) -> tuple[Ints, Floats]:
     duration = (foot.stances.liftoff - foot.stances.touchdown)[known]
     if not len(time):
         return time, place
-    half = np.maximum(duration - 2 * int(median_of(duration)), 0) // 2
-    twice = np.stack([time - half, time + half], axis=1).ravel()
+    longer = np.maximum(duration - 2 * int(median_of(duration)), 0)
+    twice = np.stack([time, time + longer], axis=1).ravel()
     both = np.repeat(place, 2, axis=0)
     kept = np.concatenate([[True], np.diff(twice) > 0])
     return twice[kept], both[kept]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints
+from dogbot_logtool.core.arrays import Floats, Ints, median_of
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.legs.paths import FootPath
@@ -11,11 +11,16 @@ from dogbot_logtool.core.legs.paths import FootPath
 def stance_places(foot: FootHistory) -> tuple[Ints, Floats]:
     """Return when and where a foot stands in each of its stances.
 
+    Of a stance that is longer than usual, as one that a stand or a silence follows, the beginning
+    counts.
+
     Returns:
         (k,) ns, the mean time of its contact points, or the middle of a stance without any; and
         (k, 3) m, their mean; NaN without any.
     """
     begin, end = foot.stances.touchdown, foot.stances.liftoff
+    if len(begin):
+        end = np.minimum(end, begin + int(median_of(end - begin)))
     middle = begin + (end - begin) // 2
     time, point = foot.track.contact_points
     place = np.full((len(begin), 3), np.nan)
