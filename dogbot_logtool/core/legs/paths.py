@@ -15,7 +15,7 @@ from dogbot_logtool.core.corrections.clock import advancing, first_at_each_tick
 from dogbot_logtool.core.frames.kinematics import Joint, link_poses
 from dogbot_logtool.core.frames.transforms import TransformBuffer, chain_of_frames
 from dogbot_logtool.core.legs.joints import JointLimits, JointTrack, silent_before, unbroken
-from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
+from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, rotate
 from dogbot_logtool.dataclass import dataclass
 
 TRANSFORM_RATE_HZ: Final = 200.0
@@ -118,6 +118,12 @@ def path_of(time: Ints, position: Floats | Float32s) -> FootPath:
     rows = np.flatnonzero(advances)
     rows = rows[first_at_each_tick(time[rows], TRANSFORM_RATE_HZ)]
     return _path(time[rows], position[rows])
+
+
+def path_in_base(time: Ints, position: Floats | Float32s, base: BaseHistory) -> FootPath:
+    """Return the path of a foot in the base's axes by its positions in the world, (n, 3) m."""
+    turn = conjugate(from_roll_pitch_yaw(base.angles_at(time)))
+    return path_of(time, rotate(turn, position.astype(np.float64) - base.position_at(time)))
 
 
 def _path(time: Ints, position: Floats | Float32s) -> FootPath:

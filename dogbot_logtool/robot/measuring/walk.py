@@ -33,6 +33,7 @@ from dogbot_logtool.robot.probe_findings import probe_findings
 if TYPE_CHECKING:
     from dogbot_logtool.core.frames.transforms import TransformBuffer
     from dogbot_logtool.core.legs.paths import FootPath, LegSettings
+    from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,8 +70,15 @@ def measure_recording(
         CallError: an option names a foot that the log does not have.
     """
     recording, moved = with_poses_of_base(recording, plan.selection)
-    learnt = learn_settings(recording, plan.selection, plan.side, options, with_soles=with_soles)
-    measured = _measured(log, recording, learnt, plan)
+    selection, model = plan.selection, None
+    if recording.joints:
+        from dogbot_logtool.robot.measuring.by_legs import read_model, told_by_legs  # noqa: PLC0415
+
+        found = read_model(log, options.topics.urdf)
+        model = found.robot
+        recording, selection = told_by_legs(recording, selection, found)
+    learnt = learn_settings(recording, selection, plan.side, options, with_soles=with_soles)
+    measured = _measured(log, recording, learnt, plan, model)
     measured = replace(measured, findings=(*measured.findings, *moved))
     if plan.planned is None:
         return measured
@@ -85,13 +93,14 @@ def _measured(
     recording: Recording,
     learnt: LearntSettings,
     plan: MeasuringPlan,
+    model: "RobotOfUrdf | None" = None,
 ) -> Measured:
     """Correct the columns, and work out all figures."""
     learnt = learnt_on_clock(learnt, log_clock(recording, learnt.settings))
     findings = _findings(recording, learnt, plan)
-    legs = _legs(log, recording, learnt)
+    legs = _legs(recording, learnt, model)
     feet = _with_swings(log, _without_offsets(recording, learnt), learnt, plan)
-    places = _places(feet, learnt)
+    places = _places(feet, recording.base, learnt)
     if learnt.frames is None:
         feet = _without_places(feet, places)
     else:
@@ -129,7 +138,7 @@ def _without_places(
 
 
 def _legs(
-    log: Log, recording: Recording, learnt: LearntSettings
+    recording: Recording, learnt: LearntSettings, model: "RobotOfUrdf | None"
 ) -> "tuple[LegSettings, TransformBuffer] | None":
     """Find what tells of the legs; nothing is imported for a log that tells nothing."""
     if not recording.joints and not learnt.selection.transforms:
@@ -137,7 +146,7 @@ def _legs(
     from dogbot_logtool.robot.measuring.legs import find_legs  # noqa: PLC0415
 
     clock = learnt.settings.clock
-    return find_legs(log, recording, learnt.selection, learnt.probe, clock)
+    return find_legs(recording, learnt.selection, learnt.probe, clock, model)
 
 
 def _without_offsets(recording: Recording, learnt: LearntSettings) -> tuple[Samples, ...]:
@@ -148,7 +157,8 @@ def _without_offsets(recording: Recording, learnt: LearntSettings) -> tuple[Samp
         samples = without_offset(
             recorded,
             learnt.settings.sensor(foot),
-            lists_contacts=any(source.lists_contacts for source in sources),
+            lists_contacts=bool(learnt.selection.contact_from)
+            or any(source.lists_contacts for source in sources),
             only_presses=any(source.is_raw or source.one_axis for source in sources),
         )
         feet.append(samples)
