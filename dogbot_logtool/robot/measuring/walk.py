@@ -113,16 +113,23 @@ def _measured(
     return Measured(stats, corrected, tuple(findings), learnt)
 
 
-def _places(feet: Sequence[Samples], learnt: LearntSettings) -> "tuple[FootPath | None, ...]":
-    """Return the places of feet in the base's axes, where their messages tell those."""
-    selection = learnt.selection
+def _places(
+    feet: Sequence[Samples], base: Odometry, learnt: LearntSettings
+) -> "tuple[FootPath | None, ...]":
+    """Return the places of feet in the base's axes, where messages or joints tell those."""
+    selection, clock = learnt.selection, learnt.settings.clock
     told = [any(each.in_base for each in selection.sources_of(foot)) for foot in range(len(feet))]
-    if not any(told):
+    by_joints = bool(selection.contact_from and selection.odometry)
+    if not any(told) and not by_joints:
         return ()
-    from dogbot_logtool.core.legs.paths import path_of  # noqa: PLC0415
+    from dogbot_logtool.core.legs.paths import path_in_base, path_of  # noqa: PLC0415
 
+    if by_joints:
+        # Joints have told these places, and the poses have placed them in the world.
+        poses = base_history(base, clock)
+        return tuple(path_in_base(clock.of(each), each.position, poses) for each in feet)
     return tuple(
-        path_of(learnt.settings.clock.of(samples), samples.position) if is_told else None
+        path_of(clock.of(samples), samples.position) if is_told else None
         for samples, is_told in zip(feet, told, strict=True)
     )
 
