@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.contact.contact_rule import without_offset
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.silent_swing import with_swings
