@@ -34,8 +34,8 @@ from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
+    from dogbot_logtool.core.base.foot_path import FootPath
     from dogbot_logtool.core.legs.joints import JointTable
-    from dogbot_logtool.core.legs.paths import FootPath
     from dogbot_logtool.core.vectors import VectorHistory
 
 

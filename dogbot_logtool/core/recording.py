@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from dataclasses import field
 
 from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.base.foot_path import FootPath
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.transforms import RecordedTransforms, no_transforms
 from dogbot_logtool.core.legs.joints import JointTable
-from dogbot_logtool.core.legs.paths import FootPath
 from dogbot_logtool.core.vectors import VectorSamples
 from dogbot_logtool.dataclass import dataclass
 

@@ -12,12 +12,12 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, median_of
+from dogbot_logtool.core.base.foot_path import FootPath
 from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.places import stance_places
 from dogbot_logtool.core.leg_position import LegPosition
-from dogbot_logtool.core.legs.paths import FootPath
 from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.dataclass import dataclass
 

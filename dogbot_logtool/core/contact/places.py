@@ -4,8 +4,6 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, median_of
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.stances import Stances
-from dogbot_logtool.core.legs.paths import FootPath
 
 
 def stance_places(foot: FootHistory) -> tuple[Ints, Floats]:
@@ -37,11 +35,3 @@ def stance_places(foot: FootHistory) -> tuple[Ints, Floats]:
     since = np.bincount(stance, (time - begin[0]).astype(np.float64), len(begin))
     middle[known] = begin[0] + (since[known] / count[known]).astype(np.int64)
     return middle, place
-
-
-def places_on_path(path: FootPath, stances: Stances) -> Floats:
-    """(k, 3) m, where a foot is in the middle half of each stance, by its path in the world."""
-    shares = np.array([0.25, 0.375, 0.5, 0.625, 0.75])
-    duration = (stances.liftoff - stances.touchdown)[:, None]
-    time = stances.touchdown[:, None] + np.rint(duration * shares).astype(np.int64)
-    return np.asarray(path.at(time).mean(axis=1))

@@ -16,10 +16,11 @@ from dogbot_logtool.core.arrays import (
     rows_of_runs,
     trapezoids,
 )
+from dogbot_logtool.core.base.foot_path import FootPath, places_on_path
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES, stride_lengths
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.places import places_on_path, stance_places
+from dogbot_logtool.core.contact.places import stance_places
 from dogbot_logtool.core.contact.stance_samples import PARTS
 from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.gait.strides import (
@@ -31,7 +32,6 @@ from dogbot_logtool.core.gait.strides import (
 )
 from dogbot_logtool.core.gait.support import Standing, steps_apart
 from dogbot_logtool.core.leg_position import LegPosition
-from dogbot_logtool.core.legs.paths import FootPath
 from dogbot_logtool.core.loads import has_lone_spikes, slip_m, vertical_impulse_ns, without_spikes
 from dogbot_logtool.core.metrics import Foot
 from dogbot_logtool.core.records import Curve, Numbers, Shape, unknown

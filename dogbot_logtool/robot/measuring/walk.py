@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dogbot_logtool.core.base.foot_path import path_in_base, path_of
 from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.contact.contact_rule import without_offset
 from dogbot_logtool.core.contact.contacts import Samples
@@ -32,8 +33,9 @@ from dogbot_logtool.robot.options import StatsOptions
 from dogbot_logtool.robot.probe_findings import probe_findings
 
 if TYPE_CHECKING:
+    from dogbot_logtool.core.base.foot_path import FootPath
     from dogbot_logtool.core.frames.transforms import TransformBuffer
-    from dogbot_logtool.core.legs.paths import FootPath, LegSettings
+    from dogbot_logtool.core.legs.paths import LegSettings
     from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf
 
 
@@ -123,7 +125,6 @@ def _places(
     by_joints = bool(selection.contact_from and selection.odometry)
     if not any(told) and not by_joints:
         return ()
-    from dogbot_logtool.core.legs.paths import path_in_base, path_of  # noqa: PLC0415
 
     if by_joints:
         # Joints have told these places, and the poses have placed them in the world.
