@@ -5,12 +5,13 @@ Topics are given by the robot's file or options, or found.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Final, Literal
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import MOST, listed, printable, shell_joined
 from dogbot_logtool.io.storage import shown
+from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.containers.salvage.losses import damage_of
 from dogbot_logtool.reader.messages.bases import Base
@@ -35,8 +36,8 @@ from dogbot_logtool.robot.feet.unknown import (
     find_candidates,
     split_cells,
 )
-from dogbot_logtool.robot.options import TopicOptions
 from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.robot.settings import with_settings
 from dogbot_logtool.robot.topics.annotated import annotation_findings
 from dogbot_logtool.robot.topics.base import check_named_base, choose_base
 from dogbot_logtool.robot.topics.readable import (
@@ -78,6 +79,25 @@ class Selection:
     """How the base's poses are read; None: there are none."""
     robot_is_guessed: bool = False
     """Whether the robot was guessed from the log's topics."""
+    contact_from: Literal["", "joint_torques", "kinematics"] = ""
+    """What contacts are estimated from; empty: sensors tell."""
+    base_from_legs: bool = False
+    """Whether the base's poses are worked out from the legs."""
+
+    @property
+    def has_base(self) -> bool:
+        """Whether there are poses of the base, recorded or worked out."""
+        return bool(self.odometry) or self.base_from_legs
+
+    @property
+    def has_feet(self) -> bool:
+        """Whether there are contacts of feet, recorded or worked out."""
+        return bool(self.contacts) or bool(self.contact_from)
+
+    @property
+    def has_points(self) -> bool:
+        """Whether feet have contact points."""
+        return bool(self.contact_from) or any(source.has_points for source in self.sources)
 
     @property
     def without_header(self) -> tuple[str, ...]:
@@ -119,10 +139,13 @@ class Selection:
     def has_flags(self, foot: int) -> bool:
         """Tell whether contact flags of the messages decide a foot's contact."""
         sources = self.sources_of(foot)
-        return bool(sources) and all(source.has_flags for source in sources)
+        of_sensors = bool(sources) and all(source.has_flags for source in sources)
+        return of_sensors or bool(self.contact_from)
 
     def knows_force(self, foot: int) -> bool:
         """Tell whether a foot's messages give its force in newtons, not only whether it touches."""
+        if self.contact_from:
+            return self.contact_from == "joint_torques"
         scaled = self.robot.feet[foot].newtons_per_count is not None
         return foot not in self.forceless and all(
             source.has_force and (scaled or not source.is_raw) for source in self.sources_of(foot)
@@ -130,7 +153,7 @@ class Selection:
 
     def without_forces(self, forceless: frozenset[int]) -> "Selection":
         """Return the selection for a log whose wrenches of some feet are always zero."""
-        if not forceless:
+        if not forceless or self.contact_from:
             return self
         names = [self.robot.feet[foot].name for foot in sorted(forceless)]
         text = f"all wrenches of {listed(names)} are zero: contacts without forces"
@@ -153,7 +176,7 @@ class Selection:
         )
 
 
-def select_topics(log: Log, options: TopicOptions) -> Selection:
+def select_topics(log: Log, options: RobotOptions) -> Selection:
     """Decide which topics are used for what.
 
     Raises:
@@ -164,6 +187,7 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     named = _apply_options(log, choose_robot(log, options, findings), options)
     of_feet: list[Finding] = []
     robot, offer = find_feet(log, named, of_feet)
+    robot = with_settings(robot, options.set)
     contacts: list[Channel] = []
     feet_of: dict[int, tuple[int, ...]] = {}
     for topic in dict.fromkeys(foot.topic for foot in robot.feet):
@@ -275,28 +299,29 @@ def _without_topics(robot: Robot) -> Iterator[Finding]:
         yield Finding("ROBOT_GUESSED", text, cases=("absent",))
 
 
-def _apply_options(log: Log, robot: Robot, options: TopicOptions) -> Robot:
-    if options.odometry_topic is not None:
-        check_named_base(log, robot, options.odometry_topic)
-        robot = replace(robot, odometry_topic=options.odometry_topic)
+def _apply_options(log: Log, robot: Robot, options: RobotOptions) -> Robot:
+    if options.odom_topic is not None:
+        check_named_base(log, robot, options.odom_topic)
+        robot = replace(robot, odometry_topic=options.odom_topic)
     if options.feet:
         robot = replace(robot, feet=options.feet)
-    if options.foot_topics:
-        given, guessed = options.foot_topics, options.robot is None
+    if options.foot:
+        given, guessed = options.foot, options.robot is None
         check_topics(log, given)
         robot = assign_feet(robot, given, usable_topics(log), guessed=guessed)
     return robot
 
 
-def _call(log: Log, options: TopicOptions, base: str) -> str:
+def _call(log: Log, options: RobotOptions, base: str) -> str:
     """Return a call of `stats` with the user's options, and with a base that is offered."""
     words = ["dogbot-logtool", "stats", *log.words]
-    named = options.odometry_topic or base
+    named = options.odom_topic or base
     words += ["--robot", options.robot] if options.robot is not None else []
     words += ["--odom-topic", named] if named else []
-    words += ["--mass", f"{options.mass_kg:g}"] if options.mass_kg is not None else []
-    for foot, topic in (options.foot_topics or {}).items():
-        words += ["--foot", f"{foot}={topic}"]
+    words += ["--mass", f"{options.mass:g}"] if options.mass is not None else []
+    for option, pairs in (("--foot", options.foot), ("--set", options.set)):
+        for name, text in (pairs or {}).items():
+            words += [option, f"{name}={text}"]
     return shell_joined(words)
 
 
