@@ -86,17 +86,6 @@ def test_any_error_leaves_nothing(tmp_path: Path, error: type[BaseException]) ->
 
 
 @pytest.mark.usefixtures("way")
-def test_overwriting(tmp_path: Path) -> None:
-    target = tmp_path / "x.mcap"
-    target.write_bytes(b"old")
-    with whole_file(target, overwrite=True) as file:
-        file.write(b"new")
-        assert target.read_bytes() == b"old"
-    assert target.read_bytes() == b"new"
-    assert files(tmp_path) == ["x.mcap"]
-
-
-@pytest.mark.usefixtures("way")
 def test_a_target_that_comes_to_exist_meanwhile_is_kept(tmp_path: Path) -> None:
     target = tmp_path / "x.mcap"
 
@@ -253,17 +242,6 @@ def test_a_directory_cannot_be_made_in_a_file(tmp_path: Path) -> None:
     ):
         pass
     assert files(tmp_path) == ["a"]
-
-
-@pytest.mark.parametrize("name", ["missing/x.mcap", "file/x.mcap"])
-def test_a_folder_that_is_none(tmp_path: Path, name: str) -> None:
-    (tmp_path / "file").write_bytes(b"")
-    target = tmp_path / name
-    with pytest.raises(LogtoolError, match="cannot be written"):
-        write(target, b"never")
-    with pytest.raises(CallError, match=r"no such folder|is a file"):
-        refuse_bad_target(target, None, overwrite=False)
-    assert files(tmp_path) == ["file"]
 
 
 @pytest.fixture

@@ -1,9 +1,8 @@
 """Where the output of each log goes."""
 
-from pathlib import Path, PurePath
+from pathlib import Path
 
 import pytest
-from upath import UPath
 
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.targets import (
@@ -103,11 +102,3 @@ def test_targets_in_a_directory(tmp_path: Path) -> None:
         targets(logs, Output(tmp_path / "none.mcap", is_folder=False), ".report.html")
     with pytest.raises(CallError, match="same name"):
         targets([Path("a/walk.bag"), Path("b/walk.bag")], folder, ".mcap")
-
-
-def test_targets_lie_as_their_logs_do() -> None:
-    logs = [Path("a/walk.bag"), Path("b/walk.bag")]
-    below = [PurePath(), PurePath("b")]
-    folder = UPath("memory://out")
-    found = targets(logs, Output(folder, is_folder=True), ".mcap", below)
-    assert [str(target) for _, target in found] == [f"{folder}/walk.mcap", f"{folder}/b/walk.mcap"]

@@ -58,6 +58,24 @@ class ChunkedLog(Log):
             before, after = sorted((before, after))
         return replace(loss, start_time=before, end_time=after)
 
+    def overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
+        """See `Log.overlaps`: a chunk is left out only if what stands in it or behind it agrees.
+
+        That is not fetched from a store.
+        """
+        if super().overlaps(chunk, start, end):
+            return True
+        if chunk.is_scanned or not self.source.has_cheap_seeks:
+            return False
+        times = self.own_times(chunk)
+        if times is None:
+            return True
+        return super().overlaps(replace(chunk, start_time=times[0], end_time=times[1]), start, end)
+
+    @abstractmethod
+    def own_times(self, chunk: Chunk) -> tuple[int | None, int | None] | None:
+        """Return the log times, ns, that a chunk itself tells; None if nothing of it does."""
+
     def _corrected(self, span: Span) -> Batch:
         """Read chunks as the log's index describes them, else as their own headers do."""
         batch, damaged = self._of_chunks(span)

@@ -48,19 +48,9 @@ class BagLog(ChunkedLog):
         contradictions = (loss for loss in found if loss is not None)
         return replace(content, losses=(*content.losses, *contradictions))
 
-    def overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
-        """See `Log.overlaps`: a chunk is left out only if the index records behind it agree.
-
-        They are not fetched for that from a store.
-        """
-        if super().overlaps(chunk, start, end):
-            return True
-        if chunk.is_scanned or not self.source.has_cheap_seeks:
-            return False
-        (times,) = indexed_times(self.source, [chunk])
-        if times is None:
-            return True
-        return super().overlaps(replace(chunk, start_time=times[0], end_time=times[1]), start, end)
+    def own_times(self, chunk: Chunk) -> tuple[int | None, int | None] | None:
+        """See `ChunkedLog.own_times`: those that the index records behind it name."""
+        return indexed_times(self.source, [chunk])[0]
 
 
 def open_log(source: ByteSource, distribution: str) -> BagLog:

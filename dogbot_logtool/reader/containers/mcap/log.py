@@ -76,20 +76,13 @@ class McapLog(ChunkedLog):
         )
         return corrected if corrected != chunk else None
 
-    def overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
-        """See `Log.overlaps`: a chunk is left out only if its own header says so, too.
-
-        Headers in a store are not fetched for that.
-        """
-        if super().overlaps(chunk, start, end):
-            return True
-        if chunk.is_scanned or not self.source.has_cheap_seeks:
-            return False
+    def own_times(self, chunk: Chunk) -> tuple[int | None, int | None] | None:
+        """See `ChunkedLog.own_times`: those of its header."""
         try:
             own = chunk_at(self.source, chunk.offset)
         except ChunkDamage:
-            return True
-        return super().overlaps(own, start, end)
+            return None
+        return own.start_time, own.end_time
 
     def contradicts_summary(self) -> bool:
         """Tell whether the first messages of a channel are described otherwise in their chunk.

@@ -35,6 +35,7 @@ _Record = TypeVar(
     records.AttachmentIndex,
     records.MetadataIndex,
     records.SummaryOffset,
+    records.DataEnd,
 )
 
 

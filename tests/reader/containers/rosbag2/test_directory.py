@@ -1,14 +1,10 @@
 """ROS 2 bags as rosbags writes them, and as recorders and their crashes leave them."""
 
-import os
-import shutil
-import sqlite3
 from pathlib import Path
 
 import numpy as np
 import pytest
 import zstandard
-from rosbags.rosbag2 import Reader as Rosbag2Reader
 from rosbags.rosbag2.enums import CompressionMode, StoragePlugin
 
 from dogbot_logtool.errors import CallError, LogError, LogtoolError
@@ -26,7 +22,7 @@ from tests.reader.containers.rosbag2.bags import (
     write,
 )
 from tests.reader.mcap_bytes import attachment, metadata, small_mcap
-from tests.reader.reading import Read, Reading, read_file
+from tests.reader.reading import Reading, read_file
 
 
 @pytest.mark.parametrize("mode", MODES)
@@ -102,36 +98,6 @@ def test_a_type_that_nobody_knows_is_still_a_topic(tmp_path: Path) -> None:
     assert (odometry.schema.encoding, odometry.schema.data) == ("", b"")
 
 
-def test_a_write_ahead_log_is_read(tmp_path: Path) -> None:
-    bag = write(tmp_path / "bag")
-    file = database(bag)
-    connection = sqlite3.connect(file, isolation_level=None)
-    connection.execute("PRAGMA journal_mode = WAL")
-    connection.execute("INSERT INTO messages (topic_id, timestamp, data) VALUES (1, 7, x'00')")
-    crashed = tmp_path / "crashed"
-    shutil.copytree(bag, crashed)
-    connection.close()
-    assert read_file(crashed).messages[-1] == Read(ENTRIES[0].topic, 7, b"\0")
-
-
-@pytest.mark.parametrize(
-    "statement",
-    [
-        "UPDATE messages SET data = 'text' WHERE id = 3",
-        "UPDATE messages SET timestamp = -5 WHERE id = 3",
-        "UPDATE messages SET timestamp = 'then' WHERE id = 3",
-        "UPDATE messages SET topic_id = 77 WHERE id = 3",
-        "UPDATE messages SET topic_id = -9223372036854775808 WHERE id = 3",
-    ],
-)
-def test_a_row_that_is_no_message_is_counted(tmp_path: Path, statement: str) -> None:
-    bag = write(tmp_path / "bag")
-    change(database(bag), statement)
-    reading = read_file(bag)
-    assert list(reading.messages) == expected([*ENTRIES[:2], *ENTRIES[3:]])
-    assert reading.lost == 1
-
-
 @pytest.mark.parametrize(
     "statements",
     [
@@ -203,18 +169,3 @@ def test_any_log_may_be_packed_once(tmp_path: Path) -> None:
     path.write_bytes(zstandard.ZstdCompressor().compress(packed))
     with pytest.raises(LogError, match="twice"):
         open_log(path)
-
-
-def test_rosbags_agrees(tmp_path: Path) -> None:
-    bag = write(tmp_path / "bag")
-    with Rosbag2Reader(bag) as reader:
-        theirs = [Read(c.topic, time, bytes(data)) for c, time, data in reader.messages()]
-    assert sorted(read_file(bag).messages) == sorted(theirs)
-
-
-@pytest.mark.parametrize("name", [b"\xff.db3", b"a b%41?mode=rw#.db3"])
-def test_a_database_may_have_any_name(tmp_path: Path, name: bytes) -> None:
-    whole = write(tmp_path / "whole")
-    path = Path(os.fsdecode(bytes(tmp_path) + b"/" + name))
-    shutil.copy(database(whole), path)
-    assert list(read_file(path).messages) == expected()
