@@ -99,7 +99,7 @@ def _new(
     if quiet:
         outcomes.finish()
     for other in found.runners_up[:3]:
-        click.echo(f"not chosen: {other.fields} ({'; '.join(other.reasons)})", err=True)
+        click.echo(f"not chosen: {other.fields} ({other.reasons})", err=True)
     file_name = str(output or "robot.toml")
     files = [str(log), *map(str, options.joined), *(["--join"] if options.joined else [])]
     command = shell_joined(["dogbot-logtool", "stats", *files, "--robot", file_name])

@@ -14,12 +14,12 @@ from dogbot_logtool.reader.messages.feet import MessageFoot, feet_in
 from dogbot_logtool.reader.messages.message_type import is_named_as_planned
 from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels
 from dogbot_logtool.reader.messages.source import Source
-from dogbot_logtool.robot.feet.names import label_names, leg_position
-from dogbot_logtool.robot.feet.words import Part, words_of
 from dogbot_logtool.robot.first_messages import first_messages
+from dogbot_logtool.robot.names import label_names, leg_position
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics.readable import why_unreadable
 from dogbot_logtool.robot.topics.topics import most_frequent
+from dogbot_logtool.robot.words import Part, words_of
 
 _LOOKS: Final = 4
 """Chunks of a topic that are looked at."""

@@ -24,7 +24,7 @@ from dogbot_logtool.robot.feet.message_feet import (
     front_to_back,
     is_planned,
 )
-from dogbot_logtool.robot.feet.names import FootSet, leg_position, name_feet
+from dogbot_logtool.robot.names import FootSet, leg_position, name_feet
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics.readable import why_unreadable
 from dogbot_logtool.robot.topics.topics import (

@@ -29,12 +29,6 @@ from dogbot_logtool.robot.feet.selection import (
     find_feet,
     foot_channels,
 )
-from dogbot_logtool.robot.feet.unknown import (
-    FootCandidates,
-    candidates_finding,
-    find_candidates,
-    split_cells,
-)
 from dogbot_logtool.robot.options import TopicOptions
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics.annotated import annotation_findings
@@ -47,6 +41,12 @@ from dogbot_logtool.robot.topics.readable import (
 )
 from dogbot_logtool.robot.topics.robot_choice import choose_robot, usable_topics
 from dogbot_logtool.robot.topics.topics import readable_channels, recorded_topics, split_topic
+from dogbot_logtool.robot.unknown import (
+    FootCandidates,
+    candidates_finding,
+    find_candidates,
+    split_cells,
+)
 
 _LIKELY_WORDS: Final = ("odom", "contact", "foot", "feet", "force", "wrench", "pose", "leg")
 """Words in topics and types that may tell of the base or the feet."""

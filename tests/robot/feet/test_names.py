@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dogbot_logtool.robot.feet.names import FootSet, leg_position, name_feet
-from dogbot_logtool.robot.feet.words import words_of
+from dogbot_logtool.robot.names import FootSet, leg_position, name_feet
+from dogbot_logtool.robot.words import words_of
 
 CORNERS = {
     "front_left": ("lf", "fl", "left_front", "front_left"),

@@ -111,6 +111,8 @@ _MOST_WORDS: Final = 32
 _PIECES: Final = frozenset({*ENDS, "left", "right", *LETTERS, *PARTS, *NEUTRAL})
 _LEADING: Final = frozenset({"l", "r"})
 """Pieces that can only begin a word."""
+_NUMBERING: Final = frozenset("abcdefgh")
+"""Letters that stand for numbers."""
 _CAPITALS: Final = re.compile(r"([A-Z]+)([A-Z][a-z]+)")
 
 
@@ -140,11 +142,18 @@ class Word:
         """Whether it tells at least which side a leg is on."""
         return self.text in LETTERS or self.text in SIDES
 
-    def agrees(self, position: LegPosition) -> bool:
-        """Tell whether it says of a leg what the position says."""
-        if self.text in LETTERS:
-            return LETTERS[self.text] == position
-        return ENDS.get(self.text) == position[0] or SIDES.get(self.text) == position[1]
+    @property
+    def slot(self) -> str:
+        """What kind of a leg's name it may be, the same of all siblings; empty: none."""
+        if self.text in LETTERS or self.text in ROWS:
+            return "letters"
+        if self.text in SIDES:
+            return "side" if len(self.text) > 1 else "l or r"
+        if self.text in ENDS:
+            return "end"
+        if self.text.isdecimal():
+            return "number"
+        return "row" if self.text in _NUMBERING else ""
 
 
 def words_of(name: str) -> tuple[Word, ...]:
