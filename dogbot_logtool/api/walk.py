@@ -41,7 +41,7 @@ from dogbot_logtool.io.storage import Location, location
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.table_file import stride_table
 from dogbot_logtool.results import Measurement
-from dogbot_logtool.robot.topics.annotated import open_recorded
+from dogbot_logtool.robot.annotated import open_recorded
 
 if TYPE_CHECKING:
     from dogbot_logtool.robot.options import StatsOptions

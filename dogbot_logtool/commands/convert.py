@@ -22,9 +22,9 @@ from dogbot_logtool.reader.containers.mcap.records import channel_record, read_e
 from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
 from dogbot_logtool.reader.workers import Start, in_order
 from dogbot_logtool.results import Conversion
+from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.options import ConvertOptions, StatsOptions
 from dogbot_logtool.robot.time_span import time_limits
-from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.run.runner import OnProgress
 from dogbot_logtool.writer.annotations import Annotations
 from dogbot_logtool.writer.chunks import finish_chunk

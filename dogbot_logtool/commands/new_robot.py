@@ -8,11 +8,11 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.robot_file import RobotEvidence, robot_file
+from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from dogbot_logtool.robot.probe import frame_names
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.topics.annotated import open_recorded
-from dogbot_logtool.robot.topics.selection import Selection, nothing_to_do, select_topics
+from dogbot_logtool.robot.selection import Selection, nothing_to_do, select_topics
 from dogbot_logtool.robot.unknown import FootCandidates
 from dogbot_logtool.run.runner import OnProgress
 

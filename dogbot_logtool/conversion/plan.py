@@ -19,9 +19,9 @@ from dogbot_logtool.robot.options import ConvertOptions
 from dogbot_logtool.robot.probe import Probe, frame_names, usable_clock
 from dogbot_logtool.robot.probe_findings import probe_findings
 from dogbot_logtool.robot.robot_model.description import RobotDescription, robot_description
+from dogbot_logtool.robot.selection import Selection, nothing_to_do
 from dogbot_logtool.robot.sensors import LearntSensors
 from dogbot_logtool.robot.time_span import time_limits
-from dogbot_logtool.robot.topics.selection import Selection, nothing_to_do
 from dogbot_logtool.writer.encodings.registry import ENCODINGS, OutputEncoding
 
 Entry = TypeVar("Entry")

@@ -27,7 +27,7 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.robot.options import TopicOptions
 from dogbot_logtool.robot.probe import Probe
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.selection import Selection
 
 
 @dataclass(frozen=True, slots=True)

@@ -186,7 +186,7 @@ def _touching(
     if force is None or (by_flag and flag is None):
         return None
     if by_flag and flag is not None:
-        known, touches = flagged(row, foot, flag[:, 0])
+        known, touches = _flagged(row, foot, flag[:, 0])
     else:
         # What tells of one foot and nothing else tells of it in each message.
         known = ~np.asarray(np.isnan(values["force"]).all(axis=1))
@@ -194,7 +194,7 @@ def _touching(
     return known, touches, np.where(touches[:, None], force, 0.0)
 
 
-def flagged(row: MessageType, foot: Foot, flag: Floats) -> tuple[Flags, Flags]:
+def _flagged(row: MessageType, foot: Foot, flag: Floats) -> tuple[Flags, Flags]:
     """Return whether contact is known, (n,), and whether the foot touches, (n,)."""
     if row.closed:
         touches = np.isin(flag, row.closed)
@@ -203,23 +203,6 @@ def flagged(row: MessageType, foot: Foot, flag: Floats) -> tuple[Flags, Flags]:
     if foot.field is None or not row.words:
         return known, np.abs(flag) > row.above
     return known, (flag > foot.field.threshold) != (foot.field.sign == "-")
-
-
-def contact_flags(
-    source: Source, messages: DecodedMessages, feet: Sequence[Foot]
-) -> tuple[Floats, Floats]:
-    """Return the flags and the forces beside them of k feet that messages tell both of.
-
-    Returns:
-        (n, k) 1 in contact, 0 not, NaN not known, and (n, k, 3) N.
-    """
-    flags, forces = [np.empty((0, messages.table.rows))], [np.empty((0, messages.table.rows, 3))]
-    for foot, values in zip(feet, foot_values(source, messages, feet), strict=True):
-        if values is not None and {"flag", "force"} <= values.keys():
-            known, touches = flagged(source.row, foot, values["flag"][:, 0])
-            flags.append(np.where(known, touches, np.nan)[None])
-            forces.append(values["force"][None])
-    return np.concatenate(flags).T, np.concatenate(forces).swapaxes(0, 1)
 
 
 def _of_counts(foot: Foot, counts: Floats, on_counts: float | None) -> Floats | None:

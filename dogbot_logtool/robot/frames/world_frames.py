@@ -21,7 +21,7 @@ from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.robot.names import name_feet
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.words import Part
 
 

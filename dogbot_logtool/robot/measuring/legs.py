@@ -31,7 +31,7 @@ from dogbot_logtool.robot.robot_model.urdf import (
     urdf_joints,
     urdf_limits,
 )
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, Part, words_of
 
 _SOLE: Final = frozenset({"sole", "soles", "footsole"})

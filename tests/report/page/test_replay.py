@@ -13,8 +13,8 @@ from dogbot_logtool.commands.stats import measure_log, measurement_of
 from dogbot_logtool.report.page.render import page
 from dogbot_logtool.report.page.replay import MOST_FRAMES, frame_times, replay
 from dogbot_logtool.results import Measurement
+from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.options import StatsOptions
-from dogbot_logtool.robot.topics.annotated import open_recorded
 from tests.commands.test_convert_joints import urdf, write
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import numbers

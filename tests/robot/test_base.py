@@ -1,6 +1,5 @@
 """The base from every source: the same figures, in closed form; what is said; what is refused."""
 
-import shlex
 from pathlib import Path
 from typing import Any
 
@@ -10,12 +9,11 @@ import pytest
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.errors import CallError
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from tests.oracles import base_walks as base
 from tests.oracles import walks
-from tests.oracles.foot_logs import WRENCH, write_log
 
 DURATION_S = (base.SAMPLES - 1) * walks.STEP / 1e9
 
@@ -51,20 +49,6 @@ def test_every_source_gives_the_walk(tmp_path: Path, kind: str) -> None:
     said = {finding["code"] for finding in got["findings"]}
     assert ("PLANNED" in said) == (kind in base.PLANNED)
     assert ("LOG_TIME_USED" in said) == (kind in base.WITHOUT_HEADER)
-
-
-@pytest.mark.parametrize("kind", [k for k in base.TOPICS if k.startswith("foxglove")])
-def test_json_gives_the_same_as_protobuf(tmp_path: Path, kind: str) -> None:
-    path = base.write(tmp_path / "walk.mcap", kind, base.TOPICS[kind], encoding="json")
-    check(figures(path))
-
-
-@pytest.mark.parametrize("kind", base.ON_REQUEST)
-def test_poses_that_may_be_anything_are_only_offered(tmp_path: Path, kind: str) -> None:
-    info = describe(base.write(tmp_path / "walk.mcap", kind, base.TOPICS[kind]), TopicOptions())
-    (none,) = [finding for finding in info.findings if finding.code == "NO_BASE"]
-    assert f"--odom-topic {base.TOPICS[kind]}" in none.text
-    assert [topic.use for topic in info.topics] == [""]
 
 
 @pytest.mark.parametrize("topic", ["/goal_pose", "/initialpose", "/object", "/base_to_footprint"])
@@ -109,80 +93,9 @@ def test_recorded_transforms_are_not_written_again(tmp_path: Path) -> None:
     assert alone.annotations["/tf"] > 0
 
 
-def test_info_says_what_is_used(tmp_path: Path) -> None:
-    path = base.write(tmp_path / "walk.mcap", "tf2_msgs/TFMessage", "/tf")
-    (topic,) = describe(path, TopicOptions()).topics
-    assert topic.use == "base odom/base_link"
-
-
 def test_array_fields_by_path(tmp_path: Path) -> None:
     log = base.write(tmp_path / "walk.mcap", "ocs2_msgs/mpc_observation", "/x")
     with pytest.raises(CallError, match="has 5 numbers"):
         figures(log, "/x:state.value[0:5]")
     whole = base.write(tmp_path / "array.mcap", "std_msgs/Float64MultiArray", "/array")
     check(figures(whole, "/array:data[2:9]"))
-
-
-def test_of_two_poses_none_is_surely_the_base_s(tmp_path: Path) -> None:
-    path = base.write(
-        tmp_path / "two.mcap", "geometry_msgs/PoseStamped", "/robot_1/pose", "/robot_2/pose"
-    )
-    info = describe(path, TopicOptions())
-    (none,) = [finding for finding in info.findings if finding.code == "NO_BASE"]
-    assert "--odom-topic /robot_1/pose, --odom-topic /robot_2/pose" in none.text
-    check(figures(path, "/robot_2/pose"))
-
-
-def test_measured_poses_are_better_than_planned_ones(tmp_path: Path) -> None:
-    kind = "xpp_msgs/RobotStateCartesian"
-    path = base.write(tmp_path / "two.mcap", kind, "/xpp/state_curr", "/xpp/state_des")
-    info = describe(path, TopicOptions())
-    assert {topic.topic: topic.use for topic in info.topics} == {
-        "/xpp/state_curr": "base",
-        "/xpp/state_des": "",
-    }
-    (found,) = [finding for finding in info.findings if finding.code == "TOPICS_CHOSEN"]
-    assert "there are also --odom-topic /xpp/state_des (planned)" in found.text
-    assert "PLANNED" not in codes(info)
-
-
-def test_what_else_there_is_stands_beside_the_odometry(tmp_path: Path) -> None:
-    path = base.write(tmp_path / "two.mcap", "nav_msgs/Odometry", "/odom", "/other")
-    info = describe(path, TopicOptions())
-    (found,) = [finding for finding in info.findings if finding.code == "TOPICS_CHOSEN"]
-    assert "there are also /other" in found.text
-
-
-def test_an_error_names_the_poses_that_may_be_the_base_s(tmp_path: Path) -> None:
-    path = base.write(tmp_path / "walk.mcap", "geometry_msgs/PoseStamped", "/object")
-    with pytest.raises(LogError, match="--odom-topic /object"):
-        figures(path)
-
-
-FEET = {f"/a1/{leg}_foot/wrench": WRENCH for leg in ("fl", "fr", "rl", "rr")}
-
-
-def test_of_two_robots_the_base_is_that_of_the_feet(tmp_path: Path) -> None:
-    odometry = ["/a1/odom", "/a2/odom"]
-    path = write_log(tmp_path / "two.mcap", FEET, odometry=odometry)
-    uses = {topic.topic: topic.use for topic in describe(path, TopicOptions()).topics}
-    assert {topic: uses[topic] for topic in odometry} == {"/a1/odom": "odometry", "/a2/odom": ""}
-
-
-@pytest.mark.parametrize("names", [("a1_gazebo", "a2_gazebo"), ("a2_gazebo", "a1_gazebo")])
-def test_of_two_models_the_base_is_that_of_the_feet(tmp_path: Path, names: tuple[str, str]) -> None:
-    path = write_log(tmp_path / "two.mcap", FEET, models=dict.fromkeys(names, 0.4))
-    info = describe(path, TopicOptions())
-    (use,) = [topic.use for topic in info.topics if topic.topic == "/gazebo/model_states"]
-    assert use == "base a1_gazebo"
-
-
-def test_what_moves_is_offered_as_the_base(tmp_path: Path) -> None:
-    models = {"cupboard": 0.0, "laikago": 0.4, "person_walking": 1.0}
-    path = write_log(tmp_path / "models.mcap", FEET, models=models)
-    (none,) = [
-        finding for finding in describe(path, TopicOptions()).findings if finding.code == "NO_BASE"
-    ]
-    words = ["dogbot-logtool", "stats", str(path), "--odom-topic", "/gazebo/model_states:laikago"]
-    assert none.command == shlex.join(words)
-    assert measure(path, StatsOptions(TopicOptions(odometry_topic=words[-1]))).stats.base

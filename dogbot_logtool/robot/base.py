@@ -5,7 +5,7 @@ A base is a topic, and where its messages hold poses of several things an elemen
 """
 
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -13,12 +13,12 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import all_finite
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.errors import CallError, DefinitionError
+from dogbot_logtool.errors import CallError, DefinitionError, LogError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.decode.definition import Primitive, Struct
+from dogbot_logtool.reader.decode.definition import Struct
 from dogbot_logtool.reader.messages.bases import (
     ODOMETRY_TYPE,
     Base,
@@ -35,21 +35,15 @@ from dogbot_logtool.reader.messages.source import (
     base_type,
     lists_poses,
 )
-from dogbot_logtool.reader.messages.transforms import FOXGLOVE_TYPES, TRANSFORM_TYPES, is_static
+from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.first_messages import first_messages
+from dogbot_logtool.robot.readable import require_topic, split_topic
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.topics.topics import (
-    most_frequent,
-    recorded_topics,
-    require_topic,
-    split_topic,
-)
 
 _MOST_OFFERED: Final = 3
 _MOST_LISTED: Final = 12
-_FORMS: Final = (("position", "orientation"), ("translation", "rotation"))
 _DEEPEST: Final = 4
 """Messages within messages that are looked into."""
 _MOST_TYPES: Final = 500
@@ -99,6 +93,13 @@ class BaseCandidate:
         """The name as ``--odom-topic`` takes it."""
         return f"{self.topic}:{self.element}" if self.element else self.topic
 
+    @property
+    def is_planned(self) -> bool:
+        """Whether its poses are what a planner wants."""
+        words = _topic_words(self.topic)
+        always = self.source.row.planned == "always" and words.isdisjoint(_CURRENT_WORDS)
+        return always or not words.isdisjoint(_PLANNED_WORDS)
+
 
 @dataclass(frozen=True, slots=True)
 class ChosenBase:
@@ -113,7 +114,7 @@ class ChosenBase:
 
 
 def choose_base(
-    log: Log, robot: Robot, findings: list[Finding], feet: Collection[str]
+    log: Log, robot: Robot, findings: list[Finding], feet: Collection[str], *, is_asked: bool
 ) -> ChosenBase:
     """Choose the base's poses of a log, and say which, what else there is, and what to know.
 
@@ -122,16 +123,22 @@ def choose_base(
         robot: its file or the user may name them.
         findings: receives findings.
         feet: topics of the robot's feet; where a log has two robots, the base is that of the feet.
+        is_asked: whether the user names them.
+
+    Raises:
+        CallError: the log has not the poses that the user names.
+        LogError: it has them, but they cannot be decoded.
     """
     named = robot.odometry_topic
-    if named is not None and (own := _named(log, robot, named, findings)) is not None:
-        return own
-    odometry = _sources(log, {ODOMETRY_TYPE})
-    if odometry:
-        topic = most_frequent(log, _of_same_robot([*odometry], feet))
-        findings.append(_odometry_found(log, robot, topic, [*odometry]))
-        return _chosen(log, robot, BaseCandidate(topic, odometry[topic]), findings)
-    found = _base_candidates(log, robot, feet)
+    try:
+        own = _named(log, robot, named) if named else None
+    except (CallError, LogError):
+        if is_asked:
+            raise
+        own = None
+    if own is not None:
+        return _chosen(log, robot, own, findings)
+    found = _candidates(log, robot, feet)
     best = next((each for each in found if each.is_sure), None)
     others = [each for each in found if each is not best]
     if best is None:
@@ -146,11 +153,11 @@ def choose_base(
     return _chosen(log, robot, best, findings)
 
 
-def check_named_base(log: Log, robot: Robot, name: str) -> None:
-    """Check that a log has the poses that the user names.
+def _named(log: Log, robot: Robot, name: str) -> BaseCandidate:
+    """Return the poses that the user or the robot's file names.
 
     Raises:
-        CallError: it has not; with what it has.
+        CallError: the log has none of that name; with what it has.
         LogError: it has, but they cannot be decoded.
     """
     topic, element = split_topic(name, log.channels_by_topic)
@@ -159,50 +166,39 @@ def check_named_base(log: Log, robot: Robot, name: str) -> None:
         require_topic(log, "--odom-topic", topic, base_types(log.channels.values()))
     where = f"{shown(log.source.path)}: --odom-topic"
     try:
-        source, element = _source(channels[0], element)
+        source, element = _source_of(channels, element)
     except DefinitionError as error:
         raise CallError(f"{where}: {topic}: {error}") from error
     if not source.lists_poses:
-        return
+        return BaseCandidate(topic, source, element)
     names = _elements_in(log, topic, source)
     known = listed(sorted(names), _MOST_LISTED) or "none"
     if element and element not in names:
         raise CallError(f"{where}: {topic} has no {element}; it has {known}")
-    if not element and not any(each.is_sure for each in _elements_of(log, robot, topic, source)):
+    sure = [each for each in _elements_of(log, robot, topic, source) if each.is_sure]
+    if not element and not sure:
         raise CallError(
             f"{where}: {topic} is of type {source.type_name}, and which of its poses is the "
             f"base's is not known: name one as {topic}:NAME; it has {known}"
         )
+    return BaseCandidate(topic, source, element) if element else sure[0]
 
 
-def _source(channel: Channel, element: str) -> tuple[Source, str]:
-    """Return the source of a channel for an element, and the element for its reader.
+def _source_of(channels: Iterable[Channel], element: str) -> tuple[Source, str]:
+    """Return the source of the first channel with an element, and the element for its reader.
 
     Raises:
-        DefinitionError: the channel has no such poses.
+        DefinitionError: no channel has such poses.
     """
-    if lists_poses(channel.type_name):
-        return base_source(channel), element.lstrip("/")
-    if element:
-        return path_source(channel, element), element
-    return base_source(channel), ""
-
-
-def _named(log: Log, robot: Robot, name: str, findings: list[Finding]) -> ChosenBase | None:
-    """Return the base that the user or the robot's file names; None if the log has none."""
-    topic, element = split_topic(name, log.channels_by_topic)
-    for channel in log.channels_by_topic.get(topic, ()):
+    reason = DefinitionError("it has no messages")
+    for channel in channels:
         try:
-            source, element = _source(channel, element)
-        except DefinitionError:
-            continue
-        if source.lists_poses and not element:
-            offers = [o for o in _elements_of(log, robot, topic, source) if o.is_sure]
-            if not offers:
-                return None
-            element = offers[0].element
-        return _chosen(log, robot, BaseCandidate(topic, source, element), findings)
-    return None
+            if lists_poses(channel.type_name):
+                return base_source(channel), element.lstrip("/")
+            return (path_source(channel, element) if element else base_source(channel)), element
+        except DefinitionError as error:
+            reason = error
+    raise reason
 
 
 def _chosen(
@@ -213,12 +209,12 @@ def _chosen(
     channels = []
     for channel in log.channels_by_topic[topic]:
         try:
-            fits = _source(channel, candidate.element)[0].fields == source.fields
+            fits = _source_of([channel], candidate.element)[0].fields == source.fields
         except DefinitionError:
             continue
         if fits and source.type_name in {channel.type_name, base_type(channel.type_name)}:
             channels.append(channel)
-    if _is_planned_base(candidate):
+    if candidate.is_planned:
         text = f"{candidate.name}: these poses are planned, not measured"
         findings.append(Finding("PLANNED", text, topic, cases=("base",)))
     if remark := source.row.remark:
@@ -238,26 +234,6 @@ def _chosen(
     return ChosenBase(robot, tuple(channels), Base(source, candidate.element))
 
 
-def _odometry_found(log: Log, robot: Robot, chosen: str, topics: Sequence[str]) -> Finding:
-    """Say which of several odometry topics is used."""
-    others = [*(topic for topic in topics if topic != chosen), *_other_poses(log)]
-    rest = listed(others, _MOST_LISTED)
-    text = f"odometry is taken from {chosen}, found by its type"
-    named = robot.odometry_topic
-    if named is not None:
-        recorded = recorded_topics(log, {ODOMETRY_TYPE})
-        why = "cannot be used" if named in recorded else "is missing"
-        text += f", since the robot's {named} {why}"
-    text += f"; there are also {rest} (--odom-topic chooses)" if rest else ""
-    return Finding("TOPICS_CHOSEN", text, chosen)
-
-
-def _other_poses(log: Log) -> list[str]:
-    """Return the topics whose poses may be the base's, besides odometry and transforms."""
-    types = set(BASE_TYPES) - {ODOMETRY_TYPE, *TRANSFORM_TYPES, *FOXGLOVE_TYPES}
-    return [t for t in _sources(log, types) if _topic_words(t).isdisjoint(_OTHER_WORDS)]
-
-
 def _none(log: Log, offered: Sequence[BaseCandidate]) -> Finding:
     found = any(channel.type_name == ODOMETRY_TYPE for channel in log.channels.values())
     none = "no odometry can be read" if found else "there is no odometry"
@@ -268,38 +244,13 @@ def _none(log: Log, offered: Sequence[BaseCandidate]) -> Finding:
 
 
 def _options(candidates: Sequence[BaseCandidate]) -> str:
-    """Return the options that choose candidates."""
-    names = [
-        f"--odom-topic {each.name}{' (planned)' if _is_planned_base(each) else ''}"
-        for each in candidates[:_MOST_OFFERED]
+    """Return the words that choose some candidates."""
+    shown_ones = candidates[:_MOST_OFFERED]
+    words = [
+        f"--odom-topic {each.name}{' (planned)' if each.is_planned else ''}" for each in shown_ones
     ]
-    more = len(candidates) - len(names)
-    return ", ".join(names) + (f" and {more:,} more" if more else "")
-
-
-def _sources(log: Log, types: Collection[str]) -> dict[str, Source]:
-    """Return how the poses of topics of some types are read, by topic, sorted."""
-    found: dict[str, Source] = {}
-    for channel in log.channels.values():
-        if base_type(channel.type_name) in types and (source := _source_of(channel)):
-            found.setdefault(channel.topic, source)
-    return dict(sorted(found.items()))
-
-
-def _source_of(channel: Channel) -> Source | None:
-    """Return how a channel's poses are read; None: it has none that can be."""
-    try:
-        return base_source(channel)
-    except DefinitionError:
-        return None
-
-
-def _is_planned_base(candidate: BaseCandidate) -> bool:
-    """Tell whether its poses are what a planner wants."""
-    words = _topic_words(candidate.topic)
-    return (candidate.source.row.planned == "always" and words.isdisjoint(_CURRENT_WORDS)) or not (
-        words.isdisjoint(_PLANNED_WORDS)
-    )
+    more = len(candidates) - len(shown_ones)
+    return ", ".join(words) + (f" and {more} more" if more else "")
 
 
 def _of_same_robot(names: Sequence[str], feet: Collection[str]) -> list[str]:
@@ -321,7 +272,7 @@ def _likely_base(log: Log, candidates: Sequence[BaseCandidate], feet: Collection
     possible = [
         each
         for each in candidates
-        if not _is_planned_base(each) and _topic_words(each.name).isdisjoint(_OTHER_WORDS)
+        if not each.is_planned and _topic_words(each.name).isdisjoint(_OTHER_WORDS)
     ][:_MOST_SEEN]
     same = _of_same_robot([each.name for each in possible], feet)
     best: list[tuple[bool, bool, bool, str]] = []
@@ -344,7 +295,7 @@ def _moves(log: Log, candidate: BaseCandidate) -> bool:
     return bool(len(position)) and bool(np.ptp(position, axis=0).max() > _MOVING_M)
 
 
-def _base_candidates(log: Log, robot: Robot, feet: Collection[str]) -> list[BaseCandidate]:
+def _candidates(log: Log, robot: Robot, feet: Collection[str]) -> list[BaseCandidate]:
     """Return the poses that may be the base's, the best first.
 
     Args:
@@ -354,32 +305,39 @@ def _base_candidates(log: Log, robot: Robot, feet: Collection[str]) -> list[Base
     """
     found: list[BaseCandidate] = []
     for type_name in BASE_TYPES:
-        sure = []
-        for topic, source in _sources(log, {type_name}).items():
-            if any(is_static(channel) for channel in log.channels_by_topic[topic]):
-                continue
+        of_type: list[BaseCandidate] = []
+        for topic, source in _sources(log, type_name).items():
             if source.lists_poses:
-                sure += _elements_of(log, robot, topic, source, feet)
+                of_type += _elements_of(log, robot, topic, source, feet)
             else:
-                sure.append(BaseCandidate(topic, source, "", _is_base(topic, source)))
+                of_type.append(BaseCandidate(topic, source, "", _is_base(topic, source)))
         # Of two robots' poses, or two objects', none is surely the base's.
-        bases = [each.name for each in sure if each.is_sure]
-        if sure and sure[0].source.anything:
-            bases = _of_same_robot(bases, feet)
-            bases = [] if len(bases) > 1 else bases
-        found += [replace(each, is_sure=each.name in bases) for each in sure]
+        sure = [each.name for each in of_type if each.is_sure]
+        if of_type and (of_type[0].source.anything or type_name == ODOMETRY_TYPE):
+            sure = _of_same_robot(sure, feet)
+            sure = [] if of_type[0].source.anything and len(sure) > 1 else sure
+        if type_name == ODOMETRY_TYPE:
+            of_type.sort(key=lambda each: _frequency(log, each.topic))
+        found += [replace(each, is_sure=each.name in sure) for each in of_type]
     found += _in_unknown_messages(log)
-    return sorted(found, key=lambda each: (not each.is_sure, _is_planned_base(each)))
+    return sorted(found, key=lambda each: (not each.is_sure, each.is_planned))
 
 
-def _in_unknown_messages(log: Log) -> list[BaseCandidate]:
-    """Return poses in messages of unknown types, those named like the base's first."""
-    found = [
-        BaseCandidate(channel.topic, path_source(channel, path), path, is_sure=False)
-        for path, channel in _pose_fields(log)
-        if _topic_words(path).isdisjoint(_OTHER_WORDS)
-    ]
-    return sorted(found, key=lambda each: _topic_words(each.name).isdisjoint(_BASE_WORDS))
+def _frequency(log: Log, topic: str) -> tuple[int, int]:
+    """Sort topics by their messages, the most first, then by the length of their names."""
+    return -sum(log.counts.get(c.id, 0) for c in log.channels_by_topic[topic]), len(topic)
+
+
+def _sources(log: Log, type_name: str) -> Mapping[str, Source]:
+    """Return the topics of a type whose poses can be read, sorted."""
+    found: dict[str, Source] = {}
+    for channel in log.channels.values():
+        if base_type(channel.type_name) == type_name and not is_static(channel):
+            try:
+                found.setdefault(channel.topic, base_source(channel))
+            except DefinitionError:
+                continue
+    return dict(sorted(found.items()))
 
 
 def _is_base(topic: str, source: Source) -> bool:
@@ -396,15 +354,11 @@ def _is_base(topic: str, source: Source) -> bool:
 
 def _elements_in(log: Log, topic: str, source: Source) -> frozenset[str]:
     """Return what a topic's messages hold poses of, by its first messages."""
-    channels = [
-        channel
-        for channel in log.channels_by_topic[topic]
-        if base_type(channel.type_name) == source.type_name and _source_of(channel)
-    ]
     found: set[str] = set()
-    for channel in channels:
-        for messages in first_messages(log, channel, source.fields):
-            found |= choices(source, messages)
+    for channel in log.channels_by_topic[topic]:
+        if base_type(channel.type_name) == source.type_name:
+            for messages in first_messages(log, channel, source.fields):
+                found |= choices(source, messages)
     return frozenset(found)
 
 
@@ -418,18 +372,15 @@ def _elements_of(
         robot: its frames are looked for.
         topic: the topic.
         source: of its messages.
-        feet: topics of the robot's feet; see `_base_candidates`.
+        feet: topics of the robot's feet; see `_candidates`.
     """
     names = _elements_in(log, topic, source)
     ranked = sorted((_rank(name, robot, source), name) for name in names)
     best = _of_same_robot([name for rank, name in ranked if rank[0] == 0], feet)
     # Two robots' bases: none is surely the one that is meant.
-    bases = {_frame_pair(name)[1] if source.is_transform else name for name in best}
-    if source.is_transform:
-        leaf = {base.rpartition("/")[2] for base in bases}
-        is_sure = len(bases) == len(leaf)
-    else:
-        is_sure = len(best) == 1
+    bases = {_frame_pair(name)[1] for name in best} if source.is_transform else set(best)
+    is_sure = len(bases) == len({base.rpartition("/")[2] for base in bases})
+    is_sure = is_sure if source.is_transform else len(best) == 1
     return [
         BaseCandidate(topic, source, name, is_sure and name in best)
         for rank, name in ranked
@@ -438,24 +389,22 @@ def _elements_of(
 
 
 _NEVER: Final = 2
-_Rank = tuple[int, int, int]
 
 
-def _rank(name: str, robot: Robot, source: Source) -> _Rank:
+def _rank(name: str, robot: Robot, source: Source) -> tuple[int, int, int]:
     """Return what sorts elements: 0 surely the base, 1 perhaps, 2 never; then by preference."""
+    own = (robot.base_frame or "").rpartition("/")[2].lower()
+    bases = (own, *_BASES)
     if source.is_transform:
         parent, child = (frame.rpartition("/")[2].lower() for frame in _frame_pair(name))
-        bases = ((robot.base_frame or "").rpartition("/")[2].lower(), *_BASES)
         if parent not in _WORLDS or child in _WORLDS:
             return _NEVER, 0, 0
-        return (0 if child in bases else 1), _index(bases, child), _index(_WORLDS, parent)
-    model, _, link = name.partition("::")
-    if model.lower() in _SCENERY:
+        return int(child not in bases), _index(bases, child), _WORLDS.index(parent)
+    model, _, link = name.lower().partition("::")
+    if model in _SCENERY:
         return _NEVER, 0, 0
-    if source.type_name.endswith("LinkStates"):
-        bases = ((robot.base_frame or "").lower(), *_BASES)
-        return (0, _index(bases, link.lower()), 0) if link.lower() in bases else (1, 0, 0)
-    return 0, 0, 0
+    is_link = source.type_name.endswith("LinkStates")
+    return int(is_link and link not in bases), _index(bases, link) if is_link else 0, 0
 
 
 def _index(names: Sequence[str], name: str) -> int:
@@ -474,43 +423,33 @@ def _frame_pair(pair: str) -> tuple[str, str]:
     return min(splits or [(pair, "")], key=likely)
 
 
-def _pose_fields(log: Log) -> Iterator[tuple[str, Channel]]:
-    """Yield the paths of single poses in messages of unknown types, with their channels."""
-    seen: set[str] = set()
-    for channel in log.channels.values():
-        name = channel.type_name
-        if _source_of(channel) or name in TRANSFORM_TYPES or channel.topic in seen:
-            continue
-        if len(seen) == _MOST_TYPES:
-            return
-        seen.add(channel.topic)
+def _in_unknown_messages(log: Log) -> list[BaseCandidate]:
+    """Return poses in messages of unknown types, those named like the base's first."""
+    found: list[BaseCandidate] = []
+    unknown = {
+        channel.topic: channel
+        for channel in log.channels.values()
+        if not base_type(channel.type_name) and channel.type_name not in TRANSFORM_TYPES
+    }
+    for topic, channel in [*unknown.items()][:_MOST_TYPES]:
         try:
-            definition = definition_of(channel)
+            paths = [*_messages_in("", definition_of(channel), _DEEPEST)]
         except DefinitionError:
             continue
-        yield from ((path, channel) for path in _poses("", definition, _DEEPEST) if path)
+        for path in paths:
+            try:
+                source = path_source(channel, path)
+            except DefinitionError:
+                continue
+            if _topic_words(path).isdisjoint(_OTHER_WORDS):
+                found.append(BaseCandidate(topic, source, path, is_sure=False))
+    return sorted(found, key=lambda each: _topic_words(each.name).isdisjoint(_BASE_WORDS))
 
 
-def _poses(path: str, struct: Struct, depth: int) -> Iterator[str]:
-    if _is_pose(struct):
-        yield path
-        return
-    for name, kind in struct.fields:
-        if depth and isinstance(kind, Struct):
-            yield from _poses(f"{path}.{name}" if path else name, kind, depth - 1)
-
-
-def _is_pose(struct: Struct) -> bool:
-    parts = dict(struct.fields)
-    return any(
-        _numbers(parts.get(position)) == ("x", "y", "z")
-        and _numbers(parts.get(orientation)) == ("x", "y", "z", "w")
-        for position, orientation in _FORMS
-    )
-
-
-def _numbers(field: object) -> tuple[str, ...]:
-    """Return the names of a message's fields if all are numbers."""
-    if not isinstance(field, Struct) or not all(isinstance(f, Primitive) for _, f in field.fields):
-        return ()
-    return tuple(name for name, _ in field.fields)
+def _messages_in(path: str, struct: Struct, depth: int) -> Iterator[str]:
+    """Yield the paths of messages within a message."""
+    for name, kind in struct.fields if depth else ():
+        if isinstance(kind, Struct):
+            inner = f"{path}.{name}".lstrip(".")
+            yield inner
+            yield from _messages_in(inner, kind, depth - 1)

@@ -6,7 +6,6 @@ from functools import partial
 from typing import Final
 
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.provenance import PROVENANCE, is_marked
 from dogbot_logtool.reader.containers.log import EarlierAnnotations, Extra, Log
@@ -31,7 +30,7 @@ def open_recorded(path: Location, others: Sequence[Location] = ()) -> Log:
     log = open_joined([path, *others])
     try:
         log = without_annotations(log)
-        annotations = annotations_left_out(log)
+        annotations = log.annotations
         if annotations is not None and not log.channels:
             origin = next((r["input"] for r in annotations.records if r.get("input")), "")
             raise LogError(
@@ -55,21 +54,6 @@ def without_annotations(log: Log) -> Log:
     messages = sum(log.counts.get(number, 0) for number in channels)
     extras = tuple(extra for extra, _ in made)
     return log.without(EarlierAnnotations(channels, extras, records, messages))
-
-
-def annotations_left_out(log: Log) -> EarlierAnnotations | None:
-    """Return what was left out of a log."""
-    return log.annotations
-
-
-def annotation_findings(log: Log) -> Iterator[Finding]:
-    """Report what was left out of a log."""
-    annotations = annotations_left_out(log)
-    if annotations is not None and annotations.channels:
-        text = (
-            f"the log is annotated already: its {annotations.messages:,} annotations are left out"
-        )
-        yield Finding("ANNOTATED", text)
 
 
 def _provenance(log: Log) -> Iterator[tuple[Extra, Mapping[str, str]]]:

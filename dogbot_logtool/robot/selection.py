@@ -8,39 +8,42 @@ from dataclasses import replace
 from typing import Final
 
 from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import MOST, listed, printable, shell_joined
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.messages.bases import Base
-from dogbot_logtool.reader.messages.contact_messages import source_of, without_flags
+from dogbot_logtool.reader.foot import Foot
+from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base
+from dogbot_logtool.reader.messages.contact_messages import (
+    contact_types,
+    source_of,
+    without_flags,
+)
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.source import Source
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
 from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.reader.wanted import Wanted
-from dogbot_logtool.robot.feet.flag_check import compare_flags, flag_findings
-from dogbot_logtool.robot.feet.message_feet import is_planned
-from dogbot_logtool.robot.feet.raw_levels import RawLevels, with_raw_levels
-from dogbot_logtool.robot.feet.selection import (
-    FootOffer,
+from dogbot_logtool.robot.base import choose_base
+from dogbot_logtool.robot.contact_evidence import RawLevels, compare_flags, with_raw_levels
+from dogbot_logtool.robot.feet import (
     assign_feet,
     check_topics,
     find_feet,
     foot_channels,
+    is_planned,
 )
 from dogbot_logtool.robot.options import TopicOptions
-from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.topics.annotated import annotation_findings
-from dogbot_logtool.robot.topics.base import check_named_base, choose_base
-from dogbot_logtool.robot.topics.readable import (
-    other_encodings,
+from dogbot_logtool.robot.readable import (
     own_definition_findings,
     reasons,
+    split_topic,
+    topics_of_type,
     unreadable_findings,
+    why_unreadable,
 )
-from dogbot_logtool.robot.topics.robot_choice import choose_robot, usable_topics
-from dogbot_logtool.robot.topics.topics import readable_channels, recorded_topics, split_topic
+from dogbot_logtool.robot.robot import GENERIC, Robot, known_robots, load_robot, robot_toml
 from dogbot_logtool.robot.unknown import (
     FootCandidates,
     candidates_finding,
@@ -66,8 +69,6 @@ class Selection:
     transforms: tuple[Channel, ...]
     """The log's own ``/tf`` and ``/tf_static``."""
     findings: tuple[Finding, ...]
-    offered_feet: Finding | None = None
-    """Which topics may be feet, and how to say so, where none surely is; also in `findings`."""
     possible_feet: tuple[FootCandidates, ...] = ()
     """Fields that may be feet, the most likely first, where no topics are; see also `findings`."""
     forceless: frozenset[int] = frozenset()
@@ -160,10 +161,110 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
         CallError: an option names a topic that the log does not have, or one of a wrong type.
         LogError: an option names a topic that cannot be decoded.
     """
-    findings: list[Finding] = [*annotation_findings(log)]
-    named = _apply_options(log, choose_robot(log, options, findings), options)
+    findings: list[Finding] = []
+    if log.annotations is not None and log.annotations.channels:
+        text = f"its {log.annotations.messages:,} annotations are left out"
+        findings.append(Finding("ANNOTATED", f"the log is annotated already: {text}"))
+    named = _with_options(log, _choose_robot(log, options, findings), options)
     of_feet: list[Finding] = []
     robot, offer = find_feet(log, named, of_feet)
+    contacts, feet_of = _contacts(log, robot)
+    found = find_candidates(log) if not contacts and offer is None else []
+    possible, cells = split_cells(found)
+    of_robot = {foot.topic for foot in (possible[0].feet if possible else robot.feet)}
+    of_robot = {*offer.topics} if offer is not None else of_robot
+    chosen = choose_base(
+        log, robot, findings, of_robot, is_asked=options.odometry_topic is not None
+    )
+    if options.robot is not None and not _shows(log, named, chosen.channels):
+        findings.extend(_without_topics(named))
+    call = _call(log, options, chosen.offered)
+    if offer is not None:
+        command = f"{call} {offer.options}"
+        text = (
+            f"feet may be among the topics, but their names do not tell surely: {offer.text}; "
+            f"no arrows, no gait, until --foot says which they are: {command}"
+        )
+        of_feet.append(Finding("FEET_UNSURE", text, command=command))
+    findings += [*of_feet, *cells]
+    if possible:
+        findings.append(candidates_finding(log, possible, call, chosen.offered))
+    elif offer is None and chosen.offered:
+        findings = [_with_command(each, call) for each in findings]
+    levels = with_raw_levels(log, contacts, feet_of, chosen.robot)
+    findings += _source_findings(contacts, levels)
+    flags = compare_flags(log, contacts, feet_of, levels.robot)
+    findings += flags.findings
+    transforms = [
+        channel
+        for channel in sorted(log.channels.values(), key=lambda channel: channel.topic)
+        if channel.type_name in TRANSFORM_TYPES and not why_unreadable(channel)
+    ]
+    findings += unreadable_findings(log, chosen.channels, contacts)
+    findings += own_definition_findings([*chosen.channels, *contacts, *transforms])
+    return Selection(
+        levels.robot,
+        chosen.channels,
+        tuple(contacts),
+        feet_of,
+        tuple(transforms),
+        tuple(dict.fromkeys(findings)),
+        tuple(possible),
+        ignores_flags=flags.are_useless,
+        base=chosen.base,
+        robot_is_guessed=options.robot is None,
+    )
+
+
+def _choose_robot(log: Log, options: TopicOptions, findings: list[Finding]) -> Robot:
+    """Return the robot that the user names, else the known one whose topics the log has."""
+    if options.robot is not None:
+        robot = load_robot(options.robot)
+    else:
+        # Without parsing its file, whether a known robot may have one of the topics.
+        texts = {name: robot_toml(name) for name in known_robots()}
+        recorded = log.channels_by_topic
+        may = [n for n, toml in texts.items() if n == GENERIC or any(t in toml for t in recorded)]
+        known = [load_robot(name) for name in may]
+        topics = _usable_topics(log)
+        for each in known:
+            if each.feet and all(_has_field(log, foot) for foot in each.feet):
+                topics |= each.topics
+        robot = max(known, key=lambda one: (len(one.topics & topics), one.name == GENERIC))
+        text = f"robot: {robot.name} (guessed from the topics; change with --robot)"
+        findings.append(Finding("ROBOT_GUESSED", text))
+    return robot.with_mass(options.mass_kg)
+
+
+def _usable_topics(log: Log) -> frozenset[str]:
+    """Return the topics with odometry or contacts: a name alone makes no robot known."""
+    return frozenset(topics_of_type(log, {ODOMETRY_TYPE, *contact_types(log.channels.values())}))
+
+
+def _has_field(log: Log, foot: Foot) -> bool:
+    """Tell whether a foot is a field, and the log's messages have it."""
+    for channel in log.channels_by_topic.get(foot.topic, ()) if foot.field else ():
+        try:
+            return source_of(channel, [foot]) is not None
+        except DefinitionError:
+            continue
+    return False
+
+
+def _with_options(log: Log, robot: Robot, options: TopicOptions) -> Robot:
+    if options.odometry_topic is not None:
+        robot = replace(robot, odometry_topic=options.odometry_topic)
+    if options.feet:
+        robot = replace(robot, feet=options.feet)
+    if options.foot_topics:
+        given, guessed = options.foot_topics, options.robot is None
+        check_topics(log, given)
+        robot = assign_feet(robot, given, _usable_topics(log), guessed=guessed)
+    return robot
+
+
+def _contacts(log: Log, robot: Robot) -> tuple[list[Channel], dict[int, tuple[int, ...]]]:
+    """Return the channels of feet, and which feet each tells of."""
     contacts: list[Channel] = []
     feet_of: dict[int, tuple[int, ...]] = {}
     for topic in dict.fromkeys(foot.topic for foot in robot.feet):
@@ -171,67 +272,20 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
         for channel in foot_channels(log, robot, topic):
             contacts.append(channel)
             feet_of[channel.id] = feet
-    found = find_candidates(log) if not contacts and offer is None else []
-    possible, cells = split_cells(found)
-    topics = {foot.topic for foot in (possible[0].feet if possible else robot.feet)}
-    topics = {*offer.topics} if offer is not None else topics
-    chosen = choose_base(log, robot, findings, topics)
-    if options.robot is not None and not _shows(log, named, chosen.channels):
-        findings.extend(_without_topics(named))
-    robot, odometry = chosen.robot, chosen.channels
-    call = _call(log, options, chosen.offered)
-    offered = None if offer is None else _offered(call, offer)
-    findings.extend([*of_feet, offered] if offered else of_feet)
-    findings.extend(cells)
-    if possible:
-        findings.append(candidates_finding(log, possible, call, chosen.offered))
-    elif offered is None and chosen.offered:
-        findings = [_with_command(each, call) for each in findings]
-    levels = with_raw_levels(log, contacts, feet_of, robot)
-    robot = levels.robot
-    findings.extend(_source_findings(contacts, levels))
-    check = compare_flags(log, contacts, robot)
-    findings.extend(flag_findings(check))
-    transforms = [
-        channel
-        for topic in recorded_topics(log, TRANSFORM_TYPES)
-        for channel in readable_channels(log, topic, TRANSFORM_TYPES)
-    ]
-    unreadable = list(unreadable_findings(log.channels.values(), odometry, contacts))
-    if not (contacts or unreadable) and (others := other_encodings(log.channels)):
-        unreadable.append(Finding("UNREADABLE", others, cases=("not_needed",)))
-    findings.extend(unreadable)
-    findings.extend(own_definition_findings([*odometry, *contacts, *transforms]))
-    return Selection(
-        robot,
-        odometry,
-        tuple(contacts),
-        feet_of,
-        tuple(transforms),
-        tuple(dict.fromkeys(findings)),
-        offered,
-        tuple(possible),
-        ignores_flags=check.are_useless,
-        base=chosen.base,
-        robot_is_guessed=options.robot is None,
-    )
+    return contacts, feet_of
 
 
 def nothing_to_do(log: Log, selection: Selection) -> str:
     """Return a sentence for a log that has nothing of use: why, or else what it does have."""
     path = shown(log.source.path)
-    if selection.offered_feet is not None:
-        offered = selection.offered_feet
-        return f"{path}: there is no nav_msgs/Odometry, and {offered.sentence}\n  {offered.command}"
-    possible = next((f for f in selection.findings if "possible" in f.cases), None)
-    if possible is not None:
-        none = "there is neither nav_msgs/Odometry nor a known type of contact messages"
-        command = possible.command and f"\n  {possible.command}"
-        return f"{path}: {none}, but {possible.sentence}{command}"
-    for finding in selection.findings:
-        if finding.code == "NO_BASE" and "--odom-topic" in finding.text:
-            command = finding.command and f"\n  {finding.command}"
-            return f"{path}: there are no contact messages, and {finding.sentence}{command}"
+    offers = [
+        each
+        for each in selection.findings
+        if each.code == "FEET_UNSURE" or (each.code == "NO_BASE" and "--odom-topic" in each.text)
+    ]
+    for offer in sorted(offers, key=lambda each: each.code):
+        command = offer.command and f"\n  {offer.command}"
+        return f"{path}: nothing is surely the base or a foot; {offer.sentence}{command}"
     if because := reasons(selection.findings):
         return f"{path}: has no odometry and no contact messages that can be read: {because}"
     found = sorted({(c.topic, c.type_name) for c in log.channels.values()}, key=_unlikely)
@@ -262,7 +316,7 @@ def _shows(log: Log, robot: Robot, base: Sequence[Channel]) -> bool:
         return True
     if base and split_topic(robot.odometry_topic or "", log.channels_by_topic)[0] == base[0].topic:
         return True
-    return not robot.topics.isdisjoint(usable_topics(log))
+    return not robot.topics.isdisjoint(_usable_topics(log))
 
 
 def _without_topics(robot: Robot) -> Iterator[Finding]:
@@ -273,19 +327,6 @@ def _without_topics(robot: Robot) -> Iterator[Finding]:
             "looked for by type and name, but its mass, axes and frames are used; check --robot"
         )
         yield Finding("ROBOT_GUESSED", text, cases=("absent",))
-
-
-def _apply_options(log: Log, robot: Robot, options: TopicOptions) -> Robot:
-    if options.odometry_topic is not None:
-        check_named_base(log, robot, options.odometry_topic)
-        robot = replace(robot, odometry_topic=options.odometry_topic)
-    if options.feet:
-        robot = replace(robot, feet=options.feet)
-    if options.foot_topics:
-        given, guessed = options.foot_topics, options.robot is None
-        check_topics(log, given)
-        robot = assign_feet(robot, given, usable_topics(log), guessed=guessed)
-    return robot
 
 
 def _call(log: Log, options: TopicOptions, base: str) -> str:
@@ -307,52 +348,26 @@ def _with_command(finding: Finding, call: str) -> Finding:
     return replace(finding, text=f"{finding.text}; this takes them: {call}", command=call)
 
 
-def _offered(call: str, offer: FootOffer) -> Finding:
-    """Return a warning with the command that chooses the feet."""
-    command = f"{call} {offer.options}"
-    text = (
-        f"feet may be among the topics, but their names do not tell surely: {offer.text}; "
-        f"no arrows, no gait, until --foot says which they are: {command}"
-    )
-    return Finding("FEET_UNSURE", text, command=command)
-
-
-def _source_findings(contacts: Sequence[Channel], levels: RawLevels) -> list[Finding]:
+def _source_findings(contacts: Sequence[Channel], levels: RawLevels) -> Iterator[Finding]:
     """Say what contact messages do not tell."""
-    findings: list[Finding] = []
     for channel in sorted(contacts, key=lambda channel: channel.type_name):
         name, source = channel.type_name, source_of(channel, levels.robot.feet_of(channel.topic))
         if source is None:
             continue
         if not source.has_force:
             text = f"{name} tells contact, not force: gait figures only, no arrows, no loads"
-            findings.append(Finding("NO_FORCE", text))
+            yield Finding("NO_FORCE", text)
         if source.is_raw:
-            findings.extend(_not_calibrated(name, levels))
+            yield from _not_calibrated(name, levels)
         if not source.has_header:
-            findings.append(
-                Finding(
-                    "LOG_TIME_USED",
-                    f"{name} has no header: log time is used for it",
-                    cases=("no_header",),
-                )
-            )
+            text = f"{name} has no header: log time is used for it"
+            yield Finding("LOG_TIME_USED", text, cases=("no_header",))
         if source.silent_in_swing:
             text = f"{name} is published only in contact: silence is taken for swing"
-            findings.append(Finding("SILENT_SWING", text))
-    findings.extend(_planned(contacts))
-    return list(dict.fromkeys(findings))
-
-
-def _planned(contacts: Sequence[Channel]) -> Iterator[Finding]:
-    """Say which topics tell what was planned, not what was measured."""
-    for channel in contacts:
-        if is_planned(channel):
-            text = (
-                f"{channel.topic} is a plan, not a measurement: contacts, forces and figures are "
-                "the planned ones"
-            )
-            yield Finding("PLANNED", text, channel.topic)
+            yield Finding("SILENT_SWING", text)
+    for channel in filter(is_planned, contacts):
+        text = "is a plan, not a measurement: contacts, forces and figures are the planned ones"
+        yield Finding("PLANNED", f"{channel.topic} {text}", channel.topic)
 
 
 def _not_calibrated(name: str, levels: RawLevels) -> Iterator[Finding]:

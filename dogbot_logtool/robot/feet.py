@@ -1,6 +1,6 @@
 """Which topics are a robot's feet: by the user's word, by the robot's file, else by names."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from itertools import islice
@@ -16,26 +16,21 @@ from dogbot_logtool.reader.decode.definition import type_text
 from dogbot_logtool.reader.decode.field_path import readable_fields
 from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.contact_messages import contact_types, source_of
+from dogbot_logtool.reader.messages.feet import MessageFoot, feet_in
 from dogbot_logtool.reader.messages.message_type import is_named_as_planned
 from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.source import FOOT_TYPES, Source
-from dogbot_logtool.robot.feet.message_feet import (
-    feet_of_messages,
-    front_to_back,
-    is_planned,
-)
-from dogbot_logtool.robot.names import FootSet, leg_position, name_feet
-from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.topics.readable import why_unreadable
-from dogbot_logtool.robot.topics.topics import (
+from dogbot_logtool.robot.first_messages import first_messages
+from dogbot_logtool.robot.names import FootSet, label_names, leg_position, name_feet
+from dogbot_logtool.robot.readable import (
     most_frequent,
-    readable_channels,
-    recorded_topics,
-    require_any_topic,
     require_topic,
     split_topic,
     topics_of_type,
+    why_unreadable,
 )
+from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.robot.words import Part, words_of
 
 _MOST_LISTED: Final = 12
 _MOST_COMPARED: Final = 2000
@@ -47,6 +42,11 @@ _MOST_OFFERED: Final = 16
 """Sets of topics of a type that are looked at more closely."""
 _ALTERNATIVES: Final = 3
 """Sets of topics that are offered beside the most likely one."""
+_ORDER: Final = ("front", "middle", "back", "left", "right")
+_JOINT_FOOT: Final = "sensor_msgs/JointState"
+"""Type of messages of joints and feet; the velocities of the feet are planned contacts."""
+_JOINTS: Final = 12
+"""Joints before the feet."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +59,9 @@ class FootOffer:
     """Words for a shell that choose the most likely ones: ``--foot left=/left_foot/wrench``."""
     topics: frozenset[str]
     """Those of the most likely ones."""
+
+
+# --- by the user's word --------------------------------------------------------------------------
 
 
 def assign_feet(
@@ -90,19 +93,11 @@ def assign_feet(
     feet = {} if unknown else dict(known)
     for name, word in topics.items():
         foot = known.get(name, Foot(name, word, leg_position=leg_position(name)))
-        feet[name] = _with_topic(foot, *split_topic(word, recorded))
+        topic, path = split_topic(word, recorded)
+        # What the robot's file says of the field stays, such as its scale.
+        field = replace(foot.field or FootField(path), path=path) if path else None
+        feet[name] = replace(foot, topic=topic, field=field)
     return replace(robot, feet=tuple(feet.values()))
-
-
-def _with_topic(foot: Foot, topic: str, path: str) -> Foot:
-    """Return a foot with the topic, and the field if any, that the user names.
-
-    What the robot's file says of the field stays, such as its scale.
-    """
-    if not path:
-        return replace(foot, topic=topic, field=None)
-    field = FootField(path) if foot.field is None else replace(foot.field, path=path)
-    return replace(foot, topic=topic, field=field)
 
 
 def check_topics(log: Log, topics: Mapping[str, str]) -> None:
@@ -114,25 +109,19 @@ def check_topics(log: Log, topics: Mapping[str, str]) -> None:
     types = contact_types(log.channels.values())
     for name, word in topics.items():
         topic, path = split_topic(word, log.channels_by_topic)
-        if path:
-            require_any_topic(log, f"--foot {name}", topic)
-        else:
-            require_topic(log, f"--foot {name}", topic, types, _fields_text(log, topic))
+        otherwise = "" if path else _fields_text(log, topic)
+        require_topic(log, f"--foot {name}", topic, None if path else types, otherwise)
 
 
 def _fields_text(log: Log, topic: str) -> str:
     """Return a sentence on the fields of a topic that can be feet; empty: there are none."""
     for channel in log.channels_by_topic.get(topic, ()):
         try:
-            fields = readable_fields(definition_of(channel))
+            fields = list(islice(readable_fields(definition_of(channel)), _MOST_COMPARED))
         except DefinitionError:
             continue
-        first = sorted(
-            islice(fields, _MOST_COMPARED),
-            key=lambda one: not any(word in one[0].lower() for word in _LIKELY),
-        )
-        some = [f"{topic}:{path} ({type_text(kind)})" for path, kind in first]
-        if some:
+        fields.sort(key=lambda one: not any(word in one[0].lower() for word in _LIKELY))
+        if some := [f"{topic}:{path} ({type_text(kind)})" for path, kind in fields]:
             return f"A field of its messages can be named: {listed(some, _MOST_LISTED)}"
     return ""
 
@@ -145,37 +134,23 @@ def foot_channels(log: Log, robot: Robot, topic: str) -> list[Channel]:
     """
     feet = robot.feet_of(topic)
     fields = [foot for foot in feet if foot.field is not None]
-    if not fields:
-        return readable_channels(log, topic, contact_types(log.channels_by_topic.get(topic, ())))
-    if len(fields) < len(feet):
+    if fields and len(fields) < len(feet):
         raise CallError(f"{topic}: all feet of a topic need a field, or none")
-    return _field_channels(log, topic, feet)
-
-
-def _field_channels(log: Log, topic: str, feet: Sequence[Foot]) -> list[Channel]:
-    """Return the channels of a topic in which all fields of its feet exist.
-
-    Args:
-        log: the log.
-        topic: the topic of all feet.
-        feet: each has a field.
-
-    Raises:
-        CallError: the log has the topic, but a field does not exist in any of its messages.
-    """
     found: list[Channel] = []
     because = ""
     for channel in log.channels_by_topic.get(topic, ()):
         try:
-            source_of(channel, feet)
+            if source_of(channel, feet) and (fields or not why_unreadable(channel)):
+                found.append(channel)
         except DefinitionError as reason:
             because = str(reason)
-        else:
-            found.append(channel)
     if because and not found:
         names = f"{'foot' if len(feet) == 1 else 'feet'} {listed([foot.name for foot in feet])}"
         raise CallError(f"{shown(log.source.path)}: {names}, {topic}: {because}")
     return found
+
+
+# --- by types and names --------------------------------------------------------------------------
 
 
 def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, FootOffer | None]:
@@ -195,17 +170,16 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, F
     """
     types = contact_types(log.channels.values())
     named = {foot.topic for foot in robot.feet if foot.field is not None}
-    named &= log.channels_by_topic.keys()
-    topics = sorted({*topics_of_type(log, types), *named})
-    recorded = sorted({*recorded_topics(log, types), *named})
+    topics = {*topics_of_type(log, types), *named & log.channels_by_topic.keys()}
+    found, offered, told = _feet_by_names(log)
     if any(foot.topic in topics for foot in robot.feet):
         feet = tuple(_with_element(log, foot, findings) for foot in robot.feet)
         _check_feet_differ(log, feet)
         for foot in feet:
-            if foot.topic not in recorded:
+            if foot.topic not in log.channels_by_topic:
                 text = f"foot {foot.name} has no messages: there is no topic {foot.topic}"
                 findings.append(_missing(text, foot.topic, foot.name))
-        unnamed = _unnamed(log, feet)
+        unnamed = _unnamed(found, feet)
         for foot in unnamed:
             options = f"--foot {foot.name}={shell_quoted(foot.topic)}"
             text = f"{foot.topic} is like the feet of {robot.name}, but none of them ({options})"
@@ -213,15 +187,15 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, F
         # Their messages are not read, so that what rests on all feet is not known.
         missing = (replace(foot, topic="", element=None, label="") for foot in unnamed)
         return replace(robot, feet=(*feet, *missing)), None
-    found, offered = _feet_by_names(log, findings)
+    findings += told
     if not found and not offered:
-        findings.append(Finding("NO_FEET", _without_feet(topics, recorded)))
+        is_recorded = any(channel.type_name in types for channel in log.channels.values())
+        findings.append(Finding("NO_FEET", _without_feet(sorted(topics), is_recorded=is_recorded)))
     return replace(robot, feet=found), _offer(offered) if offered and not found else None
 
 
-def _unnamed(log: Log, feet: Sequence[Foot]) -> list[Foot]:
+def _unnamed(found: Sequence[Foot], feet: Sequence[Foot]) -> list[Foot]:
     """Return the feet that types and names of topics tell beside those that are named."""
-    found, _ = _feet_by_names(log, [])
     known = {(foot.topic, foot.element) for foot in feet}
     if not known < {(foot.topic, foot.element) for foot in found}:
         return []
@@ -230,89 +204,63 @@ def _unnamed(log: Log, feet: Sequence[Foot]) -> list[Foot]:
     return [] if names.intersection(foot.name for foot in others) else others
 
 
-def _feet_by_names(log: Log, findings: list[Finding]) -> tuple[tuple[Foot, ...], Sequence[FootSet]]:
-    """Return the feet that types and names of topics tell, and topics that may be feet."""
+def _feet_by_names(log: Log) -> tuple[tuple[Foot, ...], Sequence[FootSet], list[Finding]]:
+    """Return the feet that types and names of topics tell, what else may be, and what is said.
+
+    One type of messages may tell of some feet only, and another one of the rest.
+    """
     offered: list[FootSet] = []
-    parts: list[tuple[FootSet, tuple[FootSet, ...]]] = []
-    for source, of_source in _candidates(log):
-        if parts and _is_plan(log, of_source):
+    part: FootSet | None = None
+    others: tuple[FootSet, ...] = ()
+    for planned, source, topics in _by_source(log):
+        if planned and part is not None:
             break
         if source.tells_all_feet:
-            feet = feet_of_messages(log, most_frequent(log, of_source))
-            if feet:
-                findings.append(_found(feet))
-                return feet, ()
+            if feet := feet_of_messages(log, most_frequent(log, topics)):
+                return feet, (), [_found(feet)]
             continue
-        names = name_feet(of_source, contacts_only=not source.anything)
+        names = name_feet(topics, contacts_only=not source.anything)
         if names.chosen is not None and not names.chosen.missing:
             feet = _feet_of(names.chosen)
-            findings.append(_found(feet, names.offered))
-            return feet, ()
-        if names.chosen is not None:
-            parts.append((names.chosen, names.offered))
+            return feet, (), [_found(feet, names.offered)]
+        if part is None and names.chosen is not None:
+            part, others = names.chosen, names.offered
         offered.extend(names.offered[:_MOST_OFFERED])
-    return (_of_part(*parts[0], offered, findings) if parts else ()), offered
-
-
-def _of_part(
-    part: FootSet,
-    others: Sequence[FootSet],
-    offered: Sequence[FootSet],
-    findings: list[Finding],
-) -> tuple[Foot, ...]:
-    """Return the feet of a robot of which one type of messages tells some feet only.
-
-    Another type may tell of the rest. A foot that none tells of stays a foot of the robot: what
-    all feet carry is not known without it.
-    """
-    found = list(_feet_of(part))
+    if part is None:
+        return (), offered, []
     rest = next((one for one in offered if one.completes(part)), None)
-    found += _feet_of(rest) if rest is not None else ()
-    findings.append(_found(found, [one for one in others if one is not rest]))
+    feet = (*_feet_of(part), *(_feet_of(rest) if rest is not None else ()))
+    told = [_found(feet, [one for one in others if one is not rest])]
     for name in part.missing if rest is None else ():
         text = f"foot {name} has no messages: there is no topic like those of the other feet"
-        findings.append(_missing(text, name, name))
-        found.append(Foot(name, "", leg_position=leg_position(name)))
-    return tuple(sorted(found, key=front_to_back))
+        told.append(_missing(text, name, name))
+        # A foot that none tells of stays a foot of the robot: what all feet carry is not known.
+        feet = (*feet, Foot(name, "", leg_position=leg_position(name)))
+    return tuple(sorted(feet, key=front_to_back)), offered, told
 
 
-def _candidates(log: Log) -> list[tuple[Source, list[str]]]:
-    """Return the topics of each source, the best first: measured before planned.
+def _by_source(log: Log) -> Iterator[tuple[bool, Source, list[str]]]:
+    """Yield whether messages are planned, their source and topics, the best first.
 
-    Of Unitree's states, those with positions come first, unless others are much more frequent.
+    Measured ones are better. Of Unitree's states, those with positions come first, unless others
+    are much more frequent.
     """
-    groups: dict[tuple[int, str], tuple[Source, list[str]]] = {}
-    frequencies: dict[tuple[int, str], int] = {}
+    groups: dict[tuple[int, str], tuple[Source, set[str]]] = {}
+    counts: dict[tuple[int, str], int] = {}
     for channel in log.channels.values():
         source = source_of(channel)
         if source is None or why_unreadable(channel):
             continue
-        key = _planning(channel, source), source.type_name
-        _, topics = groups.setdefault(key, (source, []))
-        if channel.topic not in topics:
-            topics.append(channel.topic)
-        count = log.counts.get(channel.id, 0)
-        frequencies[key] = max(frequencies.get(key, 0), count)
+        named = source.tells_all_feet and is_named_as_planned(channel.topic)
+        key = source.is_planned(channel.topic) + named, source.type_name
+        groups.setdefault(key, (source, set()))[1].add(channel.topic)
+        counts[key] = max(counts.get(key, 0), log.counts.get(channel.id, 0))
     raw = {key for key, (source, _) in groups.items() if source.is_raw}
-    most_raw = max((frequencies[key] for key in raw), default=0)
-
-    def rank(key: tuple[int, str]) -> tuple[int, bool, int]:
-        planned, name = key
-        return planned, key in raw and _RARE * frequencies[key] < most_raw, FOOT_TYPES.index(name)
-
-    return [(groups[key][0], sorted(groups[key][1])) for key in sorted(groups, key=rank)]
-
-
-def _planning(channel: Channel, source: Source) -> int:
-    """Return 0 for a measurement, 1 for what only planners write, 2 for what is named a plan."""
-    named = source.tells_all_feet and is_named_as_planned(channel.topic)
-    return int(is_planned(channel)) + int(named)
-
-
-def _is_plan(log: Log, topics: Sequence[str]) -> bool:
-    """Tell whether a plan is among topics."""
-    channels = [channel for topic in topics for channel in log.channels_by_topic.get(topic, ())]
-    return any((source := source_of(c)) and _planning(c, source) for c in channels)
+    most = max((counts[key] for key in raw), default=0)
+    rare = {key for key in raw if _RARE * counts[key] < most}
+    for key in sorted(groups, key=lambda key: (key[0], key in rare, FOOT_TYPES.index(key[1]))):
+        source, topics = groups[key]
+        yield key[0] > 0, source, sorted(topics)
 
 
 def _check_feet_differ(log: Log, feet: Sequence[Foot]) -> None:
@@ -324,8 +272,7 @@ def _check_feet_differ(log: Log, feet: Sequence[Foot]) -> None:
     seen: dict[tuple[str, str | int | None], str] = {}
     for foot in feet:
         own = foot.field.path if foot.field is not None else foot.element
-        channels = log.channels_by_topic.get(foot.topic, ())
-        sources = [source for channel in channels if (source := source_of(channel))]
+        sources = _sources(log, foot.topic)
         if own is None and all(source.tells_all_feet for source in sources):
             continue
         other = seen.setdefault((foot.topic, own), foot.name)
@@ -340,6 +287,11 @@ def _check_feet_differ(log: Log, feet: Sequence[Foot]) -> None:
         raise CallError(f"{shown(log.source.path)}: --foot {foot.name}: {text}")
 
 
+def _sources(log: Log, topic: str) -> list[Source]:
+    channels = log.channels_by_topic.get(topic, ())
+    return [source for channel in channels if (source := source_of(channel))]
+
+
 def _feet_of(found: FootSet) -> tuple[Foot, ...]:
     return tuple(Foot(foot.name, foot.topic, leg_position=foot.position) for foot in found.feet)
 
@@ -351,32 +303,31 @@ def _missing(text: str, where: str, foot: str) -> Finding:
 def _found(feet: Sequence[Foot], others: Sequence[FootSet] = ()) -> Finding:
     text = f"feet are found by type and name: {', '.join(f'{f.name} = {f.topic}' for f in feet)}"
     if others:
-        text += f"; not chosen, but possible: {' or '.join(map(foot_options, _few(others)))}"
+        text += f"; not chosen, but possible: {_alternatives(others)}"
     return Finding("TOPICS_CHOSEN", text)
 
 
-def _few(sets: Sequence[FootSet]) -> Sequence[FootSet]:
-    return sets[:_ALTERNATIVES]
+def _alternatives(sets: Sequence[FootSet]) -> str:
+    return " or ".join(_foot_options(one) for one in sets[:_ALTERNATIVES])
 
 
 def _offer(offered: Sequence[FootSet]) -> FootOffer:
     first, *others = offered
     text = ", ".join(f"{foot.name} = {foot.topic}" for foot in first.feet)
-    if others:
-        text += f"; or {' or '.join(map(foot_options, _few(others)))}"
+    text += f"; or {_alternatives(others)}" if others else ""
     if len(others) > _ALTERNATIVES:
         text += f" or {len(others) - _ALTERNATIVES} other sets of topics"
-    return FootOffer(text, foot_options(first), first.topics)
+    return FootOffer(text, _foot_options(first), first.topics)
 
 
-def foot_options(feet: FootSet) -> str:
+def _foot_options(feet: FootSet) -> str:
     """Return the words for a shell that choose these feet."""
     return " ".join(f"--foot {foot.name}={shell_quoted(foot.topic)}" for foot in feet.feet)
 
 
-def _without_feet(topics: Sequence[str], recorded: Sequence[str]) -> str:
+def _without_feet(topics: Sequence[str], *, is_recorded: bool) -> str:
     if not topics:
-        none = "no contact topics can be read" if recorded else "there are no contact topics"
+        none = "no contact topics can be read" if is_recorded else "there are no contact topics"
         return f"{none}: no arrows, no gait"
     text = f"no topic with forces or contacts is named like a foot's: {listed(topics)}"
     return f"{text}; no arrows, no gait (--foot NAME=TOPIC names one)"
@@ -384,22 +335,116 @@ def _without_feet(topics: Sequence[str], recorded: Sequence[str]) -> str:
 
 def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
     """Note which element is a foot's, where messages hold all feet and no option says it."""
-    if foot.field is not None:
-        return foot
-    channels = log.channels_by_topic.get(foot.topic, ())
-    sources = [source for channel in channels if (source := source_of(channel))]
-    if not sources or not sources[0].tells_all_feet:
+    sources = _sources(log, foot.topic)
+    if foot.field is not None or not sources or not sources[0].tells_all_feet:
         return foot
     if foot.element is not None and sources[0].legs:
         return foot
-    found = feet_of_messages(log, foot.topic)
     positions = (foot.leg_position, leg_position(foot.name))
-    for name in (foot.name, *("_".join(position) for position in positions if position)):
+    names = (foot.name, *("_".join(position) for position in positions if position))
+    found = feet_of_messages(log, foot.topic)
+    for name in names:
         for other in found:
             if foot.label == other.label if foot.label else name == other.name:
                 return replace(foot, element=other.element, label=other.label)
-    if foot.element is not None:
-        return foot
-    text = f"which element of {foot.topic} is {foot.name} is not known; the robot's file can tell"
-    findings.append(Finding("FEET_UNSURE", text, foot.topic))
+    if foot.element is None:
+        text = f"which element of {foot.topic} is {foot.name} is not known; the robot's file can"
+        findings.append(Finding("FEET_UNSURE", f"{text} tell", foot.topic))
     return foot
+
+
+# --- by messages that tell of all feet -----------------------------------------------------------
+
+
+def feet_of_messages(log: Log, topic: str) -> tuple[Foot, ...]:
+    """Return the feet that a topic's messages tell of; none where they are not about feet."""
+    for channel in log.channels_by_topic.get(topic, ()):
+        source = source_of(channel)
+        if source is None or why_unreadable(channel) or not source.tells_all_feet:
+            continue
+        found: Sequence[MessageFoot] = [MessageFoot(name=leg) for leg in source.legs]
+        if not found:
+            seen = [feet_in(source, each) for each in first_messages(log, channel, source.fields)]
+            labelled = {foot.label: foot for feet in seen for foot in feet if foot.label}
+            found = [labelled[label] for label in sorted(labelled)]
+            found = found or max(seen, key=len, default=())
+        if found:
+            return _named_feet(_without_hands(found), topic)
+    return ()
+
+
+def _without_hands(found: Sequence[MessageFoot]) -> Sequence[MessageFoot]:
+    """Leave out hands, wheels, tools ... where other labels say that they are feet."""
+    parts = [{word.part for word in words_of(foot.label)} for foot in found]
+    if not any({Part.FOOT, Part.LEG} & each for each in parts):
+        return found
+    return [
+        foot
+        for foot, each in zip(found, parts, strict=True)
+        if Part.NOT_A_FOOT not in each or {Part.FOOT, Part.LEG} & each
+    ]
+
+
+def _named_feet(found: Sequence[MessageFoot], topic: str) -> tuple[Foot, ...]:
+    labelled = label_names([foot.label for foot in found])
+    names = [foot.name or each.name for foot, each in zip(found, labelled, strict=True)]
+    feet = [
+        Foot(
+            name if names.count(name) == 1 else foot.label or f"{name}_{element + 1}",
+            topic,
+            leg_position=leg_position(name) or each.position,
+            element=element,
+            label=foot.label,
+        )
+        for element, (foot, name, each) in enumerate(zip(found, names, labelled, strict=True))
+    ]
+    return tuple(sorted(feet, key=front_to_back))
+
+
+def front_to_back(foot: Foot) -> tuple[int, int, str]:
+    """Sort feet front to back, left before right."""
+    if foot.leg_position is None:
+        return len(_ORDER), 0, foot.name
+    end, side = ((*_ORDER, each).index(each) for each in foot.leg_position)
+    return end, side, foot.name
+
+
+def is_planned(channel: Channel) -> bool:
+    """Tell whether a channel's messages tell what was planned, not what was measured."""
+    source = source_of(channel)
+    return source is not None and source.is_planned(channel.topic)
+
+
+def planned_feet(log: Log, robot: Robot, contacts: Sequence[Channel]) -> tuple[Foot, ...]:
+    """Return the feet of a robot as a plan in the log tells of them; none: there is no plan.
+
+    Args:
+        log: the log.
+        robot: with the feet that are used.
+        contacts: their channels.
+    """
+    used = {channel.topic for channel in contacts}
+    if any(is_named_as_planned(topic) for topic in used):
+        return ()
+    for channel in contacts:
+        source = source_of(channel, robot.feet_of(channel.topic))
+        if source is not None and source.type_name == _JOINT_FOOT:
+            return tuple(_by_velocity(foot) for foot in robot.feet if foot.element is not None)
+    topics: dict[str, list[str]] = {}
+    for channel in log.channels.values():
+        if channel.topic not in used and is_planned(channel) and not why_unreadable(channel):
+            topics.setdefault(channel.type_name, []).append(channel.topic)
+    own = {channel.type_name for channel in contacts}
+    # A plan of the measurement's own type tells forces in the same way.
+    for _, of_type in sorted(topics.items(), key=lambda each: each[0] not in own):
+        names = {foot.name for foot in robot.feet}
+        found = [f for f in feet_of_messages(log, most_frequent(log, of_type)) if f.name in names]
+        if found:
+            return tuple(found)
+    return ()
+
+
+def _by_velocity(foot: Foot) -> Foot:
+    """Return a foot whose planned contact is the velocity beside its count."""
+    field = FootField(f"velocity[{_JOINTS + (foot.element or 0)}]", kind="contact", threshold=0.5)
+    return replace(foot, element=None, field=field, newtons_per_count=None, offset=0.0)

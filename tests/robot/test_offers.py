@@ -1,7 +1,6 @@
 """Feet as a user meets them: found, or offered with a command that can be typed as it stands."""
 
 import json
-import os
 import shlex
 from pathlib import Path
 
@@ -35,13 +34,6 @@ def sensors(tmp_path: Path) -> Path:
     return write_log(path, SENSORS, odometry=["/odom"], samples=400)
 
 
-def test_info_offers_feet(sensors: Path) -> None:
-    done = run("info", sensors)
-    assert done.returncode == 0
-    assert "'/left toe/wrench'" in " ".join(done.stdout.split())
-    assert command(done.stdout)[0] == "stats"
-
-
 def test_the_offered_command_can_be_typed(sensors: Path) -> None:
     told = run("stats", sensors)
     assert "Gait: not measured (no topic of feet)" in told.stdout
@@ -70,24 +62,6 @@ def test_a_trot_under_a_controller_called_rl_is_a_trot(tmp_path: Path) -> None:
     figures = json.loads(run("stats", log, "--json").stdout)
     assert list(figures["feet"]) == list(CORNERS)
     assert figures["gait"]["name"] == "trot"
-
-
-@pytest.mark.parametrize(
-    "topics",
-    [SENSORS, {f"/{side}_foot_{end}": CONTACTS for side in SIDES for end in ("front", "back")}],
-    ids=["toe and heel", "front and back"],
-)
-def test_two_sensors_a_foot_are_no_four_legs(tmp_path: Path, topics: dict[str, str]) -> None:
-    log = write_log(tmp_path / "walk.mcap", topics, odometry=["/odom"], samples=500)
-    figures = json.loads(run("stats", log, "--json").stdout)
-    assert figures["feet"] == {}
-    assert figures["gait"]["name"] is None
-
-
-def test_a_drill_is_no_foot(tmp_path: Path) -> None:
-    log = write_log(tmp_path / "walk.mcap", {"/rl_tool/drill/force": WRENCH}, odometry=["/odom"])
-    done = run("stats", log, "--json")
-    assert json.loads(done.stdout)["feet"] == {}
 
 
 @pytest.mark.parametrize(
@@ -122,13 +96,3 @@ def test_a_robot_of_which_the_log_has_nothing(sensors: Path, name: str) -> None:
     done = run(name, sensors, "--robot", "dogbot", columns=500)
     assert done.returncode == 0
     assert "the log has none of the topics of the robot 'dogbot'" in done.stdout
-
-
-def test_a_log_of_a_crab_has_no_feet() -> None:
-    corpus = os.environ.get("LOGTOOL_CORPUS")
-    if corpus is None:
-        pytest.skip("LOGTOOL_CORPUS is not set")
-    done = run("info", Path(corpus) / "legged" / "crab_adya_gait.mcap")
-    assert done.returncode == 0
-    assert "there are no contact topics" in done.stdout
-    assert "--foot" not in done.stdout

@@ -20,12 +20,12 @@ from dogbot_logtool.reader.containers.log import Chunk
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.results import Conversion
+from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.options import (
     CompareOptions,
     ConvertOptions,
     StatsOptions,
 )
-from dogbot_logtool.robot.topics.annotated import annotations_left_out, open_recorded
 from dogbot_logtool.writer import channels as added_channels
 from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
@@ -308,6 +308,6 @@ def test_frames_of_annotations_are_shown_but_not_heeded(shell: Shell, once_annot
 def test_the_log_itself_is_not_wrapped() -> None:
     log = open_recorded(WALK)
     try:
-        assert annotations_left_out(log) is None
+        assert log.annotations is None
     finally:
         log.close()

@@ -11,7 +11,7 @@ from dogbot_logtool.finding import Severity
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.robot.options import TopicOptions
-from dogbot_logtool.robot.topics.selection import nothing_to_do, select_topics
+from dogbot_logtool.robot.selection import nothing_to_do, select_topics
 
 ODOMETRY, CONTACTS, TF = "nav_msgs/Odometry", "gazebo_msgs/ContactsState", "tf2_msgs/TFMessage"
 Channel = tuple[str, str, bytes, str]

@@ -8,9 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from dogbot_logtool.robot.options import TopicOptions
-from dogbot_logtool.robot.topics.annotated import open_recorded
-from dogbot_logtool.robot.topics.selection import select_topics
 from tests import forked_cli
 from tests.oracles import walks
 from tests.oracles.field_logs import (
@@ -21,7 +18,6 @@ from tests.oracles.field_logs import (
     WEIGHT_N,
     four_cells_a_foot,
     is_down,
-    load_cell,
     load_n,
     odd_walk,
     six_feet,
@@ -205,34 +201,6 @@ def test_two_feet_need_two_fields(states: Path) -> None:
     assert "each needs a field of its own" in done.stderr
 
 
-@pytest.mark.parametrize("rows", [1, 20])
-def test_one_six_axis_sensor_is_not_taken_for_feet(rows: int, tmp_path: Path) -> None:
-    log = load_cell(tmp_path / "cell.mcap", rows)
-    done = forked_cli.run("info", log)
-    assert done.returncode == 0
-    assert "look like feet" not in done.stdout
-    assert forked_cli.run("robots", "new", log).returncode == 1
-
-
-@pytest.mark.parametrize("legs", [6, 4])
-def test_a_known_robot_is_recognised_by_fields_of_all_its_feet(tmp_path: Path, legs: int) -> None:
-    """Contact switches on six numbered legs; four of them may be any robot's."""
-    walk, kind = odd_walk(), "std_msgs/msg/Bool"
-    entries = []
-    for sample in range(600):
-        time = walks.START + sample * 10_000_000
-        for leg in range(legs):
-            message = walk.make(kind, data=is_down(sample / 100, leg))
-            data = walk.bytes_of(kind, message)
-            entries.append(walks.Entry(f"/leg_{leg + 1}/foot_contact", kind, time, data))
-    walks.write_mcap(tmp_path / "log.mcap", walk, entries)
-    log = open_recorded(tmp_path / "log.mcap")
-    found = select_topics(log, TopicOptions())
-    log.close()
-    assert found.robot.name == ("hexapod" if legs == 6 else "generic")
-    assert len(found.contacts) == (6 if legs == 6 else 0)
-
-
 LEGS = ("LF", "RF", "LH", "RH")
 TURNS = dict(zip(LEGS, (0, 1, 1, 0), strict=True))
 INSIDE = {
@@ -313,19 +281,6 @@ def stamp_of(walk: walks.Walk, time_s: float) -> Any:
     return walk.make("builtin_interfaces/Time", sec=seconds, nanosec=nanoseconds)
 
 
-def test_counts_are_no_bits(tmp_path: Path) -> None:
-    walk, path, kind = odd_walk(), tmp_path / "walk.mcap", "odd_msgs/msg/Counts"
-    entries = [
-        walks.Entry("/contact_load", kind, START_NS + sample * 10_000_000,
-                    walk.bytes_of(kind, walk.make(kind, value=sample * 37 % 251)))
-        for sample in range(1200)
-    ]  # fmt: skip
-    walks.write_mcap(path, walk, entries)
-    done = forked_cli.run("info", path)
-    assert done.returncode == 0
-    assert "&" not in done.stdout
-
-
 def test_a_robot_of_two_files_that_are_one_recording(tmp_path: Path) -> None:
     files = six_feet_in_two(tmp_path)
     alone = forked_cli.run("robots", "new", *files)
@@ -357,8 +312,3 @@ def test_one_cell_of_four_is_not_offered_as_a_foot(tmp_path: Path, words: str) -
     assert f"several sensors in each foot: left = {cells[0]}, right = {cells[1]};" in text
     assert "record the sum of each foot's sensors" in text
     assert "--foot" not in text
-
-
-def test_load_cells_written_as_one_word(tmp_path: Path) -> None:
-    told = forked_cli.run("info", six_feet(tmp_path / "walk.mcap", topic="/loadcell_{}"))
-    check_steps(figures(*command(told.stdout)[1:]))
