@@ -1,8 +1,8 @@
 """The plan of `convert` for a log, made before the first message is written."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import Final, TypeVar
+from typing import Final
 
 from dogbot_logtool.conversion.copying import channels_left_out, copy_findings
 from dogbot_logtool.core.checks.sensors import sensor_findings
@@ -11,20 +11,19 @@ from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, ArrowStyle
 from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
+from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.robot.frames.world_frames import WorldFrames, follow_frames
-from dogbot_logtool.robot.options import ConvertOptions
 from dogbot_logtool.robot.probe import Probe, frame_names, usable_clock
 from dogbot_logtool.robot.probe_findings import probe_findings
 from dogbot_logtool.robot.robot_model.description import RobotDescription, robot_description
-from dogbot_logtool.robot.selection import Selection, nothing_to_do
+from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.sensors import LearntSensors
 from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.writer.encodings.registry import ENCODINGS, OutputEncoding
 
-Entry = TypeVar("Entry")
 _MOST_FEET: Final = 16
 """Feet for which support is drawn: the work grows with the cube of their number."""
 
@@ -68,17 +67,13 @@ def make_plan(
         options: what the user asks for.
 
     Raises:
-        LogError: the log has neither odometry nor contacts.
-        CallError: no such style or encoding; the log has no messages at the wanted times.
+        CallError: the log has no such time; the file of the robot cannot be read.
     """
-    style = _registered(ARROW_STYLES, "arrow style", options.style)
-    encoding = _registered(ENCODINGS, "encoding", options.encoding)
-    if not selection.odometry and not selection.contacts:
-        raise LogError(nothing_to_do(log, selection))
+    style, encoding = ARROW_STYLES[options.style], ENCODINGS[options.encoding]
     robot = selection.robot
     findings = [*selection.findings, *probe_findings(selection, probe)]
     world, base = frame_names(robot, probe)
-    wrench_frame = _wrench_frame(probe, options)
+    wrench_frame = _wrench_frame(probe, robot.wrench_frame)
     known_weight_n = body_weight_n(robot.mass_kg)
     weight_n = known_weight_n or learnt.estimated_weight_n
     findings.extend(sensor_findings([foot.name for foot in robot.feet], learnt.feet, weight_n))
@@ -97,7 +92,7 @@ def make_plan(
     findings.extend(_arrow_findings(selection, style, frames, wrench_frame, scale_n))
     left_out = channels_left_out(log, options)
     findings.extend(copy_findings(log, options, left_out))
-    start_time, _ = time_limits(log, options.start_s, options.end_s)
+    start_time, _ = time_limits(log, options.start, options.end)
     description = robot_description(log, selection, probe, base, options.urdf, copy=options.copy)
     findings.extend(description.findings)
     return ConversionPlan(
@@ -149,22 +144,23 @@ def _arrow_findings(
         yield from _without_states(selection, style)
 
 
-def _registered(registry: Mapping[str, Entry], kind: str, name: str) -> Entry:
-    """Return an entry of a registry.
+def refuse_unknown_names(options: ConvertOptions) -> None:
+    """Refuse a style or an encoding that there is not.
 
     Raises:
-        CallError: it has no such entry.
+        CallError: there is no such one.
     """
-    if name not in registry:
-        raise CallError(f"there is no {kind} {name!r}; known: {', '.join(registry)}")
-    return registry[name]
+    for kind, name, known in (
+        ("arrow style", options.style, [*ARROW_STYLES]),
+        ("encoding", options.encoding, [*ENCODINGS]),
+    ):
+        if name not in known:
+            raise CallError(f"there is no {kind} {name!r}; known: {', '.join(known)}")
 
 
-def _wrench_frame(probe: Probe, options: ConvertOptions) -> WrenchFrame:
-    """Return the frame of the recorded wrenches: the user's, else the one that the probe found."""
-    if options.wrench_frame == "auto":
-        return probe.wrench_frame.frame
-    return WrenchFrame(options.wrench_frame)
+def _wrench_frame(probe: Probe, given: str) -> WrenchFrame:
+    """Return the frame of the recorded wrenches: the given one, else that the probe found."""
+    return probe.wrench_frame.frame if given == "auto" else WrenchFrame(given)
 
 
 def _without_points(selection: Selection, frames: WorldFrames | None) -> Iterator[Finding]:
@@ -223,7 +219,7 @@ def writes_tf(
     findings: list[Finding],
 ) -> bool:
     """Tell whether `/tf` is written; a finding says why not."""
-    if not selection.odometry or options.tf == "never":
+    if not selection.has_base or options.tf == "never":
         return False
     world, base = frames
     may_repeat = options.tf == "always"
@@ -257,9 +253,9 @@ def _can_draw_support(selection: Selection, probe: Probe, findings: list[Finding
     """Tell whether the log has what support needs; a finding says what it lacks."""
     robot = selection.robot
     why_not = ""
-    if not selection.odometry:
+    if not selection.has_base:
         why_not = "the log has no odometry"
-    elif not any(source.has_points for source in selection.sources):
+    elif not selection.has_points:
         why_not = "the log has no contact points"
     elif len(robot.feet) > _MOST_FEET:
         why_not = f"the robot has {len(robot.feet)} feet, more than {_MOST_FEET}"

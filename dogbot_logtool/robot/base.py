@@ -56,7 +56,7 @@ def _topic_words(name: str) -> frozenset[str]:
 
 _WORLDS: Final = ("odom", "world", "map", "odom_combined", "vision", "earth", "mocap")
 """Frames that stand still, the best first."""
-_BASES: Final = ("base_link", "base", "trunk", "torso", "pelvis", "body", "base_footprint")
+BASES: Final = ("base_link", "base", "trunk", "torso", "pelvis", "body", "base_footprint")
 """Frames of a robot's base, the best first."""
 _BASE_WORDS: Final = _topic_words(
     "base body trunk torso pelvis robot odom odometry localization localisation mocap "
@@ -394,7 +394,7 @@ _NEVER: Final = 2
 def _rank(name: str, robot: Robot, source: Source) -> tuple[int, int, int]:
     """Return what sorts elements: 0 surely the base, 1 perhaps, 2 never; then by preference."""
     own = (robot.base_frame or "").rpartition("/")[2].lower()
-    bases = (own, *_BASES)
+    bases = (own, *BASES)
     if source.is_transform:
         parent, child = (frame.rpartition("/")[2].lower() for frame in _frame_pair(name))
         if parent not in _WORLDS or child in _WORLDS:
@@ -418,7 +418,7 @@ def _frame_pair(pair: str) -> tuple[str, str]:
 
     def likely(split: tuple[str, str]) -> tuple[bool, bool]:
         parent, child = (frame.rpartition("/")[2].lower() for frame in split)
-        return parent not in _WORLDS, child not in _BASES
+        return parent not in _WORLDS, child not in BASES
 
     return min(splits or [(pair, "")], key=likely)
 

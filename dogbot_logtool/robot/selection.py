@@ -5,13 +5,14 @@ Topics are given by the robot's file or options, or found.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Final, Literal
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import MOST, listed, printable, shell_joined
 from dogbot_logtool.io.storage import shown
+from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base
@@ -34,7 +35,6 @@ from dogbot_logtool.robot.feet import (
     foot_channels,
     is_planned,
 )
-from dogbot_logtool.robot.options import TopicOptions
 from dogbot_logtool.robot.readable import (
     own_definition_findings,
     reasons,
@@ -44,6 +44,7 @@ from dogbot_logtool.robot.readable import (
     why_unreadable,
 )
 from dogbot_logtool.robot.robot import GENERIC, Robot, known_robots, load_robot, robot_toml
+from dogbot_logtool.robot.settings import with_settings
 from dogbot_logtool.robot.unknown import (
     FootCandidates,
     candidates_finding,
@@ -79,6 +80,25 @@ class Selection:
     """How the base's poses are read; None: there are none."""
     robot_is_guessed: bool = False
     """Whether the robot was guessed from the log's topics."""
+    contact_from: Literal["", "joint_torques", "kinematics"] = ""
+    """What contacts are estimated from; empty: sensors tell."""
+    base_from_legs: bool = False
+    """Whether the base's poses are worked out from the legs."""
+
+    @property
+    def has_base(self) -> bool:
+        """Whether there are poses of the base, recorded or worked out."""
+        return bool(self.odometry) or self.base_from_legs
+
+    @property
+    def has_feet(self) -> bool:
+        """Whether there are contacts of feet, recorded or worked out."""
+        return bool(self.contacts) or bool(self.contact_from)
+
+    @property
+    def has_points(self) -> bool:
+        """Whether feet have contact points."""
+        return bool(self.contact_from) or any(source.has_points for source in self.sources)
 
     @property
     def without_header(self) -> tuple[str, ...]:
@@ -120,10 +140,13 @@ class Selection:
     def has_flags(self, foot: int) -> bool:
         """Tell whether contact flags of the messages decide a foot's contact."""
         sources = self.sources_of(foot)
-        return bool(sources) and all(source.has_flags for source in sources)
+        of_sensors = bool(sources) and all(source.has_flags for source in sources)
+        return of_sensors or bool(self.contact_from)
 
     def knows_force(self, foot: int) -> bool:
         """Tell whether a foot's messages give its force in newtons, not only whether it touches."""
+        if self.contact_from:
+            return self.contact_from == "joint_torques"
         scaled = self.robot.feet[foot].newtons_per_count is not None
         return foot not in self.forceless and all(
             source.has_force and (scaled or not source.is_raw) for source in self.sources_of(foot)
@@ -131,7 +154,7 @@ class Selection:
 
     def without_forces(self, forceless: frozenset[int]) -> "Selection":
         """Return the selection for a log whose wrenches of some feet are always zero."""
-        if not forceless:
+        if not forceless or self.contact_from:
             return self
         names = [self.robot.feet[foot].name for foot in sorted(forceless)]
         text = f"all wrenches of {listed(names)} are zero: contacts without forces"
@@ -154,7 +177,7 @@ class Selection:
         )
 
 
-def select_topics(log: Log, options: TopicOptions) -> Selection:
+def select_topics(log: Log, options: RobotOptions) -> Selection:
     """Decide which topics are used for what.
 
     Raises:
@@ -168,14 +191,13 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     named = _with_options(log, _choose_robot(log, options, findings), options)
     of_feet: list[Finding] = []
     robot, offer = find_feet(log, named, of_feet)
+    robot = with_settings(robot, options.set)
     contacts, feet_of = _contacts(log, robot)
     found = find_candidates(log) if not contacts and offer is None else []
     possible, cells = split_cells(found)
     of_robot = {foot.topic for foot in (possible[0].feet if possible else robot.feet)}
     of_robot = {*offer.topics} if offer is not None else of_robot
-    chosen = choose_base(
-        log, robot, findings, of_robot, is_asked=options.odometry_topic is not None
-    )
+    chosen = choose_base(log, robot, findings, of_robot, is_asked=options.odom_topic is not None)
     if options.robot is not None and not _shows(log, named, chosen.channels):
         findings.extend(_without_topics(named))
     call = _call(log, options, chosen.offered)
@@ -216,7 +238,7 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     )
 
 
-def _choose_robot(log: Log, options: TopicOptions, findings: list[Finding]) -> Robot:
+def _choose_robot(log: Log, options: RobotOptions, findings: list[Finding]) -> Robot:
     """Return the robot that the user names, else the known one whose topics the log has."""
     if options.robot is not None:
         robot = load_robot(options.robot)
@@ -233,7 +255,7 @@ def _choose_robot(log: Log, options: TopicOptions, findings: list[Finding]) -> R
         robot = max(known, key=lambda one: (len(one.topics & topics), one.name == GENERIC))
         text = f"robot: {robot.name} (guessed from the topics; change with --robot)"
         findings.append(Finding("ROBOT_GUESSED", text))
-    return robot.with_mass(options.mass_kg)
+    return robot.with_mass(options.mass)
 
 
 def _usable_topics(log: Log) -> frozenset[str]:
@@ -251,13 +273,13 @@ def _has_field(log: Log, foot: Foot) -> bool:
     return False
 
 
-def _with_options(log: Log, robot: Robot, options: TopicOptions) -> Robot:
-    if options.odometry_topic is not None:
-        robot = replace(robot, odometry_topic=options.odometry_topic)
+def _with_options(log: Log, robot: Robot, options: RobotOptions) -> Robot:
+    if options.odom_topic is not None:
+        robot = replace(robot, odometry_topic=options.odom_topic)
     if options.feet:
         robot = replace(robot, feet=options.feet)
-    if options.foot_topics:
-        given, guessed = options.foot_topics, options.robot is None
+    if options.foot:
+        given, guessed = options.foot, options.robot is None
         check_topics(log, given)
         robot = assign_feet(robot, given, _usable_topics(log), guessed=guessed)
     return robot
@@ -329,15 +351,16 @@ def _without_topics(robot: Robot) -> Iterator[Finding]:
         yield Finding("ROBOT_GUESSED", text, cases=("absent",))
 
 
-def _call(log: Log, options: TopicOptions, base: str) -> str:
+def _call(log: Log, options: RobotOptions, base: str) -> str:
     """Return a call of `stats` with the user's options, and with a base that is offered."""
     words = ["dogbot-logtool", "stats", *log.words]
-    named = options.odometry_topic or base
+    named = options.odom_topic or base
     words += ["--robot", options.robot] if options.robot is not None else []
     words += ["--odom-topic", named] if named else []
-    words += ["--mass", f"{options.mass_kg:g}"] if options.mass_kg is not None else []
-    for foot, topic in (options.foot_topics or {}).items():
-        words += ["--foot", f"{foot}={topic}"]
+    words += ["--mass", f"{options.mass:g}"] if options.mass is not None else []
+    for option, pairs in (("--foot", options.foot), ("--set", options.set)):
+        for name, text in (pairs or {}).items():
+            words += [option, f"{name}={text}"]
     return shell_joined(words)
 
 

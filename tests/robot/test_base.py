@@ -10,8 +10,8 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from tests.oracles import base_walks as base
 from tests.oracles import walks
 
@@ -19,7 +19,7 @@ DURATION_S = (base.SAMPLES - 1) * walks.STEP / 1e9
 
 
 def figures(path: Path, name: str | None = None) -> dict[str, Any]:
-    done = measure(path, StatsOptions(TopicOptions(odometry_topic=name)))
+    done = measure(path, MeasureOptions(odom_topic=name))
     return stats_json(done)
 
 
@@ -54,7 +54,7 @@ def test_every_source_gives_the_walk(tmp_path: Path, kind: str) -> None:
 @pytest.mark.parametrize("topic", ["/goal_pose", "/initialpose", "/object", "/base_to_footprint"])
 def test_other_poses_are_not_the_base_s(tmp_path: Path, topic: str) -> None:
     path = base.write(tmp_path / "walk.mcap", "geometry_msgs/PoseStamped", topic)
-    assert "NO_BASE" in codes(describe(path, TopicOptions()))
+    assert "NO_BASE" in codes(describe(path, InfoOptions()))
     check(figures(path, topic))
 
 

@@ -139,7 +139,7 @@ def loads_of(path: Path, *keys: str, feet: int = 6) -> dict[str, Any]:
     )
     file = path.with_name("robot.toml")
     file.write_text(text, encoding="utf-8")
-    return figures(path, "--robot", file, "--time-source", "log")
+    return figures(path, "--robot", file, "--set", "clock=log")
 
 
 @pytest.mark.parametrize(
@@ -169,7 +169,7 @@ def test_fields_become_the_loads_they_are(
 
 def test_a_fixed_array_on_the_command_line(states: Path) -> None:
     words = [word for foot in range(4) for word in ("--foot", f"f{foot}=/state:loads[{foot}]")]
-    found = figures(states, *words, "--time-source", "log")
+    found = figures(states, *words, "--set", "clock=log")
     assert [foot["peak_force_n"]["median"] for foot in found["feet"].values()] == pytest.approx(
         [WEIGHT_N / 3] * 4, rel=0.02
     )

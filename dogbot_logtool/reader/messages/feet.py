@@ -186,7 +186,7 @@ def _touching(
     if force is None or (by_flag and flag is None):
         return None
     if by_flag and flag is not None:
-        known, touches = _flagged(row, foot, flag[:, 0])
+        known, touches = flagged(row, foot, flag[:, 0])
     else:
         # What tells of one foot and nothing else tells of it in each message.
         known = ~np.asarray(np.isnan(values["force"]).all(axis=1))
@@ -194,7 +194,7 @@ def _touching(
     return known, touches, np.where(touches[:, None], force, 0.0)
 
 
-def _flagged(row: MessageType, foot: Foot, flag: Floats) -> tuple[Flags, Flags]:
+def flagged(row: MessageType, foot: Foot, flag: Floats) -> tuple[Flags, Flags]:
     """Return whether contact is known, (n,), and whether the foot touches, (n,)."""
     if row.closed:
         touches = np.isin(flag, row.closed)

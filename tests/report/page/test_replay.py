@@ -10,11 +10,11 @@ import pytest
 
 from dogbot_logtool.commands.report import replay_of
 from dogbot_logtool.commands.stats import measure_log, measurement_of
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.page.render import page
 from dogbot_logtool.report.page.replay import MOST_FRAMES, frame_times, replay
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.robot.annotated import open_recorded
-from dogbot_logtool.robot.options import StatsOptions
 from tests.commands.test_convert_joints import urdf, write
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import numbers
@@ -37,7 +37,7 @@ def shown() -> dict[str, Any]:
 def measured_and_shown(path: Path) -> tuple[Measurement, dict[str, Any]]:
     log = open_recorded(path)
     try:
-        found = measure_log(log, StatsOptions())
+        found = measure_log(log, MeasureOptions())
         drawn = replay_of(log, found)
     finally:
         log.close()
@@ -63,7 +63,7 @@ def test_a_foot_stands_still_while_it_is_down_and_frames_lead_to_it() -> None:
     """The joints come from transforms, the standing feet from contact points: both must agree."""
     angles, position = points(shown()["angles"]), points(shown()["position"])
     limbs = shown()["limbs"]
-    joints = (numbers(limbs["point"]) * limbs["scale"]).reshape(len(position), -1, 3)
+    joints = numbers(limbs["point"]).reshape(len(position), -1, 3)
     tips = [joint for joint in range(joints.shape[1]) if joint not in limbs["parents"]]
     for foot in shown()["feet"]:
         down, place = numbers(foot["state"]) == 1, points(foot["point"])
@@ -91,9 +91,7 @@ def test_joint_states_bend_the_legs_as_the_transforms_do(tmp_path: Path) -> None
     log = write(tmp_path / "log.mcap", urdf())
     _, found = measured_and_shown(log)
     by_transforms, by_states = (
-        (numbers(each["limbs"]["point"]) * each["limbs"]["scale"]).reshape(
-            -1, len(each["limbs"]["parents"]), 3
-        )
+        numbers(each["limbs"]["point"]).reshape(-1, len(each["limbs"]["parents"]), 3)
         for each in (shown(), found)
     )
     assert len(by_states) == 25
