@@ -1,5 +1,6 @@
 """`dogbot-logtool convert`: write an annotated MCAP of a log."""
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from typing import BinaryIO
@@ -7,7 +8,7 @@ from typing import BinaryIO
 from mcap import records
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_log
-from dogbot_logtool.conversion.annotate import DrawnCounts, Scene, draw
+from dogbot_logtool.conversion.annotate import Scene, draw
 from dogbot_logtool.conversion.plan import ConversionPlan, make_plan
 from dogbot_logtool.conversion.provenance import provenance_record
 from dogbot_logtool.conversion.writing import SpanWriter, annotations_of, cut_spans
@@ -37,7 +38,7 @@ class _Written:
 
     by_channel: Mapping[int, int]
     """Messages by channel id."""
-    counts: DrawnCounts
+    counts: Counter[str]
     losses: Sequence[Loss]
     """All that could not be read."""
 
@@ -123,7 +124,7 @@ def _write(
     """Write the output."""
     plan, spans = span_writer.scene.plan, measured.read.spans
     options, annotations = plan.options, span_writer.annotations
-    counts, done, total = DrawnCounts(), 0, sum(chunk.data_size for chunk in log.chunks)
+    counts, done, total = Counter[str](), 0, sum(chunk.data_size for chunk in log.chunks)
     with whole_file(target, overwrite=options.overwrite, makes_folder=options.makes_folder) as file:
         writer = _start(file, log, plan, annotations)
         if plan.description.urdf is not None and plan.opening is not None:
@@ -226,10 +227,10 @@ def _bad_poses(recording: Recording) -> int:
 
 
 def _findings(
-    scene: Scene, measured: MeasuredLog, moved: Mapping[str, str], counts: DrawnCounts
+    scene: Scene, measured: MeasuredLog, moved: Mapping[str, str], counts: Counter[str]
 ) -> Iterator[Finding]:
     """Yield what was found in planning, measuring and drawing."""
-    plan, recording, skipped = scene.plan, measured.recording, counts.arrows
+    plan, recording = scene.plan, measured.recording
     yield from (*plan.findings, *measured.measurement.facts.findings, *scene.findings)
     for topic, name in moved.items():
         text = f"the log has a topic {topic} of another type: ours is {name}"
@@ -245,21 +246,21 @@ def _findings(
             "STATES_IGNORED",
             "contact states between other bodies (ignored)",
         ),
-        (skipped.not_finite, "NOT_FINITE", "contacts with NaN or infinity (not drawn)"),
-        (skipped.no_position, "NOT_DRAWN", "contacts without a point (not drawn)"),
-        (skipped.no_direction, "NOT_DRAWN", "contacts without a normal (not drawn)"),
+        (counts["not_finite"], "NOT_FINITE", "contacts with NaN or infinity (not drawn)"),
+        (counts["no_position"], "NOT_DRAWN", "contacts without a point (not drawn)"),
+        (counts["no_direction"], "NOT_DRAWN", "contacts without a normal (not drawn)"),
         (
-            skipped.overflow,
+            counts["overflow"],
             "NOT_FINITE",
             "contacts whose force squared overflows (not drawn, as live)",
         ),
         (
-            counts.support_unknown,
+            counts["support_unknown"],
             "NO_SUPPORT_DRAWN",
             "/support messages without a polygon (contact of some foot unknown)",
         ),
         (
-            counts.support_unweighed,
+            counts["support_unweighed"],
             "NO_SUPPORT_DRAWN",
             "/support messages without a centre of pressure (vertical forces unknown)",
         ),

@@ -1,11 +1,12 @@
 """The second pass: spans of chunks are copied and annotated, by any worker, in any order."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
 
 import numpy as np
 
-from dogbot_logtool.conversion.annotate import DrawnCounts, Scene, annotations_between
+from dogbot_logtool.conversion.annotate import Scene, annotations_between
 from dogbot_logtool.conversion.copying import copied_chunks, unread_chunks
 from dogbot_logtool.conversion.plan import ConversionPlan
 from dogbot_logtool.core.arrays import Ints
@@ -31,7 +32,7 @@ class WrittenSpan:
     """A span of chunks as chunks of the output."""
 
     chunks: tuple[FinishedChunk, ...]
-    counts: DrawnCounts
+    counts: Counter[str]
 
 
 @dataclass(frozen=True, slots=True)

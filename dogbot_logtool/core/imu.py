@@ -69,7 +69,7 @@ class Reading(StrEnum):
     WITHOUT_GRAVITY = "without gravity"
     NOTHING = "nothing"
     OTHER_SCALE = "another scale"
-    UNCLEAR = "not what attitude and gravity say"
+    UNCLEAR = "unclear"
 
 
 _COMPARABLE: Final = frozenset({Reading.SOUND, Reading.IN_G, Reading.WITHOUT_GRAVITY})

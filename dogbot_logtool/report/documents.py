@@ -1,8 +1,8 @@
 """Results as plain data: `--json` of every command but those that compare."""
 
 from collections.abc import Iterator
-from dataclasses import asdict, replace
-from typing import Any
+from dataclasses import replace
+from typing import Any, Final
 
 from dogbot_logtool import __version__
 from dogbot_logtool.core.events.event import STEPS
@@ -92,6 +92,10 @@ def _detailed(walk: WalkMetrics) -> Iterator[str]:
             yield ".".join(path)
 
 
+_SKIPPED: Final = ("not_finite", "no_position", "no_direction", "overflow")
+"""Why samples have no arrow, see `core/scene/arrows.py`."""
+
+
 def conversion_json(done: Conversion) -> dict[str, Any]:
     """Return what was done as plain values."""
     return {
@@ -109,7 +113,7 @@ def conversion_json(done: Conversion) -> dict[str, Any]:
         "frames": {"world": done.world_frame, "base": done.base_frame},
         "messages": {"read": done.messages, "copied": done.copied},
         "annotations": dict(done.annotations),
-        "skipped": {**asdict(done.counts.arrows), "bad_poses": done.bad_poses},
+        "skipped": {why: done.counts[why] for why in _SKIPPED} | {"bad_poses": done.bad_poses},
         "findings": [finding_json(each) for each in done.findings],
         "damage": damage_json(done.damage),
     }

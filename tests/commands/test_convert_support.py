@@ -207,7 +207,7 @@ def test_support_is_what_message_by_message_listening_gives(
             height = sum(point[2] for point in points) / len(points)
             (place,) = message.projection
             np.testing.assert_allclose(place, (*pose.numbers[:2], height), atol=1e-12)
-    assert conversion.counts.support_unknown == unknown
+    assert conversion.counts["support_unknown"] == unknown
 
 
 def assert_outline(message: Shown, points: list[Vector], body: Vector) -> None:
