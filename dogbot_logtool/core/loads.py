@@ -1,7 +1,6 @@
 """How the load is shared, whether it adds up to the weight, and what faults of sensors do to it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from enum import StrEnum
 from typing import Final
 
@@ -386,14 +385,6 @@ def has_lone_spikes(stances: Stances) -> Flags:
     recurring = near >= max(FEWEST_IMPACTS, RECURS * int(stances.whole.sum()))
     lone: Flags = spiked & ~recurring
     return lone
-
-
-def without_spikes(stances: Stances) -> Stances:
-    """Return the stances with the peaks that they have without lone spikes."""
-    lone, figures = has_lone_spikes(stances), stances.figures
-    peak = np.where(lone, figures.calm_peak_n, figures.peak_n)
-    vertical = np.where(lone, figures.calm_peak_vertical_n, figures.peak_vertical_n)
-    return replace(stances, figures=figures._replace(peak_n=peak, peak_vertical_n=vertical))
 
 
 LARGEST_FOOT_M: Final = 0.3
