@@ -166,7 +166,7 @@ class Figures:
     summary: tuple[str, ...]
     """Its row among several logs."""
     json: dict[str, Any]
-    """Its `stats --json`."""
+    """Its `stats --json`; empty where that was not asked for."""
     strides: "StrideTable"
     interval_s: float
     """s, the longest sampling interval of its feet: no time is known more finely."""

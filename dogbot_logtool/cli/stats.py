@@ -76,6 +76,7 @@ def stats(
         replace(chosen, jobs=runner.jobs),
         drawing,
         whole=len(log_set.logs) == 1,
+        as_json=as_json,
         detail=verbose,
     )
     measured: list[Figures] = []

@@ -101,13 +101,16 @@ def _is_free(target: Location) -> bool:
     return not storage.asked(target, lambda: target.fs.exists(target.path))
 
 
-def figures_of(measured: "Measurement", *, whole: bool = False, detail: bool = True) -> Figures:
+def figures_of(
+    measured: "Measurement", *, whole: bool = False, as_json: bool = True, detail: bool = True
+) -> Figures:
     """Return what is reported of a log.
 
     Args:
         measured: what was measured of it.
         whole: with the whole measurement.
-        detail: with curves and lists of times.
+        as_json: with its JSON.
+        detail: that has curves and lists of times.
     """
     from dogbot_logtool.core.checks.voids import void_patterns  # noqa: PLC0415
     from dogbot_logtool.report.documents import stats_json  # noqa: PLC0415
@@ -117,7 +120,7 @@ def figures_of(measured: "Measurement", *, whole: bool = False, detail: bool = T
     intervals = [foot.record.median_interval_s for foot in measured.stats.feet]
     return Figures(
         summary_row(measured),
-        stats_json(measured, detail=detail),
+        stats_json(measured, detail=detail) if as_json else {},
         stride_table(measured.stats, void_patterns(measured.findings)),
         max((each for each in intervals if each is not None), default=0.0),
         measured.facts.robot,
@@ -135,6 +138,8 @@ class Measure:
     """The figure to draw; None: none."""
     whole: bool = False
     """Whether to return all results, with the base's path and every stance."""
+    as_json: bool = True
+    """Whether to return the results as JSON."""
     detail: bool = True
     """Whether the JSON has curves and lists of times."""
 
@@ -143,7 +148,7 @@ class Measure:
         from dogbot_logtool.commands.stats import measure  # noqa: PLC0415
 
         measured = measure(log, self.options, on_progress)
-        figures = figures_of(measured, whole=self.whole, detail=self.detail)
+        figures = figures_of(measured, whole=self.whole, as_json=self.as_json, detail=self.detail)
         if self.drawing is None:
             return figures
         from dogbot_logtool.commands.plot import write_plot  # noqa: PLC0415

@@ -1,13 +1,12 @@
 """Results as plain data: `--json` of every command but those that compare."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, Final
 
 from dogbot_logtool import __version__
 from dogbot_logtool.core.events.event import STEPS
 from dogbot_logtool.core.metrics import WalkMetrics
-from dogbot_logtool.core.records import to_json, values
+from dogbot_logtool.core.records import Field, to_json, values
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.plain_json import not_finite, only_finite
 from dogbot_logtool.io.printable import listed
@@ -76,7 +75,7 @@ def stats_json(measured: Measurement, *, detail: bool = True) -> Json:
 
 def _without_detail(walk: WalkMetrics) -> WalkMetrics:
     """Return metrics without the events of every stride, and without reasons of detail."""
-    detailed = set(_detailed(walk))
+    detailed = {".".join(path) for path, _, _ in values(walk, _is_detail)}
     return replace(
         walk,
         events=tuple(each for each in walk.events if each.type not in STEPS),
@@ -86,10 +85,8 @@ def _without_detail(walk: WalkMetrics) -> WalkMetrics:
     )
 
 
-def _detailed(walk: WalkMetrics) -> Iterator[str]:
-    for path, _, field in values(walk):
-        if field.is_detail:
-            yield ".".join(path)
+def _is_detail(field: Field) -> bool:
+    return field.is_detail
 
 
 _SKIPPED: Final = ("not_finite", "no_position", "no_direction", "overflow")

@@ -114,8 +114,8 @@ def null_because(walk: WalkMetrics, stats: Stats, findings: Sequence[Finding]) -
         findings: what makes metrics doubtful.
     """
     lacks_at, reasons, of_segments = _lacking(stats), {}, []
-    for path, value, field in values(walk):
-        if value is not None or not field.of.needs:
+    for path, value, field in values(walk, _has_needs):
+        if value is not None:
             continue
         if path[:2] == _SEGMENTS:
             of_segments.append((path, field))
@@ -127,6 +127,10 @@ def null_because(walk: WalkMetrics, stats: Stats, findings: Sequence[Finding]) -
             segment = walk.gait.segments[int(path[len(_SEGMENTS)])]
             reasons[".".join(path)] = _of_segment(segment, below, field, findings)
     return reasons
+
+
+def _has_needs(field: Field) -> bool:
+    return bool(field.of.needs)
 
 
 def _reason(path: KeyPath, field: Field, lacks: Lacks, findings: Sequence[Finding]) -> str:
