@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Final
 
-from dogbot_logtool.core.loads import is_stuck
+from dogbot_logtool.core.loads import WEIGHT_TOLERANCE, is_stuck
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding, found
@@ -44,22 +44,14 @@ def mass_unknown(stats: Stats) -> Iterator[Finding]:
 def impulse_is_not_weight(stats: Stats) -> Iterator[Finding]:
     """Yield that the feet's forces do not add up to the weight, and what that refutes."""
     loads, code = stats.loads, "IMPULSE_IS_NOT_WEIGHT"
-    refuted = {
-        "direction": loads.direction_refuted,
-        "shares": loads.direction_refuted or loads.magnitude_misses_weight,
-        "vertical": loads.vertical_refuted or loads.other_units,
-        "weight": loads.weight_refuted,
-        "assumed": loads.weight_refuted and stats.settings.mass_is_assumed,
-        "units": loads.other_units,
-    }
-    cases = [case for case, holds in refuted.items() if holds]
-    magnitude, ratio = loads.magnitude_over_weight, loads.vertical_impulse_over_weight
-    if magnitude is not None and loads.magnitude_misses_weight:
+    cases, ratio = loads.refuted, loads.vertical_impulse_over_weight
+    magnitude = loads.magnitude_over_weight
+    if magnitude is not None and "shares" in cases:
         cause = _likely_cause(stats, magnitude)
         yield found(code, _RATIO, *cases, say="magnitude", ratio=magnitude, cause=cause)
-    if ratio is None and loads.vertical_refuted:
+    if ratio is None and (loads.mean_vertical_n or 0.0) < 0.0:
         yield found(code, _RATIO, *cases, say="downwards", newtons=loads.mean_vertical_n)
-    if ratio is not None and loads.misses_weight:
+    if ratio is not None and abs(ratio - 1.0) > WEIGHT_TOLERANCE:
         yield found(code, _RATIO, *cases, ratio=ratio, cause=_likely_cause(stats, ratio))
 
 
@@ -81,9 +73,8 @@ def forces_push(stats: Stats) -> Iterator[Finding]:
 
 def direction_is_doubtful(stats: Stats) -> bool:
     """Tell whether the feet's forces are refuted, or their direction is."""
-    loads = stats.loads
-    refuted = loads.direction_refuted or loads.vertical_refuted or loads.other_units
-    return refuted or _may_lean(stats) or _refuted_push(stats) is not None
+    refuted = {"direction", "vertical", "units"}.intersection(stats.loads.refuted)
+    return bool(refuted) or _may_lean(stats) or _refuted_push(stats) is not None
 
 
 def _may_lean(stats: Stats) -> bool:
@@ -95,7 +86,7 @@ def _refuted_push(stats: Stats) -> float | None:
     push, base = stats.push, stats.base
     if push is None or base is None or not base.duration_s:
         return None
-    if stats.loads.direction_refuted or _may_lean(stats):
+    if "direction" in stats.loads.refuted or _may_lean(stats):
         return None
     speeds = abs(base.forward_speed_mps or 0.0) / (GRAVITY_MPS2 * base.duration_s)
     return push if abs(push) > MOST_PUSH + 2.0 * speeds else None
