@@ -73,7 +73,7 @@ def make_plan(
     """
     style = _registered(ARROW_STYLES, "arrow style", options.style)
     encoding = _registered(ENCODINGS, "encoding", options.encoding)
-    if not selection.odometry and not selection.contacts:
+    if not selection.has_base and not selection.has_feet:
         raise LogError(nothing_to_do(log, selection))
     robot = selection.robot
     findings = [*selection.findings, *probe_findings(selection, probe)]
@@ -98,7 +98,9 @@ def make_plan(
     left_out = channels_left_out(log, options)
     findings.extend(copy_findings(log, options, left_out))
     start_time, _ = time_limits(log, options.start_s, options.end_s)
-    description = robot_description(log, selection, probe, base, options.urdf, copy=options.copy)
+    description = robot_description(
+        log, selection, probe, base, options.topics.urdf, copy=options.copy
+    )
     findings.extend(description.findings)
     return ConversionPlan(
         selection=selection,
@@ -223,7 +225,7 @@ def writes_tf(
     findings: list[Finding],
 ) -> bool:
     """Tell whether `/tf` is written; a finding says why not."""
-    if not selection.odometry or options.tf == "never":
+    if not selection.has_base or options.tf == "never":
         return False
     world, base = frames
     may_repeat = options.tf == "always"
@@ -257,9 +259,9 @@ def _can_draw_support(selection: Selection, probe: Probe, findings: list[Finding
     """Tell whether the log has what support needs; a finding says what it lacks."""
     robot = selection.robot
     why_not = ""
-    if not selection.odometry:
+    if not selection.has_base:
         why_not = "the log has no odometry"
-    elif not any(source.has_points for source in selection.sources):
+    elif not selection.has_points:
         why_not = "the log has no contact points"
     elif len(robot.feet) > _MOST_FEET:
         why_not = f"the robot has {len(robot.feet)} feet, more than {_MOST_FEET}"

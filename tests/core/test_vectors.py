@@ -13,7 +13,8 @@ LATE = 3_000_000
 def samples(seconds: Floats, behind: int = LATE, *, stamped: bool = True) -> VectorSamples:
     log_time = 100 * S + np.round(seconds * 1e9).astype(np.int64)
     stamp = log_time - behind if stamped else np.zeros_like(log_time)
-    return VectorSamples(log_time, stamp, np.stack([seconds, seconds**2, -seconds], axis=1))
+    vector = np.stack([seconds, seconds**2, -seconds], axis=1)
+    return VectorSamples(log_time, stamp, vector, vector)
 
 
 def clock_of_base(behind: int) -> OffsetTrack:

@@ -59,13 +59,14 @@ def make_plan(log: Log, options: StatsOptions) -> MeasuringPlan:
         CallError: an option names a topic, foot or time that the log does not have.
     """
     selection = select_topics(log, options.topics)
-    if not selection.odometry and not selection.contacts:
+    joints = _wanted_joints(log)
+    if not (selection.odometry or selection.contacts or joints):
         raise LogError(nothing_to_do(log, selection))
     planned = _planned(log, selection, options)
     side = side_topics(log, options)
     wanted = replace(
         selection.wanted(),
-        joints=_wanted_joints(log),
+        joints=joints,
         commands=side.commands,
         accelerations=side.inertial,
         planned=planned.contacts if planned else (),
@@ -149,11 +150,15 @@ def _settings(
         com_offset_m=robot.com_offset_m,
         foot_rolling_m=robot.foot_rolling_m,
         contact_on_counts=robot.contact_on_counts,
-        wrench_frame=_FRAMES.get(options.wrench_frame, probe.wrench_frame.frame),
+        wrench_frame=WrenchFrame.WORLD
+        if selection.contact_from
+        else _FRAMES.get(options.wrench_frame, probe.wrench_frame.frame),
         wrench_frame_is_inferred=options.wrench_frame not in _FRAMES
         and probe.wrench_frame.is_inferred,
         time_source=time_source,
         time_source_reason=reason,
+        contact_from=selection.contact_from,
+        base_from_legs=selection.base_from_legs,
         odometry_topic=selection.odometry[0].topic if selection.odometry else "",
         command_topic=side.commands.topic if side.commands else "",
         imu_topic=side.inertial.topic if side.inertial else "",

@@ -31,6 +31,7 @@ from dogbot_logtool.robot.probe_findings import probe_findings
 if TYPE_CHECKING:
     from dogbot_logtool.core.frames.transforms import TransformBuffer
     from dogbot_logtool.core.legs.paths import LegSettings
+    from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,8 +67,15 @@ def measure_recording(
     Raises:
         CallError: an option names a foot that the log does not have.
     """
-    learnt = learn_settings(recording, plan.selection, plan.side, options, with_soles=with_soles)
-    measured = _measured(log, recording, learnt, plan)
+    selection, model = plan.selection, None
+    if recording.joints:
+        from dogbot_logtool.robot.measuring.by_legs import read_model, told_by_legs  # noqa: PLC0415
+
+        found = read_model(log, options.topics.urdf)
+        model = found.robot
+        recording, selection = told_by_legs(recording, selection, found)
+    learnt = learn_settings(recording, selection, plan.side, options, with_soles=with_soles)
+    measured = _measured(log, recording, learnt, plan, model)
     if plan.planned is None:
         return measured
     of_plan = replace(recording, feet=recording.planned, links={}, joints=())
@@ -81,11 +89,12 @@ def _measured(
     recording: Recording,
     learnt: LearntSettings,
     plan: MeasuringPlan,
+    model: "RobotOfUrdf | None" = None,
 ) -> Measured:
     """Correct the columns, and work out all figures."""
     learnt = learnt_on_clock(learnt, log_clock(recording, learnt.settings))
     findings = _findings(recording, learnt, plan)
-    legs = _legs(log, recording, learnt)
+    legs = _legs(recording, learnt, model)
     feet = _with_swings(log, _without_offsets(recording, learnt), learnt, plan)
     if learnt.frames is not None:
         tracks = learnt.frames.tracks(recording.transforms, recording.base)
@@ -98,7 +107,7 @@ def _measured(
 
 
 def _legs(
-    log: Log, recording: Recording, learnt: LearntSettings
+    recording: Recording, learnt: LearntSettings, model: "RobotOfUrdf | None"
 ) -> "tuple[LegSettings, TransformBuffer] | None":
     """Find what tells of the legs; nothing is imported for a log that tells nothing."""
     if not recording.joints and not learnt.selection.transforms:
@@ -106,7 +115,7 @@ def _legs(
     from dogbot_logtool.robot.measuring.legs import find_legs  # noqa: PLC0415
 
     clock = learnt.settings.clock
-    return find_legs(log, recording, learnt.selection, learnt.probe, clock)
+    return find_legs(recording, learnt.selection, learnt.probe, clock, model)
 
 
 def _without_offsets(recording: Recording, learnt: LearntSettings) -> tuple[Samples, ...]:
@@ -117,7 +126,8 @@ def _without_offsets(recording: Recording, learnt: LearntSettings) -> tuple[Samp
         samples = without_offset(
             recorded,
             learnt.settings.sensor(foot),
-            lists_contacts=any(source.lists_contacts for source in sources),
+            lists_contacts=bool(learnt.selection.contact_from)
+            or any(source.lists_contacts for source in sources),
             only_presses=any(source.is_raw or source.one_axis for source in sources),
         )
         if learnt.frames is None and any(source.in_base for source in sources):
