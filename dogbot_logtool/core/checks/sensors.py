@@ -123,7 +123,7 @@ def foot_is_saturated(stats: Stats, row: int) -> bool:
     Flat forces that carry the whole weight, as some simulators make them, are not.
     """
     figures = stats.feet[row].record.stances.figures
-    share = (figures.mean_n / figures.peak_n)[figures.peak_n > 0.0]
+    share = (figures.mean_force_n / figures.peak_force_n)[figures.peak_force_n > 0.0]
     is_flat = len(share) > 0 and float(median_of(share)) >= FLAT
     ratio = stats.loads.vertical_impulse_over_weight
     carries_all = is_flat and ratio is not None and abs(ratio - 1.0) <= WHOLE_WEIGHT

@@ -199,14 +199,14 @@ def _sensor_faults(stats: Stats, row: int) -> Iterator[Event]:
         yield fault(int(stances.touchdown[0]), int(stances.liftoff[-1]), "STUCK")
     else:
         yield from (fault(start, end, "STOPPED") for start, end in record.stopped.tolist())
-    if foot_is_saturated(stats, row) and np.isfinite(figures.peak_n).any():
-        limit = float(np.nanmax(figures.peak_n))
-        first, last = np.flatnonzero(figures.peak_n >= AT_LIMIT * limit)[[0, -1]].tolist()
+    if foot_is_saturated(stats, row) and np.isfinite(figures.peak_force_n).any():
+        limit = float(np.nanmax(figures.peak_force_n))
+        first, last = np.flatnonzero(figures.peak_force_n >= AT_LIMIT * limit)[[0, -1]].tolist()
         yield fault(int(stances.touchdown[first]), int(stances.liftoff[last]), "SATURATED", limit)
     for stance in np.flatnonzero(foot.has_spikes & foot.stances.whole).tolist():
         onset, end = int(stances.touchdown[stance]), int(stances.liftoff[stance])
         at = onset + round(float(figures.spike_phase[stance]) * (end - onset))
-        yield fault(at, at, "SPIKES", float(figures.peak_n[stance]))
+        yield fault(at, at, "SPIKES", float(figures.peak_force_n[stance]))
 
 
 def slips(

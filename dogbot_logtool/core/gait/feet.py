@@ -35,16 +35,16 @@ CYCLE_POINTS: Final = 51
 QUARTILES: Final = (25.0, 50.0, 75.0)
 FEWEST_STANCES: Final = 8
 """Stances of all feet from which it is told how far they push the robot on."""
-_FIGURES: Final = {
-    "contact_travel_m": "contact_travel_m",
-    "peak_force_n": "peak_n",
-    "mean_force_n": "mean_n",
-    "peak_vertical_force_n": "peak_vertical_n",
-    "mean_vertical_force_n": "mean_vertical_n",
-    "loading_rate_nps": "loading_rate_nps",
-    "impact_ratio": "impact_ratio",
-    "friction_use": "friction_use",
-}
+FIGURES: Final = (
+    "peak_force_n",
+    "mean_force_n",
+    "peak_vertical_force_n",
+    "mean_vertical_force_n",
+    "loading_rate_nps",
+    "impact_ratio",
+    "contact_travel_m",
+    "friction_use",
+)
 """Metrics of a foot that are figures of its stances."""
 
 
@@ -208,8 +208,10 @@ def foot_steps(
     stances = walked_stances(record.stances, fallen, standing.without_steps)
     lone, figures = has_lone_spikes(stances), stances.figures
     figures = figures._replace(
-        peak_n=np.where(lone, figures.calm_peak_n, figures.peak_n),
-        peak_vertical_n=np.where(lone, figures.calm_peak_vertical_n, figures.peak_vertical_n),
+        peak_force_n=np.where(lone, figures.calm_peak_n, figures.peak_force_n),
+        peak_vertical_force_n=np.where(
+            lone, figures.calm_peak_vertical_n, figures.peak_vertical_force_n
+        ),
     )
     stances = replace(stances, figures=figures)
     strides, discarded = strides_of(stances, record.gaps, fallen)
@@ -274,7 +276,7 @@ def foot_metrics(
         middle = stances.touchdown + (stances.liftoff - stances.touchdown) // 2
         whole = whole & timespans.covers(within, middle)
     per_weight = np.nan if weight_n is None else 1.0 / weight_n
-    columns = {key: getattr(stances.figures, name) for key, name in _FIGURES.items()}
+    columns = {key: getattr(stances.figures, key) for key in FIGURES}
     columns |= {
         "stance_s": stances.duration_s,
         "slip_m": foot.slip_m,
