@@ -1,8 +1,8 @@
 """What is drawn of a walk in any span of log time: looked up, so that spans need no order."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,23 +22,15 @@ from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.hulls import NEAR_NS
 from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.recording import Recording
-from dogbot_logtool.core.scene.arrows import (
-    Arrows,
-    classic_arrows,
-    force_arrows,
-    pressure_arrows,
-    removals,
-)
+from dogbot_logtool.core.scene.arrows import Arrows, force_arrows, pressure_arrows, removals
 from dogbot_logtool.core.scene.feet import DrawnFoot, drawn_foot, from_opening
 from dogbot_logtool.core.scene.labels import foot_labels
 from dogbot_logtool.core.scene.legs import leg_lines
 from dogbot_logtool.core.scene.loads import Loads, foot_loads, silences
 from dogbot_logtool.core.scene.support_scene import SupportScene, support_scene
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.reader.containers.log import Batch
-from dogbot_logtool.reader.messages.contact_messages import read_contacts
+from dogbot_logtool.reader.recording import in_time_order
 from dogbot_logtool.robot.frames.world_frames import frame_findings
 from dogbot_logtool.writer.annotations import AnnotationColumns
 
@@ -54,6 +46,8 @@ class Scene:
     links: Sequence[LinkTransforms]
     """Those that joint states move, by log time."""
     silences: Loads
+    recorded: Arrows | None
+    """Those of contact states as they were recorded, by log time; None: arrows show the walk."""
     events: Sequence[EventMessage]
     event_log_time: Ints
     """(events,) ns."""
@@ -69,7 +63,12 @@ class Scene:
 
 
 def draw(
-    plan: ConversionPlan, recording: Recording, stats: Stats, metrics: WalkMetrics, end: int
+    plan: ConversionPlan,
+    recording: Recording,
+    stats: Stats,
+    metrics: WalkMetrics,
+    end: int,
+    recorded: Arrows,
 ) -> Scene:
     """Prepare what is drawn of a walk.
 
@@ -79,6 +78,7 @@ def draw(
         stats: what was measured.
         metrics: made of that; contact that findings void is not known.
         end: ns, log time of the log's last message.
+        recorded: arrows of contact states, for a style that draws these.
     """
     opening = 0 if plan.opening is None else plan.opening
     samples, findings = _placed(plan, recording, stats)
@@ -96,6 +96,7 @@ def draw(
         poses=poses.pick(at_ticks),
         links=_links(plan, recording, opening),
         silences=silences(feet, opening, end),
+        recorded=in_time_order(recorded) if plan.style.needs_contact_states else None,
         events=events,
         event_log_time=event_log_time,
         gaits=gaits,
@@ -156,15 +157,9 @@ def _links(plan: ConversionPlan, recording: Recording, opening: int) -> list[Lin
 
 
 def annotations_between(
-    scene: Scene, start: int, end: int, batch: Batch | None
+    scene: Scene, start: int, end: int
 ) -> tuple[AnnotationColumns, Counter[str]]:
     """Return what is drawn from a log time on and before another, ns.
-
-    Args:
-        scene: all that is drawn.
-        start: ns.
-        end: ns.
-        batch: the recorded messages, for a style that draws these; None: of nothing.
 
     Returns:
         annotations, and how many lack something: arrows as in `core/scene/arrows.py`,
@@ -174,10 +169,11 @@ def annotations_between(
     plan, opening = scene.plan, scene.opening
     feet = [(foot, _rows(foot.samples.log_time, start, end)) for foot in scene.feet]
     with_force = [each for each in feet if each[0].has_force]
-    if not plan.style.needs_contact_states:
+    if scene.recorded is None:
         drawn = [_arrows(scene, *each) for each in with_force]
     else:
-        drawn = [] if batch is None else list(_recorded_arrows(scene, batch))
+        own = picked(scene.recorded, _rows(scene.recorded.log_time, start, end))
+        drawn = [([own], Counter[str]())]
     rows = _rows(scene.poses.log_time, start, end)
     poses = picked(scene.poses, rows)
     opens = rows.start == 0 < rows.stop
@@ -231,15 +227,6 @@ def _arrows(scene: Scene, foot: DrawnFoot, rows: slice) -> tuple[list[Arrows], C
     else:
         drawn, skipped = pressure_arrows(samples, plan.arrow_scale)
     return [drawn, removals(foot.samples.pick(rows.start + np.flatnonzero(~touching)))], skipped
-
-
-def _recorded_arrows(scene: Scene, batch: Batch) -> Iterator[tuple[list[Arrows], Counter[str]]]:
-    """Yield the arrows of recorded contact states, which owe the walk nothing."""
-    selection = scene.plan.selection
-    for decoded in read_contacts(batch, selection.contacts, selection.foot_channels()):
-        if decoded.reduced.contacts is not None:
-            arrows, skipped = classic_arrows(decoded.reduced.contacts)
-            yield [arrows], skipped
 
 
 def _support(scene: Scene, poses: Odometry, *, opens: bool) -> SupportScene:
