@@ -283,7 +283,7 @@ def _estimate(
     standing = ground.resting
     if force is not None:
         vertical = np.einsum("nfi,ni->nf", force, inertial.up)
-        standing = estimated.loaded_feet(vertical, (mass_kg or 0.0) * GRAVITY_MPS2, ground.slow)
+        standing = estimated.loaded_feet(seconds, vertical, (mass_kg or 0.0) * GRAVITY_MPS2, ground)
     standing = np.stack([_debounced(columns.time, each) for each in standing.T], axis=1)
     base = _base(columns, points, ground.velocity(standing), standing, inertial)
     placed = _placed(recording, columns, base) if selection.odometry else base
@@ -368,14 +368,14 @@ def _base(
 ) -> Odometry:
     """Add up the velocities that standing feet tell; the height is that over these feet."""
     seconds = columns.seconds
-    known = np.isfinite(velocity[:, 0])
-    filled = np.zeros_like(velocity)
-    if known.any():
-        filled = np.stack(
-            [np.interp(seconds, seconds[known], each[known]) for each in velocity.T], 1
-        )
     step = np.diff(seconds)
     step[step > LONGEST_STEP_S] = 0.0
+    # Where no foot surely rests, the accelerometer tells how the velocity changes.
+    own = inertial.felt - GRAVITY_MPS2 * inertial.up
+    gained = np.zeros_like(velocity)
+    gained[1:] = np.cumsum((own[1:] + own[:-1]) / 2.0 * step[:, None], axis=0)
+    known = np.isfinite(velocity[:, 0]).any()
+    filled = gained + _filled(velocity - gained) if known else np.zeros_like(velocity)
     angles = np.zeros((len(seconds), 3))
     angles[:, :2] = inertial.roll_pitch
     rate = inertial.yaw_rate
