@@ -32,13 +32,13 @@ LOW: Final = 0.25
 LOW_AND_SLOW: Final = 0.6
 LEAST_LIFT_M: Final = 0.004
 """m: noise may lift a standing foot as far."""
-SLOW: Final = 0.08
+SLOW: Final = 0.12
 """Share of the usual speed of a swing below which a foot rests."""
 FAST: Final = 0.5
 """Share of that speed beyond which no foot is in contact."""
 SLOWEST_MPS: Final = (0.04, 0.3)
 """m/s, bounds of that speed."""
-LOOSELY: Final = 2.5
+LOOSELY: Final = 3.0
 """Times that speed by which a foot that rested leaves the ground."""
 AROUND_S: Final = 0.03
 """s before and after, over which the velocity of the base is the median."""

@@ -129,7 +129,7 @@ def told_by_legs(
     found = _estimate(recording, selection, legs, columns, mass)
     named = replace(
         selection.robot,
-        mass_kg=mass,
+        mass_kg=mass if lacks_feet else selection.robot.mass_kg,
         forward_axis=axis if selection.robot_is_guessed else selection.robot.forward_axis,
         base_frame=selection.robot.base_frame or _base_frame(recording, robot),
     )
