@@ -14,10 +14,11 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.reader.containers.log import Log, Loss
-from dogbot_logtool.reader.recording import ReadLog, read_recording
+from dogbot_logtool.reader.recording import Alongside, ReadLog, read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
+from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.results import LogFacts, Measurement
-from dogbot_logtool.robot.measuring.plan import LearntSettings, make_plan
+from dogbot_logtool.robot.measuring.plan import LearntSettings, MeasuringPlan, make_plan
 from dogbot_logtool.robot.measuring.walk import Measured, measure_recording
 from dogbot_logtool.robot.options import StatsOptions
 from dogbot_logtool.robot.probe_findings import order_findings
@@ -61,16 +62,25 @@ class MeasuredLog:
     """How they were read; its own columns are the corrected ones, too."""
 
 
-def measure_log(
+def measure_log(log: Log, options: StatsOptions, progress: OnProgress | None = None) -> MeasuredLog:
+    """Work out all figures of an open log; see `measure` and `measure_recording`."""
+    return measure_planned(log, make_plan(log, options), options, progress)
+
+
+def measure_planned(
     log: Log,
+    plan: MeasuringPlan,
     options: StatsOptions,
     progress: OnProgress | None = None,
     *,
     with_soles: bool = False,
+    alongside: Alongside | None = None,
+    start: Start | None = None,
 ) -> MeasuredLog:
-    """Work out all figures of an open log; see `measure` and `measure_recording`."""
-    plan = make_plan(log, options)
-    read = read_recording(log, plan.wanted, options.jobs, progress)
+    """Work out all figures of an open log by a plan; see `read_recording`, `measure_recording`."""
+    read = read_recording(
+        log, plan.wanted, options.jobs, progress, start=start, alongside=alongside
+    )
     losses = _losses(log, read, plan.wanted.limits)
     measured = measure_recording(log, read.recording, plan, options, with_soles=with_soles)
     measurement = measurement_of(measured.stats, _facts(log, read, measured, losses))

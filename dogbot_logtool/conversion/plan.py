@@ -1,8 +1,8 @@
 """The plan of `convert` for a log, made before the first message is written."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import Final, TypeVar
+from typing import Final
 
 from dogbot_logtool.conversion.copying import channels_left_out, copy_findings
 from dogbot_logtool.core.checks.sensors import sensor_findings
@@ -11,7 +11,7 @@ from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, ArrowStyle
 from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.robot.frames.world_frames import WorldFrames, follow_frames
@@ -21,10 +21,9 @@ from dogbot_logtool.robot.probe_findings import probe_findings
 from dogbot_logtool.robot.robot_model.description import RobotDescription, robot_description
 from dogbot_logtool.robot.sensors import LearntSensors
 from dogbot_logtool.robot.time_span import time_limits
-from dogbot_logtool.robot.topics.selection import Selection, nothing_to_do
+from dogbot_logtool.robot.topics.selection import Selection
 from dogbot_logtool.writer.encodings.registry import ENCODINGS, OutputEncoding
 
-Entry = TypeVar("Entry")
 _MOST_FEET: Final = 16
 """Feet for which support is drawn: the work grows with the cube of their number."""
 
@@ -68,13 +67,9 @@ def make_plan(
         options: what the user asks for.
 
     Raises:
-        LogError: the log has neither odometry nor contacts.
-        CallError: no such style or encoding; the log has no messages at the wanted times.
+        CallError: the log has no such time; the file of the robot cannot be read.
     """
-    style = _registered(ARROW_STYLES, "arrow style", options.style)
-    encoding = _registered(ENCODINGS, "encoding", options.encoding)
-    if not selection.has_base and not selection.has_feet:
-        raise LogError(nothing_to_do(log, selection))
+    style, encoding = ARROW_STYLES[options.style], ENCODINGS[options.encoding]
     robot = selection.robot
     findings = [*selection.findings, *probe_findings(selection, probe)]
     world, base = frame_names(robot, probe)
@@ -151,15 +146,18 @@ def _arrow_findings(
         yield from _without_states(selection, style)
 
 
-def _registered(registry: Mapping[str, Entry], kind: str, name: str) -> Entry:
-    """Return an entry of a registry.
+def refuse_unknown_names(options: ConvertOptions) -> None:
+    """Refuse a style or an encoding that there is not.
 
     Raises:
-        CallError: it has no such entry.
+        CallError: there is no such one.
     """
-    if name not in registry:
-        raise CallError(f"there is no {kind} {name!r}; known: {', '.join(registry)}")
-    return registry[name]
+    for kind, name, known in (
+        ("arrow style", options.style, [*ARROW_STYLES]),
+        ("encoding", options.encoding, [*ENCODINGS]),
+    ):
+        if name not in known:
+            raise CallError(f"there is no {kind} {name!r}; known: {', '.join(known)}")
 
 
 def _wrench_frame(probe: Probe, options: ConvertOptions) -> WrenchFrame:
