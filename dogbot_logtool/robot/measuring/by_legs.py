@@ -27,6 +27,7 @@ from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
+from dogbot_logtool.io.printable import shell_joined
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.robot.robot_model.description import read_urdf
@@ -77,6 +78,8 @@ class Model:
     robot: RobotOfUrdf | None
     why_none: str = ""
     """Why there is none that can be used."""
+    call: str = ""
+    """A call that would give one."""
 
 
 def read_model(log: Log, urdf: Path | None) -> Model:
@@ -87,7 +90,8 @@ def read_model(log: Log, urdf: Path | None) -> Model:
     """
     text = own_description(log) if urdf is None else read_urdf(urdf)
     if text is None:
-        return Model(None, "the log has no robot description that says how the legs are built")
+        call = shell_joined(["dogbot-logtool", "stats", *log.words, "--urdf", "ROBOT.urdf"])
+        return Model(None, "the log has no robot description, which says how the legs go", call)
     try:
         return Model(read_robot(text))
     except ValueError as error:
@@ -124,7 +128,7 @@ def told_by_legs(
     columns = _columns(recording, legs) if legs else None
     reason = model.why_none or _why_not(recording, legs, columns)
     if robot is None or columns is None or reason:
-        return recording, _without_legs(selection, reason) if lacks_feet else selection
+        return recording, _without_legs(selection, reason, model.call) if lacks_feet else selection
     mass = selection.robot.mass_kg or robot.mass_kg
     found = _estimate(recording, selection, legs, columns, mass)
     named = replace(
@@ -180,11 +184,12 @@ def _why_not(recording: Recording, legs: Sequence[NamedLeg], columns: _Columns |
     return ""
 
 
-def _without_legs(selection: Selection, reason: str) -> Selection:
+def _without_legs(selection: Selection, reason: str, call: str) -> Selection:
     """Say why there is no gait, in place of what says that there are no topics of feet."""
     findings = [each for each in selection.findings if each.code != "NO_FEET"]
-    text = f"no topic tells of feet, and joints do not tell: {reason}"
-    return replace(selection, findings=(*findings, Finding("NO_FEET", text)))
+    text = f"no topic tells of feet, so there is no gait, and joints do not tell: {reason}"
+    text += f"; with it, this measures the gait: {call}" if call else ""
+    return replace(selection, findings=(*findings, Finding("NO_FEET", text, command=call)))
 
 
 def _columns(recording: Recording, legs: Sequence[NamedLeg]) -> _Columns | None:
