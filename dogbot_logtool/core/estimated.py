@@ -59,6 +59,8 @@ FORCE_ONLY: Final = 1e-6
 MOMENT: Final = 1e-2
 CARRY: Final = (0.75, 1.33)
 """Mean vertical force of all feet over the weight within which efforts are torques in N m."""
+WRONG_SIGN: Final = "efforts have the wrong sign"
+TOO_MUCH: Final = "by the efforts, feet carry"
 
 
 @dataclass(frozen=True, slots=True)
@@ -281,5 +283,5 @@ def effort_fault(vertical: Floats, weight_n: float | None) -> str:
     if CARRY[0] <= ratio <= CARRY[1]:
         return ""
     if -CARRY[1] <= ratio <= -CARRY[0]:
-        return "efforts have the wrong sign: by them, the feet pull at the ground"
-    return f"by the efforts, feet carry {ratio:.3g} times the weight: they are no torques in N m"
+        return f"{WRONG_SIGN}: by them, the feet pull at the ground"
+    return f"{TOO_MUCH} {ratio:.3g} times the weight: they are no torques in N m"

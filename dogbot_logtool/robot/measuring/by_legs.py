@@ -1,6 +1,6 @@
 """Feet without sensors and a base without poses: what a log's joint states tell of both."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Final, Literal
@@ -10,6 +10,7 @@ import numpy as np
 from dogbot_logtool.core import estimated
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, median_of
 from dogbot_logtool.core.base.attitude import Inertial, by_attitude, inertial_at, level
+from dogbot_logtool.core.base.leg_odometry import leg_odometry
 from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.contact.contact_detection import find_stances
 from dogbot_logtool.core.contact.contact_rule import ContactRule
@@ -46,6 +47,8 @@ SLOWEST_S: Final = 0.04
 """s between two joint states, beyond which they tell no contact."""
 SHORTEST_S: Final = 0.04
 """s: shorter swings and stances are none."""
+TURNS_S: Final = 0.1
+"""s before and after a time, over which turns by the feet are averaged."""
 _FEWEST: Final = 20
 """Joint states at least."""
 _WORLD: Final = "odom"
@@ -151,7 +154,7 @@ def told_by_legs(
         named = replace(named, feet=feet)
         recording = replace(recording, feet=found.samples)
         findings = [each for each in findings if each.code != "NO_FEET"]
-        findings.append(_of_contact(found, columns))
+        findings += [_of_contact(found, columns), *_of_efforts(found)]
     selection = replace(
         selection,
         robot=named,
@@ -257,6 +260,7 @@ class _Found:
     why_no_force: str
     inertial: Inertial
     turns_from: str
+    names: tuple[str, ...]
 
 
 def _estimate(
@@ -284,6 +288,9 @@ def _estimate(
         axis=1,
     )
     ground = estimated.resting_feet(seconds, points, velocity, inertial.turn, inertial.up)
+    if not turns_from:
+        inertial = _turned_by_feet(columns, points, ground.resting, inertial)
+        ground = estimated.resting_feet(seconds, points, velocity, inertial.turn, inertial.up)
     force, why = _forces(columns, [motion for motion, _ in motions], points, inertial, mass_kg)
     standing = ground.resting
     if force is not None:
@@ -303,6 +310,7 @@ def _estimate(
         why_no_force=why,
         inertial=inertial,
         turns_from=turns_from,
+        names=tuple(leg.name for leg in legs),
     )
 
 
@@ -335,6 +343,22 @@ def _inertial(
         if np.isfinite(angles).any():
             return by_attitude(columns.seconds, _filled(angles), GRAVITY_MPS2), "its poses"
     return level(len(columns.time), GRAVITY_MPS2), ""
+
+
+def _turned_by_feet(
+    columns: _Columns, points: Floats, resting: Flags, inertial: Inertial
+) -> Inertial:
+    """Return readings with the turn about the vertical that the resting feet tell."""
+    turns = leg_odometry(columns.time, points, resting).turn_rate[:, 2]
+    known = np.flatnonzero(np.isfinite(turns))
+    if not len(known):
+        return inertial
+    rates = np.interp(np.arange(len(columns.time)), known, turns[known])
+    around = min(2 * round(TURNS_S / float(median_of(np.diff(columns.seconds)))) + 1, len(rates))
+    rates = np.convolve(np.pad(rates, around // 2, "edge"), np.ones(around) / around, "valid")
+    turn = inertial.turn.copy()
+    turn[:, 2] = rates[: len(turn)]
+    return replace(inertial, turn=turn)
 
 
 def _filled(values: Floats) -> Floats:
@@ -442,12 +466,21 @@ def _samples(
 def _of_base(found: _Found) -> Finding:
     """Say that the base is worked out from the legs."""
     how = found.turns_from or "the feet alone"
-    lean = "the accelerometer" if found.inertial.tells_up else "taken as level"
+    lean = "by the accelerometer" if found.inertial.tells_up else "taken as none"
     text = (
         "the log has no poses of the base: they are worked out from the standing feet (leg "
-        f"odometry), with turns by {how}, roll and pitch by {lean}"
+        f"odometry), with turns by {how}, roll and pitch {lean}"
     )
     return Finding("BASE_FROM_LEGS", text)
+
+
+def _of_efforts(found: _Found) -> Iterator[Finding]:
+    """Yield why efforts are no torques: then work is none, either."""
+    if found.why_no_force.startswith(estimated.TOO_MUCH):
+        text = f"no work is known: {found.why_no_force}"
+        yield Finding("JOINT_VALUES", text, "legs.absolute_work_j")
+    if found.why_no_force.startswith(estimated.WRONG_SIGN):
+        yield Finding("EFFORT_SIGN", found.why_no_force, "legs.positive_work_j", feet=found.names)
 
 
 def _of_contact(found: _Found, columns: _Columns) -> Finding:

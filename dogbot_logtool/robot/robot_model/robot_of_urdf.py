@@ -34,20 +34,8 @@ _CENTRED: Final = 0.5
 """Share of its radius that a ball may be off its link's origin."""
 _MOST_LEGS: Final = 16
 _ARMS: Final = frozenset(
-    [
-        "arm",
-        "elbow",
-        "finger",
-        "fingers",
-        "gripper",
-        "hand",
-        "head",
-        "neck",
-        "palm",
-        "shoulder",
-        "thumb",
-        "wrist",
-    ]
+    {"arm", "elbow", "finger", "fingers", "gripper", "hand", "head", "neck", "palm", "shoulder"}
+    | {"thumb", "wrist"}
 )
 _SENSORS: Final = frozenset(["camera", "force", "ft", "imu", "motor", "rotor", "screw", "sensor"])
 _SOLES: Final = frozenset({"sole", "soles", "footsole"})
