@@ -141,7 +141,7 @@ def annotations_of(log: Log, plan: ConversionPlan) -> tuple[Annotations, Mapping
     profile = plan.encoding.profile or (log.profile if options.copy else "")
     description, fixed = plan.description, plan.style.shaft_diameter_m
     # At a low rate, support lasts until the next message.
-    lifetime_s = max(LIFETIME_S, 2.0 / options.tf_rate_hz if options.tf_rate_hz else 0.0)
+    lifetime_s = max(LIFETIME_S, 2.0 / options.tf_rate if options.tf_rate else 0.0)
     look = SupportLook(robot.shaft_diameter_m / 2.0, robot.shaft_diameter_m, lifetime_s)
     shaft_m = robot.shaft_diameter_m if fixed is None else fixed
     estimated = plan.selection.contact_from

@@ -34,6 +34,7 @@ from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
+    from dogbot_logtool.core.base.foot_path import FootPath
     from dogbot_logtool.core.legs.joints import JointTable
     from dogbot_logtool.core.vectors import VectorHistory
 
@@ -45,6 +46,8 @@ class Corrected:
     settings: StatsSettings
     """With the clock that is used."""
     feet: tuple[FootHistory, ...]
+    places: "tuple[FootPath | None, ...]"
+    """Of each foot in the base's axes, where its messages tell that."""
     base: BaseHistory
     """As recorded, jumps and all; without poses if these lean."""
     leaning_rad: float | None
@@ -95,6 +98,7 @@ def correct(recording: Recording, settings: StatsSettings) -> Corrected:
     return Corrected(
         settings=settings,
         feet=feet,
+        places=recording.places or (None,) * len(feet),
         base=base if leaning is None else base.without_poses(),
         leaning_rad=leaning,
         offsets=offsets,

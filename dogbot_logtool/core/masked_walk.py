@@ -9,9 +9,12 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.axes import with_forward_axis
 from dogbot_logtool.core.base.falls import fallen_spans
+from dogbot_logtool.core.base.frozen import Frozen, find_frozen, without_frozen
 from dogbot_logtool.core.base.ground import height_drift_m, height_over_feet
+from dogbot_logtool.core.base.jumps import PoseJumps, find_jumps, without_jumps
 from dogbot_logtool.core.base.motion import BaseTrack, base_motion, find_travel
-from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps, find_jumps, without_jumps
+from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.base.witness import Witness, feet_witness
 from dogbot_logtool.core.consistency.stopped import without_stopped
 from dogbot_logtool.core.consistency.worlds import Worlds, placed_poses
 from dogbot_logtool.core.contact.foot_history import FootHistory
@@ -50,7 +53,14 @@ class MaskedWalk:
     """Of each foot, without what its sensor cannot have measured."""
     poses: BaseHistory
     """Poses without jumps."""
+    recorded_poses: BaseHistory
+    """As recorded, jumps and all, but for time that is masked."""
     jumps: PoseJumps
+    frozen: Frozen | None
+    """Time in which one pose is repeated although the robot walks on; masked. None: there is
+    none."""
+    witness: Witness | None
+    """The base's motion by its feet; None: their places are not known."""
     placed_poses: BaseHistory
     """Poses among the contact points: with jumps, if these jump with the odometry."""
     track: BaseTrack
@@ -155,12 +165,17 @@ def loads_in(walk: MaskedWalk, within: Ints | None = None) -> WalkLoads:
 def mask_walk(corrected: Corrected) -> MaskedWalk:
     """Find jumps, falls, stands, dead sensors, clocks and worlds that cannot be compared."""
     settings = corrected.settings
-    jumps = find_jumps(corrected.base)
-    base = without_jumps(corrected.base, jumps)
+    period_s = typical_period_s([each.stances for each in corrected.feet])
+    positions = [foot.leg_position for foot in settings.feet]
+    witness = feet_witness(corrected.feet, corrected.places, positions, corrected.base)
+    frozen = find_frozen(corrected.base, corrected.feet, witness, period_s)
+    recorded = without_frozen(corrected.base, frozen.spans) if frozen else corrected.base
+    jumps = find_jumps(recorded)
+    base = without_jumps(recorded, jumps)
     records = without_stopped(_without_stuck(corrected.feet), base)
-    placed, worlds = placed_poses(records, corrected.base, base)
+    placed, worlds = placed_poses(records, recorded, base)
     height = _steadiest_height(records, placed, base)
-    fallen = fallen_spans(corrected.base, records, height, jumps.spans)
+    fallen = fallen_spans(recorded, records, height, jumps.spans)
     weighed = loads_of(
         records, settings.body_weight_n, any_strides(records, fallen, timespans.no_spans())
     )
@@ -173,21 +188,33 @@ def mask_walk(corrected: Corrected) -> MaskedWalk:
     delay = None if apart else _long_delay(records, base, period_s, strides)
     apart = apart | {settings.odometry_topic} if delay else apart
     rise_m = height_drift_m(base, height, strides)
-    track = BaseTrack(base, find_travel(base), height, records, standing.still, jumps)
+    track = BaseTrack(base, find_travel(base), height, records, standing.still)
     guessed = settings.forward_axis
     motion = base_motion(track, guessed)
     settings = with_forward_axis(settings, track, motion)
     if settings.forward_axis != guessed:
         motion = base_motion(track, settings.forward_axis)
     feet = tuple(
-        foot_steps(settings, row, record, base, fallen, standing, is_dead=dead[row])
-        for row, record in enumerate(records)
+        foot_steps(
+            settings,
+            row,
+            record,
+            base,
+            fallen,
+            standing,
+            path=None if path is None else path.in_world(base),
+            is_dead=dead[row],
+        )
+        for row, (record, path) in enumerate(zip(records, corrected.places, strict=True))
     )
     return MaskedWalk(
         settings=settings,
         records=records,
         poses=base,
+        recorded_poses=recorded,
         jumps=jumps,
+        frozen=frozen,
+        witness=witness,
         placed_poses=placed,
         track=track,
         base=motion,

@@ -10,6 +10,7 @@ import numpy as np
 from dogbot_logtool.core import estimated
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, median_of
 from dogbot_logtool.core.base.attitude import Inertial, by_attitude, inertial_at, level
+from dogbot_logtool.core.base.foot_path import LONGEST_STEP_S
 from dogbot_logtool.core.base.leg_odometry import leg_odometry
 from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.contact.contact_detection import find_stances
@@ -22,7 +23,7 @@ from dogbot_logtool.core.corrections.clock import (
     first_at_each_tick,
 )
 from dogbot_logtool.core.frames.kinematics import LegMotion, leg_motion
-from dogbot_logtool.core.legs.joints import LONGEST_STEP_S, JointTable
+from dogbot_logtool.core.legs.joints import JointTable
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2

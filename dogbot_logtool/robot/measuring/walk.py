@@ -1,10 +1,13 @@
 """From the columns of a recording to all figures: corrections, the walk, its plan."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dogbot_logtool.core.base.foot_path import path_in_base, path_of
+from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.contact.contact_rule import without_offset
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.silent_swing import with_swings
@@ -17,18 +20,20 @@ from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.core.walk import analyse
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.robot.frames.world_frames import frame_findings
+from dogbot_logtool.robot.measuring.moved_base import with_poses_of_base
 from dogbot_logtool.robot.measuring.plan import (
     LearntSettings,
     MeasuringPlan,
     learn_settings,
     learnt_on_clock,
 )
-from dogbot_logtool.robot.options import StatsOptions
 from dogbot_logtool.robot.probe_findings import probe_findings
 
 if TYPE_CHECKING:
+    from dogbot_logtool.core.base.foot_path import FootPath
     from dogbot_logtool.core.frames.transforms import TransformBuffer
     from dogbot_logtool.core.legs.paths import LegSettings
     from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf
@@ -51,7 +56,7 @@ def measure_recording(
     log: Log,
     recording: Recording,
     plan: MeasuringPlan,
-    options: StatsOptions,
+    options: MeasureOptions,
     *,
     with_soles: bool = False,
 ) -> Measured:
@@ -67,15 +72,17 @@ def measure_recording(
     Raises:
         CallError: an option names a foot that the log does not have.
     """
+    recording, moved = with_poses_of_base(recording, plan.selection)
     selection, model = plan.selection, None
     if recording.joints:
         from dogbot_logtool.robot.measuring.by_legs import read_model, told_by_legs  # noqa: PLC0415
 
-        found = read_model(log, options.topics.urdf)
+        found = read_model(log, options.urdf)
         model = found.robot
         recording, selection = told_by_legs(recording, selection, found)
     learnt = learn_settings(recording, selection, plan.side, options, with_soles=with_soles)
     measured = _measured(log, recording, learnt, plan, model)
+    measured = replace(measured, findings=(*measured.findings, *moved))
     if plan.planned is None:
         return measured
     of_plan = replace(recording, feet=recording.planned, links={}, joints=())
@@ -96,14 +103,47 @@ def _measured(
     findings = _findings(recording, learnt, plan)
     legs = _legs(recording, learnt, model)
     feet = _with_swings(log, _without_offsets(recording, learnt), learnt, plan)
-    if learnt.frames is not None:
+    places = _places(feet, recording.base, learnt)
+    if learnt.frames is None:
+        feet = _without_places(feet, places)
+    else:
         tracks = learnt.frames.tracks(recording.transforms, recording.base)
         placed = learnt.frames.place(feet, tracks)
         feet = placed.samples
         findings.extend(frame_findings(learnt.frames, placed))
-    corrected = replace(recording, feet=feet)
+    corrected = replace(recording, feet=feet, places=places)
     stats = analyse(corrected, learnt.settings, legs)
     return Measured(stats, corrected, tuple(findings), learnt)
+
+
+def _places(
+    feet: Sequence[Samples], base: Odometry, learnt: LearntSettings
+) -> "tuple[FootPath | None, ...]":
+    """Return the places of feet in the base's axes, where messages or joints tell those."""
+    selection, clock = learnt.selection, learnt.settings.clock
+    told = [any(each.in_base for each in selection.sources_of(foot)) for foot in range(len(feet))]
+    by_joints = bool(selection.contact_from and selection.odometry)
+    if not any(told) and not by_joints:
+        return ()
+
+    if by_joints:
+        # Joints have told these places, and the poses have placed them in the world.
+        poses = base_history(base, clock)
+        return tuple(path_in_base(clock.of(each), each.position, poses) for each in feet)
+    return tuple(
+        path_of(clock.of(samples), samples.position) if is_told else None
+        for samples, is_told in zip(feet, told, strict=True)
+    )
+
+
+def _without_places(
+    feet: tuple[Samples, ...], places: "Sequence[FootPath | None]"
+) -> tuple[Samples, ...]:
+    """Return samples without positions that nothing turns into the world."""
+    return tuple(
+        replace(samples, position=np.full_like(samples.position, np.nan)) if path else samples
+        for samples, path in zip(feet, places or (None,) * len(feet), strict=True)
+    )
 
 
 def _legs(
@@ -130,8 +170,6 @@ def _without_offsets(recording: Recording, learnt: LearntSettings) -> tuple[Samp
             or any(source.lists_contacts for source in sources),
             only_presses=any(source.is_raw or source.one_axis for source in sources),
         )
-        if learnt.frames is None and any(source.in_base for source in sources):
-            samples = replace(samples, position=np.full_like(samples.position, np.nan))
         feet.append(samples)
     return tuple(feet)
 
