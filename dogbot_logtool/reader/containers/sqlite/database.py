@@ -25,7 +25,7 @@ _TEXT: Final = re.compile(r"'(?:[^']|'')*'")
 _COMMA: Final = re.compile(r",(?![^(]*\))")
 """One that stands in no parentheses."""
 _WORD: Final = re.compile(r'"[^"]*"|[\w$]+')
-_UNUSUAL: Final = re.compile(r"[`\[]|--|/\*")
+_UNUSUAL: Final = re.compile(r"--|/\*")
 _LONGEST_SQL: Final = 1 << 12
 _MOST_COLUMNS: Final = 256
 _CONSTRAINTS: Final = {"CONSTRAINT", "PRIMARY", "UNIQUE", "CHECK", "FOREIGN"}
