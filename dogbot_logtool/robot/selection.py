@@ -14,11 +14,7 @@ from dogbot_logtool.io.printable import MOST, listed, printable, shell_joined
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
-<<<<<<< HEAD:dogbot_logtool/robot/topics/selection.py
 from dogbot_logtool.reader.containers.salvage.losses import damage_of
-from dogbot_logtool.reader.messages.bases import Base
-from dogbot_logtool.reader.messages.contact_messages import source_of, without_flags
-=======
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base
 from dogbot_logtool.reader.messages.contact_messages import (
@@ -26,7 +22,6 @@ from dogbot_logtool.reader.messages.contact_messages import (
     source_of,
     without_flags,
 )
->>>>>>> int:dogbot_logtool/robot/selection.py
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.source import Source
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
