@@ -1,9 +1,11 @@
-"""TOML tables whose errors name key and line."""
+"""TOML tables whose errors name key and line, and records whose fields stand in them."""
 
+import json
 import re
 import tomllib
 from bisect import bisect_left
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import field, fields
 from pathlib import Path
 from typing import Any, Final
 
@@ -261,3 +263,73 @@ class TomlTable:
 
 def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e9
+
+
+def toml_field(
+    take: Callable[[TomlTable, str], Any],
+    default: Any = None,  # noqa: ANN401 - that of any field
+    *,
+    key: str = "",
+) -> Any:  # noqa: ANN401 - as `dataclasses.field`
+    """Declare a field of a data class that stands in a TOML table.
+
+    Args:
+        take: takes the value, checked, out of its table; None: it is not there.
+        default: the field's value without one in the file.
+        key: with the tables that it stands in, as in ``contact.on_n``; empty: the field's name.
+    """
+    return field(default=default, metadata={"take": take, "key": key})
+
+
+def one_of(*choices: str) -> Callable[[TomlTable, str], str | None]:
+    """Return what takes one of some words."""
+    return lambda table, key: table.choice(key, choices)
+
+
+def take_fields(record: type[Any], table: TomlTable, hint: str) -> dict[str, Any]:
+    """Take the values of a data class's fields that a table has, by the fields' names.
+
+    Args:
+        record: the data class.
+        table: keys that are none of the record's remain in it, but not those in its sections.
+        hint: see `TomlTable.refuse_leftovers`.
+    """
+    tables, found = {"": table}, {}
+    for name, take, section, key in _declared(record):
+        if section not in tables:
+            tables[section] = table.section(section)
+        value = take(tables[section], key)
+        if value is not None:
+            found[name] = value
+    for section, each in tables.items():
+        if section:
+            each.refuse_leftovers(hint)
+    return found
+
+
+def toml_values(record: Any) -> dict[str, str]:  # noqa: ANN401 - any data class
+    """Return the values of a data class's fields as TOML, by key; none that are the default."""
+    plain = {each.name: each.default for each in fields(record)}
+    return {
+        f"{section}.{key}".lstrip("."): to_toml(value)
+        for name, _, section, key in _declared(type(record))
+        if (value := getattr(record, name)) != plain[name]
+    }
+
+
+def to_toml(value: object) -> str:
+    """Return a text, a number or a sequence of these as TOML."""
+    if isinstance(value, str):
+        # TOML's basic strings are JSON's, but for one more character that must be escaped.
+        return json.dumps(value).replace("\x7f", "\\u007f")
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(to_toml, value))}]"
+    return repr(value)
+
+
+def _declared(record: type[Any]) -> Iterator[tuple[str, Callable[..., Any], str, str]]:
+    """Yield the fields that stand in a table: name, what takes them, section and key."""
+    for each in fields(record):
+        if take := each.metadata.get("take"):
+            section, _, key = (each.metadata["key"] or each.name).rpartition(".")
+            yield each.name, take, section, key

@@ -1,26 +1,57 @@
 """A foot of a robot, and where messages tell of it."""
 
+from dataclasses import MISSING
+from typing import Final
+
 from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.io.toml_table import TomlTable, one_of, toml_field
+
+NEWTONS: Final = {"N": 1.0, "kN": 1e3, "kg": 9.80665, "g": 9.80665e-3, "lbf": 4.4482216152605}
+"""Newtons in units of force."""
+_PLACES: Final = (
+    frozenset({"front", "middle", "back"}),
+    frozenset({"left", "right", "centre"}),
+)
+
+
+def _scale(table: TomlTable, key: str) -> float | None:
+    scale = table.number(key)
+    if scale == 0.0:
+        raise table.fault(key, f"{table.path(key)} is 0; nothing would be left")
+    return scale
+
+
+def _topic(table: TomlTable, key: str) -> str:
+    topic = table.text(key)
+    if not topic:
+        raise table.fault(key if topic is not None else "", f"{table.path(key)} is missing")
+    return topic
 
 
 @dataclass(frozen=True, slots=True)
 class FootField:
     """A field of a message of any type that is a foot's force or contact."""
 
-    path: str
+    path: str = toml_field(TomlTable.text, MISSING, key="field")
     """From the message: ``data[3]``, ``legs[2].force``."""
-    kind: str = ""
+    kind: str = toml_field(one_of("force", "contact"), "")
     """``force`` or ``contact``; empty: booleans and integers are contacts, all others forces."""
-    scale: float = 1.0
+    scale: float = toml_field(_scale, 1.0)
     """Units a recorded number."""
-    newtons_per_unit: float = 1.0
-    sign: int = 1
-    """1 or -1: which sign a load has; of contacts, -1 where the field says that a foot is up."""
-    axis: str = ""
+    unit: str = toml_field(one_of(*NEWTONS), "N")
+    """One of `NEWTONS`."""
+    sign: str = toml_field(one_of("+", "-"), "+")
+    """Which sign a load has; of contacts, ``-`` where the field says that a foot is up."""
+    axis: str = toml_field(one_of("x", "y", "z", "-x", "-y", "-z"), "")
     """``x``, ``-z`` ...: the axis of a vector along which the ground pushes the foot; empty: the
     vector is used as a whole."""
-    threshold: float = 0.0
+    threshold: float = toml_field(TomlTable.number, 0.0)
     """A number above it is a contact."""
+
+    @property
+    def newtons(self) -> float:
+        """N a recorded number, with its sign."""
+        return (-1.0 if self.sign == "-" else 1.0) * self.scale * NEWTONS[self.unit]
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,25 +59,27 @@ class Foot:
     """One foot of a robot."""
 
     name: str
-    topic: str
-    """Contact topic."""
-    collision: str = ""
+    topic: str = toml_field(_topic, MISSING)
+    """Contact topic; empty: the log has none."""
+    collision: str = toml_field(TomlTable.text, "")
     """Glob for the name of the foot's collision; empty: recognised by the names in the log."""
-    leg_position: tuple[str, str] | None = None
+    leg_position: tuple[str, str] | None = toml_field(
+        lambda table, key: table.words(key, _PLACES, '["front", "left"]'), key="place"
+    )
     """("front" | "middle" | "back", "left" | "right" | "centre"); None when not known."""
-    frame: str | None = None
+    frame: str | None = toml_field(TomlTable.frame)
     """Frame that places the foot where its sensor tells no contact point; None: the sensor's."""
-    contact_point_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    contact_point_m: tuple[float, float, float] = toml_field(TomlTable.vector, (0.0, 0.0, 0.0))
     """m, where the foot touches, in that frame."""
-    element: int | None = None
+    element: int | None = toml_field(TomlTable.count)
     """Place in the arrays of a message that tells of all feet; None: told by the message type."""
-    label: str = ""
+    label: str = toml_field(TomlTable.text, "")
     """Its name in messages that name their feet; empty: found by its name and leg."""
     field: FootField | None = None
     """Which field of its messages is the foot's; None: the type of the messages tells."""
-    offset: float = 0.0
+    offset: float = toml_field(TomlTable.number, 0.0)
     """Counts of a raw sensor, or a field's number, without load."""
-    offset_n: tuple[float, float, float] | None = None
+    offset_n: tuple[float, float, float] | None = toml_field(TomlTable.vector)
     """N, what its sensor reads without load; None: estimated from the log."""
-    newtons_per_count: float | None = None
+    newtons_per_count: float | None = toml_field(TomlTable.positive)
     """Scale of a raw sensor; None: it was never measured."""

@@ -1,13 +1,21 @@
 """A robot, as known before its log is opened: feet, topics, frames, mass, thresholds."""
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import MISSING, replace
 from functools import cache
 from pathlib import Path
 from typing import Final
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.io.toml_table import TomlFile, TomlTable, read_toml
+from dogbot_logtool.io.toml_table import (
+    TomlFile,
+    TomlTable,
+    one_of,
+    read_toml,
+    take_fields,
+    toml_field,
+)
 from dogbot_logtool.reader.foot import Foot, FootField
 
 AXES: Final = ("+x", "-x", "+y", "-y")
@@ -17,48 +25,36 @@ MOST_FEET: Final = 64
 """A robot's file or a log that has more is a mistake, and takes the square of the time."""
 _KNOWN: Final = Path(__file__).with_name("known")
 """Directory of the robots that come with the program."""
-_LEG_POSITIONS: Final = (
-    frozenset({"front", "middle", "back"}),
-    frozenset({"left", "right", "centre"}),
-)
 _ALL_KEYS: Final = "'dogbot-logtool robots dogbot' shows all that are."
-
-
-NEWTONS: Final = {"N": 1.0, "kN": 1e3, "kg": 9.80665, "g": 9.80665e-3, "lbf": 4.4482216152605}
-"""Newtons in units of force."""
-KINDS: Final = ("force", "contact")
-"""Quantity that a field can be read as."""
-_AXES_OF_SENSOR: Final = ("x", "y", "z", "-x", "-y", "-z")
-_SIGNS: Final = {"+": 1, "-": -1}
 
 
 @dataclass(frozen=True, slots=True)
 class Robot:
     """A robot's file, checked. What is None is taken from the log or stays unknown."""
 
-    name: str
-    description: str = ""
-    mass_kg: float | None = None
-    forward_axis: str = "+x"
-    com_offset_m: tuple[float, float, float] | None = None
+    name: str = toml_field(TomlTable.text, MISSING)
+    description: str = toml_field(TomlTable.text, "")
+    mass_kg: float | None = toml_field(TomlTable.positive)
+    forward_axis: str = toml_field(one_of(*AXES), "+x")
+    com_offset_m: tuple[float, float, float] | None = toml_field(TomlTable.vector)
     """m: the centre of mass from the base's frame, in its axes; None: taken to be there."""
-    foot_rolling_m: float | None = None
+    foot_rolling_m: float | None = toml_field(TomlTable.positive)
     """m: how far a foot's contact point travels in a stance without slipping; None: not known."""
-    odometry_topic: str | None = None
-    world_frame: str | None = None
-    base_frame: str | None = None
+    odometry_topic: str | None = toml_field(TomlTable.text, key="topics.odometry")
+    world_frame: str | None = toml_field(TomlTable.frame, key="frames.world")
+    base_frame: str | None = toml_field(TomlTable.frame, key="frames.base")
     feet: tuple[Foot, ...] = ()
     """The first is the reference for phases."""
-    newtons_per_metre: float | None = None
+    newtons_per_metre: float | None = toml_field(TomlTable.positive, key="arrows.newtons_per_metre")
     """N of an arrow of 1 m; None: a body weight is as long as the base is high."""
-    shaft_diameter_m: float = 0.04
-    contact_on_n: float | None = None
+    shaft_diameter_m: float = toml_field(TomlTable.positive, 0.04, key="arrows.shaft_diameter_m")
+    contact_on_n: float | None = toml_field(TomlTable.positive, key="contact.on_n")
     """N: |F| from which a foot is in contact; None: a share of the weight, above the noise."""
-    contact_off_n: float | None = None
+    contact_off_n: float | None = toml_field(TomlTable.positive, key="contact.off_n")
     """N: |F| below which contact ends; None: as `contact_on_n`."""
-    contact_on_counts: float | None = None
+    contact_on_counts: float | None = toml_field(TomlTable.positive, key="contact.on_counts")
     """Counts above a foot's `offset` from which a raw sensor without a scale is in contact."""
-    debounce_s: float | None = None
+    debounce_s: float | None = toml_field(TomlTable.positive, key="contact.debounce_s")
     """s: shorter swings are filled, then shorter stances dropped; None: 20 ms, or 1.5
     sampling intervals where that is more."""
 
@@ -128,88 +124,37 @@ def parse_robot(text: str, source: str) -> Robot:
     """
     file = TomlFile(text, source)
     table = TomlTable(file)
-    topics = table.section("topics")
-    frames = table.section("frames")
-    arrows = table.section("arrows")
-    contact = table.section("contact")
+    values = take_fields(Robot, table, _ALL_KEYS)
     feet = table.section("feet")
     if len(feet.names) > MOST_FEET:
         raise feet.fault("", f"there are {len(feet.names)} feet; there may be {MOST_FEET}")
-    robot = Robot(
-        name=table.text("name") or Path(source).stem,
-        description=table.text("description") or "",
-        mass_kg=table.positive("mass_kg"),
-        forward_axis=table.choice("forward_axis", AXES) or "+x",
-        com_offset_m=table.vector("com_offset_m"),
-        foot_rolling_m=table.positive("foot_rolling_m"),
-        odometry_topic=topics.text("odometry"),
-        world_frame=frames.frame("world"),
-        base_frame=frames.frame("base"),
-        feet=tuple(_foot(feet.section(name), name) for name in feet.names),
-        newtons_per_metre=arrows.positive("newtons_per_metre"),
-        shaft_diameter_m=arrows.positive("shaft_diameter_m") or 0.04,
-        contact_on_n=contact.positive("on_n"),
-        contact_off_n=contact.positive("off_n"),
-        contact_on_counts=contact.positive("on_counts"),
-        debounce_s=contact.positive("debounce_s"),
-    )
-    for section in (topics, frames, arrows, contact, feet, table):
-        section.refuse_leftovers(_ALL_KEYS)
-    _check_elements(robot, file)
+    found = tuple(_foot(feet.section(name), name) for name in feet.names)
+    table.refuse_leftovers(_ALL_KEYS)
+    values["name"] = values.get("name") or Path(source).stem
+    robot = Robot(**values, feet=found)
+    _check_elements(robot.feet, file)
     on, off = robot.contact_on_n, robot.contact_off_n
     if on is not None and off is not None and off > on:
-        raise contact.fault("off_n", "contact.off_n is above contact.on_n; it must not be")
+        raise file.fault(
+            ("contact", "off_n"), "contact.off_n is above contact.on_n; it must not be"
+        )
     return robot
 
 
 def _foot(table: TomlTable, name: str) -> Foot:
-    topic = table.text("topic")
-    if not topic:
-        raise table.fault("topic" if topic is not None else "", f"{table.path('topic')} is missing")
-    foot = Foot(
-        name,
-        topic,
-        collision=table.text("collision") or "",
-        leg_position=table.words("place", _LEG_POSITIONS, '["front", "left"]'),
-        frame=table.frame("frame"),
-        contact_point_m=table.vector("contact_point_m") or (0.0, 0.0, 0.0),
-        element=table.count("element"),
-        label=table.text("label") or "",
-        field=_field(table),
-        offset=table.number("offset") or 0.0,
-        offset_n=table.vector("offset_n"),
-        newtons_per_count=table.positive("newtons_per_count"),
-    )
+    values = take_fields(Foot, table, _ALL_KEYS)
+    of_field = take_fields(FootField, table, _ALL_KEYS)
+    field = FootField(**of_field) if of_field.get("path") else None
+    for key in of_field.keys() - {"path"} if field is None else ():
+        raise table.fault(key, f"{table.path(key)} needs {table.path('field')}")
     table.refuse_leftovers(_ALL_KEYS)
-    return foot
+    return Foot(name, **values, field=field)
 
 
-def _field(table: TomlTable) -> FootField | None:
-    """Return which field is a foot's; None where the file names none."""
-    path = table.text("field")
-    if not path:
-        for key in ("kind", "scale", "unit", "sign", "axis", "threshold"):
-            if key in table.names:
-                raise table.fault(key, f"{table.path(key)} needs {table.path('field')}")
-        return None
-    scale = table.number("scale")
-    if scale == 0.0:
-        raise table.fault("scale", f"{table.path('scale')} is 0; nothing would be left")
-    return FootField(
-        path,
-        kind=table.choice("kind", KINDS) or "",
-        scale=1.0 if scale is None else scale,
-        newtons_per_unit=NEWTONS[table.choice("unit", tuple(NEWTONS)) or "N"],
-        sign=_SIGNS[table.choice("sign", tuple(_SIGNS)) or "+"],
-        axis=table.choice("axis", _AXES_OF_SENSOR) or "",
-        threshold=table.number("threshold") or 0.0,
-    )
-
-
-def _check_elements(robot: Robot, file: TomlFile) -> None:
+def _check_elements(feet: Sequence[Foot], file: TomlFile) -> None:
     """Refuse two feet that one element of a message would tell of."""
     seen: dict[str, list[int | str | None]] = {}
-    for foot in robot.feet:
+    for foot in feet:
         others = seen.setdefault(foot.topic, [])
         own = foot.element if foot.field is None else foot.field.path
         if others and (own is None or None in others or own in others):

@@ -178,5 +178,5 @@ def test_a_given_mass_replaces_the_files() -> None:
 def test_every_key_of_a_field_is_read() -> None:
     keys = 'field = "a[1].b"\nkind = "force"\nscale = 2\nunit = "kN"\nsign = "-"\naxis = "-z"\n'
     foot = parse_robot(f"{FOOT}{keys}threshold = 3\noffset = 4", "mine.toml").feet[0]
-    assert foot.field == FootField("a[1].b", "force", 2.0, 1000.0, -1, "-z", 3.0)
+    assert foot.field == FootField("a[1].b", "force", 2.0, "kN", "-", "-z", 3.0)
     assert foot.offset == 4.0

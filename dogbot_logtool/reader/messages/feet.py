@@ -202,7 +202,7 @@ def flagged(row: MessageType, foot: Foot, flag: Floats) -> tuple[Flags, Flags]:
     known = ~np.isnan(flag)
     if foot.field is None or not row.words:
         return known, np.abs(flag) > row.above
-    return known, (flag > foot.field.threshold) != (foot.field.sign < 0)
+    return known, (flag > foot.field.threshold) != (foot.field.sign == "-")
 
 
 def contact_flags(
@@ -239,11 +239,10 @@ def _newtons(foot: Foot, values: Floats) -> Floats:
     field = foot.field
     if field is None:
         return values
-    factor = field.sign * field.scale * field.newtons_per_unit
     if values.shape[1] > 1 and not field.axis:
-        return factor * values
+        return field.newtons * values
     load = values[:, _COMPONENT[field.axis[-1]] if field.axis else 0]
-    return _upwards(factor * ((-load if field.axis.startswith("-") else load) - foot.offset))
+    return _upwards(field.newtons * ((-load if field.axis.startswith("-") else load) - foot.offset))
 
 
 def _upwards(load: Floats) -> Floats:

@@ -8,8 +8,8 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.text.gait_diagram import default_window
 
-DETAIL: Final = CurveDetail(most_bins=3072)
-"""More bins than the page has columns of pixels; four feet take at most half a megabyte."""
+DETAIL: Final = CurveDetail(most_bins=1536)
+"""As many bins as the page has columns of pixels."""
 
 
 def with_curves(stats: Stats, detail: CurveDetail = DETAIL) -> Stats:
@@ -30,12 +30,15 @@ def _with_curves(foot: FootHistory, detail: CurveDetail, first: int, last: int) 
     coarse = foot.load_curves(detail)
     if coarse is None:
         return foot
+    # The dotted line lies beneath the other one; the typical strides have all of it.
+    coarser = foot.load_curves(CurveDetail(detail.most_bins // 2)) or coarse
     # Whole bins, so that each is either replaced or kept.
-    bin_ns = coarse.bin_ns
+    bin_ns = coarser.bin_ns
     window = first // bin_ns * bin_ns, -(-last // bin_ns) * bin_ns - 1
     fine = foot.load_curves(CurveDetail(window=window)) or coarse
     curves = LoadCurves(
-        _refined(coarse.force, fine.force, window), _refined(coarse.vertical, fine.vertical, window)
+        _refined(coarse.force, fine.force, window),
+        _refined(coarser.vertical, fine.vertical, window),
     )
     return replace(foot, curves=curves)
 

@@ -13,7 +13,14 @@ from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.report.page.charts.drawing import drawn_seconds, is_hind, packed, thinned
+from dogbot_logtool.report.page.charts.drawing import (
+    LARGEST_STEP,
+    drawn_seconds,
+    is_hind,
+    packed,
+    packed_small,
+    thinned,
+)
 from dogbot_logtool.report.page.event_list import event_list
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.robot.robot_model.limbs import Limbs
@@ -30,10 +37,6 @@ LONGEST_SWING_NS: Final = 1_500_000_000
 """ns without contact points across which no foot is drawn: it is lifted, or nothing is known."""
 MOST_FOOTFALLS: Final = 1000
 """Footfalls that are kept of a foot."""
-_SMALL_M: Final = 3.2
-"""m, the furthest joint from the base that 16 bits tell to 0.1 mm."""
-_UNKNOWN: Final = -32768
-"""Stands for a joint whose position is not known."""
 _SWING, _STANCE, _NOT_KNOWN = 0, 1, 2
 _ALONG: Final = {"front": 1.0, "back": -1.0}
 _ASIDE: Final = {"left": 1.0, "right": -1.0}
@@ -118,9 +121,9 @@ def replay(stats: Stats, time: Ints, limbs: Limbs | None) -> dict[str, Any] | No
         ]
     short = short_names([foot.name for foot in stats.feet])
     return {
-        "time": packed(drawn_seconds(stats, time)),
-        "position": packed(_row_by_row(position - origin)),
-        "angles": packed(_row_by_row(angles)),
+        "time": packed_small(drawn_seconds(stats, time), LARGEST_STEP),
+        "position": packed_small(_row_by_row(position - origin), LARGEST_STEP),
+        "angles": packed_small(_row_by_row(angles), LARGEST_STEP),
         "forward": FORWARD_ANGLES[stats.settings.forward_axis],
         "ground": ground,
         "height": max(height, 0.05),
@@ -132,14 +135,19 @@ def replay(stats: Stats, time: Ints, limbs: Limbs | None) -> dict[str, Any] | No
                 "short": short[row],
                 "colour": foot_colour(row),
                 "hind": is_hind(stats, row),
-                "point": packed(_row_by_row(points[row] - origin)),
+                "point": packed_small(_row_by_row(points[row] - origin), LARGEST_STEP),
                 "state": packed(_states(foot.record, time, is_dead=foot.is_dead)),
-                "load": packed(_loads(foot.record, time)),
+                "load": packed_small(_loads(foot.record, time), np.inf),
                 **_footfalls(stats, foot.record, origin),
             }
             for row, foot in enumerate(stats.feet)
         ],
-        "limbs": None if limbs is None else _packed_limbs(limbs),
+        "limbs": None
+        if limbs is None
+        else {
+            "parents": list(limbs.parents),
+            "point": packed_small(limbs.point.reshape(-1), LARGEST_STEP),
+        },
         "events": [
             {"at": each.start_s, "what": f"{each.what} {each.foot}".strip(), "minor": each.is_minor}
             for each in event_list(stats).rows
@@ -248,12 +256,3 @@ def _footfalls(stats: Stats, record: FootHistory, origin: Floats) -> dict[str, A
 def _row_by_row(table: Floats) -> Float32s:
     """Return the rows of a table one after the other."""
     return table.astype(np.float32).reshape(-1)
-
-
-def _packed_limbs(limbs: Limbs) -> dict[str, Any]:
-    """Return joints in 0.1 mm where they are near the base, else in m."""
-    flat = limbs.point.reshape(-1)
-    if not np.nanmax(np.abs(flat), initial=0.0) < _SMALL_M:
-        return {"parents": list(limbs.parents), "scale": 1.0, "point": packed(flat)}
-    small = np.where(np.isfinite(flat), np.rint(flat * 1e4), _UNKNOWN).astype(np.int16)
-    return {"parents": list(limbs.parents), "scale": 1e-4, "point": packed(small)}

@@ -19,7 +19,11 @@ def drawings(html: bytes) -> dict[str, Any]:
 def numbers(column: Any) -> Any:
     """Return a column as an array: Plotly packs arrays in base64."""
     if isinstance(column, dict):
-        return np.frombuffer(base64.b64decode(column["bdata"]), np.dtype(column["dtype"]))
+        packed = np.frombuffer(base64.b64decode(column["bdata"]), np.dtype(column["dtype"]))
+        if "step" not in column:
+            return packed
+        known = np.where(packed == -32768, np.nan, packed)
+        return (known + 32767.0) * column["step"] + column["lowest"]
     return np.array(column, np.float64)
 
 

@@ -114,7 +114,8 @@ def test_figures_agree_with_the_stats() -> None:
     shown = drawings(page(measurement_of(stats, facts), 0))
     for foot in stats.feet:
         force = numbers(trace(shown["loads"], f"{foot.name} |F|")["y"])
-        assert np.nanmax(force) == np.float32(foot.record.stances.figures.peak_n.max())
+        peak_n = float(foot.record.stances.figures.peak_n.max())
+        assert np.nanmax(force) == pytest.approx(peak_n, abs=2e-3)
         touchdowns = numbers(trace(shown["ground"], foot.name)["x"])
         assert len(touchdowns) == len(foot.record.stances.touchdown)
         bars = [each for each in shown["gait"]["data"] if each["name"] == foot.name]
@@ -132,9 +133,9 @@ def test_the_usual_force_over_the_stride_is_that_of_the_stats() -> None:
         traces = [each for each in cycle["data"] if each["name"] == name]
         keys = ("vertical_over_stride_n", "forward_over_stride_n")
         for found, wanted in zip(traces, (foot[key] for key in keys), strict=True):
-            assert numbers(found["y"]) == pytest.approx(np.array(wanted["median"]), abs=1e-3)
+            assert numbers(found["y"]) == pytest.approx(np.array(wanted["median"]), abs=2e-3)
             bounds = numbers(found["customdata"]).reshape(-1, 2)
-            assert bounds[:, 0] == pytest.approx(np.array(wanted["lower"]), abs=1e-3)
+            assert bounds[:, 0] == pytest.approx(np.array(wanted["lower"]), abs=2e-3)
 
 
 def test_motion_agrees_with_the_stats() -> None:
@@ -249,7 +250,8 @@ def test_a_page_of_a_long_log_is_small_and_has_every_peak() -> None:
     shown = drawings(html)
     for name in (place.name for place in feet):
         force = numbers(trace(shown["loads"], f"{name} |F|")["y"])
-        assert set(500.0 + np.arange(len(spikes))) <= set(force.tolist())
+        peaks = np.sort(force[force > 499.5])
+        assert peaks == pytest.approx(500.0 + np.arange(len(spikes)), abs=0.01)
         assert len(force) <= 2 * 8192
     assert b"export has them all" in html
 

@@ -63,7 +63,7 @@ def test_a_foot_stands_still_while_it_is_down_and_frames_lead_to_it() -> None:
     """The joints come from transforms, the standing feet from contact points: both must agree."""
     angles, position = points(shown()["angles"]), points(shown()["position"])
     limbs = shown()["limbs"]
-    joints = (numbers(limbs["point"]) * limbs["scale"]).reshape(len(position), -1, 3)
+    joints = numbers(limbs["point"]).reshape(len(position), -1, 3)
     tips = [joint for joint in range(joints.shape[1]) if joint not in limbs["parents"]]
     for foot in shown()["feet"]:
         down, place = numbers(foot["state"]) == 1, points(foot["point"])
@@ -91,9 +91,7 @@ def test_joint_states_bend_the_legs_as_the_transforms_do(tmp_path: Path) -> None
     log = write(tmp_path / "log.mcap", urdf())
     _, found = measured_and_shown(log)
     by_transforms, by_states = (
-        (numbers(each["limbs"]["point"]) * each["limbs"]["scale"]).reshape(
-            -1, len(each["limbs"]["parents"]), 3
-        )
+        numbers(each["limbs"]["point"]).reshape(-1, len(each["limbs"]["parents"]), 3)
         for each in (shown(), found)
     )
     assert len(by_states) == 25

@@ -284,7 +284,8 @@ def _joints(legs: LegFigures) -> list[PanelRow]:
         if curve is None or joint.foot is None:
             continue
         parts = (curve.percent, curve.lower, curve.median, curve.upper)
-        band = Band(*(np.array(each) for each in parts))
+        # Every second percent is as smooth as the eye can tell.
+        band = Band(*(np.array(each)[::2] for each in parts))
         rows.setdefault(kinds.get(name, name), {})[numbers[joint.foot]] = band
     return [PanelRow(name, "rad", bands, least=_LEAST_RAD) for name, bands in rows.items()]
 

@@ -6,7 +6,9 @@ const ARRAYS = { f8: Float64Array, f4: Float32Array, i4: Int32Array, i2: Int16Ar
 // Numbers of an array that Python packed, as they are in memory; rows of several follow each other.
 function unpack(packed) {
   const bytes = Uint8Array.from(atob(packed.bdata), (letter) => letter.charCodeAt(0));
-  return new ARRAYS[packed.dtype](bytes.buffer);
+  const numbers = new ARRAYS[packed.dtype](bytes.buffer);
+  if (packed.step === undefined) return numbers;
+  return Float64Array.from(numbers, (level) => level === -32768 ? NaN : (level + 32767) * packed.step + packed.lowest);
 }
 function unpackAll(value) {
   if (value === null || typeof value !== "object") return value;

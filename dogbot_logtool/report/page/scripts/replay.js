@@ -92,9 +92,8 @@ class Replay {
     return [reach(0), reach(1), 0.14 * this.height];
   }
   joint(row, joint) {
-    const { point, scale } = this.limbs, start = (row * this.joints + joint) * 3;
-    if (point[start] === -32768 || Number.isNaN(point[start])) return null;
-    return [point[start] * scale, point[start + 1] * scale, point[start + 2] * scale];
+    const { point } = this.limbs, start = (row * this.joints + joint) * 3;
+    return Number.isNaN(point[start]) ? null : [point[start], point[start + 1], point[start + 2]];
   }
   // Show a time: the frame that is nearest before it.
   seek(time) {
