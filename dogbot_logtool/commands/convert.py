@@ -12,6 +12,7 @@ from dogbot_logtool.conversion.plan import ConversionPlan, make_plan
 from dogbot_logtool.conversion.provenance import provenance_record
 from dogbot_logtool.conversion.writing import SpanWriter, annotations_of, cut_spans
 from dogbot_logtool.core.base.poses import usable_poses
+from dogbot_logtool.core.known_frames import with_soles
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, by_severity
@@ -70,11 +71,11 @@ def convert(
     log = open_recorded(source, options.topics.joined)
     try:
         first, second = _halves(progress)
-        measured = measure_log(log, _measuring(options), first, with_soles=True)
-        learnt = measured.learnt
-        plan = make_plan(log, learnt.selection, learnt.probe, learnt.sensors, options)
-        stats, metrics = measured.measurement.stats, measured.measurement.metrics
-        scene = draw(plan, measured.recording, stats, metrics, _end(log, options))
+        measured = measure_log(log, _measuring(options), first)
+        walk, metrics = measured.measurement.stats, measured.measurement.metrics
+        frames = with_soles(walk.frames, measured.read.recording, walk.settings)
+        plan = make_plan(log, measured.selection, walk, frames, options)
+        scene = draw(plan, walk, metrics, _end(log, options))
         annotations, moved = annotations_of(log, plan)
         writer = SpanWriter(scene, annotations, time_limits(log, options.start_s, options.end_s))
         written = _write(log, target, writer, measured, second, start)
@@ -152,7 +153,7 @@ def _write_end(
     if span_writer.limits == (None, None):
         losses.extend(wrong_statistics(log, read.counts, losses))
     losses.extend(malformed_messages(log.channels, read.malformed, ": copied, but not annotated"))
-    in_world = measured.learnt.settings.force_in_world
+    in_world = measured.measurement.stats.settings.force_in_world
     writer.add_metadata(provenance_record(log, plan, losses, force_in_world=in_world))
     writer.finish()
     return losses
@@ -229,7 +230,7 @@ def _findings(
     scene: Scene, measured: MeasuredLog, moved: Mapping[str, str], counts: DrawnCounts
 ) -> Iterator[Finding]:
     """Yield what was found in planning, measuring and drawing."""
-    plan, recording, skipped = scene.plan, measured.recording, counts.arrows
+    plan, recording, skipped = scene.plan, measured.read.recording, counts.arrows
     yield from (*plan.findings, *measured.measurement.facts.findings, *scene.findings)
     for topic, name in moved.items():
         text = f"the log has a topic {topic} of another type: ours is {name}"

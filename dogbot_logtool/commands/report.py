@@ -5,6 +5,7 @@ from contextlib import AbstractContextManager
 from typing import Any, BinaryIO
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_log
+from dogbot_logtool.core.known_frames import with_soles
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, file_name, is_folder, shown, version
 from dogbot_logtool.io.targets import Output, targets
@@ -15,7 +16,6 @@ from dogbot_logtool.report.page.render import ALONE, Beside, page
 from dogbot_logtool.report.page.replay import frame_times, replay
 from dogbot_logtool.results import Measurement, Page
 from dogbot_logtool.robot.options import StatsOptions
-from dogbot_logtool.robot.probe import frame_names, probe_recording
 from dogbot_logtool.robot.robot_model.joint_motion import joint_motion
 from dogbot_logtool.robot.robot_model.limbs import find_limbs
 from dogbot_logtool.robot.topics.annotated import open_recorded
@@ -134,11 +134,11 @@ def replay_of(log: Log, found: MeasuredLog) -> dict[str, Any] | None:
         log: an open log.
         found: its figures and columns.
     """
-    stats, learnt = found.measurement.stats, found.learnt
-    if not len(stats.base_history.time):
+    walk = found.measurement.stats
+    if not len(walk.base_history.time):
         return None
-    selection, time = learnt.selection, frame_times(stats)
-    probe = probe_recording(found.recording, selection, with_soles=True)
-    motion = joint_motion(log, probe, frame_names(selection.robot, probe)[1], None)
-    clock = stats.settings.clock
-    return replay(stats, time, find_limbs(found.recording, selection, probe, motion, clock, time))
+    recording, time, settings = found.read.recording, frame_times(walk), walk.settings
+    frames = with_soles(walk.frames, recording, settings)
+    motion = joint_motion(log, frames, frames.base, None)
+    limbs = find_limbs(recording, found.selection, frames, motion, settings.clock, time)
+    return replay(walk, time, limbs)

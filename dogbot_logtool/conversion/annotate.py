@@ -13,6 +13,7 @@ from dogbot_logtool.core.base.poses import (
     from_opening,
     usable_poses,
 )
+from dogbot_logtool.core.checks.frames import transform_findings
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.events.event import EventMessage, GaitState
@@ -32,7 +33,6 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.containers.log import Batch
 from dogbot_logtool.reader.messages.contact_messages import read_contacts
-from dogbot_logtool.robot.frames.world_frames import frame_findings
 from dogbot_logtool.writer.annotations import AnnotationColumns
 
 
@@ -79,19 +79,16 @@ class Scene:
     """Found while sensors without contact points were placed."""
 
 
-def draw(
-    plan: ConversionPlan, recording: Recording, stats: Stats, metrics: WalkMetrics, end: int
-) -> Scene:
+def draw(plan: ConversionPlan, stats: Stats, metrics: WalkMetrics, end: int) -> Scene:
     """Prepare what is drawn of a walk.
 
     Args:
         plan: what is drawn.
-        recording: the columns that were measured.
         stats: what was measured.
         metrics: made of that; contact that findings void is not known.
         end: ns, log time of the log's last message.
     """
-    opening = 0 if plan.opening is None else plan.opening
+    recording, opening = stats.recording, 0 if plan.opening is None else plan.opening
     samples, findings = _placed(plan, recording, stats)
     feet = _feet(plan, samples, stats, metrics)
     poses = recording.base.pick(usable_poses(recording.base))
@@ -129,8 +126,9 @@ def _placed(
     # Forces are in the world already, as far as they can be turned.
     links, clock = (None,) * len(points), stats.settings.clock
     frames = replace(plan.frames, points=points, links=links, clock=clock)
-    placed = frames.place(recording.feet, frames.tracks(recording.transforms, recording.base))
-    return placed.samples, tuple(frame_findings(frames, placed))
+    tracks = frames.tracks(recording.transforms, recording.base)
+    samples, counts = frames.place(recording.feet, tracks)
+    return samples, tuple(transform_findings(frames, counts))
 
 
 def _feet(

@@ -137,12 +137,13 @@ class _Joined:
             malformed.update(part.malformed)
         feet = self._all_feet()
         planned = tuple(_of_foot(foot, each) for foot, each in enumerate(self._planned))
-        topics, out_of_order = _topics(log, parts, (*feet, *planned))
+        base = _in_order(self._base.finish(no_odometry()))
+        topics, out_of_order = _topics(log, parts, (*feet, *planned, base))
         recording = Recording(
             feet=feet,
             planned=planned,
             links=_merged(part.links for part in parts),
-            base=_in_order(self._base.finish(no_odometry())),
+            base=base,
             world_frames=tuple(sorted({name for part in parts for name in part.world_frames})),
             base_frames=tuple(sorted({name for part in parts for name in part.base_frames})),
             transforms=concatenate_transforms(
@@ -244,11 +245,11 @@ def _all_vectors(parts: Sequence[ReadVectors | None]) -> VectorTopic | None:
 
 
 def _topics(
-    log: Log, parts: Sequence[Part], feet: Sequence[Samples]
+    log: Log, parts: Sequence[Part], read: Sequence[Samples | Odometry]
 ) -> tuple[dict[str, Times], int]:
     """Return the times of all topics, and how many messages stand behind later ones.
 
-    Those that a foot's samples have take no memory of their own.
+    Those of what is read of a topic take no memory of their own.
     """
     times: dict[str, list[Ints]] = {}
     backwards = 0
@@ -262,17 +263,17 @@ def _topics(
         stamped = [part.stamps[topic] for part in parts if topic in part.stamps]
         if stamped:
             sent = _in_order(concatenated(stamped))
-            same = next((each for each in feet if _has_times(each, sent)), sent)
+            same = next((each for each in read if _has_times(each, sent)), sent)
             found[topic] = Times(same.log_time, same.stamp)
         else:
             found[topic] = Times(np.sort(np.concatenate(columns), kind="stable"), None)
     return found, backwards
 
 
-def _has_times(samples: Samples, sent: Stamps) -> bool:
-    """Tell whether the samples of a foot have the times of some messages."""
-    equal = np.array_equal(samples.log_time, sent.log_time)
-    return equal and np.array_equal(samples.stamp, sent.stamp)
+def _has_times(read: Samples | Odometry, sent: Stamps) -> bool:
+    """Tell whether what was read of a topic has the times of some messages."""
+    equal = np.array_equal(read.log_time, sent.log_time)
+    return equal and np.array_equal(read.stamp, sent.stamp)
 
 
 def _merged(parts: Iterable[Mapping[Key, set[str]]]) -> dict[Key, frozenset[str]]:

@@ -8,46 +8,43 @@ from typing import Any
 
 import pytest
 
+from dogbot_logtool.commands.stats import measure_log
 from dogbot_logtool.conversion.plan import ConversionPlan, make_plan
-from dogbot_logtool.core.frames.wrench_frame import WrenchFrame, WrenchFrameEvidence
-from dogbot_logtool.errors import CallError, LogError
-from dogbot_logtool.finding import Severity
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.known_frames import KnownFrames, known_frames, with_soles
+from dogbot_logtool.core.recording import Recording
+from dogbot_logtool.core.settings import StatsSettings
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.errors import CallError
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.robot.options import ConvertOptions, TopicOptions
-from dogbot_logtool.robot.probe import Probe
-from dogbot_logtool.robot.probe_findings import probe_findings
-from dogbot_logtool.robot.sensors import learn_sensors
-from dogbot_logtool.robot.topics.selection import Selection, select_topics
+from dogbot_logtool.robot.options import ConvertOptions, StatsOptions
+from dogbot_logtool.robot.topics.selection import Selection
 from tests.paths import SAMPLE_LOGS
-from tests.probes import probe_log
-
-UNKNOWN = WrenchFrameEvidence(WrenchFrame.UNKNOWN)
 
 
 @cache
-def looked_at(path: Path) -> tuple[Selection, Probe]:
-    """Return what a look into a log shows."""
+def measured(path: Path) -> tuple[Selection, Stats, KnownFrames]:
+    """Return what is known of a log once it is measured."""
     log = open_log(path)
-    selection = select_topics(log, TopicOptions())
-    probe = probe_log(log, selection, with_soles=True)
+    found = measure_log(log, StatsOptions())
     log.close()
-    return selection, probe
+    walk = found.measurement.stats
+    return found.selection, walk, with_soles(walk.frames, found.read.recording, walk.settings)
 
 
 class Case:
-    """A sample log with its selection and evidence, to be varied."""
+    """A sample log with its selection and walk, to be varied."""
 
     def __init__(self, path: Path) -> None:
         self.log = open_log(path)
-        self.selection, self.probe = looked_at(path)
+        self.selection, self.walk, self.frames = measured(path)
 
     def plan(self, **options: Any) -> ConversionPlan:
         wanted = ConvertOptions(**options)
-        learnt = learn_sensors(self.selection, self.probe, wanted.topics)
-        return make_plan(self.log, self.selection, self.probe, learnt, wanted)
+        return make_plan(self.log, self.selection, self.walk, self.frames, wanted)
 
-    def see(self, **probe: Any) -> None:
-        self.probe = replace(self.probe, **probe)
+    def see(self, **frames: Any) -> None:
+        self.frames = replace(self.frames, **frames)
 
     def know(self, **robot: Any) -> None:
         self.selection = replace(self.selection, robot=replace(self.selection.robot, **robot))
@@ -71,12 +68,6 @@ def codes(plan: ConversionPlan) -> set[str]:
     return {finding.code for finding in plan.findings}
 
 
-def test_frames_are_the_robot_s(trot: Case) -> None:
-    trot.see(world_frames=("odom",), base_frames=("trunk",))
-    plan = trot.plan()
-    assert (plan.world_frame, plan.base_frame) == ("world", "base_link")
-
-
 @pytest.mark.parametrize(
     ("recorded", "used"),
     [
@@ -88,12 +79,13 @@ def test_frames_are_the_robot_s(trot: Case) -> None:
     ],
 )
 def test_frames_are_the_log_s_where_the_robot_has_none(
-    trot: Case, recorded: tuple[tuple[str, ...], tuple[str, ...]], used: tuple[str, str]
+    recorded: tuple[tuple[str, ...], tuple[str, ...]], used: tuple[str, str]
 ) -> None:
-    trot.know(world_frame=None, base_frame=None)
-    trot.see(world_frames=recorded[0], base_frames=recorded[1])
-    plan = trot.plan()
-    assert (plan.world_frame, plan.base_frame) == used
+    recording = Recording(world_frames=recorded[0], base_frames=recorded[1])
+    frames = known_frames(recording, StatsSettings(()))
+    assert (frames.world, frames.base) == used
+    frames = known_frames(recording, StatsSettings((), world_frame="a", base_frame="b"))
+    assert (frames.world, frames.base) == ("a", "b")
 
 
 @pytest.mark.parametrize("tf", ["auto", "always", "never"])
@@ -107,25 +99,14 @@ def test_a_second_parent(trot: Case, tf: str, parents: set[str], *, copy: bool) 
     assert ("TF_NOT_WRITTEN" in codes(plan)) == (tf == "auto" and harm)
 
 
-@pytest.mark.parametrize(
-    ("option", "seen", "in_world"),
-    [
-        ("auto", WrenchFrame.WORLD, True),
-        ("auto", WrenchFrame.LINK, False),
-        ("auto", WrenchFrame.UNKNOWN, False),
-        ("world", WrenchFrame.LINK, True),
-        ("link", WrenchFrame.WORLD, False),
-    ],
-)
-def test_the_wrench_frame(trot: Case, option: str, seen: WrenchFrame, *, in_world: bool) -> None:
-    trot.see(wrench_frame=WrenchFrameEvidence(seen))
-    plan = trot.plan(wrench_frame=option, style="force")
+@pytest.mark.parametrize("seen", WrenchFrame)
+def test_the_wrench_frame(trot: Case, seen: WrenchFrame) -> None:
+    trot.walk = replace(trot.walk, settings=replace(trot.walk.settings, wrench_frame=seen))
+    plan = trot.plan(style="force")
     turns = plan.frames is not None and any(plan.frames.links)
-    assert turns == (WrenchFrame.LINK in {option, seen} and not in_world)
-    assert ("NOT_DRAWN" in codes(plan)) == (not in_world and not turns)
-    (finding,) = (each for each in plan.findings if each.code == "WRENCH_FRAME")
-    assert (finding.severity is Severity.WARNING) == (seen is WrenchFrame.UNKNOWN)
-    assert "NOT_DRAWN" not in codes(trot.plan(wrench_frame=option, style="pressure"))
+    assert turns == (seen is WrenchFrame.LINK)
+    assert ("NOT_DRAWN" in codes(plan)) == (seen is WrenchFrame.UNKNOWN)
+    assert "NOT_DRAWN" not in codes(trot.plan(style="pressure"))
 
 
 @pytest.mark.parametrize(
@@ -160,28 +141,6 @@ def test_the_output_begins_where_its_messages_do(walk: Case) -> None:
     assert walk.plan().opening == walk.plan(start_s=0.0).opening == 5_000_000_000
 
 
-def test_without_anything_to_annotate(trot: Case) -> None:
-    trot.selection = replace(trot.selection, odometry=(), contacts=())
-    with pytest.raises(LogError) as caught:
-        trot.plan()
-    for topic in ("/dogbot/imu  sensor_msgs/Imu", "/tf  tf2_msgs/TFMessage"):
-        assert topic in str(caught.value)
-
-
 def test_without_odometry_there_is_no_transform(trot: Case) -> None:
     trot.selection = replace(trot.selection, odometry=())
     assert not trot.plan(tf="always").write_tf
-
-
-def test_findings_are_told_by_what_was_seen(trot: Case) -> None:
-    trot.see(
-        zero_stamps=frozenset({"/dogbot/odom"}),
-        slashed_frames=("/map",),
-        world_frames=("a", "b"),
-        wrench_frame=UNKNOWN,
-    )
-    found = list(probe_findings(trot.selection, trot.probe))
-    assert {each.code for each in found} == {"BAD_STAMPS", "FRAME_NAMES", "WRENCH_FRAME"}
-    assert any(each.code == "BAD_STAMPS" and "/dogbot/odom" in each.text for each in found)
-    assert any(each.code == "FRAME_NAMES" and "/map" in each.text for each in found)
-    assert all(each.severity is Severity.WARNING for each in found)

@@ -1,54 +1,48 @@
-"""The plan of `stats`: what is read of a log, and what decides its figures once it is read."""
+"""The plan of `stats`: which topics are read, and what is known before they are."""
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import Final
-
-import numpy as np
+from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool.core.contact.contact_rule import Thresholds
-from dogbot_logtool.core.corrected import on_clock
-from dogbot_logtool.core.corrections.clock import LogClock, TimeSource
+from dogbot_logtool.core.corrected import Corrected
+from dogbot_logtool.core.corrections.clock import TimeSource
+from dogbot_logtool.core.corrections.sensor import Origin
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.known_frames import with_soles
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
+from dogbot_logtool.core.walk import FindLegs
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.errors import LogError
+from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.io.printable import listed
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted, WantedJoints
 from dogbot_logtool.robot.feet.message_feet import planned_feet
-from dogbot_logtool.robot.frames.world_frames import WorldFrames, follow_frames
 from dogbot_logtool.robot.measuring.side_topics import SideTopics, side_topics
-from dogbot_logtool.robot.options import StatsOptions
-from dogbot_logtool.robot.probe import Probe, frame_names, probe_recording
-from dogbot_logtool.robot.sensors import LearntSensors, learn_sensors
+from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.robot.topics.selection import Selection, nothing_to_do, select_topics
 
+if TYPE_CHECKING:
+    from dogbot_logtool.core.frames.transforms import TransformBuffer
+    from dogbot_logtool.core.legs.paths import LegSettings
+
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
+_Offset = tuple[float, float, float] | None
 
 
 @dataclass(frozen=True, slots=True)
 class MeasuringPlan:
-    """What is read of a log."""
+    """What is read of a log, and what is known of it before it is read."""
 
     selection: Selection
-    planned: Selection | None
-    """The same feet as a plan in the log has them; None: it has none."""
+    wanted: Wanted
+    settings: StatsSettings
+    planned: StatsSettings | None
+    """Of the same feet as a plan in the log has them; None: it has none."""
     side: SideTopics
     """Topics beside feet and base."""
-    wanted: Wanted
-
-
-@dataclass(frozen=True, slots=True)
-class LearntSettings:
-    """What the columns of a recording tell of how to measure it."""
-
-    selection: Selection
-    probe: Probe
-    settings: StatsSettings
-    sensors: LearntSensors
-    frames: WorldFrames | None
-    """How the frames of forces are connected to the world; None: no force must be turned."""
 
 
 def make_plan(log: Log, options: StatsOptions) -> MeasuringPlan:
@@ -63,6 +57,7 @@ def make_plan(log: Log, options: StatsOptions) -> MeasuringPlan:
         raise LogError(nothing_to_do(log, selection))
     planned = _planned(log, selection, options)
     side = side_topics(log, options)
+    limits = time_limits(log, options.start_s, options.end_s)
     wanted = replace(
         selection.wanted(),
         joints=_wanted_joints(log),
@@ -70,9 +65,21 @@ def make_plan(log: Log, options: StatsOptions) -> MeasuringPlan:
         accelerations=side.inertial,
         planned=planned.contacts if planned else (),
         planned_feet=planned.foot_channels() if planned else None,
-        limits=time_limits(log, options.start_s, options.end_s),
+        limits=limits,
     )
-    return MeasuringPlan(selection, planned, side, wanted)
+    # Up to the ends of a log that is read whole, silence is known.
+    start, end = limits
+    settings = replace(
+        settings_of(selection, options),
+        command_topic=side.commands.topic if side.commands else "",
+        imu_topic=side.inertial.topic if side.inertial else "",
+        silent_from=log.start_time if start is None else None,
+        silent_until=log.end_time if end is None else None,
+    )
+    of_plan = None
+    if planned is not None:
+        of_plan = settings_of(planned, replace(options, topics=_of_plan(options.topics)))
+    return MeasuringPlan(selection, wanted, settings, of_plan, side)
 
 
 def _planned(log: Log, selection: Selection, options: StatsOptions) -> Selection | None:
@@ -80,121 +87,94 @@ def _planned(log: Log, selection: Selection, options: StatsOptions) -> Selection
     if options.topics.feet:
         return None
     feet = planned_feet(log, selection.robot, selection.contacts)
-    if not feet:
-        return None
-    topics = replace(
-        options.topics, foot_topics=None, offsets_n=None, takes_offsets=False, feet=feet
-    )
-    return select_topics(log, topics)
+    return select_topics(log, replace(_of_plan(options.topics), feet=feet)) if feet else None
 
 
-def learn_settings(
-    recording: Recording,
-    selection: Selection,
-    side: SideTopics,
-    options: StatsOptions,
-    *,
-    with_soles: bool = False,
-) -> LearntSettings:
-    """Learn from the columns of a recording how it is to be measured, or also drawn, with soles.
+def _of_plan(topics: TopicOptions) -> TopicOptions:
+    """Return options for the feet of a plan, whose sensors have no offsets."""
+    return replace(topics, foot_topics=None, offsets_n=None, takes_offsets=False)
+
+
+def settings_of(selection: Selection, options: StatsOptions) -> StatsSettings:
+    """Return what is known of a recording before its columns are looked at.
 
     Raises:
         CallError: an option names a foot that the log does not have.
     """
-    with_soles |= bool(recording.joints or selection.transforms)
-    probe = probe_recording(recording, selection, with_soles=with_soles)
-    selection = selection.without_forces(probe.forceless)
-    given = Thresholds(options.contact_on_n, options.contact_off_n, options.debounce_s)
-    sensors = learn_sensors(selection, probe, options.topics, given)
-    settings = _settings(recording, selection, probe, sensors, options, side)
-    return LearntSettings(selection, probe, settings, sensors, _frames(selection, probe, settings))
-
-
-def learnt_on_clock(learnt: LearntSettings, clock: LogClock) -> LearntSettings:
-    """Return the settings for the clock that a recording is measured on."""
-    if not clock.reason:
-        return learnt
-    settings = on_clock(learnt.settings, clock)
-    frames = _frames(learnt.selection, learnt.probe, settings)
-    return replace(learnt, settings=settings, frames=frames)
-
-
-def _settings(
-    recording: Recording,
-    selection: Selection,
-    probe: Probe,
-    sensors: LearntSensors,
-    options: StatsOptions,
-    side: SideTopics,
-) -> StatsSettings:
-    robot = selection.robot
-    time_source, reason = _time_source(selection, probe, options)
+    robot, topics = selection.robot, options.topics
+    given = topics.offsets_n or {}
+    names = [foot.name for foot in robot.feet]
+    for name in given:
+        if name not in names:
+            raise CallError(f"--tare {name}: the log has no such foot; it has {listed(names)}")
+    promised = {source.frame for source in selection.sources}
+    time_source, reason = _time_source(selection, options)
+    guessed = selection.robot_is_guessed
     return StatsSettings(
-        feet=tuple(
-            FootSettings(
-                foot.name,
-                foot.topic,
-                foot.leg_position,
-                has_force=selection.knows_force(index),
-                sensor=sensors.feet[index],
-                silent_in_swing=index in probe.intervals,
-            )
-            for index, foot in enumerate(robot.feet)
-        ),
+        feet=tuple(_foot(selection, row, topics, given) for row in range(len(names))),
         mass_kg=robot.mass_kg,
-        mass_is_assumed=selection.robot_is_guessed and options.topics.mass_kg is None,
-        estimated_weight_n=sensors.estimated_weight_n,
+        mass_is_assumed=guessed and topics.mass_kg is None,
         forward_axis=options.forward_axis or robot.forward_axis,
-        forward_axis_is_assumed=selection.robot_is_guessed and options.forward_axis is None,
+        forward_axis_is_assumed=guessed and options.forward_axis is None,
         com_offset_m=robot.com_offset_m,
         foot_rolling_m=robot.foot_rolling_m,
+        thresholds=_thresholds(selection, options),
         contact_on_counts=robot.contact_on_counts,
-        wrench_frame=_FRAMES.get(options.wrench_frame, probe.wrench_frame.frame),
-        wrench_frame_is_inferred=options.wrench_frame not in _FRAMES
-        and probe.wrench_frame.is_inferred,
+        takes_offsets=topics.takes_offsets,
+        world_frame=robot.world_frame,
+        base_frame=robot.base_frame,
+        static_channels=selection.static_transforms,
+        promised_frame=promised.pop() if len(promised) == 1 else None,
+        wrench_frame=_FRAMES.get(options.wrench_frame, WrenchFrame.UNKNOWN),
         time_source=time_source,
         time_source_reason=reason,
         odometry_topic=selection.odometry[0].topic if selection.odometry else "",
-        command_topic=side.commands.topic if side.commands else "",
-        imu_topic=side.inertial.topic if side.inertial else "",
-        imu_mounting=_mounting(recording, selection, probe),
     )
 
 
-def _time_source(
-    selection: Selection, probe: Probe, options: StatsOptions
-) -> tuple[TimeSource | None, str]:
+def _foot(
+    selection: Selection, row: int, topics: TopicOptions, given: Mapping[str, _Offset]
+) -> FootSettings:
+    """Return what is known of a foot."""
+    foot, sources = selection.robot.feet[row], selection.sources_of(row)
+    offset = given.get(foot.name)
+    origin: Origin = "option"
+    if offset is None and topics.takes_offsets and foot.offset_n is not None:
+        offset, origin = foot.offset_n, "robot"
+    return FootSettings(
+        name=foot.name,
+        topic=foot.topic,
+        leg_position=foot.leg_position,
+        has_force=selection.knows_force(row),
+        has_flags=selection.has_flags(row),
+        lists_contacts=bool(sources) and all(source.lists_contacts for source in sources),
+        only_presses=any(source.is_raw or source.one_axis for source in sources),
+        in_base=any(source.in_base for source in sources),
+        silent_in_swing=any(source.silent_in_swing for source in sources),
+        offset_n=offset,
+        offset_from=origin,
+    )
+
+
+def _thresholds(selection: Selection, options: StatsOptions) -> Thresholds:
+    """Return the thresholds that are given, else those of the robot's file."""
+    robot = selection.robot
+    return Thresholds(
+        on_n=options.contact_on_n or robot.contact_on_n,
+        off_n=options.contact_off_n or robot.contact_off_n,
+        debounce_s=robot.debounce_s if options.debounce_s is None else options.debounce_s,
+        origin="option" if options.contact_on_n else "robot",
+    )
+
+
+def _time_source(selection: Selection, options: StatsOptions) -> tuple[TimeSource | None, str]:
     """Return the clock, and why it is log time; None: header stamps, unless they are unusable."""
     if options.time_source:
         return TimeSource(options.time_source), ""
     headless = selection.without_header
     if headless:
         return TimeSource.LOG, f"messages of {headless[0]} have no header"
-    if probe.zero_stamps:
-        used = {channel.topic for channel in (*selection.odometry, *selection.contacts)}
-        of = "" if probe.zero_stamps >= used else f" of {', '.join(sorted(probe.zero_stamps))}"
-        return TimeSource.LOG, f"header stamps{of} are zero"
     return None, ""
-
-
-def _mounting(
-    recording: Recording, selection: Selection, probe: Probe
-) -> tuple[float, float, float, float] | None:
-    """Return how an inertial unit sits on the base, by recorded static transforms.
-
-    Returns:
-        x, y, z, w of its frame in the base's; None: not recorded, or it is the base's.
-    """
-    frames = recording.accelerations.frames if recording.accelerations else ()
-    _, base_frame = frame_names(selection.robot, probe)
-    if len(frames) != 1 or frames[0].lstrip("/") == base_frame or not probe.statics.frames:
-        return None
-    now = np.zeros(1, np.int64)
-    pose = probe.statics.lookup(frames[0].lstrip("/"), base_frame, now, now)
-    if not pose.known[0]:
-        return None
-    x, y, z, w = pose.rotation[0].tolist()
-    return x, y, z, w
 
 
 def _wanted_joints(log: Log) -> tuple[WantedJoints, ...]:
@@ -207,19 +187,18 @@ def _wanted_joints(log: Log) -> tuple[WantedJoints, ...]:
     return wanted_joints(log)
 
 
-def _frames(selection: Selection, probe: Probe, settings: StatsSettings) -> WorldFrames | None:
-    """Return the frames that turn forces into the world, where they need it.
+def legs_of(log: Log, plan: MeasuringPlan) -> FindLegs | None:
+    """Return what finds a recording's legs; None: nothing tells of them."""
+    if not plan.wanted.joints and not plan.selection.transforms:
+        return None
 
-    Positions of sensors are left out: the origin of a foot's frame is no contact point, so neither
-    slip nor the support polygon may be measured with it.
-    """
-    world, base = frame_names(selection.robot, probe)
-    return follow_frames(
-        selection,
-        probe,
-        world,
-        base,
-        settings.clock,
-        turn_forces=settings.wrench_frame is WrenchFrame.LINK,
-        place_sensors=False,
-    )
+    def find(
+        recording: Recording, corrected: Corrected
+    ) -> "tuple[LegSettings, TransformBuffer] | None":
+        from dogbot_logtool.robot.measuring.legs import find_legs  # noqa: PLC0415
+
+        settings = corrected.settings
+        frames = with_soles(corrected.frames, recording, settings)
+        return find_legs(log, recording, plan.selection, frames, settings.clock)
+
+    return find
