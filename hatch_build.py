@@ -49,7 +49,7 @@ class CustomMetadataHook(MetadataHookInterface):
         if repository:
             metadata["urls"] = {
                 "Repository": repository,
-                "Documentation": f"{repository}/blob/v{version}/docs/index.md",
+                "Documentation": f"{repository}/blob/v{version}/README.md",
                 "Changelog": f"{repository}/blob/v{version}/CHANGELOG.md",
                 "Issues": f"{repository}/issues",
             }

@@ -26,9 +26,9 @@ misleading, **notes** what is good to know. This page is made of `dogbot_logtool
 
 def findings_page() -> str:
     """Return the page of all findings."""
-    parts = [_HEAD]
+    parts = [_HEAD, "\n", _COLUMNS]
     for subject, kinds in groupby(finding_kinds().values(), key=lambda kind: kind.subject):
-        parts.append(f"\n## {subject}\n\n{_COLUMNS}")
+        parts.append(f"| **{subject}** | | | |\n")
         parts += [
             f"| `{kind.code}` | {kind.severity.word} | {kind.meaning} | {kind.remedy} |\n"
             for kind in kinds
@@ -46,8 +46,7 @@ the touchdowns and lift-offs among the events are printed with `--json -v` only.
 This page is made of the records in `dogbot_logtool/core/metrics.py` by `make docs`.
 
 An **aggregate** holds {statistics}; a **curve** quartiles over strides by percent of the gait
-cycle:
-`percent`, `lower`, `median`, `upper`.
+cycle: `percent`, `lower`, `median`, `upper`.
 """
 _METRICS_COLUMNS: Final = "| key | unit | kind | definition | needs |\n|---|---|---|---|---|\n"
 _IN_SEGMENTS: Final = ("base", "gait", "feet", "forces", "stability")
@@ -61,7 +60,7 @@ def metrics_page() -> str:
     words = definitions(WalkMetrics)
     for field in fields_of(WalkMetrics):
         parts += _section(field, words.get(field.name, ""))
-    parts.append(f"\n## stride\n\n{Stride.__doc__}\n\n{_METRICS_COLUMNS}")
+    parts.append(f"\n## stride\n{Stride.__doc__}\n\n{_METRICS_COLUMNS}")
     parts += [_metric_row(*each) for each in metric_paths(Stride)]
     return "".join(parts)
 
@@ -70,7 +69,7 @@ def _section(field: Field, words: str) -> Iterator[str]:
     items = {"map": ".*", "records": "[]"}.get(field.kind, "")
     about = field.inner.__doc__ if is_record(field.inner) else words
     also = " Also `gait.segments[].` of these." if field.name in _IN_SEGMENTS else ""
-    yield f"\n## {field.name}\n\n{' '.join(about.split())}{also}\n\n"
+    yield f"\n## {field.name}\n{' '.join(about.split())}{also}\n\n"
     if is_record(field.inner):
         yield _METRICS_COLUMNS
         for path, each, definition in metric_paths(field.inner):

@@ -45,6 +45,8 @@ class RobotKeywords(TypedDict, total=False):
     """kg."""
     tare: Mapping[str, tuple[float, float, float]] | Literal["none"]
     """N, what a foot's unloaded sensor reads; ``"none"``: offsets stay in; default: estimated."""
+    urdf: PathOrName
+    """The robot's description; default: the log's own, if it has one."""
     join: Sequence[PathOrName]
     """Further files of the same recording, merged with the log by time."""
 
@@ -84,7 +86,6 @@ class ConvertKeywords(RobotKeywords, total=False):
     tf: TfOption
     tf_rate: float
     """Hz; 0 writes every pose."""
-    urdf: PathOrName
     start: float
     """s since the log's start, also `end`."""
     end: float
@@ -193,7 +194,7 @@ def topic_options(options: RobotKeywords) -> TopicOptions:
     Raises:
         CallError: a foot's name or an offset is none.
     """
-    robot, tare = options.get("robot"), options.get("tare")
+    robot, tare, urdf = options.get("robot"), options.get("tare"), options.get("urdf")
     feet = dict(options.get("foot", {}))
     for name in feet:
         if not name.replace("_", "").isalnum():
@@ -211,6 +212,7 @@ def topic_options(options: RobotKeywords) -> TopicOptions:
         mass_kg=options.get("mass"),
         offsets_n=offsets_n,
         takes_offsets=tare != "none",
+        urdf=None if urdf is None else Path(urdf),
         joined=tuple(location(os.fspath(path)) for path in several(options.get("join", ()))),
     )
 
@@ -242,7 +244,6 @@ def stats_options(options: MeasureKeywords) -> StatsOptions:
 def convert_options(options: ConvertKeywords) -> ConvertOptions:
     """Return the options of `convert`; see `stats_options`."""
     given = checked(options, ConvertKeywords)
-    urdf = given.get("urdf")
     return ConvertOptions(
         topics=topic_options(given),
         style=given.get("style", DEFAULT_STYLE),
@@ -255,7 +256,6 @@ def convert_options(options: ConvertKeywords) -> ConvertOptions:
         tf_rate_hz=given.get("tf_rate", 50.0),
         start_s=given.get("start"),
         end_s=given.get("end"),
-        urdf=None if urdf is None else Path(urdf),
         compression=given.get("compression"),
         jobs=given.get("jobs", 1),
         overwrite=given.get("overwrite", False),

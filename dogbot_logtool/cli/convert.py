@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import click
@@ -93,12 +92,6 @@ def _summaries(entries: Iterable[ArrowStyle | OutputEncoding]) -> str:
     show_default=True,
     metavar="HZ",
     help="Transforms a second; 0 writes every odometry message.",
-)
-@click.option(
-    "--urdf",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Robot to draw; default: the log's own, else one of boxes and cylinders.",
 )
 @time_range
 @click.option(

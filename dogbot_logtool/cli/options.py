@@ -175,7 +175,7 @@ _measuring_options: Final = together(
 
 
 def topic_options(command: Command) -> Command:
-    """Add --robot, --odom-topic, --foot and --mass; the command gets `TopicOptions` as `topics`."""
+    """Add what tells of robot and topics; the command gets `TopicOptions` as `topics`."""
     options = together(
         click.option(
             "--robot",
@@ -196,6 +196,12 @@ def topic_options(command: Command) -> Command:
             "several times.",
         ),
         number_option("--mass", "KG", "Mass of the robot."),
+        click.option(
+            "--urdf",
+            type=click.Path(path_type=Path),
+            metavar="FILE",
+            help="Description of the robot, of its legs above all; default: the log's own.",
+        ),
     )
     return options(_with_topics(command))
 
@@ -224,7 +230,7 @@ def _with_topics(command: Command) -> Command:
         given: RobotKeywords = {"foot": _parse_feet(foot)}
         if tare:
             given["tare"] = _parse_tares(tare)
-        for name in ("robot", "odom_topic", "mass"):
+        for name in ("robot", "odom_topic", "mass", "urdf"):
             given[name] = words.pop(name)
         given = keywords.checked(given, RobotKeywords)
         return command(topics=keywords.topic_options(given), **words)

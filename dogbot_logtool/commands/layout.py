@@ -11,7 +11,7 @@ from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.checks.frames import zero_stamps
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrected import correct
-from dogbot_logtool.core.known_frames import DEFAULT_BASE, DEFAULT_WORLD, with_soles
+from dogbot_logtool.core.known_frames import DEFAULT_BASE, DEFAULT_WORLD
 from dogbot_logtool.core.plausible import STRONGEST_N
 from dogbot_logtool.core.settings import StatsSettings, body_weight_n
 from dogbot_logtool.errors import LogError
@@ -52,8 +52,7 @@ def view_of(log: Path | None, options: TopicOptions) -> View:
             raise LogError(nothing_to_do(opened, selection))
         recording = read_recording(opened, selection.wanted(), 1).recording
         corrected = correct(recording, settings_of(selection, StatsOptions(topics=options)))
-        settings = corrected.settings
-        frames = with_soles(corrected.frames, recording, settings)
+        settings, frames = corrected.settings, corrected.frames
         view = _view(selection.robot, frames.world, frames.base)
         shape = robot_shape(selection, frames)
         return replace(

@@ -5,7 +5,6 @@ from contextlib import AbstractContextManager
 from typing import Any, BinaryIO
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_log
-from dogbot_logtool.core.known_frames import with_soles
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, file_name, is_folder, shown, version
 from dogbot_logtool.io.targets import Output, targets
@@ -137,8 +136,7 @@ def replay_of(log: Log, found: MeasuredLog) -> dict[str, Any] | None:
     walk = found.measurement.stats
     if not len(walk.base_history.time):
         return None
-    recording, time, settings = found.read.recording, frame_times(walk), walk.settings
-    frames = with_soles(walk.frames, recording, settings)
+    frames, time, settings = walk.frames, frame_times(walk), walk.settings
     motion = joint_motion(log, frames, frames.base, None)
-    limbs = find_limbs(recording, found.selection, frames, motion, settings.clock, time)
+    limbs = find_limbs(walk.recording, found.selection, frames, motion, settings.clock, time)
     return replay(walk, time, limbs)

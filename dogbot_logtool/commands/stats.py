@@ -9,17 +9,17 @@ from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.core.checks.frames import columns_corrected, frames_known
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.core.walk import analyse
 from dogbot_logtool.core.walk_metrics.rest import Chosen
 from dogbot_logtool.core.walk_metrics.walk import metrics_of
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.reader.containers.log import Log, Loss
-from dogbot_logtool.reader.recording import ReadLog, read_recording
+from dogbot_logtool.reader.recording import Alongside, ReadLog, read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
+from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.results import LogFacts, Measurement
-from dogbot_logtool.robot.measuring.plan import MeasuringPlan, legs_of, make_plan
+from dogbot_logtool.robot.measuring.plan import MeasuringPlan, make_plan, measure_recording
 from dogbot_logtool.robot.options import StatsOptions
 from dogbot_logtool.robot.time_span import TimeLimits, refuse_empty_span
 from dogbot_logtool.robot.topics.annotated import open_recorded
@@ -63,16 +63,33 @@ class MeasuredLog:
 
 def measure_log(log: Log, options: StatsOptions, progress: OnProgress | None = None) -> MeasuredLog:
     """Work out all metrics of an open log, and keep its columns; see `measure`."""
-    plan = make_plan(log, options)
-    read = read_recording(log, plan.wanted, options.jobs, progress)
+    return measure_planned(log, make_plan(log, options), options, progress)
+
+
+def measure_planned(
+    log: Log,
+    plan: MeasuringPlan,
+    options: StatsOptions,
+    progress: OnProgress | None = None,
+    *,
+    alongside: Alongside | None = None,
+    start: Start | None = None,
+) -> MeasuredLog:
+    """Work out all metrics of an open log by a plan; see `measure` and `read_recording`."""
+    read = read_recording(
+        log, plan.wanted, options.jobs, progress, start=start, alongside=alongside
+    )
     losses = _losses(log, read, plan.wanted.limits)
-    walk = analyse(read.recording, plan.settings, legs_of(log, plan), plan.planned)
-    pairs = enumerate(zip(plan.settings.feet, walk.settings.feet, strict=True))
-    forceless = (row for row, (told, found) in pairs if told.has_force and not found.has_force)
-    selection = plan.selection.without_forces(frozenset(forceless))
-    plan = replace(plan, selection=selection)
-    measurement = measurement_of(walk, _facts(log, read, plan, walk, losses))
-    return MeasuredLog(measurement, selection, read)
+    walk, selection = measure_recording(log, read.recording, plan, options)
+    found = [
+        *selection.findings,
+        *frames_known(walk),
+        *plan.side.findings,
+        *columns_corrected(walk),
+        *_order_findings(log, read.recording.out_of_order),
+    ]
+    facts = _facts(log, read, selection, found, losses)
+    return MeasuredLog(measurement_of(walk, facts), selection, read)
 
 
 def measurement_of(stats: Stats, facts: LogFacts) -> Measurement:
@@ -115,18 +132,15 @@ def _losses(log: Log, read: ReadLog, limits: TimeLimits) -> list[Loss]:
 
 
 def _facts(
-    log: Log, read: ReadLog, plan: MeasuringPlan, walk: Stats, losses: Sequence[Loss]
+    log: Log,
+    read: ReadLog,
+    selection: Selection,
+    findings: Sequence[Finding],
+    losses: Sequence[Loss],
 ) -> LogFacts:
     duration = None
     if log.start_time is not None and log.end_time is not None:
         duration = (log.end_time - log.start_time) / 1e9
-    findings = [
-        *plan.selection.findings,
-        *frames_known(walk),
-        *plan.side.findings,
-        *columns_corrected(walk),
-        *_order_findings(log, read.recording.out_of_order),
-    ]
     return LogFacts(
         path=shown(log.source.path),
         container=log.container,
@@ -136,8 +150,8 @@ def _facts(
         messages=sum(read.counts.values()),
         damage=damage_of(log, losses),
         findings=findings,
-        robot=plan.selection.robot.name,
-        robot_is_guessed=plan.selection.robot_is_guessed,
+        robot=selection.robot.name,
+        robot_is_guessed=selection.robot_is_guessed,
         contact_is_planned=any(f.code == "PLANNED" and not f.cases for f in findings),
     )
 

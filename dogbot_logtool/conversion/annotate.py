@@ -1,6 +1,6 @@
 """What is drawn of a walk in any span of log time: looked up, so that spans need no order."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import field, replace
 
 import numpy as np
@@ -14,7 +14,7 @@ from dogbot_logtool.core.base.poses import (
     usable_poses,
 )
 from dogbot_logtool.core.checks.frames import transform_findings
-from dogbot_logtool.core.contact.contacts import Samples, no_samples
+from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.events.event import EventMessage, GaitState
 from dogbot_logtool.core.events.log_messages import event_messages, gait_states, to_log_time
@@ -31,8 +31,7 @@ from dogbot_logtool.core.scene.support_scene import SupportScene, opening_suppor
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.reader.containers.log import Batch
-from dogbot_logtool.reader.messages.contact_messages import read_contacts
+from dogbot_logtool.reader.recording import in_time_order
 from dogbot_logtool.writer.annotations import AnnotationColumns
 
 
@@ -65,6 +64,8 @@ class Scene:
     links: Sequence[LinkTransforms]
     """Those that joint states move, by log time."""
     silences: Loads
+    recorded: Arrows | None
+    """Those of contact states as they were recorded, by log time; None: arrows show the walk."""
     events: Sequence[EventMessage]
     event_log_time: Ints
     """(events,) ns."""
@@ -79,7 +80,9 @@ class Scene:
     """Found while sensors without contact points were placed."""
 
 
-def draw(plan: ConversionPlan, stats: Stats, metrics: WalkMetrics, end: int) -> Scene:
+def draw(
+    plan: ConversionPlan, stats: Stats, metrics: WalkMetrics, end: int, recorded: Arrows
+) -> Scene:
     """Prepare what is drawn of a walk.
 
     Args:
@@ -87,6 +90,7 @@ def draw(plan: ConversionPlan, stats: Stats, metrics: WalkMetrics, end: int) -> 
         stats: what was measured.
         metrics: made of that; contact that findings void is not known.
         end: ns, log time of the log's last message.
+        recorded: arrows of contact states, for a style that draws these.
     """
     recording, opening = stats.recording, 0 if plan.opening is None else plan.opening
     samples, findings = _placed(plan, recording, stats)
@@ -104,6 +108,7 @@ def draw(plan: ConversionPlan, stats: Stats, metrics: WalkMetrics, end: int) -> 
         poses=poses.pick(at_ticks),
         links=_links(plan, recording, opening),
         silences=silences(feet, opening, end),
+        recorded=in_time_order(recorded) if plan.style.needs_contact_states else None,
         events=events,
         event_log_time=event_log_time,
         gaits=gaits,
@@ -165,23 +170,17 @@ def _links(plan: ConversionPlan, recording: Recording, opening: int) -> list[Lin
 
 
 def annotations_between(
-    scene: Scene, start: int, end: int, batch: Batch | None
+    scene: Scene, start: int, end: int
 ) -> tuple[AnnotationColumns, DrawnCounts]:
-    """Return what is drawn from a log time on and before another, ns.
-
-    Args:
-        scene: all that is drawn.
-        start: ns.
-        end: ns.
-        batch: the recorded messages, for a style that draws these; None: of nothing.
-    """
+    """Return what is drawn from a log time on and before another, ns."""
     plan = scene.plan
     feet = [(foot, foot.between(start, end)) for foot in scene.feet]
     with_force = [each for each in feet if each[0].has_force]
-    if not plan.style.needs_contact_states:
+    if scene.recorded is None:
         drawn = [_arrows(scene, *each) for each in with_force]
     else:
-        drawn = [] if batch is None else list(_recorded_arrows(scene, batch))
+        own = picked(scene.recorded, _rows(scene.recorded.log_time, start, end))
+        drawn = [([own], ArrowCounts())]
     rows = _rows(scene.poses.log_time, start, end)
     poses = picked(scene.poses, rows)
     opens = rows.start == 0 < rows.stop
@@ -234,21 +233,6 @@ def _arrows(scene: Scene, foot: DrawnFoot, rows: slice) -> tuple[list[Arrows], A
     )
     removed = removals(foot.samples.pick(rows.start + np.flatnonzero(~touching)))
     return [drawn, removed], skipped
-
-
-def _recorded_arrows(scene: Scene, batch: Batch) -> Iterator[tuple[list[Arrows], ArrowCounts]]:
-    """Yield the arrows of recorded contact states, which owe the walk nothing."""
-    plan, selection = scene.plan, scene.plan.selection
-    for decoded in read_contacts(batch, selection.contacts, selection.foot_channels()):
-        given = ArrowInput(
-            samples=no_samples(),
-            contacts=decoded.reduced.contacts,
-            force_in_world=False,
-            body_weight_n=None,
-            scale=plan.arrow_scale,
-        )
-        arrows, skipped = plan.style.compute(given)
-        yield [arrows], skipped
 
 
 def _support(scene: Scene, poses: Odometry, *, opens: bool) -> list[SupportScene]:

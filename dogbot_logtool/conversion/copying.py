@@ -1,15 +1,22 @@
-"""Copy recorded messages into the output, byte for byte; choose the topics that are copied."""
+"""What is made of recorded messages while they are read: copies, byte for byte, and arrows."""
 
 from collections.abc import Iterator, Sequence
 from fnmatch import fnmatchcase
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import concatenated
+from dogbot_logtool.core.scene.arrows import ArrowCounts, Arrows, classic_arrows, no_arrows
+from dogbot_logtool.core.scene.styles import ARROW_STYLES
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
-from dogbot_logtool.reader.containers.log import Batch, Chunk, LoadedChunk, Log, Messages, Span
+from dogbot_logtool.reader.containers.log import Batch, Channel, LoadedChunk, Log, Messages
+from dogbot_logtool.reader.messages.contact_messages import read_contacts
+from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.robot.options import ConvertOptions
+from dogbot_logtool.robot.topics.selection import Selection
 from dogbot_logtool.writer.chunks import (
     Compression,
     FinishedChunk,
@@ -21,20 +28,56 @@ from dogbot_logtool.writer.chunks import (
 from dogbot_logtool.writer.message_records import MESSAGE_HEAD, record_bounds, recorded
 
 
-def copied_chunks(
-    batch: Batch, compression: Compression | None, *, verbatim: bool
-) -> Iterator[FinishedChunk]:
-    """Yield the messages of a batch: whole chunks verbatim, others in new chunks.
+@dataclass(frozen=True, slots=True)
+class CopiedSpan:
+    """What is made of the messages of some neighbouring chunks."""
 
-    Args:
-        batch: what was read.
-        compression: of the output; None: zstd, and their own for chunks that are copied verbatim.
-        verbatim: whether the log is an MCAP, so that its chunks may be copied as they are.
-    """
+    chunks: tuple[FinishedChunk, ...]
+    arrows: Arrows
+    """Of contact states as they are recorded, for a style that draws these."""
+    counts: ArrowCounts
+
+
+@dataclass(frozen=True, slots=True)
+class Copier:
+    """Copies the messages of a log while they are read, and draws their contact states."""
+
+    copies: bool
+    left_out: frozenset[int]
+    """Ids of the channels that are not copied."""
+    compression: Compression | None
+    """None: zstd, and their own for chunks that are copied as they stand."""
+    drawn: tuple[Channel, ...]
+    """Channels whose contact states are drawn as they are recorded."""
+    feet: FootChannels
+    """Of these channels."""
+
+    def __call__(self, log: Log, batch: Batch) -> CopiedSpan:
+        """Return what is made of the messages of a batch."""
+        arrows, counts = self._arrows(batch)
+        kept = batch.without(self.left_out) if self.left_out else batch
+        chunks = copied_chunks(log, kept, self.compression) if self.copies else ()
+        return CopiedSpan(tuple(chunks), arrows, counts)
+
+    def _arrows(self, batch: Batch) -> tuple[Arrows, ArrowCounts]:
+        found, counts = [no_arrows()], ArrowCounts()
+        if self.drawn:
+            for decoded in read_contacts(batch.in_time_order(), self.drawn, self.feet):
+                if decoded.reduced.contacts is not None:
+                    arrows, skipped = classic_arrows(decoded.reduced.contacts)
+                    found.append(arrows)
+                    counts += skipped
+        return concatenated(found), counts
+
+
+def copied_chunks(
+    log: Log, batch: Batch, compression: Compression | None
+) -> Iterator[FinishedChunk]:
+    """Yield the messages of a batch: whole chunks of an MCAP verbatim, others in new chunks."""
     partial: list[slice] = []
     for loaded in batch.chunks:
         stored = loaded.chunk.compression or "none"
-        if verbatim and loaded.whole and compression in {None, stored}:
+        if log.copies_chunks and loaded.whole and compression in {None, stored}:
             yield from _new_chunks(batch, partial, compression)
             partial = []
             yield _unchanged(batch.messages, loaded)
@@ -64,40 +107,31 @@ def _new_chunks(
         yield finish_chunk(records, compression or "zstd")
 
 
-def unread_chunks(log: Log, span: Span) -> Iterator[FinishedChunk]:
-    """Yield the chunks of an MCAP and their indexes as they stand; all are known to be sound."""
-    ranges = [(chunk.offset, chunk.index_end - chunk.offset) for chunk in span]
-    for chunk, stored in zip(span, log.source.read_many(ranges), strict=True):
-        yield _as_it_stands(chunk, stored)
-
-
-def _as_it_stands(chunk: Chunk, stored: bytes | memoryview) -> FinishedChunk:
-    """Return a recorded chunk with its own index.
-
-    Args:
-        chunk: in the log.
-        stored: its bytes, those of the index included.
-    """
-    record, index = np.split(np.frombuffer(stored, np.uint8), [chunk.end - chunk.offset])
-    times = chunk.start_time or 0, chunk.end_time or 0
-    sizes = chunk.data_size, chunk.size
-    return as_indexed(record, index, times, chunk.compression, *sizes)
-
-
 def _unchanged(messages: Messages, loaded: LoadedChunk) -> FinishedChunk:
     """Return a recorded chunk verbatim, with a new message index if its own is not sound."""
     chunk = loaded.chunk
+    sizes = chunk.data_size, chunk.size
+    record, index = np.split(np.frombuffer(loaded.stored, np.uint8), [chunk.end - chunk.offset])
     if loaded.indexed:
-        return _as_it_stands(chunk, loaded.stored)
+        times = chunk.start_time or 0, chunk.end_time or 0
+        return as_indexed(record, index, times, chunk.compression, *sizes)
     rows = messages.pick(loaded.rows)
-    return indexed_chunk(
-        np.frombuffer(loaded.stored[: chunk.end - chunk.offset], np.uint8),
-        rows.channel,
-        rows.log_time,
-        rows.start - MESSAGE_HEAD.itemsize - loaded.base,
-        chunk.compression,
-        chunk.data_size,
-        chunk.size,
+    start = rows.start - MESSAGE_HEAD.itemsize - loaded.base
+    return indexed_chunk(record, rows.channel, rows.log_time, start, chunk.compression, *sizes)
+
+
+def make_copier(log: Log, selection: Selection, options: ConvertOptions) -> Copier:
+    """Decide what is made of recorded messages.
+
+    Raises:
+        CallError: topics are chosen, but nothing is copied.
+    """
+    return Copier(
+        options.copy,
+        channels_left_out(log, options),
+        options.compression,
+        selection.contacts if ARROW_STYLES[options.style].needs_contact_states else (),
+        selection.foot_channels(),
     )
 
 

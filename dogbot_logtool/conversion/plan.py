@@ -1,8 +1,8 @@
 """The plan of `convert` for a log, made before the first message is written."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import Final, TypeVar
+from typing import Final
 
 from dogbot_logtool.conversion.copying import channels_left_out, copy_findings
 from dogbot_logtool.core.checks.sensors import sensor_findings
@@ -24,7 +24,6 @@ from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.robot.topics.selection import Selection
 from dogbot_logtool.writer.encodings.registry import ENCODINGS, OutputEncoding
 
-Entry = TypeVar("Entry")
 _MOST_FEET: Final = 16
 """Feet for which support is drawn: the work grows with the cube of their number."""
 
@@ -56,7 +55,7 @@ class ConversionPlan:
 
 
 def make_plan(
-    log: Log, selection: Selection, walk: Stats, frames: KnownFrames, options: ConvertOptions
+    log: Log, selection: Selection, walk: Stats, options: ConvertOptions
 ) -> ConversionPlan:
     """Decide what to do.
 
@@ -64,15 +63,13 @@ def make_plan(
         log: the log.
         selection: its topics.
         walk: what was measured.
-        frames: the log's, with the soles of the feet.
         options: what the user asks for.
 
     Raises:
-        CallError: no such style or encoding; the log has no messages at the wanted times.
+        CallError: the log has no such time; the file of the robot cannot be read.
     """
-    style = _registered(ARROW_STYLES, "arrow style", options.style)
-    encoding = _registered(ENCODINGS, "encoding", options.encoding)
-    robot, settings = selection.robot, walk.settings
+    style, encoding = ARROW_STYLES[options.style], ENCODINGS[options.encoding]
+    robot, settings, frames = selection.robot, walk.settings, walk.frames
     findings = [*selection.findings]
     known_weight_n = body_weight_n(robot.mass_kg)
     weight_n = known_weight_n or settings.estimated_weight_n
@@ -89,7 +86,9 @@ def make_plan(
     findings.extend(copy_findings(log, options, left_out))
     start_time, _ = time_limits(log, options.start_s, options.end_s)
     base = frames.base
-    description = robot_description(log, selection, frames, base, options.urdf, copy=options.copy)
+    description = robot_description(
+        log, selection, frames, base, options.topics.urdf, copy=options.copy
+    )
     findings.extend(description.findings)
     return ConversionPlan(
         selection=selection,
@@ -140,15 +139,18 @@ def _arrow_findings(
         yield from _without_states(selection, style)
 
 
-def _registered(registry: Mapping[str, Entry], kind: str, name: str) -> Entry:
-    """Return an entry of a registry.
+def refuse_unknown_names(options: ConvertOptions) -> None:
+    """Refuse a style or an encoding that there is not.
 
     Raises:
-        CallError: it has no such entry.
+        CallError: there is no such one.
     """
-    if name not in registry:
-        raise CallError(f"there is no {kind} {name!r}; known: {', '.join(registry)}")
-    return registry[name]
+    for kind, name, known in (
+        ("arrow style", options.style, [*ARROW_STYLES]),
+        ("encoding", options.encoding, [*ENCODINGS]),
+    ):
+        if name not in known:
+            raise CallError(f"there is no {kind} {name!r}; known: {', '.join(known)}")
 
 
 def _without_points(selection: Selection, frames: WorldFrames | None) -> Iterator[Finding]:
@@ -206,7 +208,7 @@ def writes_tf(
     findings: list[Finding],
 ) -> bool:
     """Tell whether `/tf` is written; a finding says why not."""
-    if not selection.odometry or options.tf == "never":
+    if not selection.has_base or options.tf == "never":
         return False
     world, base = frames.world, frames.base
     may_repeat = options.tf == "always"
@@ -240,9 +242,9 @@ def _can_draw_support(selection: Selection, walk: Stats, findings: list[Finding]
     """Tell whether the log has what support needs; a finding says what it lacks."""
     robot = selection.robot
     why_not = ""
-    if not selection.odometry:
+    if not selection.has_base:
         why_not = "the log has no odometry"
-    elif not any(source.has_points for source in selection.sources):
+    elif not selection.has_points:
         why_not = "the log has no contact points"
     elif len(robot.feet) > _MOST_FEET:
         why_not = f"the robot has {len(robot.feet)} feet, more than {_MOST_FEET}"

@@ -1,100 +1,67 @@
-"""The second pass: spans of chunks are copied and annotated, by any worker, in any order."""
+"""The annotated log: the recorded messages first, then what is drawn of the walk, span by span."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import field
 
 import numpy as np
 
 from dogbot_logtool.conversion.annotate import DrawnCounts, Scene, annotations_between
-from dogbot_logtool.conversion.copying import copied_chunks, unread_chunks
 from dogbot_logtool.conversion.plan import ConversionPlan
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.scene.styles import LIFETIME_S
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.decode.definition import short_type_name
-from dogbot_logtool.reader.part import ReadSpan
-from dogbot_logtool.reader.wanted import TimeLimits
 from dogbot_logtool.writer.annotations import Annotations, WantedAnnotations, description_type
 from dogbot_logtool.writer.channels import AddedChannels, IdSource
-from dogbot_logtool.writer.chunks import Compression, FinishedChunk, finish_chunks
+from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunks
 from dogbot_logtool.writer.drawing import ArrowLook, SupportLook
 from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.message_records import MessageRecords, recorded
 from dogbot_logtool.writer.topics import FALLBACK_PREFIX
 
+SPAN_ROWS = 20_000
+"""Samples of feet in a span: enough to make the cost of a numpy call small, and few enough to be
+annotated in some 40 MB."""
 _TIMES = np.iinfo(np.int64)
+TimeSpan = tuple[int, int]
+"""ns, log times from which on and before which is annotated."""
 
 
 @dataclass(frozen=True, slots=True)
 class WrittenSpan:
-    """A span of chunks as chunks of the output."""
+    """The annotations of a span of log time as chunks of the output."""
 
     chunks: tuple[FinishedChunk, ...]
     counts: DrawnCounts
 
 
-@dataclass(frozen=True, slots=True)
-class CutSpan:
-    """A span of chunks, and the log times that are annotated with it."""
-
-    read: ReadSpan
-    start: int
-    """ns."""
-    end: int
-    """ns, the first that is not."""
-
-
-def cut_spans(spans: Sequence[ReadSpan]) -> list[CutSpan]:
-    """Give every log time to one span: up to where the next one begins."""
-    first = [_TIMES.min if span.start is None else span.start for span in spans]
-    cuts = np.maximum.accumulate(np.array([*first, _TIMES.max], np.int64))
-    cuts[0] = _TIMES.min
-    times = zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True)
-    return [CutSpan(span, *each) for span, each in zip(spans, times, strict=True)]
+def time_spans(scene: Scene) -> list[TimeSpan]:
+    """Cut log time into spans with about as many rows of what is drawn."""
+    columns = [scene.poses.log_time, *(foot.samples.log_time for foot in scene.feet)]
+    times = max(columns, key=len)
+    spans = sum(map(len, columns)) // SPAN_ROWS + 1
+    cuts = np.unique(times[np.arange(1, spans) * len(times) // spans]).tolist()
+    return list(zip([_TIMES.min, *cuts], [*cuts, _TIMES.max], strict=True))
 
 
 @dataclass(frozen=True, slots=True)
 class SpanWriter:
-    """Copies and annotates spans."""
+    """Annotates spans of log time, in any process and in any order."""
 
     scene: Scene
     annotations: Annotations
-    limits: TimeLimits
 
-    @property
-    def _compression(self) -> Compression:
-        return self.scene.plan.options.compression or "zstd"
-
-    def __call__(self, log: Log, span: CutSpan) -> WrittenSpan:
-        """Return the chunks of a span; those that are copied unread are left to `unread`."""
-        plan, batch = self.scene.plan, None
-        if not self.copies_unread(span.read) or plan.style.needs_contact_states:
-            batch = log.read(span.read.chunks).cropped(*self.limits)
-        ordered = batch.in_time_order() if batch and plan.style.needs_contact_states else None
-        columns, counts = annotations_between(self.scene, span.start, span.end, ordered)
+    def __call__(self, _log: Log, span: TimeSpan) -> WrittenSpan:
+        """Return the chunks of a span."""
+        columns, counts = annotations_between(self.scene, *span)
+        compression = self.scene.plan.options.compression or "zstd"
         chunks: list[FinishedChunk] = []
-        if batch is not None and plan.options.copy and not self.copies_unread(span.read):
-            kept = batch.without(plan.left_out) if plan.left_out else batch
-            verbatim, wanted = log.copies_chunks, plan.options.compression
-            chunks += copied_chunks(kept, wanted, verbatim=verbatim)
         for messages in self.annotations.messages(columns):
-            chunks += finish_chunks(messages, self._compression)
-        for messages in event_records(self.annotations, self.scene, span.start, span.end):
-            chunks += finish_chunks(messages, self._compression)
+            chunks += finish_chunks(messages, compression)
+        for messages in event_records(self.annotations, self.scene, *span):
+            chunks += finish_chunks(messages, compression)
         return WrittenSpan(tuple(chunks), counts)
-
-    def copies_unread(self, span: ReadSpan) -> bool:
-        """Tell whether the chunks of a span go into the output as they stand."""
-        plan = self.scene.plan
-        stored = {chunk.compression or "none" for chunk in span.chunks}
-        fits = plan.options.compression is None or stored == {plan.options.compression}
-        return span.is_whole and fits and plan.options.copy and not plan.left_out
-
-    def unread(self, log: Log, span: ReadSpan) -> Iterator[FinishedChunk]:
-        """Yield the chunks of a span that are copied as they stand."""
-        if self.copies_unread(span):
-            yield from unread_chunks(log, span.chunks)
 
 
 def event_records(

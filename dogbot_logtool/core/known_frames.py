@@ -10,7 +10,6 @@ from dogbot_logtool.core.arrays import all_finite
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.transforms import TransformBuffer, static_tracks
 from dogbot_logtool.core.frames.wrench_frame import (
-    FrameFit,
     FramePoint,
     WrenchFrame,
     WrenchFrameEvidence,
@@ -109,27 +108,17 @@ def known_frames(recording: Recording, settings: StatsSettings) -> KnownFrames:
         ),
         frame_poses=first_poses(transforms, settings.static_channels),
     )
-    return replace(frames, wrench_frame=_wrench_frame(recording, settings, frames))
-
-
-def with_soles(frames: KnownFrames, recording: Recording, settings: StatsSettings) -> KnownFrames:
-    """Return frames with where feet touch the ground in them.
-
-    Args:
-        frames: of the recording.
-        recording: its columns, as recorded.
-        settings: with the clock that is measured on.
-    """
-    frames = replace(
+    followed = _followed(settings, frames)
+    tracks = None
+    if followed is not None:
+        tracks = followed.tracks(recording.transforms, recording.base)
+        frames = replace(frames, soles=find_soles(recording.feet, followed, tracks))
+    return replace(
         frames,
+        wrench_frame=_wrench_frame(recording, settings, followed, tracks),
         stances=_stances(recording, settings, frames),
         turned_deg=_turned_deg(recording),
     )
-    placed = _followed(settings, frames)
-    if placed is None:
-        return frames
-    tracks = placed.tracks(recording.transforms, recording.base)
-    return replace(frames, soles=find_soles(recording.feet, placed, tracks))
 
 
 def world_frames(frames: KnownFrames, settings: StatsSettings) -> WorldFrames | None:
@@ -171,32 +160,33 @@ def _frame(recorded: tuple[str, ...], default: str) -> str:
 
 
 def _wrench_frame(
-    recording: Recording, settings: StatsSettings, frames: KnownFrames
+    recording: Recording,
+    settings: StatsSettings,
+    followed: WorldFrames | None,
+    tracks: TransformBuffer | None,
 ) -> WrenchFrameEvidence:
-    """Decide by what the types of messages promise, else by evidence."""
+    """Decide by what the types of messages promise, else by evidence.
+
+    Args:
+        recording: contact samples.
+        settings: what is known of the feet.
+        followed: how their links hang in the world.
+        tracks: the transforms of these.
+    """
     if settings.promised_frame is not None:
         return WrenchFrameEvidence(settings.promised_frame)
-    some = [_thinned(samples) for samples in recording.feet]
-    turned = _turned(recording, settings, frames, some)
-    return judge_wrench_frame(frame_fit(some), turned, settings.body_weight_n)
+    some, link = [_thinned(samples) for samples in recording.feet], None
+    if followed is not None and tracks is not None:
+        turned, _ = followed.place(some, tracks)
+        pairs = zip(turned, some, strict=True)
+        link = frame_fit(turned, [after.in_world & ~before.in_world for after, before in pairs])
+    return judge_wrench_frame(frame_fit(some), link, settings.body_weight_n)
 
 
 def _thinned(samples: Samples) -> Samples:
     """Return some samples of a foot, evenly spread, as many as the frame of wrenches needs."""
     count = len(samples.log_time)
     return samples.pick(np.arange(0, count, count // _ENOUGH_SAMPLES + 1))
-
-
-def _turned(
-    recording: Recording, settings: StatsSettings, frames: KnownFrames, some: Sequence[Samples]
-) -> FrameFit | None:
-    """Fit the forces turned from the links' frames into the world by the log's transforms."""
-    followed = _followed(settings, frames)
-    if followed is None:
-        return None
-    turned, _ = followed.place(some, followed.tracks(recording.transforms, recording.base))
-    pairs = zip(turned, some, strict=True)
-    return frame_fit(turned, [after.in_world & ~before.in_world for after, before in pairs])
 
 
 def _followed(settings: StatsSettings, frames: KnownFrames) -> WorldFrames | None:

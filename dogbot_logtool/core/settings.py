@@ -86,6 +86,10 @@ class StatsSettings:
     """None: header stamps, or log time where they cannot be used."""
     time_source_reason: str = ""
     """Why `time_source` is what it is, where no option chose it."""
+    contact_from: str = ""
+    """What contacts are estimated from, ``joint_torques`` or ``kinematics``; empty: sensors."""
+    base_from_legs: bool = False
+    """Whether poses are worked out from the legs."""
     odometry_topic: str = ""
     command_topic: str = ""
     """Topic of velocity commands; empty: there are none. Likewise `imu_topic`."""

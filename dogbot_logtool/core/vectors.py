@@ -42,6 +42,8 @@ class VectorSamples:
     """(n,) ns, header stamp as recorded; 0: none."""
     vector: Floats
     """(n, 3), as recorded."""
+    turn_rate: Floats
+    """(n, 3) rad/s, of an inertial unit; NaN: not recorded."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +117,7 @@ def _averaged(samples: VectorSamples) -> VectorSamples:
         for each in (samples.log_time, samples.stamp)
     )
     vector = np.add.reduceat(samples.vector, first, axis=0) / number[:, None]
-    return VectorSamples(log_time, stamp, vector)
+    return VectorSamples(log_time, stamp, vector, samples.turn_rate[first])
 
 
 def _is_stamped_like(samples: VectorSamples, check: StampCheck, base: OffsetTrack | None) -> bool:

@@ -17,7 +17,7 @@ from dogbot_logtool.core.frames.transforms import (
 from dogbot_logtool.core.legs.joints import MOST_JOINTS, JointSamples, JointTable
 from dogbot_logtool.core.plausible import plausible_odometry
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.reader.containers.log import Batch, Log, Loss, Span
+from dogbot_logtool.reader.containers.log import Batch, Log, Loss
 from dogbot_logtool.reader.messages.bases import BasePoses, joined_poses
 from dogbot_logtool.reader.messages.contact_messages import DecodedContacts, read_contacts
 from dogbot_logtool.reader.messages.gazebo import UNTIMED, StepTiming
@@ -52,17 +52,6 @@ class Lags:
 
 
 @dataclass(frozen=True, slots=True)
-class ReadSpan:
-    """Some neighbouring chunks that were read once."""
-
-    chunks: Span
-    start: int | None
-    """ns, log time of the earliest message in them within the limits; None: there is none."""
-    is_whole: bool
-    """Whether all are sound, truthfully indexed and of an MCAP: they can be copied unread."""
-
-
-@dataclass(frozen=True, slots=True)
 class Part:
     """The columns of some neighbouring chunks."""
 
@@ -90,12 +79,10 @@ class Part:
     foreign_states: int
     malformed: Mapping[int, int]
     losses: tuple[Loss, ...]
-    read: ReadSpan
 
 
-def read_part(wanted: Wanted, log: Log, span: Span) -> Part:
-    """Read and decode some chunks."""
-    whole = log.read(span)
+def read_part(wanted: Wanted, log: Log, whole: Batch) -> Part:
+    """Decode some chunks that were read."""
     recorded = whole.cropped(*wanted.limits)
     batch = recorded.in_time_order()
     base = wanted.base.read(batch, wanted.base_channels) if wanted.base else []
@@ -135,15 +122,7 @@ def read_part(wanted: Wanted, log: Log, span: Span) -> Part:
         foreign_states=sum(read.reduced.foreign_states for read in contacts),
         malformed=malformed,
         losses=batch.losses,
-        read=_read_span(log, span, recorded),
     )
-
-
-def _read_span(log: Log, span: Span, recorded: Batch) -> ReadSpan:
-    time, found = recorded.messages.log_time, recorded.chunks
-    sound = len(found) == len(span) and all(each.whole and each.indexed for each in found)
-    start = int(time.min()) if len(time) else None
-    return ReadSpan(span, start, is_whole=log.copies_chunks and sound)
 
 
 def _read(batch: Batch, topic: WantedVectors | None) -> ReadVectors | None:

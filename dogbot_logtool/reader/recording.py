@@ -15,12 +15,12 @@ from dogbot_logtool.core.frames.transforms import concatenate_transforms, no_tra
 from dogbot_logtool.core.legs.joints import MOST_JOINTS, JointSamples, JointTable
 from dogbot_logtool.core.recording import Recording, Times, VectorTopic
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.reader.containers.log import Chunk, Log, Loss, Span
+from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Loss, Span
 from dogbot_logtool.reader.growing import LARGEST_IN_MEMORY, GrowingColumns
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
 from dogbot_logtool.reader.messages.transforms import is_static
 from dogbot_logtool.reader.messages.vectors import ReadVectors
-from dogbot_logtool.reader.part import Lags, Part, ReadSpan, Stamps, read_part
+from dogbot_logtool.reader.part import Lags, Part, Stamps, read_part
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.reader.workers import Start, in_order
 
@@ -55,8 +55,16 @@ class ReadLog:
     """Messages by channel id."""
     malformed: Mapping[int, int]
     """Messages that could not be decoded, by channel id."""
-    spans: tuple[ReadSpan, ...]
-    """What was read, in file order."""
+
+
+@dataclass(frozen=True, slots=True)
+class Alongside:
+    """What is done with messages beside making columns of them, so that they are read once."""
+
+    work: Callable[[Log, Batch], Any]
+    """Done in any process to the messages of a span, within the limits."""
+    take: Callable[[Any], None]
+    """Takes what that returns, in this process and in file order."""
 
 
 def read_recording(
@@ -66,6 +74,7 @@ def read_recording(
     progress: Callable[[int, int], None] | None = None,
     spans: Iterable[Span] | None = None,
     start: Start | None = None,
+    alongside: Alongside | None = None,
 ) -> ReadLog:
     """Read a log as columns.
 
@@ -76,17 +85,29 @@ def read_recording(
         progress: called with bytes done and bytes in all.
         spans: some of its chunks; None: all within the limits.
         start: how processes start; None: as the system and the log allow.
+        alongside: what else is done with the messages.
     """
     chosen = list(log.grouped(_chunks(log, wanted)) if spans is None else spans)
     joined = _Joined(wanted, on_disk=_expected_bytes(log, wanted) > LARGEST_IN_MEMORY)
     done, total = 0, sum(chunk.data_size for chunk in log.chunks)
-    read = partial(read_part, wanted)
-    for span, part in zip(chosen, in_order(read, log, chosen, jobs, start), strict=True):
+    read = partial(_read, wanted, alongside.work if alongside else None)
+    for span, (part, beside) in zip(chosen, in_order(read, log, chosen, jobs, start), strict=True):
         joined.add(part)
+        if alongside is not None:
+            alongside.take(beside)
         done += sum(chunk.data_size for chunk in span)
         if progress is not None:
             progress(done, total)
     return joined.finish(log)
+
+
+def _read(
+    wanted: Wanted, work: Callable[[Log, Batch], Any] | None, log: Log, span: Span
+) -> tuple[Part, Any]:
+    """Return the columns of a span, and what else is made of its messages."""
+    batch = log.read(span)
+    part = read_part(wanted, log, batch)
+    return part, None if work is None else work(log, batch.cropped(*wanted.limits))
 
 
 def _chunks(log: Log, wanted: Wanted) -> Iterator[Chunk]:
@@ -137,7 +158,7 @@ class _Joined:
             malformed.update(part.malformed)
         feet = self._all_feet()
         planned = tuple(_of_foot(foot, each) for foot, each in enumerate(self._planned))
-        base = _in_order(self._base.finish(no_odometry()))
+        base = in_time_order(self._base.finish(no_odometry()))
         topics, out_of_order = _topics(log, parts, (*feet, *planned, base))
         recording = Recording(
             feet=feet,
@@ -159,8 +180,7 @@ class _Joined:
             out_of_order=out_of_order,
         )
         losses = tuple(loss for part in parts for loss in part.losses)
-        spans = tuple(part.read for part in parts)
-        return ReadLog(recording, losses, counts, malformed, spans)
+        return ReadLog(recording, losses, counts, malformed)
 
     def _all_feet(self) -> tuple[Samples, ...]:
         """Join contact samples; a foot whose newest physics step is too old has left the ground."""
@@ -185,7 +205,7 @@ def _of_foot(foot: int, columns: GrowingColumns[Samples], left: Flags | None = N
     """
     samples = columns.finish(no_samples())
     samples = replace(samples, foot=np.broadcast_to(np.int64(foot), len(samples.log_time)))
-    return _in_order(samples if left is None else without_contact(samples, left))
+    return in_time_order(samples if left is None else without_contact(samples, left))
 
 
 def left_after_ns(lags: Sequence[Ints], step: Ints) -> int | None:
@@ -233,7 +253,7 @@ def _one_table(topic: str, tables: Sequence[JointTable]) -> JointTable:
             filled[:, into] = values[:, own]
             wide.append(filled)
         samples.append(JointSamples(each.log_time, each.stamp, *wide))
-    return JointTable(topic, names, _in_order(concatenated(samples)))
+    return JointTable(topic, names, in_time_order(concatenated(samples)))
 
 
 def _all_vectors(parts: Sequence[ReadVectors | None]) -> VectorTopic | None:
@@ -241,7 +261,7 @@ def _all_vectors(parts: Sequence[ReadVectors | None]) -> VectorTopic | None:
     if not read:
         return None
     frames = sorted({name for part in read for name in part.frames})
-    return VectorTopic(_in_order(concatenated([part.samples for part in read])), tuple(frames))
+    return VectorTopic(in_time_order(concatenated([part.samples for part in read])), tuple(frames))
 
 
 def _topics(
@@ -262,7 +282,7 @@ def _topics(
     for topic, columns in times.items():
         stamped = [part.stamps[topic] for part in parts if topic in part.stamps]
         if stamped:
-            sent = _in_order(concatenated(stamped))
+            sent = in_time_order(concatenated(stamped))
             same = next((each for each in read if _has_times(each, sent)), sent)
             found[topic] = Times(same.log_time, same.stamp)
         else:
@@ -285,7 +305,7 @@ def _merged(parts: Iterable[Mapping[Key, set[str]]]) -> dict[Key, frozenset[str]
     return {key: frozenset(names) for key, names in found.items()}
 
 
-def _in_order(columns: Columns) -> Columns:
+def in_time_order(columns: Columns) -> Columns:
     """Sort columns by log time, unless they are."""
     time = columns.log_time
     if (time[1:] >= time[:-1]).all():

@@ -39,6 +39,8 @@ class TopicOptions:
     """Feet that were found in the log; none: the robot's."""
     joined: tuple[Location, ...] = ()
     """Further files of the same recording, merged with the log by time."""
+    urdf: Path | None = None
+    """The robot's description; None: the log's own, if it has one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,8 +65,6 @@ class ConvertOptions:
     start_s: float | None = None
     """s since the log's start; messages recorded earlier are left out."""
     end_s: float | None = None
-    urdf: Path | None = None
-    """The robot description to write; None: the log's own, else one of primitives."""
     compression: "Compression | None" = None
     """None: zstd, and the chunks of an MCAP input as they are."""
     jobs: int = 1

@@ -2,7 +2,7 @@
 
 import struct
 from collections.abc import Iterator, Sequence
-from functools import partial
+from functools import lru_cache, partial
 from typing import Final
 
 import numpy as np
@@ -36,7 +36,7 @@ from dogbot_logtool.writer.messages import (
     support_records,
     transform_records,
 )
-from dogbot_logtool.writer.template import Template
+from dogbot_logtool.writer.template import TEMPLATES_KEPT, Template
 from dogbot_logtool.writer.topics import (
     EVENTS_TOPIC,
     GAIT_TOPIC,
@@ -203,12 +203,14 @@ class Annotations:
                 yield from leg_records(legs, lines, stamps("stamp", lines.stamp))
 
 
+@lru_cache(TEMPLATES_KEPT)
 def _support_template(
     encoding: Encoding, channel: int, frame: str, look: SupportLook, shape: SupportShape
 ) -> Template:
     return kept_template(encoding.drawing, channel, drawing.support(shape, frame, look))
 
 
+@lru_cache(TEMPLATES_KEPT)
 def _legs_template(
     encoding: Encoding, channel: int, frame: str, look: SupportLook, feet: tuple[int, ...]
 ) -> Template:

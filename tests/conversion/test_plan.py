@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from dogbot_logtool.commands.stats import measure_log
-from dogbot_logtool.conversion.plan import ConversionPlan, make_plan
+from dogbot_logtool.conversion.plan import ConversionPlan, make_plan, refuse_unknown_names
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.known_frames import KnownFrames, known_frames, with_soles
+from dogbot_logtool.core.known_frames import known_frames
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.statistics import Stats
@@ -23,13 +23,12 @@ from tests.paths import SAMPLE_LOGS
 
 
 @cache
-def measured(path: Path) -> tuple[Selection, Stats, KnownFrames]:
+def measured(path: Path) -> tuple[Selection, Stats]:
     """Return what is known of a log once it is measured."""
     log = open_log(path)
     found = measure_log(log, StatsOptions())
     log.close()
-    walk = found.measurement.stats
-    return found.selection, walk, with_soles(walk.frames, found.read.recording, walk.settings)
+    return found.selection, found.measurement.stats
 
 
 class Case:
@@ -37,14 +36,14 @@ class Case:
 
     def __init__(self, path: Path) -> None:
         self.log = open_log(path)
-        self.selection, self.walk, self.frames = measured(path)
+        self.selection, self.walk = measured(path)
 
     def plan(self, **options: Any) -> ConversionPlan:
         wanted = ConvertOptions(**options)
-        return make_plan(self.log, self.selection, self.walk, self.frames, wanted)
+        return make_plan(self.log, self.selection, self.walk, wanted)
 
     def see(self, **frames: Any) -> None:
-        self.frames = replace(self.frames, **frames)
+        self.walk = replace(self.walk, frames=replace(self.walk.frames, **frames))
 
     def know(self, **robot: Any) -> None:
         self.selection = replace(self.selection, robot=replace(self.selection.robot, **robot))
@@ -112,15 +111,15 @@ def test_the_wrench_frame(trot: Case, seen: WrenchFrame) -> None:
 @pytest.mark.parametrize(
     ("option", "sentence"),
     [
-        ({"style": "bold"}, "no arrow style 'bold'; known: classic, pressure, force"),
-        ({"encoding": "xml"}, "no encoding 'xml'; known: foxglove, ros1, ros2"),
+        (ConvertOptions(style="bold"), "no arrow style 'bold'; known: classic, pressure, force"),
+        (ConvertOptions(encoding="xml"), "no encoding 'xml'; known: foxglove, ros1, ros2"),
     ],
 )
 def test_an_unknown_style_or_encoding_is_a_wrong_call(
-    trot: Case, option: dict[str, str], sentence: str
+    option: ConvertOptions, sentence: str
 ) -> None:
     with pytest.raises(CallError, match=sentence):
-        trot.plan(**option)
+        refuse_unknown_names(option)
 
 
 def test_weight_and_arrow_style(trot: Case) -> None:

@@ -31,7 +31,7 @@ def follow(
     stepping: Ints | None = None,
 ) -> CommandTrack:
     clock = TimeSource.HEADER
-    vectors = VectorSamples(given.log_time, given.stamp, given.vector)
+    vectors = VectorSamples(given.log_time, given.stamp, given.vector, given.vector)
     commands = vector_history("/cmd_vel", vectors, [given.frame], clock, None)
     unknown = np.full_like(base.velocity, np.nan)
     odometry = Odometry(

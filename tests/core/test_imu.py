@@ -30,7 +30,9 @@ def measured(recording: Recording, **changes: object) -> Stats:
     samples = [foot_samples(recording, foot) for foot in range(len(recording.feet))]
     sensed = None
     for imu in recording.beside:
-        sensed = VectorTopic(VectorSamples(imu.log_time, imu.stamp, imu.vector), (imu.frame,))
+        sensed = VectorTopic(
+            VectorSamples(imu.log_time, imu.stamp, imu.vector, imu.vector), (imu.frame,)
+        )
     return analysed(settings, samples, odometry(recording), sensed)
 
 

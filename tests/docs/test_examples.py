@@ -10,7 +10,7 @@ import pytest
 from tests.forked_cli import run
 from tests.paths import ROOT, SAMPLE_LOGS
 
-PAGES = [ROOT / "docs" / f"{name}.md" for name in ("info", "report")]
+PAGES = [ROOT / "README.md", *(ROOT / "docs" / f"{name}.md" for name in ("tutorial", "stats"))]
 
 
 def examples(page: Path) -> Iterator[tuple[str, list[str]]]:

@@ -16,7 +16,8 @@ from dogbot_logtool.finding import Finding
 def frames_known(stats: Stats) -> Iterator[Finding]:
     """Say what is odd in the names of frames, and which frame the wrenches are in."""
     yield from name_findings(stats.frames)
-    if any(foot.has_force for foot in stats.settings.feet):
+    settings = stats.settings
+    if not settings.contact_from and any(foot.has_force for foot in settings.feet):
         yield wrench_frame_finding(stats.frames.wrench_frame)
 
 

@@ -103,3 +103,120 @@ def link_poses(joints: Sequence[Joint], positions: Floats) -> LinkPoses:
         translation[:, column] = np.array(joint.translation) + rotate(origin, along)
         rotation[:, column] = multiply(np.repeat(origin, count, axis=0), turn)
     return LinkPoses(translation, rotation)
+
+
+@dataclass(frozen=True, slots=True)
+class Mass:
+    """A mass that a joint of a leg carries."""
+
+    joint: int
+    """Index of the joint in the leg; the mass is fixed to its child."""
+    mass_kg: float
+    centre: Triple
+    """m, in the child's frame."""
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """A chain of joints from the base to a foot."""
+
+    joints: tuple[Joint, ...]
+    """From the base outwards."""
+    masses: tuple[Mass, ...] = ()
+    """Empty: not known."""
+    radius_m: float = 0.0
+    """Of the ball at the end of the chain that is the foot; 0: not known, or none."""
+
+    @property
+    def foot(self) -> str:
+        """Name of the last link."""
+        return self.joints[-1].child
+
+    @property
+    def measured(self) -> tuple[str, ...]:
+        """The recorded joints that move it, each once."""
+        names = (joint.measured for joint in self.joints if joint.kind != "fixed")
+        return tuple(dict.fromkeys(names))
+
+
+@dataclass(frozen=True, slots=True)
+class LegMotion:
+    """Where the parts of a leg are at n times, in the base's frame."""
+
+    leg: Leg
+    foot: Floats
+    """(n, 3) m, the origin of the last link."""
+    origins: Floats
+    """(n, joints, 3) m, where each joint is."""
+    axes: Floats
+    """(n, joints, 3) unit vectors about or along which they move."""
+    centres: Floats
+    """(n, masses, 3) m, of the masses."""
+
+    def jacobian(self, point: Floats, joints: int | None = None) -> tuple[Floats, Floats]:
+        """Return how recorded joints move and turn a point of the leg.
+
+        Args:
+            point: (n, 3) m, in the base's frame.
+            joints: how many joints, counted from the base, lie before the point; None: all.
+
+        Returns:
+            (n, 3, k) m/s and rad/s for each rad/s, or m/s, of the k joints in `Leg.measured`.
+        """
+        names = self.leg.measured
+        moved = np.zeros((len(point), 3, len(names)))
+        turned = np.zeros((len(point), 3, len(names)))
+        for row, joint in enumerate(self.leg.joints[:joints]):
+            if joint.kind == "fixed":
+                continue
+            column, axis = names.index(joint.measured), joint.multiplier * self.axes[:, row]
+            if joint.kind == "prismatic":
+                moved[:, :, column] += axis
+            else:
+                moved[:, :, column] += np.cross(axis, point - self.origins[:, row])
+                turned[:, :, column] += axis
+        return moved, turned
+
+
+def leg_motion(leg: Leg, positions: Floats) -> LegMotion:
+    """Return where the parts of a leg are.
+
+    Args:
+        leg: the leg.
+        positions: (n, k) rad or m, of the joints in `Leg.measured`.
+    """
+    count, names = len(positions), leg.measured
+    place = np.zeros((count, 3))
+    turn = np.broadcast_to(np.eye(3), (count, 3, 3))
+    origins = np.empty((count, len(leg.joints), 3))
+    axes = np.empty((count, len(leg.joints), 3))
+    centres = np.empty((count, len(leg.masses), 3))
+    for row, joint in enumerate(leg.joints):
+        place = place + turn @ np.array(joint.translation)
+        turn = turn @ _matrix(joint.rotation)
+        origins[:, row], axes[:, row] = place, turn @ np.array(joint.axis)
+        if joint.kind != "fixed":
+            recorded = positions[:, names.index(joint.measured)]
+            value = joint.multiplier * recorded + joint.offset
+            if joint.kind == "prismatic":
+                place = place + axes[:, row] * value[:, None]
+            else:
+                turn = turn @ _turns(joint.axis, value)
+        for number, mass in enumerate(leg.masses):
+            if mass.joint == row:
+                centres[:, number] = place + turn @ np.array(mass.centre)
+    return LegMotion(leg, place, origins, axes, centres)
+
+
+def _matrix(quaternion: tuple[float, float, float, float]) -> Floats:
+    """(3, 3) of a unit quaternion x, y, z, w."""
+    turned = rotate(np.array([quaternion]).repeat(3, axis=0), np.eye(3))
+    return np.asarray(turned.T)
+
+
+def _turns(axis: Triple, angle: Floats) -> Floats:
+    """(n, 3, 3) rotations by (n,) rad about a unit vector."""
+    x, y, z = axis
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    sine, cosine = np.sin(angle)[:, None, None], np.cos(angle)[:, None, None]
+    return np.asarray(np.eye(3) + sine * cross + (1.0 - cosine) * (cross @ cross))

@@ -48,16 +48,22 @@ def settings_metrics(stats: Stats, chosen: Chosen) -> Settings:
         wrench_frame=settings.wrench_frame.value,
         reference_foot=stats.feet[stats.reference].name if stats.feet else None,
         com_offset_m=None if offset is None else tuple(offset),
-        base_from="pose" if len(stats.base_history.time) else None,
+        base_from=_base_from(stats),
         contact_from=_contact_from(stats, chosen),
         feet={foot.name: _foot_settings(stats, row) for row, foot in enumerate(stats.feet)},
     )
 
 
+def _base_from(stats: Stats) -> str | None:
+    if not len(stats.base_history.time):
+        return None
+    return "legs" if stats.settings.base_from_legs else "pose"
+
+
 def _contact_from(stats: Stats, chosen: Chosen) -> str | None:
     if all(foot.record.start is None for foot in stats.feet):
         return None
-    return "plan" if chosen.contact_planned else "sensor"
+    return "plan" if chosen.contact_planned else stats.settings.contact_from or "sensor"
 
 
 def _foot_settings(stats: Stats, row: int) -> FootSettings:

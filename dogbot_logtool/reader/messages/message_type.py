@@ -139,6 +139,8 @@ class MessageType:
     """Linear x and y in m/s and angular z in rad/s."""
     acceleration: str = ""
     """m/s^2, of an inertial unit."""
+    turn_rate: str = ""
+    """rad/s, of the same."""
 
     def paths(self, field: str) -> tuple[str, ...]:
         """Return the paths of a field, a path a leg where it has ``{}``."""
@@ -175,7 +177,8 @@ JOINTS: Final[Mapping[str, Want]] = {
     "joint_effort": "number",
 }  # fmt: skip
 VECTOR: Final[Mapping[str, Want]] = {
-    "command": "number", "acceleration": "xyz", "stamp": "time", "frame": "text",
+    "command": "number", "acceleration": "xyz", "turn_rate": "xyz", "stamp": "time",
+    "frame": "text",
 }  # fmt: skip
 """The fields of a row that are read of feet, base, joints or vectors, and what they lead to."""
 

@@ -48,6 +48,7 @@ _UNITREE_MOTORS: Final[dict[str, Any]] = {
     "joint_velocity": "motor_state[].dq|motorState[].dq",
     "joint_effort": "motor_state[].tau_est|motorState[].tauEst",
     "acceleration": "imu_state.accelerometer[0:3 by 3]|imu.accelerometer[0:3 by 3]",
+    "turn_rate": "imu_state.gyroscope[0:3 by 3]|imu.gyroscope[0:3 by 3]|",
 }
 _MODELS: Final[dict[str, Any]] = {
     **_WITHOUT_HEADER,
@@ -105,7 +106,8 @@ def _vectors() -> Iterator[Row]:
               command=("linear.x", "linear.y", "angular.z"))
     yield Row("geometry_msgs/TwistStamped",
               command=("twist.linear.x", "twist.linear.y", "twist.angular.z"))
-    yield Row("sensor_msgs/Imu", acceleration="linear_acceleration")
+    yield Row("sensor_msgs/Imu", acceleration="linear_acceleration",
+              turn_rate="angular_velocity")
 
 
 def _joints() -> Iterator[Row]:

@@ -66,7 +66,9 @@ def read_vectors(
     return ReadVectors(samples, tuple(sorted(frames)), malformed_in(decoded))
 
 
-_NONE: Final = VectorSamples(np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3)))
+_NONE: Final = VectorSamples(
+    np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 3))
+)
 
 
 def _source(channel: Channel, rows: Mapping[str, MessageType]) -> Source:
@@ -76,7 +78,10 @@ def _source(channel: Channel, rows: Mapping[str, MessageType]) -> Source:
 def _samples(messages: DecodedMessages, source: Source) -> VectorSamples:
     paths = source.paths.get("command") or source.paths["acceleration"]
     values = np.concatenate([path.first_values(messages.table) for path in paths], axis=1)
-    return VectorSamples(messages.log_time, source.stamps(messages), values)
+    turns = np.full(values.shape, np.nan)
+    for path in source.paths.get("turn_rate", ()):
+        turns = path.first_values(messages.table)
+    return VectorSamples(messages.log_time, source.stamps(messages), values, turns)
 
 
 def _frames(messages: DecodedMessages, source: Source) -> tuple[str, ...]:

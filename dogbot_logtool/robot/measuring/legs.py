@@ -7,7 +7,6 @@ from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.kinematics import Joint
 from dogbot_logtool.core.frames.transforms import TransformBuffer, moving_tracks
 from dogbot_logtool.core.known_frames import KnownFrames
-from dogbot_logtool.core.legs.joints import JointLimits
 from dogbot_logtool.core.legs.paths import (
     JointPair,
     LegChain,
@@ -21,17 +20,9 @@ from dogbot_logtool.reader.wanted import WantedJoints
 from dogbot_logtool.robot.feet.names import name_feet
 from dogbot_logtool.robot.feet.words import ENDS, LETTERS, SIDES, Part, words_of
 from dogbot_logtool.robot.robot_model.description import link_of_foot
-from dogbot_logtool.robot.robot_model.joint_motion import (
-    joint_channels,
-    joint_names,
-    own_description,
-)
-from dogbot_logtool.robot.robot_model.urdf import (
-    parse_urdf,
-    said_of_left_out,
-    urdf_joints,
-    urdf_limits,
-)
+from dogbot_logtool.robot.robot_model.joint_motion import joint_channels, joint_names
+from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf
+from dogbot_logtool.robot.robot_model.urdf import said_of_left_out
 from dogbot_logtool.robot.topics.selection import Selection
 
 _SOLE: Final = frozenset({"sole", "soles", "footsole"})
@@ -47,15 +38,19 @@ def wanted_joints(log: Log) -> tuple[WantedJoints, ...]:
 
 
 def find_legs(
-    log: Log, recording: Recording, selection: Selection, probe: KnownFrames, clock: TimeSource
+    recording: Recording,
+    selection: Selection,
+    probe: KnownFrames,
+    clock: TimeSource,
+    robot: RobotOfUrdf | None,
 ) -> tuple[LegSettings, TransformBuffer] | None:
     """Decide what tells of the legs, and follow their frames that move; None: nothing does.
 
-    Joint states with the log's own robot description place the feet, else its transforms.
+    Joint states with a robot description place the feet, else transforms do.
     """
     feet, told = selection.robot.feet, {name for each in recording.joints for name in each.names}
-    described, left_out, limits = _described(log) if told else ((), 0, {})
-    joints = {joint.child: joint for joint in described}
+    joints = {joint.child: joint for joint in robot.joints} if robot and told else {}
+    left_out = robot.left_out if robot else 0
     by_joints = _chains(selection, probe, {c: each.parent for c, each in joints.items()}, joints)
     moved = [_moved(chain) for chain in by_joints]
     lacking = [[name for name in names if name not in told] for names in moved]
@@ -86,20 +81,11 @@ def find_legs(
         joint_topics=tuple(table.topic for table in recording.joints),
         foot_of_joint=foot_of_joint,
         pairs=_pairs(feet, foot_of_joint),
-        limits=limits,
+        limits=robot.limits if robot else {},
         untold=tuple(name for each in lacking for name in each) if tells_of_legs else (),
         statics=probe.statics,
     )
     return settings, moving_tracks(recording.transforms, moving, clock)
-
-
-def _described(log: Log) -> tuple[Sequence[Joint], int, Mapping[str, JointLimits]]:
-    """Return the joints of the log's robot description, how many make no tree, and limits."""
-    try:
-        root = parse_urdf(own_description(log) or "")
-    except ValueError:
-        return (), 0, {}
-    return *urdf_joints(root), urdf_limits(root)
 
 
 def _moved(chain: LegChain | None) -> list[str]:

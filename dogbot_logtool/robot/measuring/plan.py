@@ -1,4 +1,4 @@
-"""The plan of `stats`: which topics are read, and what is known before they are."""
+"""The plan of `stats`: which topics are read, and what is known of them before they are."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -9,10 +9,10 @@ from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.corrections.sensor import Origin
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.known_frames import with_soles
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
-from dogbot_logtool.core.walk import FindLegs
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import FindLegs, analyse
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.printable import listed
@@ -27,6 +27,7 @@ from dogbot_logtool.robot.topics.selection import Selection, nothing_to_do, sele
 if TYPE_CHECKING:
     from dogbot_logtool.core.frames.transforms import TransformBuffer
     from dogbot_logtool.core.legs.paths import LegSettings
+    from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf
 
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
 _Offset = tuple[float, float, float] | None
@@ -34,15 +35,14 @@ _Offset = tuple[float, float, float] | None
 
 @dataclass(frozen=True, slots=True)
 class MeasuringPlan:
-    """What is read of a log, and what is known of it before it is read."""
+    """What is read of a log."""
 
     selection: Selection
-    wanted: Wanted
-    settings: StatsSettings
-    planned: StatsSettings | None
-    """Of the same feet as a plan in the log has them; None: it has none."""
+    planned: Selection | None
+    """The same feet as a plan in the log has them; None: it has none."""
     side: SideTopics
     """Topics beside feet and base."""
+    wanted: Wanted
 
 
 def make_plan(log: Log, options: StatsOptions) -> MeasuringPlan:
@@ -53,33 +53,21 @@ def make_plan(log: Log, options: StatsOptions) -> MeasuringPlan:
         CallError: an option names a topic, foot or time that the log does not have.
     """
     selection = select_topics(log, options.topics)
-    if not selection.odometry and not selection.contacts:
+    joints = _wanted_joints(log)
+    if not (selection.odometry or selection.contacts or joints):
         raise LogError(nothing_to_do(log, selection))
     planned = _planned(log, selection, options)
     side = side_topics(log, options)
-    limits = time_limits(log, options.start_s, options.end_s)
     wanted = replace(
         selection.wanted(),
-        joints=_wanted_joints(log),
+        joints=joints,
         commands=side.commands,
         accelerations=side.inertial,
         planned=planned.contacts if planned else (),
         planned_feet=planned.foot_channels() if planned else None,
-        limits=limits,
+        limits=time_limits(log, options.start_s, options.end_s),
     )
-    # Up to the ends of a log that is read whole, silence is known.
-    start, end = limits
-    settings = replace(
-        settings_of(selection, options),
-        command_topic=side.commands.topic if side.commands else "",
-        imu_topic=side.inertial.topic if side.inertial else "",
-        silent_from=log.start_time if start is None else None,
-        silent_until=log.end_time if end is None else None,
-    )
-    of_plan = None
-    if planned is not None:
-        of_plan = settings_of(planned, replace(options, topics=_of_plan(options.topics)))
-    return MeasuringPlan(selection, wanted, settings, of_plan, side)
+    return MeasuringPlan(selection, planned, side, wanted)
 
 
 def _planned(log: Log, selection: Selection, options: StatsOptions) -> Selection | None:
@@ -125,9 +113,13 @@ def settings_of(selection: Selection, options: StatsOptions) -> StatsSettings:
         base_frame=robot.base_frame,
         static_channels=selection.static_transforms,
         promised_frame=promised.pop() if len(promised) == 1 else None,
-        wrench_frame=_FRAMES.get(options.wrench_frame, WrenchFrame.UNKNOWN),
+        wrench_frame=WrenchFrame.WORLD
+        if selection.contact_from
+        else _FRAMES.get(options.wrench_frame, WrenchFrame.UNKNOWN),
         time_source=time_source,
         time_source_reason=reason,
+        contact_from=selection.contact_from,
+        base_from_legs=selection.base_from_legs,
         odometry_topic=selection.odometry[0].topic if selection.odometry else "",
     )
 
@@ -147,7 +139,8 @@ def _foot(
         leg_position=foot.leg_position,
         has_force=selection.knows_force(row),
         has_flags=selection.has_flags(row),
-        lists_contacts=bool(sources) and all(source.lists_contacts for source in sources),
+        lists_contacts=bool(selection.contact_from)
+        or (bool(sources) and all(source.lists_contacts for source in sources)),
         only_presses=any(source.is_raw or source.one_axis for source in sources),
         in_base=any(source.in_base for source in sources),
         silent_in_swing=any(source.silent_in_swing for source in sources),
@@ -187,18 +180,50 @@ def _wanted_joints(log: Log) -> tuple[WantedJoints, ...]:
     return wanted_joints(log)
 
 
-def legs_of(log: Log, plan: MeasuringPlan) -> FindLegs | None:
-    """Return what finds a recording's legs; None: nothing tells of them."""
-    if not plan.wanted.joints and not plan.selection.transforms:
-        return None
+def measure_recording(
+    log: Log, recording: Recording, plan: MeasuringPlan, options: StatsOptions
+) -> tuple[Stats, Selection]:
+    """Measure a recording; return also the topics that it is measured by.
+
+    Raises:
+        CallError: an option names a foot that the log does not have.
+    """
+    selection, model = plan.selection, None
+    if recording.joints:
+        from dogbot_logtool.robot.measuring.by_legs import read_model, told_by_legs  # noqa: PLC0415
+
+        found = read_model(log, options.topics.urdf)
+        model = found.robot
+        recording, selection = told_by_legs(recording, selection, found)
+    # Up to the ends of a log that is read whole, silence is known.
+    start, end = plan.wanted.limits
+    settings = replace(
+        settings_of(selection, options),
+        command_topic=plan.side.commands.topic if plan.side.commands else "",
+        imu_topic=plan.side.inertial.topic if plan.side.inertial else "",
+        silent_from=log.start_time if start is None else None,
+        silent_until=log.end_time if end is None else None,
+    )
+    planned = None
+    if plan.planned is not None:
+        planned = settings_of(plan.planned, replace(options, topics=_of_plan(options.topics)))
+    walk = analyse(recording, settings, _find_legs(selection, model), planned)
+    pairs = enumerate(zip(settings.feet, walk.settings.feet, strict=True))
+    forceless = (row for row, (told, found) in pairs if told.has_force and not found.has_force)
+    return walk, selection.without_forces(frozenset(forceless))
+
+
+def _find_legs(selection: Selection, model: "RobotOfUrdf | None") -> FindLegs:
+    """Return what finds a recording's legs; nothing is imported for one that tells nothing."""
 
     def find(
         recording: Recording, corrected: Corrected
     ) -> "tuple[LegSettings, TransformBuffer] | None":
+        if not recording.joints and not len(recording.transforms.stamp):
+            return None
         from dogbot_logtool.robot.measuring.legs import find_legs  # noqa: PLC0415
 
-        settings = corrected.settings
-        frames = with_soles(corrected.frames, recording, settings)
-        return find_legs(log, recording, plan.selection, frames, settings.clock)
+        clock = corrected.settings.clock
+        return find_legs(recording, selection, corrected.frames, clock, model)
 
     return find

@@ -82,7 +82,7 @@ def urdf_limits(root: ET.Element) -> dict[str, JointLimits]:
         turns = joint.get("type") == "continuous"
         try:
             ends = [
-                np.inf if turns and end in {"lower", "upper"} else _number(limit.get(end, "0"))
+                np.inf if turns and end in {"lower", "upper"} else finite(limit.get(end, "0"))
                 for end in ("lower", "upper", "effort", "velocity")
             ]
         except ValueError:
@@ -105,8 +105,8 @@ def _joint(element: ET.Element) -> Iterator[Joint]:
         return
     mimic = element.find("mimic")
     try:
-        axis = _triple(element, "axis", "xyz", (1.0, 0.0, 0.0))
-        turn = from_roll_pitch_yaw(np.array([_triple(element, "origin", "rpy")]))[0]
+        axis = triple_of(element, "axis", "xyz", (1.0, 0.0, 0.0))
+        turn = from_roll_pitch_yaw(np.array([triple_of(element, "origin", "rpy")]))[0]
         length = float(np.linalg.norm(axis))
         if not length and kind != "fixed":
             return
@@ -115,21 +115,21 @@ def _joint(element: ET.Element) -> Iterator[Joint]:
             parent=parent,
             child=child,
             kind=cast("Kind", kind),
-            translation=_triple(element, "origin", "xyz"),
+            translation=triple_of(element, "origin", "xyz"),
             rotation=tuple(turn.tolist()),
             axis=cast("Triple", tuple(part / (length or 1.0) for part in axis)),
             source="" if mimic is None else mimic.get("joint", ""),
-            multiplier=1.0 if mimic is None else _number(mimic.get("multiplier", "1")),
-            offset=0.0 if mimic is None else _number(mimic.get("offset", "0")),
+            multiplier=1.0 if mimic is None else finite(mimic.get("multiplier", "1")),
+            offset=0.0 if mimic is None else finite(mimic.get("offset", "0")),
         )
     except ValueError:
         return
 
 
-def _triple(
+def triple_of(
     element: ET.Element, tag: str, attribute: str, default: Triple = (0.0, 0.0, 0.0)
 ) -> Triple:
-    """Return three numbers of a joint.
+    """Return three numbers of a joint or a shape.
 
     Raises:
         ValueError: they are others.
@@ -138,11 +138,16 @@ def _triple(
     text = None if found is None else found.get(attribute)
     if text is None:
         return default
-    x, y, z = (_number(word) for word in text.split())
+    x, y, z = (finite(word) for word in text.split())
     return x, y, z
 
 
-def _number(text: str) -> float:
+def finite(text: str) -> float:
+    """Return a number of a description.
+
+    Raises:
+        ValueError: it is none, or not finite.
+    """
     number = float(text)
     if not isfinite(number):
         raise ValueError(f"{text!r} is not finite")

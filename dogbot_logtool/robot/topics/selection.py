@@ -5,7 +5,7 @@ Topics are given by the robot's file or options, or found.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Final, Literal
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
@@ -78,6 +78,25 @@ class Selection:
     """How the base's poses are read; None: there are none."""
     robot_is_guessed: bool = False
     """Whether the robot was guessed from the log's topics."""
+    contact_from: Literal["", "joint_torques", "kinematics"] = ""
+    """What contacts are estimated from; empty: sensors tell."""
+    base_from_legs: bool = False
+    """Whether the base's poses are worked out from the legs."""
+
+    @property
+    def has_base(self) -> bool:
+        """Whether there are poses of the base, recorded or worked out."""
+        return bool(self.odometry) or self.base_from_legs
+
+    @property
+    def has_feet(self) -> bool:
+        """Whether there are contacts of feet, recorded or worked out."""
+        return bool(self.contacts) or bool(self.contact_from)
+
+    @property
+    def has_points(self) -> bool:
+        """Whether feet have contact points."""
+        return bool(self.contact_from) or any(source.has_points for source in self.sources)
 
     @property
     def without_header(self) -> tuple[str, ...]:
@@ -119,10 +138,13 @@ class Selection:
     def has_flags(self, foot: int) -> bool:
         """Tell whether contact flags of the messages decide a foot's contact."""
         sources = self.sources_of(foot)
-        return bool(sources) and all(source.has_flags for source in sources)
+        of_sensors = bool(sources) and all(source.has_flags for source in sources)
+        return of_sensors or bool(self.contact_from)
 
     def knows_force(self, foot: int) -> bool:
         """Tell whether a foot's messages give its force in newtons, not only whether it touches."""
+        if self.contact_from:
+            return self.contact_from == "joint_torques"
         scaled = self.robot.feet[foot].newtons_per_count is not None
         return foot not in self.forceless and all(
             source.has_force and (scaled or not source.is_raw) for source in self.sources_of(foot)
@@ -130,7 +152,7 @@ class Selection:
 
     def without_forces(self, forceless: frozenset[int]) -> "Selection":
         """Return the selection for a log whose wrenches of some feet are always zero."""
-        if not forceless:
+        if not forceless or self.contact_from:
             return self
         names = [self.robot.feet[foot].name for foot in sorted(forceless)]
         text = f"all wrenches of {listed(names)} are zero: contacts without forces"

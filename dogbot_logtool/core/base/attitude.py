@@ -1,0 +1,126 @@
+"""How the base leans and turns, by its inertial unit."""
+
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import Floats, added_within, median_of, norms
+from dogbot_logtool.core.rotations import conjugate, multiply, normalised, rotate
+from dogbot_logtool.dataclass import dataclass
+
+SHORT_S: Final = 0.01
+"""s before and after a time, over which readings are averaged."""
+LONG_S: Final = 2.0
+"""The same, over which a robot's own accelerations average to nothing beside gravity."""
+RATE_HZ: Final = 50.0
+"""At which turns are added up."""
+GRAVITY_IS: Final = (7.0, 13.0)
+"""m/s^2: an accelerometer that usually reads less or more tells nothing of gravity."""
+
+
+@dataclass(frozen=True, slots=True)
+class Inertial:
+    """An inertial unit's readings at n times, along the base's axes."""
+
+    turn: Floats
+    """(n, 3) rad/s."""
+    felt: Floats
+    """(n, 3) m/s^2, accelerations without gravity's: at rest, gravity upwards."""
+    up: Floats
+    """(n, 3) unit vectors against gravity."""
+    tells_up: bool
+    """Whether the accelerometer tells of gravity; else the base is taken as level."""
+
+    @property
+    def roll_pitch(self) -> Floats:
+        """(n, 2) rad, of the base's axes (REP-103)."""
+        roll = np.arctan2(self.up[:, 1], self.up[:, 2])
+        return np.stack([roll, -np.arcsin(np.clip(self.up[:, 0], -1.0, 1.0))], axis=1)
+
+    @property
+    def yaw_rate(self) -> Floats:
+        """(n,) rad/s about the vertical."""
+        return np.asarray((self.turn * self.up).sum(axis=1) / (self.up[:, 1:] ** 2).sum(axis=1))
+
+
+def level(times: int, gravity_mps2: float) -> Inertial:
+    """Return what a base that stays level and does not turn would read at some times."""
+    up = np.tile([0.0, 0.0, 1.0], (times, 1))
+    return Inertial(np.zeros((times, 3)), gravity_mps2 * up, up, tells_up=False)
+
+
+def by_attitude(seconds: Floats, angles: Floats, gravity_mps2: float) -> Inertial:
+    """Return what an inertial unit would read of a base that moves evenly.
+
+    Args:
+        seconds: (n,) s.
+        angles: (n, 3) rad, roll, pitch and unwrapped yaw.
+        gravity_mps2: m/s^2.
+    """
+    roll, pitch, _ = angles.T
+    rates = np.gradient(angles, seconds, axis=0)
+    turn = np.stack(
+        [
+            rates[:, 0] - rates[:, 2] * np.sin(pitch),
+            rates[:, 1] * np.cos(roll) + rates[:, 2] * np.sin(roll) * np.cos(pitch),
+            rates[:, 2] * np.cos(roll) * np.cos(pitch) - rates[:, 1] * np.sin(roll),
+        ],
+        axis=1,
+    )
+    up = np.stack(
+        [-np.sin(pitch), np.sin(roll) * np.cos(pitch), np.cos(roll) * np.cos(pitch)], axis=1
+    )
+    return Inertial(turn, gravity_mps2 * up, up, tells_up=True)
+
+
+def inertial_at(
+    at: Floats, seconds: Floats, acceleration: Floats, turn: Floats, gravity_mps2: float
+) -> Inertial:
+    """Average readings around times, and find where up is.
+
+    Turns are added up, which tells how the base leans from moment to moment; the acceleration,
+    turned along, averages over seconds to gravity.
+
+    Args:
+        at: (n,) s, increasing.
+        seconds: (m,) s, of the readings, increasing; at least two.
+        acceleration: (m, 3) m/s^2, along the base's axes.
+        turn: (m, 3) rad/s.
+        gravity_mps2: m/s^2.
+    """
+    ticks = np.arange(seconds[0], seconds[-1] + 1.0 / RATE_HZ, 1.0 / RATE_HZ)
+    turned = _added_up(_means(seconds, turn, ticks, 0.5 / RATE_HZ) / RATE_HZ)
+    fixed = rotate(turned, _means(seconds, acceleration, ticks, 0.5 / RATE_HZ))
+    gravity = rotate(conjugate(turned), _means(ticks, fixed, ticks, LONG_S))
+    reads = float(median_of(norms(gravity)))
+    rates, felt = (_means(seconds, each, at, SHORT_S) for each in (turn, acceleration))
+    if not GRAVITY_IS[0] <= reads <= GRAVITY_IS[1]:
+        flat = level(len(at), gravity_mps2)
+        return Inertial(rates, flat.felt, flat.up, tells_up=False)
+    up = np.stack([np.interp(at, ticks, column) for column in gravity.T], axis=1)
+    return Inertial(rates, felt, up / norms(up)[:, None], tells_up=True)
+
+
+def _means(seconds: Floats, values: Floats, at: Floats, half_s: float) -> Floats:
+    """(n, 3) means of values over a window about each time; at the ends over what there is."""
+    steps = np.diff(seconds)[:, None]
+    total = np.zeros_like(values)
+    total[1:] = np.cumsum((values[1:] + values[:-1]) / 2.0 * steps, axis=0)
+    inside = np.clip(at, seconds[0], seconds[-1])
+    length = np.minimum(inside + half_s, seconds[-1]) - np.maximum(inside - half_s, seconds[0])
+    return np.asarray(added_within(total, seconds, inside, half_s) / length[:, None])
+
+
+def _added_up(steps: Floats) -> Floats:
+    """(n, 4) orientations from small rotations, (n, 3) rad, one after the other.
+
+    Products of two, four, eight ... steps are made at once.
+    """
+    angle = norms(steps)
+    half = np.sinc(angle / 2.0 / np.pi)[:, None] / 2.0 * steps
+    turned = np.concatenate([half, np.cos(angle / 2.0)[:, None]], axis=1)
+    reach = 1
+    while reach < len(turned):
+        turned[reach:] = multiply(turned[:-reach].copy(), turned[reach:])
+        reach *= 2
+    return normalised(turned)

@@ -1,0 +1,460 @@
+"""Feet without sensors and a base without poses: what a log's joint states tell of both."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Final, Literal
+
+import numpy as np
+
+from dogbot_logtool.core import estimated
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, median_of
+from dogbot_logtool.core.base.attitude import Inertial, by_attitude, inertial_at, level
+from dogbot_logtool.core.base.poses import Odometry, base_history
+from dogbot_logtool.core.contact.contact_detection import find_stances
+from dogbot_logtool.core.contact.contact_rule import ContactRule
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.corrections.clock import (
+    TimeSource,
+    advancing,
+    check_stamps,
+    first_at_each_tick,
+)
+from dogbot_logtool.core.frames.kinematics import LegMotion, leg_motion
+from dogbot_logtool.core.legs.joints import LONGEST_STEP_S, JointTable
+from dogbot_logtool.core.recording import Recording
+from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
+from dogbot_logtool.core.settings import GRAVITY_MPS2
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.finding import Finding
+from dogbot_logtool.reader.containers.log import Log
+from dogbot_logtool.reader.foot import Foot
+from dogbot_logtool.robot.robot_model.description import read_urdf
+from dogbot_logtool.robot.robot_model.joint_motion import own_description
+from dogbot_logtool.robot.robot_model.robot_of_urdf import (
+    NamedLeg,
+    RobotOfUrdf,
+    find_legs,
+    read_robot,
+)
+from dogbot_logtool.robot.topics.selection import Selection
+
+RATE_HZ: Final = 200.0
+"""At which legs are looked at, at most."""
+SLOWEST_S: Final = 0.04
+"""s between two joint states, beyond which they tell no contact."""
+SHORTEST_S: Final = 0.04
+"""s: shorter swings and stances are none."""
+_FEWEST: Final = 20
+"""Joint states at least."""
+_WORLD: Final = "odom"
+
+
+@dataclass(frozen=True, slots=True)
+class _Columns:
+    """Joints of all legs at n times."""
+
+    log_time: Ints
+    stamp: Ints
+    time: Ints
+    """(n,) ns, on the clock that can be used; strictly increasing."""
+    clock: TimeSource
+    topic: str
+    position: Mapping[str, Floats]
+    """(n,) rad or m, by the joint's name; also `effort`, N m or N."""
+    effort: Mapping[str, Floats]
+
+    @property
+    def seconds(self) -> Floats:
+        """(n,) s since the first."""
+        return np.asarray((self.time - self.time[0]) / 1e9)
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """The robot's description, the log's own or the user's."""
+
+    robot: RobotOfUrdf | None
+    why_none: str = ""
+    """Why there is none that can be used."""
+
+
+def read_model(log: Log, urdf: Path | None) -> Model:
+    """Read the user's description, or else the log's.
+
+    Raises:
+        CallError: the user's file is no URDF.
+    """
+    text = own_description(log) if urdf is None else read_urdf(urdf)
+    if text is None:
+        return Model(None, "the log has no robot description that says how the legs are built")
+    try:
+        return Model(read_robot(text))
+    except ValueError as error:
+        return Model(None, f"the robot description {error}")
+
+
+def median_positions(tables: Sequence[JointTable]) -> dict[str, float]:
+    """Return the usual position of each recorded joint, rad or m."""
+    found: dict[str, float] = {}
+    for table in tables:
+        for column, name in enumerate(table.names):
+            values = table.samples.position[:, column]
+            values = values[np.isfinite(values)]
+            if len(values):
+                found.setdefault(name, float(median_of(values)))
+    return found
+
+
+def told_by_legs(
+    recording: Recording, selection: Selection, model: Model
+) -> tuple[Recording, Selection]:
+    """Add the contacts of feet without sensors, and the poses of a base without odometry.
+
+    Args:
+        recording: the columns of a log with joint states.
+        selection: its topics.
+        model: the robot's description.
+    """
+    robot = model.robot
+    lacks_feet, lacks_base = not selection.contacts, not selection.odometry
+    if not (lacks_feet or lacks_base):
+        return recording, selection
+    legs, axis = find_legs(robot, median_positions(recording.joints)) if robot else ((), "+x")
+    columns = _columns(recording, legs) if legs else None
+    reason = model.why_none or _why_not(recording, legs, columns)
+    if robot is None or columns is None or reason:
+        return recording, _without_legs(selection, reason) if lacks_feet else selection
+    mass = selection.robot.mass_kg or robot.mass_kg
+    found = _estimate(recording, selection, legs, columns, mass)
+    named = replace(
+        selection.robot,
+        mass_kg=mass,
+        forward_axis=axis if selection.robot_is_guessed else selection.robot.forward_axis,
+        base_frame=selection.robot.base_frame or _base_frame(recording, robot),
+    )
+    recording = replace(recording, base=found.base if lacks_base else recording.base)
+    findings = [*selection.findings]
+    if lacks_base:
+        named = replace(named, world_frame=named.world_frame or _WORLD)
+        findings = [each for each in findings if each.code != "NO_BASE"]
+        findings.append(_of_base(found))
+    if lacks_feet:
+        feet = tuple(
+            Foot(leg.name, columns.topic, leg_position=leg.position, frame=leg.leg.foot)
+            for leg in legs
+        )
+        named = replace(named, feet=feet)
+        recording = replace(recording, feet=found.samples)
+        findings = [each for each in findings if each.code != "NO_FEET"]
+        findings.append(_of_contact(found, columns))
+    selection = replace(
+        selection,
+        robot=named,
+        findings=tuple(findings),
+        contact_from=found.contact_from if lacks_feet else "",
+        base_from_legs=lacks_base,
+    )
+    return recording, selection
+
+
+def _base_frame(recording: Recording, robot: RobotOfUrdf) -> str:
+    """Return the base's frame: that of the poses, where the description has it."""
+    names = {name for joint in robot.joints for name in (joint.parent, joint.child)}
+    told = [each.strip("/") for each in recording.base_frames]
+    return next((each for each in told if each in names), robot.base)
+
+
+def _why_not(recording: Recording, legs: Sequence[NamedLeg], columns: _Columns | None) -> str:
+    """Say why joint states tell nothing of the feet; empty if they do."""
+    if not legs:
+        return "the robot description has no two legs: chains of joints that end below the base"
+    if columns is None:
+        told = {name for table in recording.joints for name in table.names}
+        lacking = [name for leg in legs for name in leg.leg.measured if name not in told]
+        names = ", ".join(dict.fromkeys(lacking).keys())
+        return f"joint states do not tell of {names}, which the robot description has"
+    interval = float(median_of(np.diff(columns.time))) / 1e9
+    if interval > SLOWEST_S:
+        return f"joint states come {1.0 / interval:.3g} times a second, too rarely"
+    return ""
+
+
+def _without_legs(selection: Selection, reason: str) -> Selection:
+    """Say why there is no gait, in place of what says that there are no topics of feet."""
+    findings = [each for each in selection.findings if each.code != "NO_FEET"]
+    text = f"no topic tells of feet, and joints do not tell: {reason}"
+    return replace(selection, findings=(*findings, Finding("NO_FEET", text)))
+
+
+def _columns(recording: Recording, legs: Sequence[NamedLeg]) -> _Columns | None:
+    """Return the joints of all legs, at the times of the topic that tells of most of them."""
+    wanted = dict.fromkeys(name for leg in legs for name in leg.leg.measured)
+    table_of = {name: table for table in reversed(recording.joints) for name in table.names}
+    if any(name not in table_of for name in wanted):
+        return None
+    tables = [table_of[name] for name in wanted]
+    main = max(tables, key=tables.count)
+    clock = TimeSource.LOG
+    if all(
+        check_stamps(t.topic, t.samples.stamp, t.samples.log_time).mostly_usable for t in tables
+    ):
+        clock = TimeSource.HEADER
+    known = all_finite(
+        main.samples.position[:, [main.names.index(n) for n in wanted if n in main.names]]
+    )
+    rows = np.flatnonzero(known)
+    rows = rows[advancing(clock.of(main.samples)[rows])]
+    time = clock.of(main.samples)[rows]
+    rows = rows[first_at_each_tick(time, RATE_HZ)]
+    time = clock.of(main.samples)[rows]
+    position, effort = {}, {}
+    for name in wanted:
+        table = table_of[name]
+        values = table.samples.position, table.samples.effort
+        column = table.names.index(name)
+        position[name], effort[name] = (
+            each[rows, column].astype(np.float64)
+            if table is main
+            else _interpolated(time, clock.of(table.samples), each[:, column])
+            for each in values
+        )
+    if len(rows) < _FEWEST:
+        return None
+    return _Columns(
+        main.samples.log_time[rows],
+        main.samples.stamp[rows],
+        time,
+        clock,
+        main.topic,
+        position,
+        effort,
+    )
+
+
+def _interpolated(at: Ints, time: Ints, values: Floats) -> Floats:
+    """(n,) values of another topic; NaN where all are."""
+    rows = np.flatnonzero(np.isfinite(values))
+    rows = rows[advancing(time[rows])]
+    if not len(rows):
+        return np.full(len(at), np.nan)
+    first = time[rows[0]]
+    return np.asarray(np.interp(at - first, time[rows] - first, values[rows]))
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """What legs tell."""
+
+    samples: tuple[Samples, ...]
+    base: Odometry
+    contact_from: Literal["joint_torques", "kinematics"]
+    why_no_force: str
+    inertial: Inertial
+    turns_from: str
+
+
+def _estimate(
+    recording: Recording,
+    selection: Selection,
+    legs: Sequence[NamedLeg],
+    columns: _Columns,
+    mass_kg: float | None,
+) -> _Found:
+    """Work out contacts, forces and poses."""
+    seconds = columns.seconds
+    motions = []
+    for leg in legs:
+        positions = np.stack([columns.position[name] for name in leg.leg.measured], axis=1)
+        motions.append((leg_motion(leg.leg, positions), estimated.slopes(seconds, positions)))
+    inertial, turns_from = _inertial(recording, selection, columns)
+    points = np.stack(
+        [motion.foot - motion.leg.radius_m * inertial.up for motion, _ in motions], axis=1
+    )
+    velocity = np.stack(
+        [
+            np.einsum("nik,nk->ni", motion.jacobian(points[:, foot])[0], rate)
+            for foot, (motion, rate) in enumerate(motions)
+        ],
+        axis=1,
+    )
+    ground = estimated.resting_feet(seconds, points, velocity, inertial.turn, inertial.up)
+    force, why = _forces(columns, [motion for motion, _ in motions], points, inertial, mass_kg)
+    standing = ground.resting
+    if force is not None:
+        vertical = np.einsum("nfi,ni->nf", force, inertial.up)
+        standing = estimated.loaded_feet(vertical, (mass_kg or 0.0) * GRAVITY_MPS2, ground.slow)
+    standing = np.stack([_debounced(columns.time, each) for each in standing.T], axis=1)
+    base = _base(columns, points, ground.velocity(standing), standing, inertial)
+    placed = _placed(recording, columns, base) if selection.odometry else base
+    samples = tuple(
+        _samples(columns, foot, standing[:, foot], points[:, foot], force, placed)
+        for foot in range(len(legs))
+    )
+    return _Found(
+        samples=samples,
+        base=base,
+        contact_from="kinematics" if force is None else "joint_torques",
+        why_no_force=why,
+        inertial=inertial,
+        turns_from=turns_from,
+    )
+
+
+def _debounced(time: Ints, standing: Flags) -> Flags:
+    rule = ContactRule(on_n=1.0, off_n=0.0, debounce_s=SHORTEST_S)
+    begin, end, _, _ = find_stances(time, standing, rule)
+    change = np.zeros(len(time) + 1, np.int64)
+    np.add.at(change, begin, 1)
+    np.add.at(change, end, -1)
+    down = np.cumsum(change[:-1]) > 0
+    down[-1:] |= standing[-1:] & down[-2:-1]
+    return np.asarray(down)
+
+
+def _inertial(
+    recording: Recording, selection: Selection, columns: _Columns
+) -> tuple[Inertial, str]:
+    """Return how the base leans and turns, and by what: its inertial unit, else its poses."""
+    readings = recording.accelerations
+    if readings is not None:
+        own = readings.samples
+        rows = np.flatnonzero(all_finite(own.vector) & all_finite(own.turn_rate))
+        rows = rows[advancing(columns.clock.of(own)[rows])]
+        if len(rows) >= _FEWEST:
+            seconds = (columns.clock.of(own)[rows] - columns.time[0]) / 1e9
+            read = own.vector[rows], own.turn_rate[rows]
+            return inertial_at(columns.seconds, seconds, *read, GRAVITY_MPS2), "a gyroscope"
+    if selection.odometry:
+        angles = base_history(recording.base, columns.clock).angles_at(columns.time)
+        if np.isfinite(angles).any():
+            return by_attitude(columns.seconds, _filled(angles), GRAVITY_MPS2), "its poses"
+    return level(len(columns.time), GRAVITY_MPS2), ""
+
+
+def _filled(values: Floats) -> Floats:
+    """(n, k) with the nearest known values in place of NaN."""
+    row = np.arange(len(values))
+    known = np.flatnonzero(np.isfinite(values).all(axis=1))
+    return np.stack([np.interp(row, known, column[known]) for column in values.T], axis=1)
+
+
+def _forces(
+    columns: _Columns,
+    motions: Sequence[LegMotion],
+    points: Floats,
+    inertial: Inertial,
+    mass_kg: float | None,
+) -> tuple[Floats | None, str]:
+    """Return (n, f, 3) N along the base's axes; None, and why, where efforts tell none."""
+    efforts = [
+        np.stack([columns.effort[name] for name in motion.leg.measured], axis=1)
+        for motion in motions
+    ]
+    lacking = sum(not np.isfinite(each).all() for each in efforts)
+    if lacking:
+        empty = not any(np.isfinite(each).any() for each in efforts)
+        return None, "efforts are empty" if empty else "some joints tell no effort"
+    force = estimated.ground_forces(columns.seconds, motions, points, efforts, inertial.felt)
+    vertical = np.einsum("nfi,ni->nf", force, inertial.up)
+    if not any(each.any() for each in efforts):
+        return None, "efforts are constantly zero"
+    why = estimated.effort_fault(vertical, None if mass_kg is None else mass_kg * GRAVITY_MPS2)
+    return (None if why else force), why
+
+
+def _base(
+    columns: _Columns, points: Floats, velocity: Floats, standing: Flags, inertial: Inertial
+) -> Odometry:
+    """Add up the velocities that standing feet tell; the height is that over these feet."""
+    seconds = columns.seconds
+    known = np.isfinite(velocity[:, 0])
+    filled = np.zeros_like(velocity)
+    if known.any():
+        filled = np.stack(
+            [np.interp(seconds, seconds[known], each[known]) for each in velocity.T], 1
+        )
+    step = np.diff(seconds)
+    step[step > LONGEST_STEP_S] = 0.0
+    angles = np.zeros((len(seconds), 3))
+    angles[:, :2] = inertial.roll_pitch
+    rate = inertial.yaw_rate
+    angles[1:, 2] = np.cumsum((rate[1:] + rate[:-1]) / 2.0 * step)
+    turned = from_roll_pitch_yaw(angles)
+    moved = rotate(turned, filled)
+    position = np.zeros((len(seconds), 3))
+    position[1:] = np.cumsum((moved[1:] + moved[:-1]) / 2.0 * step[:, None], axis=0)
+    position[:, 2] = _height(seconds, points, standing, inertial.up)
+    return Odometry(columns.log_time, columns.stamp, position, turned, filled, inertial.turn)
+
+
+def _height(seconds: Floats, points: Floats, standing: Flags, up: Floats) -> Floats:
+    """(n,) m, of the base over the mean of the standing feet."""
+    below = np.where(standing, -np.einsum("nfi,ni->nf", points, up), 0.0)
+    count = standing.sum(axis=1)
+    some = np.flatnonzero(count)
+    if not len(some):
+        return np.zeros(len(seconds))
+    heights = below.sum(axis=1)[some] / count[some]
+    return np.asarray(np.interp(seconds, seconds[some], heights))
+
+
+def _placed(recording: Recording, columns: _Columns, base: Odometry) -> Odometry:
+    """Return the recorded poses at the times of joint states."""
+    history = base_history(recording.base, columns.clock)
+    turned = from_roll_pitch_yaw(history.angles_at(columns.time))
+    return replace(base, position=history.position_at(columns.time), orientation=turned)
+
+
+def _samples(
+    columns: _Columns,
+    foot: int,
+    standing: Flags,
+    points: Floats,
+    force: Floats | None,
+    base: Odometry,
+) -> Samples:
+    """Return contact samples, with forces and points in the world."""
+    count = len(columns.time)
+    nothing = np.full((count, 3), np.nan)
+    place = np.where(standing[:, None], base.position + rotate(base.orientation, points), np.nan)
+    push = np.zeros((count, 3))
+    if force is not None:
+        push = np.where(standing[:, None], rotate(base.orientation, force[:, foot]), 0.0)
+    return Samples(
+        foot=np.broadcast_to(np.int64(foot), count),
+        log_time=columns.log_time,
+        stamp=columns.stamp,
+        in_contact=standing,
+        force=push,
+        in_world=np.ones(count, np.bool_),
+        points=np.isfinite(place[:, 0]).astype(np.int64),
+        position=place,
+        normal=nothing,
+    )
+
+
+def _of_base(found: _Found) -> Finding:
+    """Say that the base is worked out from the legs."""
+    how = found.turns_from or "the feet alone"
+    lean = "the accelerometer" if found.inertial.tells_up else "taken as level"
+    text = (
+        "the log has no poses of the base: they are worked out from the standing feet (leg "
+        f"odometry), with turns by {how}, roll and pitch by {lean}"
+    )
+    return Finding("BASE_FROM_LEGS", text)
+
+
+def _of_contact(found: _Found, columns: _Columns) -> Finding:
+    """Say that contact is estimated, and from what."""
+    if found.contact_from == "joint_torques":
+        text = (
+            f"contacts and forces of the feet are estimated from {columns.topic}, from positions "
+            "and efforts"
+        )
+        return Finding("CONTACT_ESTIMATED", text)
+    text = (
+        f"contacts of the feet are estimated from the motion of the legs ({columns.topic}); "
+        f"there are no forces: {found.why_no_force}"
+    )
+    return Finding("CONTACT_ESTIMATED", text)
