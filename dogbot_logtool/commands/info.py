@@ -11,6 +11,7 @@ from dogbot_logtool.core.known_frames import KnownFrames, known_frames
 from dogbot_logtool.core.quality.quality import mean_rate_hz
 from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.io.storage import Location
+from dogbot_logtool.options import ConvertOptions, InfoOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES
@@ -23,7 +24,6 @@ from dogbot_logtool.robot.frames.frame_findings import frame_findings
 from dogbot_logtool.robot.frames.frames import Frames, read_frames
 from dogbot_logtool.robot.measuring.plan import settings_of
 from dogbot_logtool.robot.measuring.side_topics import side_topics
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.robot.robot_model.joint_motion import joint_channels
 from dogbot_logtool.robot.topics.annotated import without_annotations
 from dogbot_logtool.robot.topics.selection import Selection, select_topics
@@ -35,19 +35,14 @@ _FIRST_NS: Final = 2_000_000_000
 
 def describe(
     path: Location,
-    options: TopicOptions,
-    *,
-    all_frames: bool = False,
-    jobs: int = 1,
+    options: InfoOptions,
     progress: OnProgress | None = None,
 ) -> LogInfo:
     """Look at a log: its index, and its first seconds for what an index does not tell.
 
     Args:
         path: the log.
-        options: which topics to use.
-        all_frames: read every transform, not only those of the first seconds.
-        jobs: how many batches are read at once.
+        options: which topics to use; with `frames`, every transform is read.
         progress: called with bytes done and bytes in all.
 
     Raises:
@@ -61,13 +56,14 @@ def describe(
         selection = select_topics(recorded, options)
         known, stamps, chunks_seen = _first_seconds(recorded, selection)
         frames = None
-        if all_frames:
+        if options.frames:
             added_transforms = [
                 channel
                 for number, channel in log.channels.items()
                 if number in ours and channel.type_name in TRANSFORM_TYPES
             ]
-            frames = read_frames(log, [*selection.transforms, *added_transforms], jobs, progress)
+            transforms = [*selection.transforms, *added_transforms]
+            frames = read_frames(log, transforms, options.jobs, progress)
             known = _with_all_frames(known, frames, ours)
         findings, added = _outlook(recorded, selection, known)
         findings += stamps
@@ -111,7 +107,7 @@ def _first_seconds(log: Log, selection: Selection) -> tuple[KnownFrames, list[Fi
         if (chunk.start_time or 0) <= last or not static.isdisjoint(chunk.counts or ())
     ]
     read = read_recording(log, selection.wanted(), 1, spans=log.grouped(chunks))
-    settings = settings_of(selection, StatsOptions())
+    settings = settings_of(selection, RobotOptions())
     frames = known_frames(read.recording, settings)
     return frames, list(stamp_findings(read.recording, settings)), len(chunks)
 
@@ -150,10 +146,10 @@ def _base_use(selection: Selection) -> str:
     return f"base {base.element}".rstrip()
 
 
-def _side_uses(log: Log) -> dict[int, str]:
+def _side_uses(log: Log, selection: Selection) -> dict[int, str]:
     """Return what `stats` uses channels beside feet and base for, by id."""
     joints = {channel.id: "joints" for channel in joint_channels(log)}
-    side = side_topics(log, StatsOptions())
+    side = side_topics(log, selection.robot)
     uses = ((side.commands, "commands"), (side.inertial, "accelerometer"))
     return joints | {each.id: use for topic, use in uses if topic for each in topic.channels}
 
@@ -165,7 +161,7 @@ def _topics(
     frames: Frames | None,
     ours: AbstractSet[int],
 ) -> tuple[TopicInfo, ...]:
-    uses = _side_uses(log) | {channel.id: "frames" for channel in selection.transforms}
+    uses = _side_uses(log, selection) | {channel.id: "frames" for channel in selection.transforms}
     uses |= dict.fromkeys(ours, "annotation")
     uses |= dict.fromkeys(frames.channels if frames else (), "frames")
     uses |= {channel.id: _base_use(selection) for channel in selection.odometry}

@@ -15,15 +15,16 @@ from dogbot_logtool.core.known_frames import DEFAULT_BASE, DEFAULT_WORLD
 from dogbot_logtool.core.plausible import STRONGEST_N
 from dogbot_logtool.core.settings import StatsSettings, body_weight_n
 from dogbot_logtool.errors import LogError
+from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.report.layouts import View, upper_bound
 from dogbot_logtool.robot.feet.selection import assign_feet
 from dogbot_logtool.robot.measuring.plan import settings_of
-from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from dogbot_logtool.robot.robot import Robot, load_robot
 from dogbot_logtool.robot.robot_model.description import robot_shape
 from dogbot_logtool.robot.robot_model.primitives import body_size_m
+from dogbot_logtool.robot.settings import with_settings
 from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.robot.topics.selection import nothing_to_do, select_topics
 
@@ -33,7 +34,7 @@ _ROOM: Final = 1.1
 """Bound over the load."""
 
 
-def view_of(log: Path | None, options: TopicOptions) -> View:
+def view_of(log: Path | None, options: RobotOptions) -> View:
     """Return what is shown of a log, or of any log of a robot.
 
     Raises:
@@ -42,8 +43,9 @@ def view_of(log: Path | None, options: TopicOptions) -> View:
     """
     if log is None:
         robot = load_robot(options.robot or "dogbot")
-        topics, guessed = options.foot_topics or {}, options.robot is None
+        topics, guessed = options.foot or {}, options.robot is None
         robot = assign_feet(robot, topics, frozenset(), guessed=guessed)
+        robot = with_settings(robot, options.set).with_mass(options.mass)
         return _view(robot, robot.world_frame or DEFAULT_WORLD, robot.base_frame or DEFAULT_BASE)
     opened = open_recorded(log)
     try:
@@ -51,7 +53,7 @@ def view_of(log: Path | None, options: TopicOptions) -> View:
         if not selection.odometry and not selection.contacts:
             raise LogError(nothing_to_do(opened, selection))
         recording = read_recording(opened, selection.wanted(), 1).recording
-        corrected = correct(recording, settings_of(selection, StatsOptions(topics=options)))
+        corrected = correct(recording, settings_of(selection, options))
         settings, frames = corrected.settings, corrected.frames
         view = _view(selection.robot, frames.world, frames.base)
         shape = robot_shape(selection, frames)

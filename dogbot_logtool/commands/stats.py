@@ -14,13 +14,13 @@ from dogbot_logtool.core.walk_metrics.walk import metrics_of
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import Location, shown
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.recording import Alongside, ReadLog, read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
 from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.results import LogFacts, Measurement
 from dogbot_logtool.robot.measuring.plan import MeasuringPlan, make_plan, measure_recording
-from dogbot_logtool.robot.options import StatsOptions
 from dogbot_logtool.robot.time_span import TimeLimits, refuse_empty_span
 from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.robot.topics.selection import Selection
@@ -29,7 +29,7 @@ from dogbot_logtool.run.runner import OnProgress
 
 def measure(
     path: Location,
-    options: StatsOptions,
+    options: MeasureOptions,
     progress: OnProgress | None = None,
 ) -> Measurement:
     """Work out all metrics of a log.
@@ -43,7 +43,7 @@ def measure(
         CallError: no such file, or a topic or time in the options that the log does not have.
         LogError: it is no log, or has nothing to measure.
     """
-    log = open_recorded(path, options.topics.joined)
+    log = open_recorded(path, options.joined)
     try:
         found = measure_log(log, options, progress).measurement
         # Of the samples, only what figures draw is kept.
@@ -61,7 +61,9 @@ class MeasuredLog:
     read: ReadLog
 
 
-def measure_log(log: Log, options: StatsOptions, progress: OnProgress | None = None) -> MeasuredLog:
+def measure_log(
+    log: Log, options: MeasureOptions, progress: OnProgress | None = None
+) -> MeasuredLog:
     """Work out all metrics of an open log, and keep its columns; see `measure`."""
     return measure_planned(log, make_plan(log, options), options, progress)
 
@@ -69,7 +71,7 @@ def measure_log(log: Log, options: StatsOptions, progress: OnProgress | None = N
 def measure_planned(
     log: Log,
     plan: MeasuringPlan,
-    options: StatsOptions,
+    options: MeasureOptions,
     progress: OnProgress | None = None,
     *,
     alongside: Alongside | None = None,

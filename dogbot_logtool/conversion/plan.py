@@ -16,9 +16,9 @@ from dogbot_logtool.core.world_frames import WorldFrames
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
+from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.robot.feet.places import sensor_points
-from dogbot_logtool.robot.options import ConvertOptions
 from dogbot_logtool.robot.robot_model.description import RobotDescription, robot_description
 from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.robot.topics.selection import Selection
@@ -84,11 +84,9 @@ def make_plan(
     findings.extend(_arrow_findings(selection, style, placed, settings.wrench_frame, scale_n))
     left_out = channels_left_out(log, options)
     findings.extend(copy_findings(log, options, left_out))
-    start_time, _ = time_limits(log, options.start_s, options.end_s)
+    start_time, _ = time_limits(log, options.start, options.end)
     base = frames.base
-    description = robot_description(
-        log, selection, frames, base, options.topics.urdf, copy=options.copy
-    )
+    description = robot_description(log, selection, frames, base, options.urdf, copy=options.copy)
     findings.extend(description.findings)
     return ConversionPlan(
         selection=selection,

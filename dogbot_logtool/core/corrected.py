@@ -9,6 +9,7 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.axes import leaning_walk_rad
+from dogbot_logtool.core.base.foot_path import FootPath, path_in_base, path_of
 from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history
 from dogbot_logtool.core.contact.contact_rule import without_offset
 from dogbot_logtool.core.contact.contacts import Samples
@@ -63,6 +64,8 @@ class Corrected:
     turned: tuple[WorldFrames, PlacedCounts] | None
     """How forces and positions were turned into the world; None: none was to be."""
     feet: tuple[FootHistory, ...]
+    places: tuple[FootPath | None, ...]
+    """Of each foot in the base's axes, where its messages tell that."""
     base: BaseHistory
     """As recorded, jumps and all; without poses if these lean."""
     leaning_rad: float | None
@@ -100,10 +103,12 @@ def correct(recording: Recording, settings: StatsSettings) -> Corrected:
     frames = known_frames(recording, settings)
     settings = _in_frames(recording, settings, frames)
     turning = world_frames(frames, settings)
-    samples = _without_offsets(recording.feet, settings, turning)
-    samples = _with_swings(samples, settings)
+    samples = _with_swings(_without_offsets(recording.feet, settings), settings)
+    places = _places(samples, recording.base, settings)
     turned = None
-    if turning is not None:
+    if turning is None:
+        samples = _without_places(samples, places)
+    else:
         tracks = turning.tracks(recording.transforms, recording.base)
         samples, counts = turning.place(samples, tracks)
         turned = turning, counts
@@ -119,6 +124,7 @@ def correct(recording: Recording, settings: StatsSettings) -> Corrected:
         frames=frames,
         turned=turned,
         feet=feet,
+        places=places,
         base=base if leaning is None else base.without_poses(),
         leaning_rad=leaning,
         offsets=offsets,
@@ -213,10 +219,8 @@ def _in_frames(recording: Recording, settings: StatsSettings, frames: KnownFrame
     return replace(settings, imu_mounting=imu_mounting(recording, frames))
 
 
-def _without_offsets(
-    feet: Sequence[Samples], settings: StatsSettings, turning: WorldFrames | None
-) -> tuple[Samples, ...]:
-    """Take off what unloaded sensors read, and positions that nothing turns into the world."""
+def _without_offsets(feet: Sequence[Samples], settings: StatsSettings) -> tuple[Samples, ...]:
+    """Take off what unloaded sensors read."""
     found = []
     for row, recorded in enumerate(feet):
         foot = settings.feet[row]
@@ -226,10 +230,33 @@ def _without_offsets(
             lists_contacts=foot.lists_contacts,
             only_presses=foot.only_presses,
         )
-        if turning is None and foot.in_base:
-            samples = replace(samples, position=np.full_like(samples.position, np.nan))
         found.append(samples)
     return tuple(found)
+
+
+def _places(
+    feet: Sequence[Samples], base: Odometry, settings: StatsSettings
+) -> tuple[FootPath | None, ...]:
+    """Return the places of feet in the base's axes, where messages or joints tell those."""
+    clock = settings.clock
+    if settings.contact_from and settings.odometry_topic:
+        # Joints have told these places, and the poses have placed them in the world.
+        poses = base_history(base, clock)
+        return tuple(path_in_base(clock.of(each), each.position, poses) for each in feet)
+    return tuple(
+        path_of(clock.of(samples), samples.position) if foot.in_base else None
+        for foot, samples in zip(settings.feet, feet, strict=True)
+    )
+
+
+def _without_places(
+    feet: Sequence[Samples], places: Sequence[FootPath | None]
+) -> tuple[Samples, ...]:
+    """Return samples without positions that nothing turns into the world."""
+    return tuple(
+        replace(samples, position=np.full_like(samples.position, np.nan)) if path else samples
+        for samples, path in zip(feet, places, strict=True)
+    )
 
 
 def _with_swings(feet: tuple[Samples, ...], settings: StatsSettings) -> tuple[Samples, ...]:

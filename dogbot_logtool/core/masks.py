@@ -9,9 +9,12 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.axes import with_forward_axis
 from dogbot_logtool.core.base.falls import fallen_spans
+from dogbot_logtool.core.base.frozen import find_frozen, without_frozen
 from dogbot_logtool.core.base.ground import height_drift_m, height_over_feet
+from dogbot_logtool.core.base.jumps import find_jumps, without_jumps
 from dogbot_logtool.core.base.motion import BaseTrack, base_motion, find_travel
-from dogbot_logtool.core.base.poses import BaseHistory, find_jumps, without_jumps
+from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.base.witness import feet_witness
 from dogbot_logtool.core.consistency.stopped import without_stopped
 from dogbot_logtool.core.consistency.worlds import placed_poses
 from dogbot_logtool.core.contact.foot_history import FootHistory
@@ -87,12 +90,17 @@ def mask_walk(corrected: Corrected) -> Stats:
     What is measured with these masks is not in the result yet.
     """
     settings = corrected.settings
-    jumps = find_jumps(corrected.base)
-    base = without_jumps(corrected.base, jumps)
+    period_s = typical_period_s([each.stances for each in corrected.feet])
+    positions = [foot.leg_position for foot in settings.feet]
+    witness = feet_witness(corrected.feet, corrected.places, positions, corrected.base)
+    frozen = find_frozen(corrected.base, corrected.feet, witness, period_s)
+    recorded = without_frozen(corrected.base, frozen.spans) if frozen else corrected.base
+    jumps = find_jumps(recorded)
+    base = without_jumps(recorded, jumps)
     records = without_stopped(_without_stuck(corrected.feet), base)
-    placed, worlds = placed_poses(records, corrected.base, base)
+    placed, worlds = placed_poses(records, recorded, base)
     height = _steadiest_height(records, placed, base)
-    fallen = fallen_spans(corrected.base, records, height, jumps.spans)
+    fallen = fallen_spans(recorded, records, height, jumps.spans)
     weighed = loads_of(
         records, settings.body_weight_n, any_strides(records, fallen, timespans.no_spans())
     )
@@ -105,22 +113,31 @@ def mask_walk(corrected: Corrected) -> Stats:
     delay = None if apart else _long_delay(records, base, period_s, strides)
     apart = apart | {settings.odometry_topic} if delay else apart
     rise_m = height_drift_m(base, height, strides)
-    track = BaseTrack(base, find_travel(base), height, records, standing.still, jumps)
+    track = BaseTrack(base, find_travel(base), height, records, standing.still)
     guessed = settings.forward_axis
     motion = base_motion(track, guessed)
     settings = with_forward_axis(settings, track, motion)
     if settings.forward_axis != guessed:
         motion = base_motion(track, settings.forward_axis)
     feet = tuple(
-        foot_steps(settings, row, record, base, fallen, standing, is_dead=dead[row])
-        for row, record in enumerate(records)
+        foot_steps(
+            settings,
+            row,
+            record,
+            base,
+            fallen,
+            standing,
+            path=None if path is None else path.in_world(base),
+            is_dead=dead[row],
+        )
+        for row, (record, path) in enumerate(zip(records, corrected.places, strict=True))
     )
     return Stats(
         recording=corrected.recording,
         settings=settings,
         frames=corrected.frames,
         turned=corrected.turned,
-        base_history=corrected.base,
+        base_history=recorded,
         leaning_rad=corrected.leaning_rad,
         topics=corrected.topics,
         clocks=corrected.clocks,
@@ -128,6 +145,8 @@ def mask_walk(corrected: Corrected) -> Stats:
         records=records,
         poses=base,
         jumps=jumps,
+        frozen=frozen,
+        witness=witness,
         placed_poses=placed,
         track=track,
         base=motion,

@@ -27,6 +27,8 @@ NEEDS: Final[Mapping[str, str]] = {
     "leg positions": "leg positions not known",
     "base": "no poses of the base",
     "points": "no contact points",
+    "places": "no places of this foot, and no poses of the base",
+    "straight": "no places of this foot, and the base turns in its strides",
     "foot frame": "no transforms or joints of the legs",
     "leg rate": "legs or contacts sampled below 100 Hz",
     "rolling": "foot_rolling_m not known: --set foot_rolling_m=M",
@@ -265,9 +267,9 @@ class Foot:
     """Stance over stride period (Hildebrand 1965; Alexander 1984)."""
     stride_frequency_hz: Annotated[Number, Of("Hz", "contact", "strides")]
     """Whole strides over the sum of their periods."""
-    stride_length_m: Annotated[Spread, Of("m", "strides", "base")]
-    """Horizontal distance from footfall to footfall."""
-    stride_length_from: Annotated[Text, Of("", "strides", "base")]
+    stride_length_m: Annotated[Spread, Of("m", "strides", "places", "straight")]
+    """Horizontal distance from each place where the foot stands to its next one."""
+    stride_length_from: Annotated[Text, Of("", "strides", "places", "straight")]
     """What it is measured by: points, foot_frame or base (the base's way, equal where the robot
     goes straight)."""
     step_length_m: Annotated[Spread, Of("m", "strides", "base", "foot frame", "leg positions")]

@@ -6,8 +6,11 @@ from typing import TYPE_CHECKING
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.falls import Tipping
+from dogbot_logtool.core.base.frozen import Frozen
+from dogbot_logtool.core.base.jumps import PoseJumps
 from dogbot_logtool.core.base.motion import BaseTrack
-from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps
+from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.base.witness import Witness
 from dogbot_logtool.core.consistency.worlds import Worlds
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import ClockDifference
@@ -47,7 +50,7 @@ class Stats:
     turned: tuple[WorldFrames, PlacedCounts] | None
     """How forces and positions were turned into the world; None: none was to be."""
     base_history: BaseHistory
-    """As recorded, jumps and all."""
+    """As recorded, jumps and all, but for time that is masked."""
     leaning_rad: float | None
     """rad, how far the base seems to lean while the robot walks: its poses are left out; None: it
     does not."""
@@ -61,6 +64,11 @@ class Stats:
     poses: BaseHistory
     """Poses without jumps."""
     jumps: PoseJumps
+    frozen: Frozen | None
+    """Time in which one pose is repeated although the robot walks on; masked. None: there is
+    none."""
+    witness: Witness | None
+    """The base's motion by its feet; None: their places are not known."""
     placed_poses: BaseHistory
     """Poses among the contact points: with jumps, if these jump with the odometry."""
     track: BaseTrack

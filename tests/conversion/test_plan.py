@@ -16,8 +16,8 @@ from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions
 from dogbot_logtool.robot.topics.selection import Selection
 from tests.paths import SAMPLE_LOGS
 
@@ -26,7 +26,7 @@ from tests.paths import SAMPLE_LOGS
 def measured(path: Path) -> tuple[Selection, Stats]:
     """Return what is known of a log once it is measured."""
     log = open_log(path)
-    found = measure_log(log, StatsOptions())
+    found = measure_log(log, MeasureOptions())
     log.close()
     return found.selection, found.measurement.stats
 
@@ -136,8 +136,8 @@ def test_weight_and_arrow_style(trot: Case) -> None:
 
 def test_the_output_begins_where_its_messages_do(walk: Case) -> None:
     assert walk.log.start_time == 5_000_000_000
-    assert walk.plan(start_s=1.5, end_s=2.0).opening == 6_500_000_000
-    assert walk.plan().opening == walk.plan(start_s=0.0).opening == 5_000_000_000
+    assert walk.plan(start=1.5, end=2.0).opening == 6_500_000_000
+    assert walk.plan().opening == walk.plan(start=0.0).opening == 5_000_000_000
 
 
 def test_without_odometry_there_is_no_transform(trot: Case) -> None:

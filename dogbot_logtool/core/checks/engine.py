@@ -7,7 +7,7 @@ afterwards, in one place (`voids.py`).
 from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
-from dogbot_logtool.core.checks import base, clock, commands, gait, imu, legs, loads, sensors
+from dogbot_logtool.core.checks import base, clock, commands, gait, imu, legs, loads, poses, sensors
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding, Severity
 
@@ -26,6 +26,12 @@ CHECKS: Final[tuple[Check, ...]] = (
     base.sides_swapped,
     base.forward_axis,
     base.pose_jumps,
+    poses.frozen,
+    poses.scale,
+    poses.direction,
+    poses.orientation,
+    poses.planar,
+    poses.rate,
     sensors.unloaded_levels,
     sensors.silent_feet,
     sensors.dead,

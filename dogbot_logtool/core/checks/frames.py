@@ -65,7 +65,7 @@ def wrench_frame_finding(seen: WrenchFrameEvidence) -> Finding:
     if seen.frame is WrenchFrame.UNKNOWN:
         text = (
             f"the frame of the wrenches is not known ({_evidence(seen)}): only magnitudes are "
-            "used; --wrench-frame says which"
+            "used; --set wrench_frame says which"
         )
         return Finding("WRENCH_FRAME", text, cases=("unknown",))
     if seen.frame is WrenchFrame.WORLD:

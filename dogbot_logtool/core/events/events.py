@@ -8,6 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, norms, percentiles_of
+from dogbot_logtool.core.base.jumps import SMALLEST_JUMP_M
 from dogbot_logtool.core.checks.sensors import foot_is_saturated
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.events.event import Event, EventType
@@ -39,9 +40,10 @@ def spans(stats: Stats) -> Iterator[Event]:
     if found is not None and not len(stats.fallen):
         lasts = int(stats.base_history.time[-1]) - found.since
         yield Event(found.since, lasts, EventType.TIPPING, None, found.last_rad, "rad", "FALL")
-    sizes = norms(stats.jumps.size_m).tolist()
-    for (start, end), size in zip(stats.jumps.spans.tolist(), sizes, strict=True):
-        yield Event(start, end - start, EventType.POSE_JUMP, None, size, "m", "POSE_JUMP")
+    sizes, turns = norms(stats.jumps.size_m).tolist(), stats.jumps.turn_rad.tolist()
+    for (start, end), size, turn in zip(stats.jumps.spans.tolist(), sizes, turns, strict=True):
+        value, unit = (size, "m") if size > SMALLEST_JUMP_M else (abs(turn), "rad")
+        yield Event(start, end - start, EventType.POSE_JUMP, None, value, unit, "POSE_JUMP")
     gaps = [
         (row, timespans.subtract(foot.record.gaps, foot.record.stopped))
         for row, foot in enumerate(stats.feet)

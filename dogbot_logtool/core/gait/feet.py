@@ -16,9 +16,11 @@ from dogbot_logtool.core.arrays import (
     rows_of_runs,
     trapezoids,
 )
+from dogbot_logtool.core.base.foot_path import FootPath, places_on_path
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES, stride_lengths
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.contact.places import stance_places
 from dogbot_logtool.core.contact.stance_samples import PARTS
 from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.gait.strides import (
@@ -160,6 +162,10 @@ class FootSteps:
     liftoff: Ints
     """(l,) ns, lift-offs that were seen."""
     length_m: Floats
+    """(strides) m, from each place of the foot to its next one; NaN where not known."""
+    length_from: str
+    """What lengths are measured by: ``points``, ``foot_frame``, or ``base``."""
+    base_way_m: Floats
     """(strides) m, horizontal distance of the base over the stride; NaN where not known."""
     slip_m: Floats
     """(stances) m, net slip; NaN where not known."""
@@ -204,6 +210,7 @@ def foot_steps(
     fallen: Ints,
     standing: Standing,
     *,
+    path: FootPath | None = None,
     is_dead: bool = False,
 ) -> FootSteps:
     """Find the steps of a foot.
@@ -215,6 +222,7 @@ def foot_steps(
         base: poses.
         fallen: (f, 2) ns, spans in which the robot lies.
         standing: spans without steps.
+        path: of the foot in the world, where its messages tell its places in the base's axes.
         is_dead: whether its sensor never reports a contact, and nothing says that it is lifted.
     """
     foot, rolling_m = settings.feet[row], settings.foot_rolling_m
@@ -222,6 +230,10 @@ def foot_steps(
     stances = cut_by_standing(stances, steps_apart(standing.without_steps, stances))
     strides, discarded = strides_of(stances, record.gaps, fallen)
     heading = stance_headings(record.stances, base, settings.forward_axis)
+    place = places_on_path(path, stances) if path is not None else stance_places(record)[1]
+    length, length_from = own_lengths(place, strides), "points"
+    if not np.isfinite(length).any():
+        length, length_from = straight_lengths(base, strides), "base"
     slip = slip_m(stances.figures.contact_travel_m, rolling_m)
     # A sensor that is taken to read zero without load, on a robot that moves without steps.
     is_refuted = bool(settings.sensor(row).level.reason and len(standing.moving))
@@ -235,7 +247,9 @@ def foot_steps(
         discarded=discarded,
         touchdown=_seen(stances.touchdown, record, Cut.LOG_START, stances),
         liftoff=_seen(stances.liftoff, record, Cut.LOG_END, stances),
-        length_m=stride_lengths(base, strides.touchdown, strides.end),
+        length_m=length,
+        length_from=length_from,
+        base_way_m=stride_lengths(base, strides.touchdown, strides.end),
         slip_m=slip,
         slip_largest_m=slip_m(stances.figures.contact_reach_m, rolling_m),
         slip_from="points" if np.isfinite(slip[stances.whole]).any() else None,
@@ -246,6 +260,26 @@ def foot_steps(
         forward=forward_forces(record, heading),
         fore_aft=fore_aft_impulses(record, heading),
     )
+
+
+def own_lengths(place: Floats, strides: Strides) -> Floats:
+    """(strides,) m, horizontal distances from a foot's places, (stances, 3) m, to its next ones."""
+    if not len(strides.stance):
+        return np.empty(0)
+    way = place[strides.stance + 1] - place[strides.stance]
+    return np.asarray(np.hypot(way[:, 0], way[:, 1]))
+
+
+STRAIGHT_RAD: Final = np.radians(10.0)
+"""A stride in which the base turns by less is as long for all of its feet."""
+
+
+def straight_lengths(base: BaseHistory, strides: Strides) -> Floats:
+    """(strides,) m, how far the base goes in each stride; NaN where it turns."""
+    turn = base.angles_at(strides.end)[:, 2] - base.angles_at(strides.touchdown)[:, 2]
+    length = stride_lengths(base, strides.touchdown, strides.end)
+    with np.errstate(invalid="ignore"):
+        return np.where(np.abs(turn) < STRAIGHT_RAD, length, np.nan)
 
 
 def _seen(time: Ints, record: FootHistory, unseen: Cut, stances: Stances) -> Ints:
@@ -288,7 +322,7 @@ def foot_metrics(
         duty_factor=aggregate(strides.duty_factor),
         stride_frequency_hz=strides.frequency_hz,
         stride_length_m=length,
-        stride_length_from=None if length is None else "base",
+        stride_length_from=None if length is None else foot.length_from,
         contact_travel_m=aggregate(figures.contact_travel_m[whole]),
         slip_m=slip,
         slip_largest_m=aggregate(foot.slip_largest_m[whole]),

@@ -5,10 +5,10 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, median_of, rows_of_runs
+from dogbot_logtool.core.base.foot_path import SLOWEST_NS, FootPath
 from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.gait.feet import CYCLE_POINTS, CycleCurve, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.legs.paths import SLOWEST_NS, FootPath
 from dogbot_logtool.dataclass import dataclass
 
 MIDDLE: Final = (0.2, 0.8)

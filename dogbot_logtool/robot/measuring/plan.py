@@ -1,26 +1,24 @@
 """The plan of `stats`: which topics are read, and what is known of them before they are."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool.core.contact.contact_rule import Thresholds
 from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.corrections.sensor import Origin
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.core.walk import FindLegs, analyse
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.errors import CallError, LogError
-from dogbot_logtool.io.printable import listed
+from dogbot_logtool.errors import LogError
+from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted, WantedJoints
 from dogbot_logtool.robot.feet.message_feet import planned_feet
+from dogbot_logtool.robot.measuring.moved_base import with_poses_of_base
 from dogbot_logtool.robot.measuring.side_topics import SideTopics, side_topics
-from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.robot.topics.selection import Selection, nothing_to_do, select_topics
 
@@ -30,7 +28,6 @@ if TYPE_CHECKING:
     from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf
 
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
-_Offset = tuple[float, float, float] | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,19 +42,19 @@ class MeasuringPlan:
     wanted: Wanted
 
 
-def make_plan(log: Log, options: StatsOptions) -> MeasuringPlan:
+def make_plan(log: Log, options: MeasureOptions) -> MeasuringPlan:
     """Decide what to read.
 
     Raises:
         LogError: the log has neither odometry nor contacts.
         CallError: an option names a topic, foot or time that the log does not have.
     """
-    selection = select_topics(log, options.topics)
+    selection = select_topics(log, options)
     joints = _wanted_joints(log)
     if not (selection.odometry or selection.contacts or joints):
         raise LogError(nothing_to_do(log, selection))
     planned = _planned(log, selection, options)
-    side = side_topics(log, options)
+    side = side_topics(log, selection.robot)
     wanted = replace(
         selection.wanted(),
         joints=joints,
@@ -65,57 +62,50 @@ def make_plan(log: Log, options: StatsOptions) -> MeasuringPlan:
         accelerations=side.inertial,
         planned=planned.contacts if planned else (),
         planned_feet=planned.foot_channels() if planned else None,
-        limits=time_limits(log, options.start_s, options.end_s),
+        limits=time_limits(log, options.start, options.end),
     )
     return MeasuringPlan(selection, planned, side, wanted)
 
 
-def _planned(log: Log, selection: Selection, options: StatsOptions) -> Selection | None:
+def _planned(log: Log, selection: Selection, options: MeasureOptions) -> Selection | None:
     """Return the selection of the feet of a plan that the log has beside their sensors."""
-    if options.topics.feet:
+    if options.feet:
         return None
     feet = planned_feet(log, selection.robot, selection.contacts)
-    return select_topics(log, replace(_of_plan(options.topics), feet=feet)) if feet else None
+    if not feet:
+        return None
+    return select_topics(log, replace(options, foot=None, set={"tare": "none"}, feet=feet))
 
 
-def _of_plan(topics: TopicOptions) -> TopicOptions:
-    """Return options for the feet of a plan, whose sensors have no offsets."""
-    return replace(topics, foot_topics=None, offsets_n=None, takes_offsets=False)
-
-
-def settings_of(selection: Selection, options: StatsOptions) -> StatsSettings:
-    """Return what is known of a recording before its columns are looked at.
-
-    Raises:
-        CallError: an option names a foot that the log does not have.
-    """
-    robot, topics = selection.robot, options.topics
-    given = topics.offsets_n or {}
-    names = [foot.name for foot in robot.feet]
-    for name in given:
-        if name not in names:
-            raise CallError(f"--tare {name}: the log has no such foot; it has {listed(names)}")
+def settings_of(selection: Selection, options: RobotOptions) -> StatsSettings:
+    """Return what is known of a recording before its columns are looked at."""
+    robot, guessed = selection.robot, selection.robot_is_guessed
     promised = {source.frame for source in selection.sources}
-    time_source, reason = _time_source(selection, options)
-    guessed = selection.robot_is_guessed
+    mass_is_given = options.mass is not None or robot.is_given("mass_kg")
+    time_source, reason = _time_source(selection)
     return StatsSettings(
-        feet=tuple(_foot(selection, row, topics, given) for row in range(len(names))),
+        feet=tuple(_foot(selection, row) for row in range(len(robot.feet))),
         mass_kg=robot.mass_kg,
-        mass_is_assumed=guessed and topics.mass_kg is None,
-        forward_axis=options.forward_axis or robot.forward_axis,
-        forward_axis_is_assumed=guessed and options.forward_axis is None,
+        mass_is_assumed=guessed and not mass_is_given,
+        forward_axis=robot.forward_axis,
+        forward_axis_is_assumed=guessed and not robot.is_given("forward_axis"),
         com_offset_m=robot.com_offset_m,
         foot_rolling_m=robot.foot_rolling_m,
-        thresholds=_thresholds(selection, options),
+        thresholds=Thresholds(
+            robot.contact_on_n,
+            robot.contact_off_n,
+            robot.debounce_s,
+            origin="option" if robot.is_given("contact_on_n") else "robot",
+        ),
         contact_on_counts=robot.contact_on_counts,
-        takes_offsets=topics.takes_offsets,
+        takes_offsets=robot.tare != "none",
         world_frame=robot.world_frame,
         base_frame=robot.base_frame,
         static_channels=selection.static_transforms,
         promised_frame=promised.pop() if len(promised) == 1 else None,
         wrench_frame=WrenchFrame.WORLD
         if selection.contact_from
-        else _FRAMES.get(options.wrench_frame, WrenchFrame.UNKNOWN),
+        else _FRAMES.get(robot.wrench_frame, WrenchFrame.UNKNOWN),
         time_source=time_source,
         time_source_reason=reason,
         contact_from=selection.contact_from,
@@ -124,46 +114,32 @@ def settings_of(selection: Selection, options: StatsOptions) -> StatsSettings:
     )
 
 
-def _foot(
-    selection: Selection, row: int, topics: TopicOptions, given: Mapping[str, _Offset]
-) -> FootSettings:
+def _foot(selection: Selection, row: int) -> FootSettings:
     """Return what is known of a foot."""
-    foot, sources = selection.robot.feet[row], selection.sources_of(row)
-    offset = given.get(foot.name)
-    origin: Origin = "option"
-    if offset is None and topics.takes_offsets and foot.offset_n is not None:
-        offset, origin = foot.offset_n, "robot"
+    robot, sources = selection.robot, selection.sources_of(row)
+    foot = robot.feet[row]
+    is_given = robot.is_given(f"tare.{foot.name}")
+    offset = foot.offset_n if is_given or robot.tare != "none" else None
+    lists_contacts = bool(sources) and all(source.lists_contacts for source in sources)
     return FootSettings(
         name=foot.name,
         topic=foot.topic,
         leg_position=foot.leg_position,
         has_force=selection.knows_force(row),
         has_flags=selection.has_flags(row),
-        lists_contacts=bool(selection.contact_from)
-        or (bool(sources) and all(source.lists_contacts for source in sources)),
+        lists_contacts=lists_contacts or bool(selection.contact_from),
         only_presses=any(source.is_raw or source.one_axis for source in sources),
         in_base=any(source.in_base for source in sources),
         silent_in_swing=any(source.silent_in_swing for source in sources),
         offset_n=offset,
-        offset_from=origin,
+        offset_from="option" if is_given or offset is None else "robot",
     )
 
 
-def _thresholds(selection: Selection, options: StatsOptions) -> Thresholds:
-    """Return the thresholds that are given, else those of the robot's file."""
-    robot = selection.robot
-    return Thresholds(
-        on_n=options.contact_on_n or robot.contact_on_n,
-        off_n=options.contact_off_n or robot.contact_off_n,
-        debounce_s=robot.debounce_s if options.debounce_s is None else options.debounce_s,
-        origin="option" if options.contact_on_n else "robot",
-    )
-
-
-def _time_source(selection: Selection, options: StatsOptions) -> tuple[TimeSource | None, str]:
+def _time_source(selection: Selection) -> tuple[TimeSource | None, str]:
     """Return the clock, and why it is log time; None: header stamps, unless they are unusable."""
-    if options.time_source:
-        return TimeSource(options.time_source), ""
+    if selection.robot.clock:
+        return TimeSource(selection.robot.clock), ""
     headless = selection.without_header
     if headless:
         return TimeSource.LOG, f"messages of {headless[0]} have no header"
@@ -181,18 +157,19 @@ def _wanted_joints(log: Log) -> tuple[WantedJoints, ...]:
 
 
 def measure_recording(
-    log: Log, recording: Recording, plan: MeasuringPlan, options: StatsOptions
+    log: Log, recording: Recording, plan: MeasuringPlan, options: MeasureOptions
 ) -> tuple[Stats, Selection]:
     """Measure a recording; return also the topics that it is measured by.
 
     Raises:
         CallError: an option names a foot that the log does not have.
     """
+    recording, moved = with_poses_of_base(recording, plan.selection)
     selection, model = plan.selection, None
     if recording.joints:
         from dogbot_logtool.robot.measuring.by_legs import read_model, told_by_legs  # noqa: PLC0415
 
-        found = read_model(log, options.topics.urdf)
+        found = read_model(log, options.urdf)
         model = found.robot
         recording, selection = told_by_legs(recording, selection, found)
     # Up to the ends of a log that is read whole, silence is known.
@@ -204,13 +181,12 @@ def measure_recording(
         silent_from=log.start_time if start is None else None,
         silent_until=log.end_time if end is None else None,
     )
-    planned = None
-    if plan.planned is not None:
-        planned = settings_of(plan.planned, replace(options, topics=_of_plan(options.topics)))
+    planned = settings_of(plan.planned, options) if plan.planned else None
     walk = analyse(recording, settings, _find_legs(selection, model), planned)
     pairs = enumerate(zip(settings.feet, walk.settings.feet, strict=True))
     forceless = (row for row, (told, found) in pairs if told.has_force and not found.has_force)
-    return walk, selection.without_forces(frozenset(forceless))
+    selection = selection.without_forces(frozenset(forceless))
+    return walk, replace(selection, findings=(*selection.findings, *moved))
 
 
 def _find_legs(selection: Selection, model: "RobotOfUrdf | None") -> FindLegs:

@@ -62,7 +62,7 @@ def _topic_words(name: str) -> frozenset[str]:
 
 _WORLDS: Final = ("odom", "world", "map", "odom_combined", "vision", "earth", "mocap")
 """Frames that stand still, the best first."""
-_BASES: Final = ("base_link", "base", "trunk", "torso", "pelvis", "body", "base_footprint")
+BASES: Final = ("base_link", "base", "trunk", "torso", "pelvis", "body", "base_footprint")
 """Frames of a robot's base, the best first."""
 _BASE_WORDS: Final = _topic_words(
     "base body trunk torso pelvis robot odom odometry localization localisation mocap "
@@ -445,7 +445,7 @@ def _rank(name: str, robot: Robot, source: Source) -> _Rank:
     """Return what sorts elements: 0 surely the base, 1 perhaps, 2 never; then by preference."""
     if source.is_transform:
         parent, child = (frame.rpartition("/")[2].lower() for frame in _frame_pair(name))
-        bases = ((robot.base_frame or "").rpartition("/")[2].lower(), *_BASES)
+        bases = ((robot.base_frame or "").rpartition("/")[2].lower(), *BASES)
         if parent not in _WORLDS or child in _WORLDS:
             return _NEVER, 0, 0
         return (0 if child in bases else 1), _index(bases, child), _index(_WORLDS, parent)
@@ -453,7 +453,7 @@ def _rank(name: str, robot: Robot, source: Source) -> _Rank:
     if model.lower() in _SCENERY:
         return _NEVER, 0, 0
     if source.type_name.endswith("LinkStates"):
-        bases = ((robot.base_frame or "").lower(), *_BASES)
+        bases = ((robot.base_frame or "").lower(), *BASES)
         return (0, _index(bases, link.lower()), 0) if link.lower() in bases else (1, 0, 0)
     return 0, 0, 0
 
@@ -469,7 +469,7 @@ def _frame_pair(pair: str) -> tuple[str, str]:
 
     def likely(split: tuple[str, str]) -> tuple[bool, bool]:
         parent, child = (frame.rpartition("/")[2].lower() for frame in split)
-        return parent not in _WORLDS, child not in _BASES
+        return parent not in _WORLDS, child not in BASES
 
     return min(splits or [(pair, "")], key=likely)
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.arrays import Floats
+from dogbot_logtool.core.base.foot_path import FootPath
 from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.legs.paths import FootPath
 from dogbot_logtool.core.legs.swings import Footfalls, swings
 
 S = 1_000_000_000
