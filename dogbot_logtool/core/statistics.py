@@ -16,7 +16,8 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import ClockDifference
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.segments import Segment
-from dogbot_logtool.core.gait.support import Standing, Support, typical_period_s
+from dogbot_logtool.core.gait.strides import typical_period_s
+from dogbot_logtool.core.gait.support import Standing, Support
 from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.loads import WalkLoads
 from dogbot_logtool.core.metrics import Base, Stability

@@ -23,11 +23,12 @@ from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected, clocks_of_joints, correct
 from dogbot_logtool.core.gait.segments import (
-    any_strides,
+    Segment,
     find_segments,
-    gait_input,
     main_segment,
+    reference_foot,
 )
+from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.leg_position import quadruped
 from dogbot_logtool.core.masks import loads_in, mask_walk, stability_in, support_in
 from dogbot_logtool.core.planned import follow_plan
@@ -78,8 +79,9 @@ def _measured(walk: Stats, corrected: Corrected) -> Stats:
     """Measure a walk of which the masks are known."""
     settings, records, feet = walk.settings, walk.records, walk.feet
     supported = support_in(walk)
-    gait = gait_input(feet, walk.standing, supported)
-    segments = find_segments(gait) if feet and not walk.feet_clocks_are_apart else ()
+    segments: tuple[Segment, ...] = ()
+    if feet and not walk.feet_clocks_are_apart:
+        segments = find_segments(feet, walk.standing, supported)
     origin, end = _extent(records, walk.poses)
     positions = [foot.leg_position for foot in settings.feet]
     forward_rad = FORWARD_ANGLES[settings.forward_axis]
@@ -92,7 +94,7 @@ def _measured(walk: Stats, corrected: Corrected) -> Stats:
         walk,
         origin=origin,
         end=end,
-        reference=gait.reference,
+        reference=reference_foot(feet),
         corners=quadruped(positions),
         swapped=swapped,
         pairs=pairs,

@@ -18,7 +18,7 @@ from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.selection import Selection
 from tests.paths import SAMPLE_LOGS
 
 
