@@ -14,7 +14,6 @@ from dogbot_logtool.io.printable import MOST, listed, printable, shell_joined
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.containers.salvage.losses import damage_of
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base
 from dogbot_logtool.reader.messages.contact_messages import (
@@ -25,6 +24,7 @@ from dogbot_logtool.reader.messages.contact_messages import (
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.source import Source
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
+from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.base import choose_base
 from dogbot_logtool.robot.contact_evidence import RawLevels, compare_flags, with_raw_levels

@@ -33,7 +33,7 @@ from dogbot_logtool.comparison.tolerances import FieldRules, Rules, fits, nothin
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.reader.containers.log import Extra, Log, Loss
 from dogbot_logtool.reader.containers.loss import Damage
-from dogbot_logtool.reader.containers.salvage.losses import damage_of
+from dogbot_logtool.reader.salvage.losses import damage_of
 
 _MakeTrack = Callable[[Log, Mapping[int, int]], Track]
 

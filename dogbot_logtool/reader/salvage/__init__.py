@@ -1,0 +1,1 @@
+"""What was lost of a log."""
