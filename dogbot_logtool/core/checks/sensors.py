@@ -28,7 +28,8 @@ def unloaded_levels(stats: Stats) -> Iterator[Finding]:
     settings = stats.settings
     names = [foot.name for foot in settings.feet]
     sensors = [settings.sensor(row) for row in range(len(names))]
-    return sensor_findings(names, sensors, settings.body_weight_n or settings.estimated_weight_n)
+    weight_n = settings.body_weight_n or settings.estimated_weight_n
+    yield from sensor_findings(names, sensors, weight_n)
 
 
 def sensor_findings(
