@@ -17,7 +17,7 @@ from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Batch, Channel, LoadedChunk, Log, Messages
 from dogbot_logtool.reader.messages.contact_messages import read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.writer.chunks import (
     Compression,
     FinishedChunk,

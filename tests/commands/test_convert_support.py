@@ -28,7 +28,7 @@ from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.reader.messages.contact_messages import read_contacts
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.results import Conversion
-from dogbot_logtool.robot.topics.selection import select_topics
+from dogbot_logtool.robot.selection import select_topics
 from tests.measured import measured_contact
 from tests.oracles import walks
 from tests.oracles.annotated_file import Written, annotations, arrows, read_written
