@@ -3,7 +3,7 @@
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.robot.probe import Probe, probe_recording
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.selection import Selection
 
 
 def probe_log(log: Log, selection: Selection, *, with_soles: bool = False) -> Probe:

@@ -17,9 +17,9 @@ from dogbot_logtool.reader.recording import Alongside
 from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
 from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.results import Conversion
+from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.measuring.plan import make_plan as plan_measuring
 from dogbot_logtool.robot.time_span import time_limits
-from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.run.runner import OnProgress
 
 

@@ -14,7 +14,8 @@ from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.report.layouts import View, upper_bound
-from dogbot_logtool.robot.feet.selection import assign_feet
+from dogbot_logtool.robot.annotated import open_recorded
+from dogbot_logtool.robot.feet import assign_feet
 from dogbot_logtool.robot.probe import (
     DEFAULT_BASE,
     DEFAULT_WORLD,
@@ -25,10 +26,9 @@ from dogbot_logtool.robot.probe import (
 from dogbot_logtool.robot.robot import Robot, load_robot
 from dogbot_logtool.robot.robot_model.description import robot_shape
 from dogbot_logtool.robot.robot_model.primitives import body_size_m
+from dogbot_logtool.robot.selection import nothing_to_do, select_topics
 from dogbot_logtool.robot.sensors import LearntSensors, learn_sensors
 from dogbot_logtool.robot.settings import with_settings
-from dogbot_logtool.robot.topics.annotated import open_recorded
-from dogbot_logtool.robot.topics.selection import nothing_to_do, select_topics
 
 _NEARLY_ALL: Final = 0.995
 """Share of the loads that lie within the curves' bounds: a spike shall not flatten the rest."""

@@ -15,10 +15,10 @@ from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import ALONE, Beside, page
 from dogbot_logtool.report.page.replay import frame_times, replay
 from dogbot_logtool.results import Measurement, Page
+from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.probe import frame_names, probe_recording
 from dogbot_logtool.robot.robot_model.joint_motion import joint_motion
 from dogbot_logtool.robot.robot_model.limbs import find_limbs
-from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.run.runner import OnProgress
 
 

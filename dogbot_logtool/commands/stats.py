@@ -19,11 +19,11 @@ from dogbot_logtool.reader.recording import Alongside, ReadLog, read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
 from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.results import LogFacts, Measurement
+from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.measuring.plan import LearntSettings, MeasuringPlan, make_plan
 from dogbot_logtool.robot.measuring.walk import Measured, measure_recording
 from dogbot_logtool.robot.probe_findings import order_findings
 from dogbot_logtool.robot.time_span import TimeLimits, refuse_empty_span
-from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.run.runner import OnProgress
 
 

@@ -19,9 +19,9 @@ from dogbot_logtool.robot.frames.world_frames import WorldFrames, follow_frames
 from dogbot_logtool.robot.probe import Probe, frame_names, usable_clock
 from dogbot_logtool.robot.probe_findings import probe_findings
 from dogbot_logtool.robot.robot_model.description import RobotDescription, robot_description
+from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.sensors import LearntSensors
 from dogbot_logtool.robot.time_span import time_limits
-from dogbot_logtool.robot.topics.selection import Selection
 from dogbot_logtool.writer.encodings.registry import ENCODINGS, OutputEncoding
 
 _MOST_FEET: Final = 16
@@ -135,9 +135,9 @@ def _arrow_findings(
         weight_n: N, by which arrows may be coloured; None: not known.
     """
     yield from _without_points(selection, frames)
-    if style.needs_directions and wrench_frame is not WrenchFrame.WORLD:
+    if style.along_force and wrench_frame is not WrenchFrame.WORLD:
         yield from _magnitude_only(selection, frames)
-    if style.coloured_by_weight and not weight_n:
+    if style.along_force and not weight_n:
         text = "the robot's mass is unknown: arrows are coloured by newtons (give it with --mass)"
         yield Finding("MASS_UNKNOWN", text)
     if style.needs_contact_states:

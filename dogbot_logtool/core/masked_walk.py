@@ -21,13 +21,12 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.corrections.clock import too_far_apart
 from dogbot_logtool.core.gait.feet import FootSteps, foot_steps, net_push
-from dogbot_logtool.core.gait.segments import any_strides, reference_strides
+from dogbot_logtool.core.gait.strides import any_strides, typical_period_s
 from dogbot_logtool.core.gait.support import (
     Standing,
     Support,
     standing_in,
     support,
-    typical_period_s,
 )
 from dogbot_logtool.core.loads import (
     WalkLoads,
@@ -156,11 +155,12 @@ def stability_in(
 
 def loads_in(walk: MaskedWalk, within: Ints | None = None) -> WalkLoads:
     """Return the loads of all feet over whole strides of the first foot that has any."""
-    strides = reference_strides(walk.feet)
+    own = [foot.strides for foot in walk.feet if len(foot.strides.stance)]
+    strides = [each if within is None else each.within(within) for each in own[:1]]
     return loads_of(
         walk.records,
         walk.settings.body_weight_n,
-        (strides if within is None else strides.within(within)).spans,
+        strides[0].spans if strides else None,
         within,
         mass_is_assumed=walk.settings.mass_is_assumed,
     )
@@ -281,7 +281,7 @@ def _standing(
     sensors = [settings.sensor(row) for row in range(len(records))]
     return standing_in(
         supported if touching else None,
-        [each.stances for each in records],
+        typical_period_s([each.stances for each in records]),
         base,
         fallen,
         is_steady=bool(sensors) and all(sensor.is_steady for sensor in sensors),

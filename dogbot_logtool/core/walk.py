@@ -24,11 +24,11 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected, clocks_of_joints, correct
 from dogbot_logtool.core.gait.segments import (
     Segment,
-    any_strides,
     find_segments,
-    gait_input,
     main_segment,
+    reference_foot,
 )
+from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.leg_position import quadruped
 from dogbot_logtool.core.masked_walk import (
     MaskedWalk,
@@ -66,8 +66,9 @@ def analyse(
     walk = mask_walk(corrected)
     settings, records, feet = walk.settings, walk.records, walk.feet
     supported = support_in(walk)
-    gait = gait_input(feet, walk.standing, supported)
-    segments = find_segments(gait) if feet and not walk.feet_clocks_are_apart else ()
+    segments: tuple[Segment, ...] = ()
+    if feet and not walk.feet_clocks_are_apart:
+        segments = find_segments(feet, walk.standing, supported)
     origin, end = _extent(records, walk.poses)
     positions = [foot.leg_position for foot in settings.feet]
     forward_rad = FORWARD_ANGLES[settings.forward_axis]
@@ -77,7 +78,7 @@ def analyse(
         **{each.name: getattr(walk, each.name) for each in fields(walk)},
         origin=origin,
         end=end,
-        reference=gait.reference,
+        reference=reference_foot(feet),
         corners=quadruped(positions),
         swapped=swapped,
         pairs=pairs,

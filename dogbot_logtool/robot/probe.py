@@ -31,7 +31,7 @@ from dogbot_logtool.robot.robot_model.skeleton import (
     first_poses,
     rounded,
 )
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.selection import Selection
 
 DEFAULT_WORLD: Final = "world"
 DEFAULT_BASE: Final = "base_link"

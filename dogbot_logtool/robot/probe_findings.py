@@ -7,7 +7,7 @@ from dogbot_logtool.core.frames.wrench_frame import FrameFit, WrenchFrame, Wrenc
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.robot.probe import Probe
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.selection import Selection
 
 
 def probe_findings(selection: Selection, probe: Probe) -> list[Finding]:

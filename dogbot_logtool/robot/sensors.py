@@ -25,7 +25,7 @@ from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.robot.probe import Probe
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.selection import Selection
 
 
 @dataclass(frozen=True, slots=True)

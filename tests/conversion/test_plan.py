@@ -16,8 +16,8 @@ from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.robot.probe import Probe
 from dogbot_logtool.robot.probe_findings import probe_findings
+from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.robot.sensors import learn_sensors
-from dogbot_logtool.robot.topics.selection import Selection, select_topics
 from tests.paths import SAMPLE_LOGS
 from tests.probes import probe_log
 

@@ -20,9 +20,9 @@ from dogbot_logtool.core.frames.wrench_frame import FramePoint, place_points, tu
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.robot.feet.names import name_feet
-from dogbot_logtool.robot.feet.words import Part
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.names import name_feet
+from dogbot_logtool.robot.selection import Selection
+from dogbot_logtool.robot.words import Part
 
 
 class RecordedFrames(Protocol):

@@ -16,14 +16,19 @@ from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.wanted import WantedJoints
-from dogbot_logtool.robot.feet.names import name_feet
-from dogbot_logtool.robot.feet.words import ENDS, LETTERS, SIDES, Part, words_of
+from dogbot_logtool.robot.names import name_feet
 from dogbot_logtool.robot.probe import Probe, frame_names
 from dogbot_logtool.robot.robot_model.description import link_of_foot
-from dogbot_logtool.robot.robot_model.joint_motion import joint_channels, joint_names
+from dogbot_logtool.robot.robot_model.joint_motion import (
+    joint_channels,
+    joint_names,
+)
 from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf
-from dogbot_logtool.robot.robot_model.urdf import said_of_left_out
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.robot_model.urdf import (
+    said_of_left_out,
+)
+from dogbot_logtool.robot.selection import Selection
+from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, Part, words_of
 
 _SOLE: Final = frozenset({"sole", "soles", "footsole"})
 

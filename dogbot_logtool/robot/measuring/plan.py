@@ -15,13 +15,13 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted, WantedJoints
-from dogbot_logtool.robot.feet.message_feet import planned_feet
+from dogbot_logtool.robot.feet import planned_feet
 from dogbot_logtool.robot.frames.world_frames import WorldFrames, follow_frames
 from dogbot_logtool.robot.measuring.side_topics import SideTopics, side_topics
 from dogbot_logtool.robot.probe import Probe, frame_names, probe_recording
+from dogbot_logtool.robot.selection import Selection, nothing_to_do, select_topics
 from dogbot_logtool.robot.sensors import LearntSensors, learn_sensors
 from dogbot_logtool.robot.time_span import time_limits
-from dogbot_logtool.robot.topics.selection import Selection, nothing_to_do, select_topics
 
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
 

@@ -24,7 +24,7 @@ from dogbot_logtool.robot.robot_model.joint_motion import (
 from dogbot_logtool.robot.robot_model.primitives import body_size_m, primitive_urdf
 from dogbot_logtool.robot.robot_model.skeleton import ModelFoot, Point, Skeleton, skeleton
 from dogbot_logtool.robot.robot_model.urdf import parse_urdf, said_of_left_out
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.selection import Selection
 
 _LARGEST: Final = 16 << 20
 """Bytes of a URDF that are read."""

@@ -21,7 +21,7 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.robot.probe import Probe, frame_names
 from dogbot_logtool.robot.robot_model.description import log_skeleton, model_feet
 from dogbot_logtool.robot.robot_model.joint_motion import JointMotion
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.selection import Selection
 
 MOST_FRAMES: Final = 64
 """Frames of a robot that are followed."""

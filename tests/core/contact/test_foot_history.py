@@ -99,7 +99,7 @@ def test_duplicates_and_steps_back_are_left_out_and_counted() -> None:
     torn = record(samples(force).pick(order))
     assert torn.not_advancing == 4
     assert torn.stances.touchdown.tolist() == sound.stances.touchdown.tolist()
-    assert torn.stances.figures.mean_n.tolist() == sound.stances.figures.mean_n.tolist()
+    assert torn.stances.figures.mean_force_n.tolist() == sound.stances.figures.mean_force_n.tolist()
 
 
 def test_a_foot_that_stands_is_not_reduced_but_is_in_contact() -> None:
@@ -107,7 +107,7 @@ def test_a_foot_that_stands_is_not_reduced_but_is_in_contact() -> None:
     assert in_ms(result.stances.touchdown) == [500]
     assert in_ms(result.stances.liftoff) == [20_500]
     assert result.stances.cut.tolist() == [Cut.WHOLE]
-    assert np.isnan(result.stances.figures.peak_n).all()
+    assert np.isnan(result.stances.figures.peak_force_n).all()
     assert result.track.vertical_within(result.known) == pytest.approx(1000.0)
 
 

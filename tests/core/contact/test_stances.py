@@ -43,8 +43,8 @@ def test_a_half_sine_has_its_closed_form_figures() -> None:
     force = 100.0 * np.sin(np.pi * time / 0.5)
     force[0] = force[-1] = 0.0
     row = figures(stance(force, 0.001))
-    assert row["peak_n"] == pytest.approx(100.0, rel=1e-5)
-    assert row["mean_n"] == pytest.approx(200.0 / np.pi, rel=0.003)
+    assert row["peak_force_n"] == pytest.approx(100.0, rel=1e-5)
+    assert row["mean_force_n"] == pytest.approx(200.0 / np.pi, rel=0.003)
     assert row["vertical_impulse_ns"] == pytest.approx(0.9 * 100.0 * 0.5 * 2.0 / np.pi, rel=1e-4)
     # A sine rises from 20 to 80 % in (asin 0.8 - asin 0.2) / pi of the half period.
     rise = (np.arcsin(0.8) - np.arcsin(0.2)) / np.pi * 0.5
@@ -64,7 +64,7 @@ def test_an_unknown_direction_leaves_only_the_magnitude() -> None:
     samples = stance(np.array([0.0, 50.0, 60.0, 0.0]), 0.01)
     samples.vector[2] = np.nan
     row = figures(samples)
-    assert row["peak_n"] == 60.0
+    assert row["peak_force_n"] == 60.0
     vertical = [row[name] for name in row if "vertical" in name]
     assert len(vertical) == 4
     assert np.isnan(vertical).all()

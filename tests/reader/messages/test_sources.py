@@ -20,7 +20,7 @@ from dogbot_logtool.option import part_of
 from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.robot.topics.selection import select_topics
+from dogbot_logtool.robot.selection import select_topics
 from tests.oracles import walks
 from tests.oracles.foot_logs import WRENCH, write_log
 from tests.probes import probe_log
