@@ -485,7 +485,7 @@ def _of_efforts(found: _Found) -> Iterator[Finding]:
     """Yield why efforts are no torques: then work is none, either."""
     if found.why_no_force.startswith(estimated.TOO_MUCH):
         text = f"no work is known: {found.why_no_force}"
-        yield Finding("JOINT_VALUES", text, "legs.absolute_work_j")
+        yield Finding("JOINT_VALUES", text, "legs.absolute_work_j", cases=("efforts",))
     if found.why_no_force.startswith(estimated.WRONG_SIGN):
         yield Finding("EFFORT_SIGN", found.why_no_force, "legs.positive_work_j", feet=found.names)
 

@@ -58,10 +58,8 @@ def test_legs_are_told_from_arms_and_sensors() -> None:
 
 @pytest.mark.parametrize("kind", ["fixed", "floating", "revolute"])
 def test_the_base_lies_past_the_world_and_links_without_a_mass(kind: str) -> None:
-    joints = [
-        (kind, "world", "virtual", "0 0 0", "0 0 1"),
-        (kind, "virtual", "trunk", "0 0 1", "1 0 0"),
-    ]
+    joints: list[Joint] = [(kind, "world", "virtual", "0 0 0", "0 0 1")]
+    joints.append((kind, "virtual", "trunk", "0 0 1", "1 0 0"))
     robot = read_robot(urdf([*joints, *quadruped("trunk")], ["trunk"]))
     assert robot.base == "trunk"
     assert len(find_legs(robot, {})[0]) == 4
@@ -97,9 +95,8 @@ def test_a_biped_with_a_waist_and_toes() -> None:
 
 
 def test_joints_that_follow_others_are_moved_by_them() -> None:
-    text = urdf(quadruped("trunk")).replace(
-        '<joint name="FL_calf_joint" type="revolute">',
-        '<joint name="FL_calf_joint" type="revolute"><mimic joint="FL_thigh_joint" multiplier="-2"/>',
-    )
+    joint = '<joint name="FL_calf_joint" type="revolute">'
+    follows = joint + '<mimic joint="FL_thigh_joint" multiplier="-2"/>'
+    text = urdf(quadruped("trunk")).replace(joint, follows)
     (first, *_), _ = find_legs(read_robot(text), {})
     assert first.leg.measured == ("FL_hip_joint", "FL_thigh_joint")
