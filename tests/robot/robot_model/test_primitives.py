@@ -4,9 +4,9 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
+from dogbot_logtool.core.soles import FramePose
 from dogbot_logtool.robot.robot_model.primitives import primitive_urdf
 from dogbot_logtool.robot.robot_model.skeleton import (
-    FramePose,
     ModelFoot,
     Skeleton,
     skeleton,

@@ -9,18 +9,18 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.axes import with_forward_axis
 from dogbot_logtool.core.base.falls import fallen_spans
-from dogbot_logtool.core.base.frozen import Frozen, find_frozen, without_frozen
+from dogbot_logtool.core.base.frozen import find_frozen, without_frozen
 from dogbot_logtool.core.base.ground import height_drift_m, height_over_feet
-from dogbot_logtool.core.base.jumps import PoseJumps, find_jumps, without_jumps
+from dogbot_logtool.core.base.jumps import find_jumps, without_jumps
 from dogbot_logtool.core.base.motion import BaseTrack, base_motion, find_travel
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.base.witness import Witness, feet_witness
+from dogbot_logtool.core.base.witness import feet_witness
 from dogbot_logtool.core.consistency.stopped import without_stopped
-from dogbot_logtool.core.consistency.worlds import Worlds, placed_poses
+from dogbot_logtool.core.consistency.worlds import placed_poses
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.corrections.clock import too_far_apart
-from dogbot_logtool.core.gait.feet import FootSteps, foot_steps, net_push
+from dogbot_logtool.core.gait.feet import foot_steps, net_push
 from dogbot_logtool.core.gait.strides import any_strides, typical_period_s
 from dogbot_logtool.core.gait.support import (
     Standing,
@@ -37,106 +37,24 @@ from dogbot_logtool.core.loads import (
 from dogbot_logtool.core.metrics import Base, Stability
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.stability import Unstable, stability
-from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.core.statistics import Stats
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.consistency.heave import Delay
 
 
-@dataclass(frozen=True, slots=True)
-class MaskedWalk:
-    """The columns that metrics are measured on, and what of them counts."""
-
-    settings: StatsSettings
-    records: tuple[FootHistory, ...]
-    """Of each foot, without what its sensor cannot have measured."""
-    poses: BaseHistory
-    """Poses without jumps."""
-    recorded_poses: BaseHistory
-    """As recorded, jumps and all, but for time that is masked."""
-    jumps: PoseJumps
-    frozen: Frozen | None
-    """Time in which one pose is repeated although the robot walks on; masked. None: there is
-    none."""
-    witness: Witness | None
-    """The base's motion by its feet; None: their places are not known."""
-    placed_poses: BaseHistory
-    """Poses among the contact points: with jumps, if these jump with the odometry."""
-    track: BaseTrack
-    base: Base | None
-    """Motion of the base in the whole log."""
-    fallen: Ints
-    """(f, 2) ns, spans in which the robot lies."""
-    standing: Standing
-    feet: tuple[FootSteps, ...]
-    """Steps of each foot."""
-    clocks_apart: frozenset[str]
-    """Topics whose clocks are too far from the others' for figures of both."""
-    base_delay: "Delay | None"
-    """By how much the base comes after the forces that drive it; None: not known, or little."""
-    worlds: Worlds | None
-    """Position of the base among the feet; None without contact points."""
-    push: float | None
-    """Share of the weight by which the feet push the robot on over whole stances; None: not
-    known."""
-    rise_m: float
-    """m, how far the base rises steadily over the contact points while it walks."""
-    vertical_known: bool
-
-    @property
-    def base_clock_is_apart(self) -> bool:
-        """Whether the odometry's clock is too far from that of the feet."""
-        return self.settings.odometry_topic in self.clocks_apart
-
-    @property
-    def feet_clocks_are_apart(self) -> bool:
-        """Whether the clock of a foot is too far from that of the others."""
-        return _feet_apart(self.settings, self.clocks_apart)
-
-    @property
-    def worlds_differ(self) -> bool:
-        """Whether contact points and base are not in one world."""
-        if self.worlds is None or self.settings.base_from_legs:
-            return False
-        return not self.worlds.agree
-
-    @property
-    def base_is_apart(self) -> bool:
-        """Whether the base is on another clock than the feet, or in another world."""
-        return self.base_clock_is_apart or self.worlds_differ
-
-    @property
-    def loses_way(self) -> bool:
-        """Whether the base drifts so far among the contact points that speeds are not known."""
-        path_m = 0.0 if self.base is None else self.base.path_length_m or 0.0
-        if self.worlds is None or self.settings.base_from_legs:
-            return False
-        return self.worlds.lose_way(path_m)
-
-    @property
-    def period_s(self) -> float | None:
-        """The usual stride, s; None: there are none."""
-        return typical_period_s([each.stances for each in self.records])
-
-    @property
-    def contacts_known(self) -> bool:
-        """Whether the contacts of all feet are known, on one clock."""
-        known = all(foot.contact_known or foot.record.start is None for foot in self.feet)
-        return known and not self.feet_clocks_are_apart
-
-
-def base_in(walk: MaskedWalk, within: Ints) -> Base | None:
+def base_in(walk: Stats, within: Ints) -> Base | None:
     """Return how the base moved in a part of the log."""
     return base_motion(walk.track, walk.settings.forward_axis, within)
 
 
-def support_in(walk: MaskedWalk, within: Ints | None = None) -> Support | None:
+def support_in(walk: Stats, within: Ints | None = None) -> Support | None:
     """Return the support pattern; where one foot's state is not known, none is."""
     return support(walk.records, within) if walk.contacts_known else None
 
 
 def stability_in(
-    walk: MaskedWalk, within: Ints | None = None
+    walk: Stats, within: Ints | None = None
 ) -> tuple[Stability, Unstable] | tuple[None, None]:
     """Return the stability, and when the robot is not stable."""
     if not walk.contacts_known or walk.base_is_apart:
@@ -153,7 +71,7 @@ def stability_in(
     return found or (None, None)
 
 
-def loads_in(walk: MaskedWalk, within: Ints | None = None) -> WalkLoads:
+def loads_in(walk: Stats, within: Ints | None = None) -> WalkLoads:
     """Return the loads of all feet over whole strides of the first foot that has any."""
     own = [foot.strides for foot in walk.feet if len(foot.strides.stance)]
     strides = [each if within is None else each.within(within) for each in own[:1]]
@@ -166,8 +84,11 @@ def loads_in(walk: MaskedWalk, within: Ints | None = None) -> WalkLoads:
     )
 
 
-def mask_walk(corrected: Corrected) -> MaskedWalk:
-    """Find jumps, falls, stands, dead sensors, clocks and worlds that cannot be compared."""
+def mask_walk(corrected: Corrected) -> Stats:
+    """Find jumps, falls, stands, dead sensors, clocks and worlds that cannot be compared.
+
+    What is measured with these masks is not in the result yet.
+    """
     settings = corrected.settings
     period_s = typical_period_s([each.stances for each in corrected.feet])
     positions = [foot.leg_position for foot in settings.feet]
@@ -211,11 +132,18 @@ def mask_walk(corrected: Corrected) -> MaskedWalk:
         )
         for row, (record, path) in enumerate(zip(records, corrected.places, strict=True))
     )
-    return MaskedWalk(
+    return Stats(
+        recording=corrected.recording,
         settings=settings,
+        frames=corrected.frames,
+        turned=corrected.turned,
+        base_history=recorded,
+        leaning_rad=corrected.leaning_rad,
+        topics=corrected.topics,
+        clocks=corrected.clocks,
+        beside=tuple(each for each in (corrected.commands, corrected.inertial) if each),
         records=records,
         poses=base,
-        recorded_poses=recorded,
         jumps=jumps,
         frozen=frozen,
         witness=witness,
@@ -231,6 +159,7 @@ def mask_walk(corrected: Corrected) -> MaskedWalk:
         push=net_push(feet),
         rise_m=rise_m,
         vertical_known=weighed.share_of == "vertical_impulse",
+        loads=weighed,
     )
 
 
