@@ -167,11 +167,15 @@ def measure_recording(
     recording, moved = with_poses_of_base(recording, plan.selection)
     selection, model = plan.selection, None
     if recording.joints:
+        from dogbot_logtool.robot.measuring.array_feet import named_by_legs  # noqa: PLC0415
         from dogbot_logtool.robot.measuring.by_legs import read_model, told_by_legs  # noqa: PLC0415
 
         found = read_model(log, options.urdf)
         model = found.robot
         recording, selection = told_by_legs(recording, selection, found)
+        if named := named_by_legs(log, options, selection, recording.feet):
+            others = (each for each in selection.findings if each.code != "FEET_UNSURE")
+            selection = replace(selection, findings=(*others, named))
     # Up to the ends of a log that is read whole, silence is known.
     start, end = plan.wanted.limits
     settings = replace(
