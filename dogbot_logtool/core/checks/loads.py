@@ -21,6 +21,8 @@ _RATIO: Final = "forces.vertical_impulse_over_weight"
 
 def no_force(stats: Stats) -> Iterator[Finding]:
     """Yield feet whose sensors tell contact only."""
+    if stats.settings.contact_from:
+        return
     for foot in stats.feet:
         others = [each.record for each in stats.feet if each is not foot]
         touches = len(foot.stances.touchdown) > 0
