@@ -19,7 +19,7 @@ from dogbot_logtool.core.checks.voids import void_columns, void_patterns
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.corrected import usable_samples
-from dogbot_logtool.core.gait.feet import FootSteps
+from dogbot_logtool.core.gait.feet import FIGURES, FootSteps
 from dogbot_logtool.core.metrics import (
     Event,
     Finding,
@@ -41,10 +41,10 @@ from dogbot_logtool.io.storage import Location, location
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.table_file import stride_table
 from dogbot_logtool.results import Measurement
-from dogbot_logtool.robot.topics.annotated import open_recorded
+from dogbot_logtool.robot.annotated import open_recorded
 
 if TYPE_CHECKING:
-    from dogbot_logtool.robot.options import StatsOptions
+    from dogbot_logtool.options import MeasureOptions
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,7 +53,7 @@ class Walk:
 
     path: Location
     _measured: Measurement
-    _options: "StatsOptions" = field(repr=False)
+    _options: "MeasureOptions" = field(repr=False)
 
     def __repr__(self) -> str:
         gait = self.gait.name or "gait not known"
@@ -138,7 +138,7 @@ class Walk:
         }
         void = void_patterns(self._measured.findings)
         known = [_stance_columns(foot, void) for foot in feet]
-        for name in _STANCE_FIGURES:
+        for name in _COLUMNS:
             columns[name] = _joined([each[name] for each in known])
         return Table(columns)
 
@@ -240,12 +240,10 @@ class Walk:
             CallError: the file may not be written.
             LogtoolError: matplotlib is not installed, or there are no feet.
         """
-        from dogbot_logtool.commands.plot import refuse_bad_plot, write_plot  # noqa: PLC0415
-        from dogbot_logtool.robot.options import PlotOptions  # noqa: PLC0415
+        from dogbot_logtool.commands.plot import draw_figure, refuse_bad_figure  # noqa: PLC0415
 
-        drawing = PlotOptions(Path(target), overwrite=overwrite)
-        refuse_bad_plot(drawing, [self.path])
-        return write_plot(self._measured, drawing)
+        refuse_bad_figure(Path(target), [self.path], overwrite=overwrite)
+        return draw_figure(self._measured, Path(target), overwrite=overwrite)
 
     def report(self, target: PathOrName, *, replay: bool = True, overwrite: bool = False) -> None:
         """Read the log again and write its page: what `dogbot-logtool report` does.
@@ -286,12 +284,12 @@ class Walk:
 
     def _samples(self) -> tuple[Samples, ...]:
         """Read the contact samples of each foot, as they were measured."""
-        log = open_recorded(self.path, self._options.topics.joined)
+        log = open_recorded(self.path, self._options.joined)
         try:
-            found = measure_log(log, self._options)
+            walk = measure_log(log, self._options).measurement.stats
         finally:
             log.close()
-        return usable_samples(found.recording, found.measurement.stats.settings)
+        return usable_samples(walk.recording, walk.settings)
 
     def _sample_columns(self, foot: int, samples: Samples) -> dict[str, NDArray[Any]]:
         """Return the columns of some samples of a foot."""
@@ -334,7 +332,7 @@ class Walk:
 def _stance_columns(foot: FootSteps, void: Sequence[str]) -> Mapping[str, Floats]:
     """Return metrics of a foot's stances, (k,) by name; NaN where not known or void."""
     figures = foot.stances.figures
-    columns = {name: getattr(figures, figure) for name, figure in _STANCE_FIGURES.items()}
+    columns = {name: getattr(figures, name) for name in _COLUMNS}
     return void_columns(columns, foot.name, void)
 
 
@@ -346,20 +344,11 @@ _CUTS = {
     Cut.GAP: "gap",
     Cut.STANDING: "standing",
     Cut.FALL: "fall",
-    Cut.OUTSIDE: "outside",
 }
-_STANCE_FIGURES = {
-    "peak_force_n": "peak_n",
-    "mean_force_n": "mean_n",
-    "peak_vertical_force_n": "peak_vertical_n",
-    "mean_vertical_force_n": "mean_vertical_n",
-    "vertical_impulse_ns": "vertical_impulse_ns",
-    "loading_rate_nps": "loading_rate_nps",
-    "impact_ratio": "impact_ratio",
-    "contact_travel_m": "contact_travel_m",
-    "friction_use": "friction_use",
-}
-"""Columns of `Walk.stances`, and where they come from in `StanceFigures`."""
+
+
+_COLUMNS = (*FIGURES[:4], "vertical_impulse_ns", *FIGURES[4:])
+"""Columns of `Walk.stances` that are figures of `StanceFigures`."""
 
 
 def _numbers(values: list[Any]) -> Floats:

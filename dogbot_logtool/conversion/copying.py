@@ -1,22 +1,23 @@
 """What is made of recorded messages while they are read: copies, byte for byte, and arrows."""
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from fnmatch import fnmatchcase
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import concatenated
-from dogbot_logtool.core.scene.arrows import ArrowCounts, Arrows, classic_arrows, no_arrows
+from dogbot_logtool.core.scene.arrows import Arrows, classic_arrows, no_arrows
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
+from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Batch, Channel, Chunk, LoadedChunk, Log, Messages
 from dogbot_logtool.reader.messages.contact_messages import read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels
-from dogbot_logtool.robot.options import ConvertOptions
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.writer.chunks import (
     Compression,
     FinishedChunk,
@@ -36,7 +37,7 @@ class CopiedSpan:
     """A chunk of the log itself is copied as it stands."""
     arrows: Arrows
     """Of contact states as they are recorded, for a style that draws these."""
-    counts: ArrowCounts
+    counts: Counter[str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +61,8 @@ class Copier:
         chunks = copied_chunks(log, kept, self.compression) if self.copies else ()
         return CopiedSpan(tuple(chunks), arrows, counts)
 
-    def _arrows(self, batch: Batch) -> tuple[Arrows, ArrowCounts]:
-        found, counts = [no_arrows()], ArrowCounts()
+    def _arrows(self, batch: Batch) -> tuple[Arrows, Counter[str]]:
+        found, counts = [no_arrows()], Counter[str]()
         if self.drawn:
             for decoded in read_contacts(batch.in_time_order(), self.drawn, self.feet):
                 if decoded.reduced.contacts is not None:
@@ -160,10 +161,10 @@ def channels_left_out(log: Log, options: ConvertOptions) -> frozenset[int]:
     Raises:
         CallError: topics are chosen, but nothing is copied.
     """
-    if not (options.copied_topics or options.topics_left_out):
+    if not options.topics:
         return frozenset()
     if not options.copy:
-        raise CallError("--topics and --without choose what is copied; --no-copy copies nothing")
+        raise CallError("--topics chooses what is copied; --no-copy copies nothing")
     return frozenset(
         channel.id
         for channel in log.channels.values()
@@ -175,13 +176,9 @@ def channels_left_out(log: Log, options: ConvertOptions) -> frozenset[int]:
 def copy_findings(log: Log, options: ConvertOptions, left_out: frozenset[int]) -> Iterator[Finding]:
     """Say what is left out, and which patterns fit no topic."""
     topics = {channel.topic for channel in log.channels.values()}
-    for option, globs in (
-        ("--topics", options.copied_topics),
-        ("--without", options.topics_left_out),
-    ):
-        for glob in globs:
-            if not any(fnmatchcase(topic, glob) for topic in topics):
-                yield Finding("COPY", f"{option} {glob} fits no topic of the log")
+    for glob in options.topics:
+        if not any(fnmatchcase(topic, glob.removeprefix("!")) for topic in topics):
+            yield Finding("COPY", f"--topics {glob} fits no topic of the log")
     if left_out:
         names = sorted({log.channels[number].topic for number in left_out})
         messages = sum(log.counts.get(number, 0) for number in left_out)

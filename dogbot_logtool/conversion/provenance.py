@@ -11,7 +11,6 @@ from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import file_name
 from dogbot_logtool.provenance import PROVENANCE
 from dogbot_logtool.reader.containers.log import Log, Loss, lost_messages
-from dogbot_logtool.robot.topics.annotated import annotations_left_out
 from dogbot_logtool.writer.mcap_writer import metadata_record
 
 _LONGEST_NUMBER: Final = 18
@@ -27,10 +26,10 @@ def provenance_record(
         "style": options.style,
         "encoding": options.encoding,
         "copy": options.copy,
-        "wrench_frame": options.wrench_frame,
+        "wrench_frame": robot.wrench_frame,
         "force_in_world": force_in_world,
         "tf": options.tf,
-        "tf_rate_hz": options.tf_rate_hz,
+        "tf_rate_hz": options.tf_rate,
         "robot": robot.name,
         "mass_kg": robot.mass_kg,
         "world_frame": plan.world_frame,
@@ -55,7 +54,7 @@ def _origin(log: Log, plan: ConversionPlan) -> dict[str, object]:
     For a log that was annotated before, that is the log which it was made from, as long as a part
     of its time is not cut out anew.
     """
-    start_s, end_s = plan.options.start_s, plan.options.end_s
+    start_s, end_s = plan.options.start, plan.options.end
     earlier = _earlier(log)
     if earlier and not any(
         (start_s, end_s, *(each.get(key) for each in earlier[1:] for key in ("start_s", "end_s")))
@@ -84,7 +83,7 @@ def _loss(log: Log, losses: Sequence[Loss]) -> dict[str, object]:
 
 
 def _earlier(log: Log) -> Sequence[Mapping[str, str]]:
-    annotations = annotations_left_out(log)
+    annotations = log.annotations
     return annotations.records if annotations else ()
 
 

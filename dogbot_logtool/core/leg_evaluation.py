@@ -7,14 +7,14 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, aggregate
-from dogbot_logtool.core.base.poses import without_jumps
+from dogbot_logtool.core.base.foot_path import FootPath
 from dogbot_logtool.core.corrections.clock import ClockDifference, too_far_apart
 from dogbot_logtool.core.frames.transforms import TransformBuffer
 from dogbot_logtool.core.gait.feet import FootSteps
-from dogbot_logtool.core.gait.support import typical_period_s
+from dogbot_logtool.core.gait.strides import typical_period_s
 from dogbot_logtool.core.legs.joints import JointTable, JointTrack, joint_tracks
 from dogbot_logtool.core.legs.legs import LegFigures, LegFoot, joint_curve, summed_work
-from dogbot_logtool.core.legs.paths import FootPath, LegSettings, foot_path
+from dogbot_logtool.core.legs.paths import LegSettings, foot_path
 from dogbot_logtool.core.legs.swings import (
     STEPS,
     SWINGS,
@@ -94,7 +94,7 @@ def _feet(
     joints_apart: bool,
 ) -> tuple[LegFoot, ...]:
     """Return the leg of each foot."""
-    base = without_jumps(stats.base_history, stats.jumps)
+    base = stats.poses
     legs, stood = [], []
     for row, foot in enumerate(stats.feet):
         chain, path = settings.chains[row], paths[row]
@@ -221,7 +221,7 @@ def _cost(stats: Stats, absolute_j: Floats) -> float | None:
     weight = stats.loads.weight_n
     if weight is None or not stats.feet:
         return None
-    way = stats.feet[stats.reference].length_m
+    way = stats.feet[stats.reference].base_way_m
     known = np.isfinite(absolute_j) & np.isfinite(way)
     total = float(way[known].sum())
     return float(absolute_j[known].sum()) / (weight * total) if total >= SHORTEST_WAY_M else None

@@ -6,13 +6,11 @@ needs. ``None`` is "not measured"; `WalkMetrics.null_because` names the cause. S
 for each segment.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Annotated, Final
 
-from dogbot_logtool.core import records
 from dogbot_logtool.core.records import Count, Number, Numbers, Of, Shape, Spread, Text
-from dogbot_logtool.dataclass import dataclass
 
 SCHEMA_VERSION: Final = 3
 """Grows with every change of meaning."""
@@ -27,6 +25,8 @@ NEEDS: Final[Mapping[str, str]] = {
     "leg positions": "leg positions not known",
     "base": "no poses of the base",
     "points": "no contact points",
+    "places": "no places of this foot, and no poses of the base",
+    "straight": "no places of this foot, and the base turns in its strides",
     "foot frame": "no transforms or joints of the legs",
     "leg rate": "legs or contacts sampled below 100 Hz",
     "rolling": "foot_rolling_m not known: --set foot_rolling_m=M",
@@ -44,6 +44,13 @@ NEEDS: Final[Mapping[str, str]] = {
     "stamps": "no header stamps",
 }
 """What a log may lack, and the sentence that says so; of several the first is told."""
+
+
+_PHASED: Final = ("feet", "strides", "phases", "leg positions")
+_FOUR: Final = ("feet", "four feet", "strides", "phases", "leg positions")
+_VERTICAL: Final = ("contact", "force", "vertical force")
+_PRESSED: Final = ("feet", "base", "points", "force", "vertical force", "all feet")
+_SWUNG: Final = ("strides", "base", "foot frame")
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,11 +177,9 @@ class Phase:
 class LimbPhase:
     """Hind against fore feet, a side."""
 
-    left: Annotated[Number, Of("cycles", "feet", "four feet", "strides", "phases", "leg positions")]
+    left: Annotated[Number, Of("cycles", *_FOUR)]
     """Share of the stride by which the left hind footfall precedes the left fore one."""
-    right: Annotated[
-        Number, Of("cycles", "feet", "four feet", "strides", "phases", "leg positions")
-    ]
+    right: Annotated[Number, Of("cycles", *_FOUR)]
     """The same on the right."""
 
 
@@ -192,24 +197,22 @@ class SupportSet:
 class Gait:
     """Coordination of the feet over a span."""
 
-    name: Annotated[Text, Of("", "feet", "strides", "phases", "leg positions")]
+    name: Annotated[Text, Of("", *_PHASED)]
     """Class of the gait by its phases (walk, amble, trot, pace, gallop, canter, half-bound, bound,
     pronk; run and hop of two feet; tripod, tetrapod and wave of six): the nearest one, if the
     phases deviate by at most 0.1 cycles and every R exceeds 0.8; else irregular. stand: all feet
     are down for longer than 1 s and than a stride."""
-    confidence: Annotated[Number, Of("", "feet", "strides", "phases", "leg positions")]
+    confidence: Annotated[Number, Of("", *_PHASED)]
     """(1 - class_distance / 0.2) x lowest R of the phases x min(1, strides / 3), 0 to 1; 1 for a
     stand. High from 0.8, fair from 0.5, low below."""
-    sequence: Annotated[Text, Of("", "feet", "strides", "phases", "leg positions")]
+    sequence: Annotated[Text, Of("", *_PHASED)]
     """Order of the feet, where the class leaves it open: lateral or diagonal in a walk, rotary or
     transverse in a gallop."""
-    nearest_name: Annotated[Text, Of("", "feet", "strides", "phases", "leg positions")]
+    nearest_name: Annotated[Text, Of("", *_PHASED)]
     """Class whose phases are nearest, whether it fits or not."""
-    class_distance: Annotated[Number, Of("cycles", "feet", "strides", "phases", "leg positions")]
+    class_distance: Annotated[Number, Of("cycles", *_PHASED)]
     """Largest deviation of the phases from what defines the nearest class."""
-    diagonality: Annotated[
-        Number, Of("cycles", "feet", "four feet", "strides", "phases", "leg positions")
-    ]
+    diagonality: Annotated[Number, Of("cycles", *_FOUR)]
     """Share of the stride by which a hind footfall precedes the fore one of its side, mean of both
     sides on the circle (Cartmill, Lemelin and Schmitt 2002)."""
     limb_phase: LimbPhase
@@ -265,26 +268,26 @@ class Foot:
     """Stance over stride period (Hildebrand 1965; Alexander 1984)."""
     stride_frequency_hz: Annotated[Number, Of("Hz", "contact", "strides")]
     """Whole strides over the sum of their periods."""
-    stride_length_m: Annotated[Spread, Of("m", "strides", "base")]
-    """Horizontal distance from footfall to footfall."""
-    stride_length_from: Annotated[Text, Of("", "strides", "base")]
+    stride_length_m: Annotated[Spread, Of("m", "strides", "places", "straight")]
+    """Horizontal distance from each place where the foot stands to its next one."""
+    stride_length_from: Annotated[Text, Of("", "strides", "places", "straight")]
     """What it is measured by: points, foot_frame or base (the base's way, equal where the robot
     goes straight)."""
-    step_length_m: Annotated[Spread, Of("m", "strides", "base", "foot frame", "leg positions")]
+    step_length_m: Annotated[Spread, Of("m", *_SWUNG, "leg positions")]
     """Distance ahead of the opposite foot's footfall, along the foot's swing."""
-    step_width_m: Annotated[Spread, Of("m", "strides", "base", "foot frame", "leg positions")]
+    step_width_m: Annotated[Spread, Of("m", *_SWUNG, "leg positions")]
     """The same across it."""
-    clearance_m: Annotated[Spread, Of("m", "strides", "base", "foot frame")]
+    clearance_m: Annotated[Spread, Of("m", *_SWUNG)]
     """Highest point of a swing above the straight line between the foot's places in the middle of
     the stances before and after."""
-    swing_length_m: Annotated[Spread, Of("m", "strides", "base", "foot frame")]
+    swing_length_m: Annotated[Spread, Of("m", *_SWUNG)]
     """Horizontal distance of the foot's places in the stances before and after a swing."""
-    touchdown_down_mps: Annotated[Spread, Of("m/s", "strides", "base", "foot frame", "leg rate")]
+    touchdown_down_mps: Annotated[Spread, Of("m/s", *_SWUNG, "leg rate")]
     """Downward velocity of the foot one contact sample before touchdown: slope there of the
     parabola that fits its places of the 30 ms before."""
-    touchdown_along_mps: Annotated[Spread, Of("m/s", "strides", "base", "foot frame", "leg rate")]
+    touchdown_along_mps: Annotated[Spread, Of("m/s", *_SWUNG, "leg rate")]
     """Horizontal speed of the foot, likewise."""
-    height_over_stride_m: Annotated[Shape, Of("m", "strides", "base", "foot frame")]
+    height_over_stride_m: Annotated[Shape, Of("m", *_SWUNG)]
     """Height of the foot above the line of its clearance over the gait cycle."""
     contact_travel_m: Annotated[Spread, Of("m", "contact", "points", "strides")]
     """Horizontal distance of the contact points at 10 % and 90 % of a stance, rolling included."""
@@ -307,43 +310,27 @@ class Foot:
     """peak_force_n over the body weight."""
     mean_force_n: Annotated[Spread, Of("N", "contact", "force", "strides")]
     """Mean |F| of a stance."""
-    peak_vertical_force_n: Annotated[
-        Spread, Of("N", "contact", "force", "vertical force", "strides")
-    ]
+    peak_vertical_force_n: Annotated[Spread, Of("N", *_VERTICAL, "strides")]
     """Largest vertical force of a stance, upwards in the world; lone spikes are left out."""
-    peak_vertical_force_bw: Annotated[
-        Spread, Of("BW", "contact", "force", "vertical force", "weight", "strides")
-    ]
+    peak_vertical_force_bw: Annotated[Spread, Of("BW", *_VERTICAL, "weight", "strides")]
     """peak_vertical_force_n over the body weight."""
-    mean_vertical_force_n: Annotated[
-        Spread, Of("N", "contact", "force", "vertical force", "strides")
-    ]
+    mean_vertical_force_n: Annotated[Spread, Of("N", *_VERTICAL, "strides")]
     """Mean vertical force of a stance."""
-    vertical_impulse_ns: Annotated[Number, Of("N s", "contact", "force", "vertical force")]
+    vertical_impulse_ns: Annotated[Number, Of("N s", *_VERTICAL)]
     """Integral of the vertical force over all time known."""
-    braking_impulse_ns: Annotated[
-        Spread, Of("N s", "contact", "force", "vertical force", "base", "strides")
-    ]
+    braking_impulse_ns: Annotated[Spread, Of("N s", *_VERTICAL, "base", "strides")]
     """Size of a stance's impulse against the base's forward axis at mid-stance."""
-    propulsive_impulse_ns: Annotated[
-        Spread, Of("N s", "contact", "force", "vertical force", "base", "strides")
-    ]
+    propulsive_impulse_ns: Annotated[Spread, Of("N s", *_VERTICAL, "base", "strides")]
     """Impulse of a stance along the base's forward axis at mid-stance."""
     loading_rate_nps: Annotated[Spread, Of("N/s", "contact", "force", "strides")]
     """Slope of |F| from 20 % to 80 % of the rise to the first peak of a stance."""
     impact_ratio: Annotated[Spread, Of("", "contact", "force", "strides")]
     """Highest |F| in the first 50 ms of a stance over the median |F| of the stance."""
-    friction_use: Annotated[
-        Spread, Of("", "contact", "force", "vertical force", "normals", "strides")
-    ]
+    friction_use: Annotated[Spread, Of("", *_VERTICAL, "normals", "strides")]
     """Tangential over normal force, 95th percentile of a stance."""
-    vertical_over_stride_n: Annotated[
-        Shape, Of("N", "contact", "force", "vertical force", "strides")
-    ]
+    vertical_over_stride_n: Annotated[Shape, Of("N", *_VERTICAL, "strides")]
     """Vertical force over the gait cycle: means of 25 parts of a stance, 0 in swing."""
-    forward_over_stride_n: Annotated[
-        Shape, Of("N", "contact", "force", "vertical force", "base", "strides")
-    ]
+    forward_over_stride_n: Annotated[Shape, Of("N", *_VERTICAL, "base", "strides")]
     """Force along the base's forward axis at mid-stance, likewise."""
 
 
@@ -409,14 +396,10 @@ class Stability:
     unknown_fraction: Annotated[Number, Of("", "feet", "base", "points", "all feet")]
     """Share of all time in which the base, or whether and where a foot stands, is not known. The
     rest of the time is stable."""
-    centre_of_pressure_forward_m: Annotated[
-        Spread, Of("m", "feet", "base", "points", "force", "vertical force", "all feet")
-    ]
+    centre_of_pressure_forward_m: Annotated[Spread, Of("m", *_PRESSED)]
     """Centre of pressure ahead of the base's origin: mean of the contact points, weighted by
     vertical force."""
-    centre_of_pressure_left_m: Annotated[
-        Spread, Of("m", "feet", "base", "points", "force", "vertical force", "all feet")
-    ]
+    centre_of_pressure_left_m: Annotated[Spread, Of("m", *_PRESSED)]
     """The same to the left of the base's origin."""
 
 
@@ -722,18 +705,3 @@ class Stride:
     """Positive work of the leg's joints in the stride."""
     absolute_work_j: Annotated[Number, Of("J", "joints", "efforts")]
     """Absolute work of them."""
-
-
-def void(walk: WalkMetrics, patterns: Sequence[str]) -> WalkMetrics:
-    """Set the metrics that match patterns to null, of the whole log and of each segment.
-
-    Args:
-        walk: its metrics.
-        patterns: paths, such as ``base.*`` or ``feet.front_left.slip_m``; a star stands for any
-            part of a path.
-    """
-    if not patterns:
-        return walk
-    segments = tuple(records.void(each, patterns) for each in walk.gait.segments)
-    voided = records.void(replace(walk, gait=replace(walk.gait, segments=())), patterns)
-    return replace(voided, gait=replace(voided.gait, segments=segments))

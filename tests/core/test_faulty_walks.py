@@ -178,7 +178,7 @@ def test_a_log_without_odometry_or_mass_says_so_instead_of_guessing() -> None:
     stats = analysed(replace(SETTINGS, mass_kg=None), [walk.samples(foot) for foot in range(4)])
     assert stats.base is None
     assert stats.stability is None
-    assert feet_of(stats)[0].stride_length_m is None
+    assert feet_of(stats)[0].stride_length_from == "points"
     assert stats.loads.vertical_impulse_over_weight is None
     assert {"NO_BASE", "MASS_UNKNOWN"} <= codes(stats)
 

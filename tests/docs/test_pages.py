@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Final
 
@@ -10,7 +11,7 @@ from pages import PAGES
 
 import dogbot_logtool as dl
 from dogbot_logtool.core.metrics import WalkMetrics
-from dogbot_logtool.core.records import from_json, metric_paths, values
+from dogbot_logtool.core.records import metric_paths
 from dogbot_logtool.finding import finding_kinds
 from tests.commands.test_planned import GRF, Plan, figures, write
 from tests.paths import ROOT, SAMPLE_LOGS
@@ -20,7 +21,7 @@ from tests.truth.log_file import write_log
 from tests.truth.sensed import pushed, with_imu
 from tests.truth.walking import Walk
 
-_CODE = re.compile(r'\bFinding\(\s*"([A-Z_]+)"')
+_CODE = re.compile(r'\b(?:Finding|found)\(\s*"([A-Z_]+)"')
 _CAPITALS = re.compile(r'"([A-Z]{2,}(?:_[A-Z]+)+)"')
 
 
@@ -42,18 +43,26 @@ def test_every_metric_is_measured_of_some_log(tmp_path: Path) -> None:
     walk = Walk(gait=WALK, seconds=12.0).recorded(200.0, 100.0)
     sensed = with_imu(pushed(walk, (0.6, 0.3, 0.0), 5.0))
     log = write_log(sensed, tmp_path / "sensed.mcap")
-    documents.append(dl.measure(log, mass=20.0, wrench_frame="world").stats)
+    documents.append(dl.measure(log, mass=20.0, set={"wrench_frame": "world"}).stats)
     goldens = SAMPLE_LOGS.glob("golden/*.stats.json")
     documents += [json.loads(golden.read_text(encoding="utf-8")) for golden in goldens]
-    known = {
-        ".".join(path)
-        for document in documents
-        for path, value, _ in values(from_json(WalkMetrics, document))
-        if value is not None
-    }
+    known = {path for document in documents for path in told(document)}
     wanted = [(path, pattern(path)) for path, _, _ in metric_paths(WalkMetrics)]
     unmeasured = {path for path, one in wanted if not any(map(one.fullmatch, known))}
     assert unmeasured == NOT_IN_THESE_LOGS
+
+
+def told(document: object, path: str = "") -> Iterator[str]:
+    """The paths of a document that are not null."""
+    items: Iterable[tuple[object, object]] = ()
+    if isinstance(document, dict):
+        items = document.items()
+    elif isinstance(document, list):
+        items = enumerate(document)
+    for key, value in items:
+        if value is not None:
+            yield f"{path}{key}"
+            yield from told(value, f"{path}{key}.")
 
 
 NOT_IN_THESE_LOGS: Final = {

@@ -9,6 +9,7 @@ from tests.truth import (
     gait_cases,
     habit_cases,
     other_cases,
+    pose_cases,
 )
 from tests.truth.judging import Case
 
@@ -24,6 +25,8 @@ def groups() -> dict[str, tuple[Case, ...]]:
         "Force sensors": tuple(fault_cases.sensors()),
         "Slopes and frames of the wrenches": tuple(fault_cases.slopes()),
         "Worlds": tuple(fault_cases.worlds()),
+        "Poses at fault": tuple(pose_cases.faults()),
+        "Sound poses": tuple(pose_cases.sound()),
         "Clocks and stamps": tuple(fault_cases.clocks()),
         "Lost messages and silence": tuple(fault_cases.losses()),
         "Mass": tuple(fault_cases.masses()),

@@ -93,8 +93,8 @@ def judge(case: Case, recording: Recording, found: Outcome) -> list[Judged]:
     walks = recording.truth.feet[0].stride_period_s is not None
     judged += _walk(case, recording, found) if walks else _no_steps(recording, found)
     judged += _whole(case, recording, found)
-    judged += _unknown(judged, found)
-    return [each for each in judged if each.figure not in case.skip]
+    judged = [each for each in judged if each.figure not in case.skip]
+    return judged + [each for each in _unknown(judged, found) if each.figure not in case.skip]
 
 
 def faults(judged: Sequence[Judged]) -> list[Judged]:
@@ -200,6 +200,8 @@ def _whole(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]
     within = max(allow.speed * speed, 0.01)
     wanted: tuple[tuple[str, str, float | None, float], ...] = (
         ("speed", "base.forward_speed_mps", speed, within),
+        ("lateral speed", "base.lateral_speed_mps", truth.lateral_speed_mps, within),
+        ("yaw rate", "base.yaw_rate_radps", truth.yaw_rate_radps, 0.01),
         ("path", "base.path_length_m", truth.path_length_m,
          0.05 + allow.speed * (truth.path_length_m or 0.0)),
         ("height", "base.height_m.mean", truth.height_m, 0.02 * (truth.height_m or 0.0)),
@@ -212,7 +214,7 @@ def _whole(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]
         ("climb", "base.climb_m", truth.climb_m, 0.05),
     )  # fmt: skip
     for name, key, true, allowed in wanted:
-        if true is None or ("margin" in name and recording.kind == "wrench"):
+        if true is None or ("margin" in name and recording.kind in {"wrench", "spot"}):
             continue
         yield _numbers(case, found, name, [key], [true], allowed)
 

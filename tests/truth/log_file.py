@@ -14,6 +14,7 @@ from tests.truth.messages import (
     GZ_CONTACTS,
     IMU,
     ODOMETRY,
+    SPOT,
     TF,
     TWIST,
     TWIST_STAMPED,
@@ -62,7 +63,7 @@ def _entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
 
 def _base_entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
     base, topic = recording.base, recording.robot.odometry_topic
-    template = messages.odometry(WORLD, BASE)
+    template = messages.odometry(WORLD, recording.child_frame)
     numbers = np.concatenate([base.position, base.orientation, base.velocity], axis=1)
     data = template.all_filled(base.stamp, numbers)
     yield from _rows(base.log_time, topic, ODOMETRY, data)
@@ -129,10 +130,23 @@ def _vector_entries(topic: VectorRecording, messages: Messages) -> Iterator[Entr
     yield from _rows(topic.log_time, topic.topic, name, data)
 
 
+def _spot_entries(recording: Recording, messages: Messages, foot: int) -> Iterator[Entry]:
+    """Tell contact, as 1 or 2, and place of all feet, once, with the first foot."""
+    if foot:
+        return
+    first = recording.feet[0]
+    numbers = np.concatenate(recording.places, axis=1)
+    touching = np.stack([each.touching for each in recording.feet], axis=1)
+    data = messages.spot(len(recording.feet)).all_filled(first.stamp, numbers)
+    filled = messages.with_contacts(data, len(recording.feet), touching)
+    yield from _rows(first.log_time, "/status/feet", SPOT, filled)
+
+
 _SENSORS: Final = {
     "contacts": _bumper_entries,
     "gz_contacts": _gz_entries,
     "wrench": _force_entries,
+    "spot": _spot_entries,
 }
 
 

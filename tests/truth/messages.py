@@ -8,7 +8,7 @@ import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from tests.oracles.walks import DEFINITIONS
-from tests.truth.recording import Floats, Ints
+from tests.truth.recording import Flags, Floats, Ints
 
 ODOMETRY: Final = "nav_msgs/msg/Odometry"
 WRENCH: Final = "geometry_msgs/msg/WrenchStamped"
@@ -17,6 +17,7 @@ TF: Final = "tf2_msgs/msg/TFMessage"
 TWIST: Final = "geometry_msgs/msg/Twist"
 TWIST_STAMPED: Final = "geometry_msgs/msg/TwistStamped"
 IMU: Final = "sensor_msgs/msg/Imu"
+SPOT: Final = "spot_msgs/msg/FootStateArray"
 GROUND: Final = "ground_plane::link::collision"
 GZ_CONTACTS: Final = "ros_gz_interfaces/msg/Contacts"
 _NEEDED: Final = (
@@ -28,6 +29,10 @@ _NEEDED: Final = (
     "ros_gz_interfaces/msg/Contact",
     GZ_CONTACTS,
 )
+FOOT_STATES: Final = "std_msgs/Header header\nspot_msgs/FootState[] states"
+"""As a fork has it: with a header."""
+MARK: Final = 0xE0
+"""Stands for the contact of the first foot, until it is set."""
 _STAMP: Final = (0x5A5A5A5A, 0x3B3B3B3B)
 """s and ns of a stamp that is to be filled."""
 _FIRST: Final = 1.0e200
@@ -74,6 +79,10 @@ class Messages:
         self.ros = ros
         self._definitions: dict[str, str] = {}
         self.store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_HUMBLE)
+        self.store.register(get_types_from_msg(FOOT_STATES, SPOT))
+        self.store.register(
+            get_types_from_msg(DEFINITIONS["spot_msgs/msg/FootState"], "spot_msgs/msg/FootState")
+        )
         for name in _NEEDED:
             if name not in self.store.types:
                 self.store.register(get_types_from_msg(DEFINITIONS[name], name))
@@ -111,6 +120,33 @@ class Messages:
         return self._template(
             WRENCH, self._make(WRENCH, header=self._header(frame), wrench=wrench), 3
         )
+
+    def spot(self, feet: int) -> Template:
+        """Fill with the place of each foot: 3 numbers a foot; contacts are set afterwards."""
+        blank = _blanks(3 * feet)
+        states = [
+            self._make(
+                "spot_msgs/msg/FootState",
+                foot_position_rt_body=self._xyz(
+                    "geometry_msgs/msg/Point", blank[3 * foot : 3 * foot + 3]
+                ),
+                contact=MARK + foot,
+            )
+            for foot in range(feet)
+        ]
+        return self._template(
+            SPOT, self._make(SPOT, header=self._header(""), states=states), 3 * feet
+        )
+
+    def with_contacts(self, data: Sequence[bytes], feet: int, touching: Flags) -> list[bytes]:
+        """Set the contacts, (n, feet), in messages that `spot` made: 1 made, 2 lost."""
+        blank = self.spot(feet).filled(0, [0.0] * (3 * feet))
+        at = [blank.index(MARK + foot) for foot in range(feet)]
+        filled = [bytearray(each) for each in data]
+        for message, row in zip(filled, touching.tolist(), strict=True):
+            for offset, touches in zip(at, row, strict=True):
+                message[offset] = 1 if touches else 2
+        return [bytes(each) for each in filled]
 
     def no_contact(self, frame: str) -> Template:
         """Nothing to fill: a bumper that touches nothing."""
@@ -193,20 +229,21 @@ class Messages:
         message = self._make(TWIST_STAMPED, header=self._header(frame), twist=self._twist())
         return self._template(TWIST_STAMPED, message, 3)
 
-    def imu(self, frame: str) -> Template:
-        """Fill with a linear acceleration: 3 numbers."""
+    def imu(self, frame: str, *, turns: bool = False) -> Template:
+        """Fill with a linear acceleration and, if asked for, a turn rate: 3 or 6 numbers."""
+        blank = _blanks(6)
         message = self._make(
             IMU,
             header=self._header(frame),
             orientation=self._quaternion((0.0, 0.0, 0.0, 1.0)),
-            angular_velocity=self._vector((0.0, 0.0, 0.0)),
-            linear_acceleration=self._vector(_blanks(3)),
+            linear_acceleration=self._vector(blank[:3]),
+            angular_velocity=self._vector(blank[3:] if turns else (0.0, 0.0, 0.0)),
             **{
                 f"{name}_covariance": np.zeros(9)
                 for name in ("orientation", "angular_velocity", "linear_acceleration")
             },
         )
-        return self._template(IMU, message, 3)
+        return self._template(IMU, message, 6 if turns else 3)
 
     def _twist(self) -> Any:
         x, y, yaw = _blanks(3)

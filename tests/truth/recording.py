@@ -53,6 +53,8 @@ class Truth:
     feet: tuple[FootTruth, ...]
     sequence: str | None = None
     forward_speed_mps: float = 0.0
+    lateral_speed_mps: float | None = None
+    yaw_rate_radps: float | None = None
     path_length_m: float | None = None
     """Horizontal."""
     height_m: float | None = None
@@ -138,9 +140,10 @@ class VectorRecording:
     frame: str = "base_link"
 
 
-SensorKind = Literal["contacts", "gz_contacts", "wrench"]
+SensorKind = Literal["contacts", "gz_contacts", "wrench", "spot"]
 """Contact states with points and normals of Gazebo classic or of the new Gazebo, which speaks in
-contact only; or a force sensor that reports no contact."""
+contact only; a force sensor that reports no contact; or flags and places in the base's axes of all
+feet in one message."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,6 +166,10 @@ class Recording:
     """Whether bumpers report in swing 30 N of contact with the robot's own body."""
     beside: tuple[VectorRecording, ...] = ()
     """Topics beside feet and base."""
+    places: tuple[Floats, ...] = ()
+    """(n, 3) m, of each foot in the base's axes, at the times of its messages."""
+    child_frame: str = "base_link"
+    """What the odometry says that its poses are of."""
     statics: tuple[tuple[str, tuple[float, ...]], ...] = ()
     """Frames that sit on the base: name, translation and quaternion, as one static transform."""
     given: dict[str, Any] = field(default_factory=dict)

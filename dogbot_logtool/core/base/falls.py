@@ -8,8 +8,9 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, percentiles_of
 from dogbot_logtool.core.base.motion import roll_and_pitch
-from dogbot_logtool.core.base.poses import GRAVITY_MPS2, BaseHistory
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.dataclass import dataclass
 
 TILT_RAD: Final = np.pi / 3.0

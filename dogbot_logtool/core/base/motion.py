@@ -9,7 +9,7 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, median_of
 from dogbot_logtool.core.base.ground import LOWEST_M, slope_rad
-from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.metrics import Base
@@ -156,8 +156,6 @@ class BaseTrack:
     feet: Sequence[FootHistory]
     standing: Ints
     """(s, 2) ns, time in which the robot stands."""
-    jumps: PoseJumps
-    """Jumps that are taken out of the poses' places, but not out of their yaw."""
 
 
 def base_motion(track: BaseTrack, forward_axis: str, within: Ints | None = None) -> Base | None:
@@ -182,7 +180,6 @@ def base_motion(track: BaseTrack, forward_axis: str, within: Ints | None = None)
     path = path_length_m(base, track.travel, walked)
     height = aggregate(track.height_m[rows])
     roll, pitch = roll_and_pitch(base.angles[rows], forward_axis)
-    jumped = track.jumps.turned_rad(int(base.time[first]), int(base.time[last]))
     net = base.position[last] - base.position[first]
     forward_speed = forward / duration if duration > 0.0 else None
     return Base(
@@ -191,8 +188,8 @@ def base_motion(track: BaseTrack, forward_axis: str, within: Ints | None = None)
         net_displacement_m=float(np.hypot(net[0], net[1])),
         forward_speed_mps=forward_speed,
         lateral_speed_mps=left / duration if duration > 0.0 else None,
-        yaw_change_rad=float(base.angles[last, 2] - base.angles[first, 2]) - jumped,
-        yaw_rate_radps=(turned - jumped) / duration if duration > 0.0 else None,
+        yaw_change_rad=float(base.angles[last, 2] - base.angles[first, 2]),
+        yaw_rate_radps=turned / duration if duration > 0.0 else None,
         height_m=height,
         climb_m=float(net[2]),
         slope_rad=slope_rad(track.feet, within),

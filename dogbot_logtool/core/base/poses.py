@@ -1,7 +1,7 @@
 """Poses of the base: as recorded, as a history at up to 100 Hz, and without jumps."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import field, replace
 from typing import Final
 
 import numpy as np
@@ -15,8 +15,6 @@ from dogbot_logtool.core.arrays import (
     concatenated,
     header_time,
     median_of,
-    median_of_known,
-    norms,
     picked,
 )
 from dogbot_logtool.core.corrections.clock import (
@@ -140,6 +138,8 @@ POSE_RATE_HZ: Final = 100.0
 """Interpolation between poses 10 ms apart misses 0.1 mm at 10 m/s^2; an hour of them is 20 MB."""
 LOOKUP_S: Final = 0.1
 """A pose further from a time than this does not tell where the base was."""
+SLOWEST_S: Final = 0.5
+"""The same of poses that are so rare."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,6 +159,14 @@ class BaseHistory:
     """(n, 3) rad, roll, pitch, yaw; yaw unwrapped."""
     gaps: Ints
     """(g, 2) ns, silences: last pose before, first one after."""
+    velocity: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    """(n, 3) m/s, the twist beside each pose, in the world or the body; empty: there is none."""
+    turn_rate: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    """(n, 3) rad/s, likewise."""
+    repeated: int = 0
+    """Messages that repeat the pose before while the base moves; left out."""
+    interval_s: float = 0.0
+    """s, the usual time between two poses; 0: as often as they are kept."""
 
     @property
     def known(self) -> Ints:
@@ -167,10 +175,23 @@ class BaseHistory:
             return timespans.no_spans()
         return timespans.subtract(self.time[[0, -1]][None, :], self.gaps)
 
+    @property
+    def _reach_ns(self) -> float:
+        """How far a pose tells of, ns: further where poses are rare."""
+        return max(LOOKUP_S, min(self.interval_s, SLOWEST_S)) * 1e9
+
     def without_poses(self) -> "BaseHistory":
         """Return the history of poses of which none can be used."""
         none = np.empty((0, 3))
-        return replace(self, time=self.time[:0], position=none, angles=none, gaps=self.gaps[:0])
+        return replace(
+            self,
+            time=self.time[:0],
+            position=none,
+            angles=none,
+            velocity=none,
+            turn_rate=none,
+            gaps=self.gaps[:0],
+        )
 
     def position_at(self, time: Ints) -> Floats:
         """Interpolate the position linearly between poses.
@@ -213,12 +234,12 @@ class BaseHistory:
         at: Floats = first + share * (values.take(after, axis=0) - first)
         # Both poses around a time must be near; beyond the ends there is only one.
         away = np.maximum(np.abs(since), np.abs(self.time[after] - time))
-        at[away > LOOKUP_S * 1e9] = np.nan
+        at[away > self._reach_ns] = np.nan
         return at
 
     def unplaced(self, spans: Ints) -> int:
         """Return the time in spans, ns, that lies further than 0.1 s from every pose."""
-        reach = round(LOOKUP_S * 1e9)
+        reach = round(self._reach_ns)
         if len(self.time) == 0:
             return timespans.total(spans)
         edges = np.concatenate([self.time[:1], self.gaps.ravel(), self.time[-1:]]).reshape(-1, 2)
@@ -238,8 +259,10 @@ def base_history(odometry: Odometry, clock: TimeSource, breaks: Ints | None = No
     usable = usable_poses(odometry)
     good = usable & ((time != 0) | (clock is TimeSource.LOG))
     good[good] = advancing(time[good])
-    longest = steady_gap_ns(np.diff(time[good]))
     rows = np.flatnonzero(good)
+    fresh = _distinct(odometry, rows)
+    rows = rows[fresh]
+    longest = steady_gap_ns(np.diff(time[rows]))
     kept = odometry.pick(rows[first_at_each_tick(time[rows], POSE_RATE_HZ)])
     time = clock.of(kept)
     angles = roll_pitch_yaw(normalised(kept.orientation))
@@ -252,7 +275,43 @@ def base_history(odometry: Odometry, clock: TimeSource, breaks: Ints | None = No
         position=kept.position,
         angles=angles,
         gaps=_gaps(time, longest, timespans.no_spans() if breaks is None else breaks),
+        velocity=kept.linear_velocity,
+        turn_rate=kept.angular_velocity,
+        repeated=int((~fresh).sum()),
+        interval_s=float(median_of(np.diff(time))) / 1e9 if len(time) > 1 else 0.0,
     )
+
+
+FEWEST_DISTINCT: Final = 5
+"""Changes of the pose from which it is told how often a topic repeats one."""
+
+
+def _distinct(odometry: Odometry, rows: Ints) -> Flags:
+    """Tell which messages tell a pose anew, where a topic sends each pose several times.
+
+    Args:
+        odometry: messages.
+        rows: (n,) those that can be used.
+
+    Returns:
+        (n,) all, where poses change from message to message. Of a pose that lasts, as that of a
+        robot that stands, some are kept, so that it is no gap.
+    """
+    position, turn = odometry.position[rows], odometry.orientation[rows]
+    same = (position[1:] == position[:-1]).all(axis=1)
+    fresh = np.ones(len(rows), np.bool_)
+    if not same.any():
+        return fresh
+    same &= (turn[1:] == turn[:-1]).all(axis=1)
+    first = np.flatnonzero(np.concatenate([[True], ~same]))
+    length = np.diff(first, append=len(rows))
+    if len(first) <= FEWEST_DISTINCT:
+        return fresh
+    usual = int(median_of(length[1:-1]))
+    if usual < 2:
+        return fresh
+    since = np.arange(len(rows)) - np.repeat(first, length)
+    return np.asarray(since % (2 * usual) == 0)
 
 
 def _gaps(time: Ints, longest_ns: float, breaks: Ints) -> Ints:
@@ -261,100 +320,3 @@ def _gaps(time: Ints, longest_ns: float, breaks: Ints) -> Ints:
     broken |= timespans.touches(breaks, time[:-1], time[1:])
     rows = np.flatnonzero(broken)
     return np.stack([time[rows], time[rows + 1]], axis=1)
-
-
-SMALLEST_JUMP_M: Final = 0.05
-"""m, what is smaller may be noise."""
-SMALLEST_TURN_RAD: Final = 0.02
-"""rad, the same."""
-GRAVITY_MPS2: Final = 9.81
-FALLS_AT_MPS: Final = 3.0
-"""m/s, a falling base is not faster."""
-COARSE_M: Final = 0.5
-"""m, smallest jump at rates so low that the base may change its speed between poses."""
-UNUSUAL: Final = 5.0
-"""Times by which a jump exceeds the third largest of the deviations around it."""
-_AROUND: Final = np.concatenate([np.arange(-10, 0), np.arange(1, 11)])
-"""Steps before and after that tell the base's own speed."""
-_FEWEST: Final = 6
-_CHUNK: Final = 20_000
-
-
-@dataclass(frozen=True, slots=True)
-class PoseJumps:
-    """Steps between neighbouring poses that are no motion of the base."""
-
-    spans: Ints
-    """(j, 2) ns, the pose before and the one after each jump."""
-    size_m: Floats
-    """(j, 3) m, the step less what the base's own speed explains."""
-    turn_rad: Floats
-    """(j,) rad, by how much the yaw jumps, too."""
-
-    def turned_rad(self, start: int, end: int) -> float:
-        """Return how far all jumps between two times, ns, turn the base."""
-        inside = (self.spans[:, 0] >= start) & (self.spans[:, 1] <= end)
-        return float(self.turn_rad[inside].sum())
-
-
-def find_jumps(base: BaseHistory) -> PoseJumps:
-    """Find the steps that the median of the velocities around them does not explain.
-
-    A step counts that deviates from it by more than the other steps around do, more than a fall
-    explains, and more than a change of speed between two poses may be.
-    """
-    step = np.diff(base.position, axis=0)
-    in_gap = np.isin(base.time[:-1], base.gaps[:, 0])
-    candidates = np.flatnonzero((norms(step) > SMALLEST_JUMP_M) & ~in_gap)
-    parts = [
-        _unexplained(base.time, step, in_gap, candidates[first : first + _CHUNK])
-        for first in range(0, len(candidates), _CHUNK)
-    ]
-    size = np.concatenate(parts) if parts else np.empty((0, 3))
-    jumps = np.isfinite(size[:, 0])
-    rows = candidates[jumps]
-    spans = np.stack([base.time[rows], base.time[rows + 1]], axis=1)
-    return PoseJumps(spans, size[jumps], _turns(np.diff(base.angles[:, 2]), rows))
-
-
-def _turns(turn: Floats, rows: Ints) -> Floats:
-    """(j,) rad, the turns of some steps less the usual one of those around, where that is much."""
-    around = np.clip(rows[:, None] + _AROUND, 0, max(len(turn) - 1, 0))
-    unexplained: Floats = turn[rows] - median_of(turn[around], axis=1) if len(rows) else turn[:0]
-    return np.where(np.abs(unexplained) > SMALLEST_TURN_RAD, unexplained, 0.0)
-
-
-def _unexplained(time: Ints, step: Floats, in_gap: Flags, rows: Ints) -> Floats:
-    """(c, 3) m by which steps are no motion; NaN for those that are explained."""
-    seconds = np.diff(time) / 1e9
-    around = rows[:, None] + _AROUND
-    inside = (around >= 0) & (around < len(step))
-    around = np.clip(around, 0, len(step) - 1)
-    velocity = step[around] / seconds[around][:, :, None]
-    velocity[~inside | in_gap[around]] = np.nan
-    enough = np.isfinite(velocity[:, :, 0]).sum(axis=1) >= _FEWEST
-    velocity[~enough] = 0.0
-    usual = median_of_known(velocity, axis=1)
-    duration = seconds[rows][:, None]
-    size: Floats = step[rows] - usual * duration
-    deviation = np.nan_to_num(np.linalg.norm(velocity - usual[:, None, :], axis=2)) * duration
-    third = np.sort(deviation, axis=1)[:, -3]
-    change = np.minimum(GRAVITY_MPS2 * seconds[rows] ** 2 / 2.0, COARSE_M)
-    unexplained = size.copy()
-    unexplained[:, 2] = np.where(
-        size[:, 2] < 0.0,
-        np.minimum(size[:, 2] + FALLS_AT_MPS * seconds[rows], 0.0),
-        size[:, 2],
-    )
-    limit = np.maximum(np.maximum(SMALLEST_JUMP_M, change), UNUSUAL * third)
-    size[~enough | (norms(unexplained) <= limit)] = np.nan
-    return size
-
-
-def without_jumps(base: BaseHistory, jumps: PoseJumps) -> BaseHistory:
-    """Return the poses with the jumps taken out: the motion that the base made itself."""
-    if len(jumps.spans) == 0:
-        return base
-    passed = np.searchsorted(jumps.spans[:, 1], base.time, side="right")
-    moved = np.concatenate([np.zeros((1, 3)), np.cumsum(jumps.size_m, axis=0)])
-    return replace(base, position=base.position - moved[passed])

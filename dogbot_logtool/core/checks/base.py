@@ -7,9 +7,8 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.base.axes import WALKED_M
-from dogbot_logtool.core.checks.wording import counted
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, counted
 
 
 def worlds_differ(stats: Stats) -> Iterator[Finding]:
@@ -60,7 +59,7 @@ def falls(stats: Stats) -> Iterator[Finding]:
 def poses(stats: Stats) -> Iterator[Finding]:
     """Yield how many poses are missing or cannot be used."""
     record = stats.base_history
-    if stats.base is None and stats.leaning_rad is not None:
+    if stats.base is None and (stats.leaning_rad is not None or stats.frozen is not None):
         return
     if record.messages and record.not_usable == record.messages:
         all_poses = counted(record.messages, "pose")
@@ -147,7 +146,7 @@ def forward_axis(stats: Stats) -> Iterator[Finding]:
         text = (
             f"the robot moves to the {side} of its forward axis {axis}, at {abs(left):.2f} m/s "
             f"against {forward:.2f} m/s forward: if it does not walk sideways, another "
-            "--forward-axis is right"
+            "forward_axis is right"
         )
         yield Finding("FORWARD_AXIS", text, "base.forward_speed_mps")
 
@@ -158,10 +157,11 @@ def pose_jumps(stats: Stats) -> Iterator[Finding]:
     if len(jumps.spans) == 0:
         return
     size = norms(jumps.size_m)
-    at = stats.seconds(jumps.spans[:, 1])[int(size.argmax())]
+    turn = np.degrees(np.abs(jumps.turn_rad))
+    at = stats.seconds(jumps.spans[:, 1])[int((size + np.radians(turn)).argmax())]
     text = (
-        f"the base's pose has {counted(len(jumps.spans), 'jump')}, the largest of "
-        f"{size.max():.2f} m at {at:.2f} s; path, speeds, turns and stride lengths leave them "
-        "out"
+        f"the base's pose has {counted(len(jumps.spans), 'jump')} that neither the speeds nor the "
+        f"turns around them explain, of up to {size.max():.2f} m and {turn.max():.0f} degrees, the "
+        f"largest at {at:.2f} s; path, speeds, turns and stride lengths leave them out"
     )
     yield Finding("POSE_JUMP", text, "base.path_length_m")

@@ -1,84 +1,35 @@
 """All checks of a walk: functions that yield findings, each naming the metrics that it voids.
 
-A check reads what was measured and changes nothing; what its findings void is set to null
-afterwards, in one place (`voids.py`).
+A check is a generator in one of these modules that takes what was measured, and nothing else. It
+changes nothing; what its findings void is set to null afterwards, in one place (`records.void`).
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
+from inspect import isgeneratorfunction
 from typing import Final
 
-from dogbot_logtool.core.checks import base, clock, commands, gait, imu, legs, loads, sensors
+from dogbot_logtool.core.checks import base, clock, commands, gait, imu, legs, loads, poses, sensors
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.finding import Finding, Severity
+from dogbot_logtool.finding import Finding
 
 Check = Callable[[Stats], Iterator[Finding]]
-
-CHECKS: Final[tuple[Check, ...]] = (
-    clock.clock_set,
-    clock.clocks_differ,
-    clock.feet_silent,
-    clock.topics_timed,
-    base.worlds_differ,
-    base.falls,
-    base.poses,
-    base.up_axis,
-    base.height_drifts,
-    base.sides_swapped,
-    base.forward_axis,
-    base.pose_jumps,
-    sensors.unloaded_levels,
-    sensors.silent_feet,
-    sensors.dead,
-    sensors.stuck,
-    sensors.stopped,
-    sensors.saturated,
-    sensors.spikes,
-    sensors.samples_left_out,
-    sensors.chatter,
-    sensors.sampled_slowly,
-    gait.no_class,
-    gait.other_reference_foot,
-    gait.moves_without_steps,
-    gait.lifted,
-    gait.several_gaits,
-    gait.against_plan,
-    gait.slips,
-    loads.no_force,
-    loads.mass_unknown,
-    loads.impulse_is_not_weight,
-    loads.forces_lean,
-    loads.forces_push,
-    legs.foot_frames,
-    legs.sampled_slowly,
-    legs.joint_clocks,
-    legs.joint_work,
-    commands.refused,
-    commands.command_axes,
-    commands.on_log_time,
-    commands.no_command,
-    imu.scale,
-    imu.mounting,
-    imu.forces_odd,
-    imu.forces_turned,
+MODULES: Final = (clock, base, poses, sensors, gait, loads, legs, commands, imu)
+CHECKS: Final[tuple[Check, ...]] = tuple(
+    each
+    for module in MODULES
+    for name, each in vars(module).items()
+    if isgeneratorfunction(each) and each.__module__ == module.__name__
+    if not name.startswith("_") and [*each.__annotations__] == ["stats", "return"]
 )
 """In order of the subjects; findings are sorted by consequence."""
-MOST_FIRST: Final = 3
-"""Findings that a report begins with."""
 
 
 def findings_of(stats: Stats) -> tuple[Finding, ...]:
     """Make all checks, and return what they find: what is of most consequence first."""
-    found = [finding for check in CHECKS for finding in check(stats)]
-    return tuple(sorted(found, key=consequence))
+    made = [finding for check in CHECKS for finding in check(stats)]
+    return tuple(sorted(made, key=_consequence))
 
 
-def consequence(finding: Finding) -> tuple[int, float]:
+def _consequence(finding: Finding) -> tuple[int, float]:
     """Return the key that sorts findings: what makes most metrics doubtful comes first."""
     return finding.severity, float("inf") if finding.rank is None else finding.rank
-
-
-def first_of(findings: Sequence[Finding]) -> list[Finding]:
-    """Return what to look at first: of errors and ranked findings, those of most consequence."""
-    grave = [each for each in findings if each.rank or each.severity is Severity.ERROR]
-    by_code = {each.code: each for each in sorted(grave, key=consequence, reverse=True)}
-    return list(by_code.values())[::-1][:MOST_FIRST]

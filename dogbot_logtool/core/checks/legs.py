@@ -7,9 +7,8 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import median_of
-from dogbot_logtool.core.base.poses import without_jumps
 from dogbot_logtool.core.checks.loads import direction_is_doubtful
-from dogbot_logtool.core.gait.support import typical_period_s
+from dogbot_logtool.core.gait.strides import typical_period_s
 from dogbot_logtool.core.leg_evaluation import paired
 from dogbot_logtool.core.legs.doubts import LegSigns, contradiction, leg_signs, shortfall
 from dogbot_logtool.core.legs.legs import LegFigures
@@ -68,7 +67,8 @@ def joint_work(stats: Stats) -> Iterator[Finding]:
     signs = _signs(stats, legs)
     odd = contradiction(legs.moving, legs.settings.foot_of_joint, stats.loads.weight_n)
     if odd := odd or _other_unit(stats, signs):
-        yield Finding("JOINT_VALUES", f"no work is known: {odd}", _WORK)
+        cases = () if odd.startswith("velocities") else ("efforts",)
+        yield Finding("JOINT_VALUES", f"no work is known: {odd}", _WORK, cases=cases)
         return
     without = [joint.name for joint in legs.moving if not joint.has_effort]
     if without:
@@ -127,7 +127,7 @@ def _signs(stats: Stats, legs: LegFigures) -> dict[str, LegSigns]:
     """Judge the efforts of each leg by the force on its foot, where both are known."""
     if not stats.feet or direction_is_doubtful(stats):
         return {}
-    base = without_jumps(stats.base_history, stats.jumps)
+    base = stats.poses
     found = {}
     for row, (foot, leg) in enumerate(zip(stats.feet, legs.feet, strict=True)):
         told = foot.vertical_over_stride is not None and foot.forward_over_stride is not None
@@ -171,7 +171,7 @@ def _effort_signs(
     if weight is None or astray or not judges_all or len(judged) == len(legs.feet):
         return
     strides = stats.feet[stats.reference].strides
-    base = without_jumps(stats.base_history, stats.jumps)
+    base = stats.poses
     short = shortfall(legs.work, strides, base, weight)
     if short is not None:
         text = (

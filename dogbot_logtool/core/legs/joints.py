@@ -6,14 +6,13 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints
+from dogbot_logtool.core.base.foot_path import LONGEST_STEP_S
 from dogbot_logtool.core.corrections.clock import TimeSource, advancing, check_stamps
 from dogbot_logtool.core.metrics import Joint
 from dogbot_logtool.dataclass import dataclass
 
 MOST_JOINTS: Final = 256
 """Joints of a robot that are followed; no robot with legs has more."""
-LONGEST_STEP_S: Final = 0.1
-"""s between two messages; a longer step is a silence, across which nothing is interpolated."""
 NEAR_LIMIT: Final = 0.02
 """Share of a joint's range: closer to an end than this is near a limit."""
 NEAR_FULL: Final = 0.95
@@ -240,28 +239,3 @@ def _near_limit(limits: JointLimits, position: Floats, effort: Floats, speed: Fl
 def _middles(values: Floats) -> Floats:
     middles: Floats = (values[1:] + values[:-1]) / 2.0
     return middles
-
-
-def silent_before(time: Ints) -> Flags:
-    """(n,) whether a silence lies between a row and the one before; time: (n,) ns."""
-    silent: Flags = np.diff(time, prepend=time[:1]) > LONGEST_STEP_S * 1e9
-    return silent
-
-
-def unbroken(time: Ints, breaks: Flags, start: Ints, end: Ints) -> Flags:
-    """Tell which spans rows cover to their ends, without a break between two of the rows.
-
-    Args:
-        time: (n,) ns, of the rows, increasing.
-        breaks: (n,) whether one lies between a row and the one before.
-        start: (m,) ns.
-        end: (m,) ns.
-    """
-    if not len(time):
-        return np.zeros(len(start), np.bool_)
-    so_far = np.cumsum(breaks)
-    first = np.searchsorted(time, start, side="right") - 1
-    last = np.searchsorted(time, end, side="left")
-    inside = (first >= 0) & (last < len(time))
-    whole: Flags = inside & (so_far[np.minimum(last, len(time) - 1)] == so_far[first])
-    return whole

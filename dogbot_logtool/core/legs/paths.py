@@ -9,19 +9,16 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, median_of
-from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.base.foot_path import FootPath, known_path, silent_before, unbroken
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
-from dogbot_logtool.core.frames.kinematics import Joint, link_poses
+from dogbot_logtool.core.frames.kinematics import Joint, Leg, Mass, leg_motion
 from dogbot_logtool.core.frames.transforms import TransformBuffer, chain_of_frames
-from dogbot_logtool.core.legs.joints import JointLimits, JointTrack, silent_before, unbroken
-from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
+from dogbot_logtool.core.legs.joints import JointLimits, JointTrack
+from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.dataclass import dataclass
 
 TRANSFORM_RATE_HZ: Final = 200.0
 JOINT_RATE_HZ: Final = 100.0
-SLOWEST_NS: Final = 11_000_000
-"""ns: a foot that is told less often has no velocity at touchdown."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,53 +68,6 @@ class LegSettings:
     """Transforms that hold for ever."""
 
 
-@dataclass(frozen=True, slots=True)
-class FootPath:
-    """The point of a foot over time, in the base's frame or in the world."""
-
-    time: Ints
-    """(n,) ns, strictly increasing."""
-    position: Floats | Float32s
-    """(n, 3) m."""
-    broken: Flags
-    """(n,) whether a silence lies between a row and the one before."""
-
-    def at(self, time: Ints) -> Floats:
-        """Interpolate linearly; time's shape and 3, m; NaN in silences and outside."""
-        if len(self.time) == 0:
-            return np.full((*time.shape, 3), np.nan)
-        most = len(self.time) - 1
-        after = np.clip(np.searchsorted(self.time, time), min(1, most), most)
-        before = np.maximum(after - 1, 0)
-        step = np.maximum(self.time[after] - self.time[before], 1)
-        share = ((time - self.time[before]) / step)[..., None]
-        position = self.position[before] + share * (self.position[after] - self.position[before])
-        outside = (time < self.time[0]) | (time > self.time[-1]) | self.broken[after]
-        position[outside] = np.nan
-        return np.asarray(position)
-
-    @property
-    def is_slow(self) -> bool:
-        """Whether the path is told too rarely for velocities."""
-        return len(self.time) < 2 or float(median_of(np.diff(self.time))) > SLOWEST_NS
-
-    def unbroken(self, start: Ints, end: Ints) -> Flags:
-        """(m,) whether the path is known all the way between two times each."""
-        return unbroken(self.time, self.broken, start, end)
-
-    def in_world(self, base: BaseHistory) -> "FootPath":
-        """Place the path in the world by the base's poses; times without one are left out."""
-        turn = from_roll_pitch_yaw(base.angles_at(self.time))
-        position = base.position_at(self.time) + rotate(turn, self.position.astype(np.float64))
-        return _path(self.time, position)
-
-
-def _path(time: Ints, position: Floats | Float32s) -> FootPath:
-    """Return the path of the times whose positions are known."""
-    known = np.isfinite(position).all(axis=1)
-    return FootPath(time[known], position[known], silent_before(time[known]))
-
-
 def foot_path(
     chain: LegChain | None,
     joints: Mapping[str, JointTrack],
@@ -144,7 +94,7 @@ def foot_path(
     poses = statics.then(frames).lookup(chain.frames[0], chain.base, at.time, at.log_time)
     position = poses.translation + rotate(poses.rotation, np.array([chain.point]))
     position[~poses.known] = np.nan
-    return _path(at.time, position.astype(np.float32)) if poses.known.any() else None
+    return known_path(at.time, position.astype(np.float32)) if poses.known.any() else None
 
 
 def _path_by_joints(chain: LegChain, joints: Mapping[str, JointTrack]) -> FootPath | None:
@@ -161,18 +111,15 @@ def _path_by_joints(chain: LegChain, joints: Mapping[str, JointTrack]) -> FootPa
     for track in moving:
         known &= unbroken(track.time, silent_before(track.time), time, time)
     time = time[known]
-    positions = np.zeros((len(time), len(chain.joints)))
-    for column, joint in enumerate(chain.joints):
-        if joint.kind != "fixed":
-            track = told[joint.measured]
-            since = (track.time - track.time[0]).astype(np.float64)
-            positions[:, column] = np.interp(time - track.time[0], since, track.position)
-    links = link_poses(chain.joints, positions)
-    point = np.tile(np.array(chain.point), (len(positions), 1))
-    # Joint by joint from the foot upwards.
-    for column in range(len(chain.joints)):
-        point = links.translation[:, column] + rotate(links.rotation[:, column], point)
-    return _path(time, point.astype(np.float32)) if len(time) else None
+    if not len(time):
+        return None
+    leg = Leg(chain.joints[::-1], (Mass(len(chain.joints) - 1, 0.0, chain.point),))
+    positions = []
+    for name in leg.measured:
+        since = (told[name].time - told[name].time[0]).astype(np.float64)
+        positions.append(np.interp(time - told[name].time[0], since, told[name].position))
+    point = leg_motion(leg, np.stack(positions, axis=1)).centres[:, 0]
+    return known_path(time, point.astype(np.float32))
 
 
 def chain_to(

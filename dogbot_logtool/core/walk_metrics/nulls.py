@@ -83,6 +83,8 @@ def _foot(stats: Stats, row: int) -> dict[str, bool]:
         "contact": foot.record.contact_fraction() is None,
         "strides": not len(foot.strides.stance),
         "points": not _has_points(foot),
+        "places": stats.base is None and not np.isfinite(foot.length_m).any(),
+        "straight": foot.length_from == "base" and not np.isfinite(foot.length_m).any(),
         "foot frame": legs is None or not legs.feet[row].frame,
         "leg rate": legs is not None and legs.feet[row].is_slow,
         "rolling": rolls_unknown,

@@ -1,5 +1,3 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,7 @@ from dogbot_logtool.core.base.motion import (
     froude_number,
     stride_lengths,
 )
-from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history, find_jumps
+from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.metrics import Base
 
@@ -38,7 +36,7 @@ def record(odometry: Odometry) -> BaseHistory:
 def track(odometry: Odometry, height_m: float = 0.3) -> BaseTrack:
     base = record(odometry)
     height = np.full(len(base.time), height_m)
-    return BaseTrack(base, find_travel(base), height, (), timespans.no_spans(), find_jumps(base))
+    return BaseTrack(base, find_travel(base), height, (), timespans.no_spans())
 
 
 def motion(odometry: Odometry, forward_axis: str = "+x") -> Base:
@@ -179,18 +177,3 @@ def test_time_far_from_any_pose_is_told() -> None:
     base = record(circle())
     spans = START + np.array([[-500_000_000, 0], [1_000_000_000, 2_000_000_000]], np.int64)
     assert base.unplaced(spans) == 400_000_000
-
-
-def test_a_jump_of_the_yaw_is_no_turn() -> None:
-    turning = circle()
-    late = turning.stamp > START + 2_000_000_000
-    position, orientation = turning.position.copy(), turning.orientation.copy()
-    position[late] += (3.0, 0.0, 0.0)
-    turn = np.tile([0.0, 0.0, np.sin(0.3), np.cos(0.3)], (int(late.sum()), 1))
-    x, y, z, w = orientation[late].T
-    orientation[late] = np.stack(
-        [x, y, z * turn[:, 3] + w * turn[:, 2], w * turn[:, 3] - z * turn[:, 2]], axis=1
-    )
-    jumped = motion(replace(turning, position=position, orientation=orientation))
-    assert jumped.yaw_change_rad == pytest.approx(1.0, abs=0.01)
-    assert jumped.yaw_rate_radps == pytest.approx(0.25, abs=0.01)

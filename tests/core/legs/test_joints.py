@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, picked
+from dogbot_logtool.core.base.foot_path import silent_before, unbroken
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.legs.joints import (
     MOST_JOINTS,
@@ -14,8 +15,6 @@ from dogbot_logtool.core.legs.joints import (
     JointTable,
     JointTrack,
     joint_tracks,
-    silent_before,
-    unbroken,
 )
 
 START = 7_000_000_000

@@ -8,7 +8,7 @@ import pytest
 from mcap.reader import make_reader
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.robot.options import ConvertOptions
+from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.writer.encodings.registry import (
     ENCODINGS,
     OutputEncoding,
@@ -30,7 +30,7 @@ def test_a_row_is_all_that_an_encoding_needs(
     other = OutputEncoding("other", "ROS 1 by another name", profile="other", load=Ros1Encoding)
     monkeypatch.setitem(ENCODINGS, "other", other)
     target = tmp_path / "out.mcap"
-    done = convert(TROT, target, ConvertOptions(encoding="other", copy=False, end_s=0.1))
+    done = convert(TROT, target, ConvertOptions(encoding="other", copy=False, end=0.1))
     assert sum(done.annotations.values()) > 0
     assert header_profile(target) == "other"
 

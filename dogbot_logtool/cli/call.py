@@ -1,0 +1,192 @@
+"""One call of a command: its logs, what works on them, results, damage, exit code.
+
+Damage is said first, and quietness does not hide it. A bad log does not stop the others.
+"""
+
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final, NoReturn, Protocol, TypeVar
+
+import click
+
+from dogbot_logtool.cli.messages import note, say, say_damage, say_failures
+from dogbot_logtool.errors import DAMAGED, LogtoolError
+from dogbot_logtool.io.plain_json import readable_json
+from dogbot_logtool.io.storage import valid_unicode, without_secrets
+from dogbot_logtool.options import MeasureOptions, QuietOptions
+from dogbot_logtool.report.text.progress import ProgressBars
+from dogbot_logtool.run.inputs import LogSet, find_logs
+from dogbot_logtool.run.runner import Command, Failure, Runner, Work, runner_for
+
+if TYPE_CHECKING:
+    from dogbot_logtool.reader.containers.loss import Damage
+    from dogbot_logtool.results import Figures
+
+_FEWEST_JOINED: Final = 2
+
+
+class OfALog(Protocol):
+    """A result that tells what could not be read of its log."""
+
+    @property
+    def damage(self) -> "Damage":
+        """What could not be read."""
+
+
+Result = TypeVar("Result", bound=OfALog)
+Options = TypeVar("Options", bound=Any)
+
+
+class Call:
+    """Collects the outcome of each log of a call."""
+
+    def __init__(self, options: QuietOptions) -> None:
+        """Begin.
+
+        Raises:
+            CallError: see `check_robot_options`.
+        """
+        if getattr(options, "set", None) or getattr(options, "foot", None):
+            from dogbot_logtool.robot.settings import check_robot_options  # noqa: PLC0415 - seldom
+
+            check_robot_options(options)
+        self._quiet = options.quiet
+        self._scheduler: str | None = getattr(options, "scheduler", None)
+        self._jobs: int = getattr(options, "jobs", 1)
+        self._results: list[dict[str, Any]] = []
+        self._codes: set[int] = set()
+        self._notes: list[str] = []
+        self.failures: list[tuple[str, str]] = []
+        """Names of the logs and directories that could not be used, and why."""
+
+    def logs(self, words: Iterable[str]) -> LogSet:
+        """Find logs; directories that cannot be searched are failures.
+
+        Raises:
+            CallError: a word names nothing.
+        """
+        log_set = find_logs(words, for_workers=self._scheduler is not None)
+        for name, sentence in log_set.failures:
+            self._add_failure(name, sentence, LogtoolError.exit_code)
+        if log_set.left_out:
+            many = "log was" if log_set.left_out == 1 else "logs were"
+            self._note(f"{log_set.left_out} annotated {many} left out; a glob names them, too")
+        return log_set
+
+    def joined_logs(self, options: Options) -> tuple[LogSet, Options]:
+        """Find the logs; with --join the first stands for all, and the others in the options."""
+        log_set = self.logs(options.logs)
+        if not options.join or len(log_set.logs) < _FEWEST_JOINED:
+            return log_set, options
+        first, *others = log_set.logs
+        joined = tuple(other.path for other in others)
+        return replace(log_set, logs=(first,)), replace(options, joined=joined)
+
+    def runner(self, command: Command, logs: int) -> Runner[Any]:
+        """Choose what works on so many logs; see `runner_for`."""
+        return runner_for(command, logs, self._jobs, self._scheduler)
+
+    def each(
+        self,
+        work: Work[Result],
+        items: Sequence[object],
+        names: Sequence[str],
+        runner: Runner[Result],
+        on_outcome: Callable[[int, Result | None, str], None] | None = None,
+    ) -> Iterator[Result]:
+        """Work on all logs; yield the results in order, after their damage was said.
+
+        A failure is reported, and is an outcome.
+
+        Args:
+            work: what is done.
+            items: what it is done to.
+            names: of the items.
+            runner: works on them; is closed at the end.
+            on_outcome: called with the number of each item, its result and, where there is none,
+                the sentence on why.
+        """
+        bars = ProgressBars(names, shown=not self._quiet)
+        with runner, bars:
+            outcomes = runner.run(work, items, bars)
+            for number, (name, outcome) in enumerate(zip(names, outcomes, strict=True)):
+                if isinstance(outcome, Failure):
+                    sentence = self._add_failure(name, outcome.sentence, outcome.exit_code)
+                    if on_outcome is not None:
+                        on_outcome(number, None, sentence)
+                    continue
+                self.add_damage(outcome.damage)
+                if on_outcome is not None:
+                    on_outcome(number, outcome, "")
+                yield outcome
+
+    def figures(self, logs: LogSet, options: MeasureOptions) -> "list[Figures]":
+        """Measure the logs of one of two sides that are compared."""
+        from dogbot_logtool.commands.tasks import figures  # noqa: PLC0415 - of two commands
+
+        runner = self.runner("stats", len(logs.paths))
+        work = partial(figures, options=replace(options, jobs=runner.jobs))
+        measured = []
+        for done in self.each(work, logs.paths, logs.names, runner):
+            self.add(done.json)
+            measured.append(done)
+        return measured
+
+    def add_damage(self, damage: "Damage") -> None:
+        """Say what was lost of a log, if anything was; the exit code tells, too."""
+        self._codes.add(damage.exit_code)
+        if damage.losses:
+            say_damage(damage.line)
+
+    def add(self, result: dict[str, Any], exit_code: int = 0) -> None:
+        """Take the result of a log, and what the exit code is beside its damage."""
+        self._results.append(result)
+        self._codes.add(exit_code)
+
+    def add_unchanged(self, logs: Sequence[tuple[str, int]]) -> None:
+        """Take logs, by name and exit code, whose results are there already."""
+        for name, exit_code in logs:
+            self.add({"input": name, "unchanged": True}, exit_code)
+            if exit_code == DAMAGED:
+                say_damage(f"{name}: was damaged when it was measured, and is unchanged")
+        if logs:
+            many = "log is" if len(logs) == 1 else "logs are"
+            self._note(f"{len(logs)} {many} there already, unchanged")
+
+    def _add_failure(self, name: str, sentence: str, exit_code: int) -> str:
+        """Take a failure; return its sentence as it may be shown."""
+        sentence = without_secrets(valid_unicode(sentence))
+        self.failures.append((name, sentence))
+        self.add({"input": name, "error": sentence}, exit_code)
+        return sentence
+
+    @property
+    def has_results(self) -> bool:
+        """Whether something could be done for some log."""
+        return len(self._results) > len(self.failures)
+
+    def _note(self, text: str) -> None:
+        """Keep a note for the end: damage is said before it."""
+        if not self._quiet:
+            self._notes.append(text)
+
+    def finish(self, *, as_json: bool = False, exit_code: int = 0) -> NoReturn:
+        """Print the notes, the results if wanted and what failed; exit: failure outranks damage.
+
+        Args:
+            as_json: print the results, one object for one log.
+            exit_code: of what was found in the results of several logs together.
+        """
+        self._codes.add(exit_code)
+        for text in self._notes:
+            note(text)
+        if as_json:
+            results = self._results
+            click.echo(readable_json(results[0] if len(results) == 1 else results))
+        if len(self._results) == 1 and self.failures:
+            say(self.failures[0][1])
+        elif self.failures:
+            say_failures(self.failures, len(self._results))
+        sys.exit(next((code for code in (1, 2, DAMAGED) if code in self._codes), 0))

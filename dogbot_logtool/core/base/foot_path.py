@@ -1,0 +1,113 @@
+"""The point of a foot over time, by messages, transforms or joints."""
+
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, median_of
+from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.contact.stances import Stances
+from dogbot_logtool.core.corrections.clock import advancing, first_at_each_tick
+from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, rotate
+from dogbot_logtool.dataclass import dataclass
+
+RATE_HZ: Final = 200.0
+"""At which paths that messages tell are kept."""
+SLOWEST_NS: Final = 11_000_000
+"""ns: a foot that is told less often has no velocity at touchdown."""
+LONGEST_STEP_S: Final = 0.1
+"""s between two messages; a longer step is a silence, across which nothing is interpolated."""
+
+
+def silent_before(time: Ints) -> Flags:
+    """(n,) whether a silence lies between a row and the one before; time: (n,) ns."""
+    silent: Flags = np.diff(time, prepend=time[:1]) > LONGEST_STEP_S * 1e9
+    return silent
+
+
+def unbroken(time: Ints, breaks: Flags, start: Ints, end: Ints) -> Flags:
+    """Tell which spans rows cover to their ends, without a break between two of the rows.
+
+    Args:
+        time: (n,) ns, of the rows, increasing.
+        breaks: (n,) whether one lies between a row and the one before.
+        start: (m,) ns.
+        end: (m,) ns.
+    """
+    if not len(time):
+        return np.zeros(len(start), np.bool_)
+    so_far = np.cumsum(breaks)
+    first = np.searchsorted(time, start, side="right") - 1
+    last = np.searchsorted(time, end, side="left")
+    inside = (first >= 0) & (last < len(time))
+    whole: Flags = inside & (so_far[np.minimum(last, len(time) - 1)] == so_far[first])
+    return whole
+
+
+@dataclass(frozen=True, slots=True)
+class FootPath:
+    """The point of a foot over time, in the base's frame or in the world."""
+
+    time: Ints
+    """(n,) ns, strictly increasing."""
+    position: Floats | Float32s
+    """(n, 3) m."""
+    broken: Flags
+    """(n,) whether a silence lies between a row and the one before."""
+
+    def at(self, time: Ints) -> Floats:
+        """Interpolate linearly; time's shape and 3, m; NaN in silences and outside."""
+        if len(self.time) == 0:
+            return np.full((*time.shape, 3), np.nan)
+        most = len(self.time) - 1
+        after = np.clip(np.searchsorted(self.time, time), min(1, most), most)
+        before = np.maximum(after - 1, 0)
+        step = np.maximum(self.time[after] - self.time[before], 1)
+        share = ((time - self.time[before]) / step)[..., None]
+        position = self.position[before] + share * (self.position[after] - self.position[before])
+        outside = (time < self.time[0]) | (time > self.time[-1]) | self.broken[after]
+        position[outside] = np.nan
+        return np.asarray(position)
+
+    @property
+    def is_slow(self) -> bool:
+        """Whether the path is told too rarely for velocities."""
+        return len(self.time) < 2 or float(median_of(np.diff(self.time))) > SLOWEST_NS
+
+    def unbroken(self, start: Ints, end: Ints) -> Flags:
+        """(m,) whether the path is known all the way between two times each."""
+        return unbroken(self.time, self.broken, start, end)
+
+    def in_world(self, base: BaseHistory) -> "FootPath":
+        """Place the path in the world by the base's poses; times without one are left out."""
+        turn = from_roll_pitch_yaw(base.angles_at(self.time))
+        position = base.position_at(self.time) + rotate(turn, self.position.astype(np.float64))
+        return known_path(self.time, position)
+
+
+def path_of(time: Ints, position: Floats | Float32s) -> FootPath:
+    """Return the path of a foot by positions that messages tell, (n, 3) m; NaN: not known."""
+    advances = advancing(time)
+    rows = np.flatnonzero(advances)
+    rows = rows[first_at_each_tick(time[rows], RATE_HZ)]
+    return known_path(time[rows], position[rows])
+
+
+def path_in_base(time: Ints, position: Floats | Float32s, base: BaseHistory) -> FootPath:
+    """Return the path of a foot in the base's axes by its positions in the world, (n, 3) m."""
+    turn = conjugate(from_roll_pitch_yaw(base.angles_at(time)))
+    return path_of(time, rotate(turn, position.astype(np.float64) - base.position_at(time)))
+
+
+def known_path(time: Ints, position: Floats | Float32s) -> FootPath:
+    """Return the path of the times whose positions are known."""
+    known = np.isfinite(position).all(axis=1)
+    return FootPath(time[known], position[known], silent_before(time[known]))
+
+
+def places_on_path(path: FootPath, stances: Stances) -> Floats:
+    """(k, 3) m, where a foot is in the middle half of each stance, by its path in the world."""
+    shares = np.array([0.25, 0.375, 0.5, 0.625, 0.75])
+    duration = (stances.liftoff - stances.touchdown)[:, None]
+    time = stances.touchdown[:, None] + np.rint(duration * shares).astype(np.int64)
+    return np.asarray(path.at(time).mean(axis=1))

@@ -1,0 +1,255 @@
+"""The base's motion by the feet alone, and a comparison of poses with it over whole strides.
+
+Contact points in the world rest while the base moves on. From footfall to footfall a foot goes as
+far as the base, so that the centroid of all feet goes where the base goes, and their directions
+from it turn as it turns. Places of feet in the base's axes tell its velocity (`leg_odometry`).
+"""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, median_of
+from dogbot_logtool.core.base.foot_path import FootPath
+from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
+from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.contact.places import stance_places
+from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.core.rotations import along_heading
+from dogbot_logtool.dataclass import dataclass
+
+TICK_NS: Final = 50_000_000
+"""ns, how often feet that rest in the world are looked at."""
+FEWEST_FOOTFALLS: Final = 3
+"""Footfalls of a foot that tell of the base's motion."""
+_SPREAD_M: Final = 0.05
+"""m between feet from which their directions tell a turn."""
+
+
+@dataclass(frozen=True, slots=True)
+class Witness:
+    """The base's motion by its feet."""
+
+    poses: BaseHistory
+    """From any origin; the heading is that of the robot's forward axis if `tells_heading`."""
+    by: str
+    """``contact points`` or ``legs``."""
+    tells_heading: bool
+    """Whether the heading is the robot's own, and not only its changes are known."""
+    tells_turn: bool
+    """Whether the heading turns as the feet do; else it is that of the recorded poses."""
+
+
+def by_points(
+    feet: Sequence[FootHistory],
+    positions: Sequence[LegPosition | None],
+    base: BaseHistory,
+) -> Witness | None:
+    """Return the base's motion by contact points in the world.
+
+    Args:
+        feet: histories of feet whose contact points the recorded poses did not place.
+        positions: of each foot on the body.
+        base: recorded poses, whose heading stands in where one foot only is known.
+
+    Returns:
+        None where no foot's points are known over three footfalls.
+    """
+    tracks = [_footfalls(foot) for foot in feet]
+    used = [row for row, (time, _) in enumerate(tracks) if len(time) >= FEWEST_FOOTFALLS]
+    if not used:
+        return None
+    start = max(int(tracks[row][0][0]) for row in used)
+    end = min(int(tracks[row][0][-1]) for row in used)
+    time = timespans.ticks(np.array([[start, end]]), TICK_NS)
+    if len(time) < FEWEST_FOOTFALLS:
+        return None
+    # (t, f, 3) m, where each foot's point is.
+    places = np.stack([_interpolated(*tracks[row], time) for row in used], axis=1)
+    centre = places.mean(axis=1)
+    away = places - centre[:, None, :]
+    turns = len(used) > 1 and float(median_of(np.abs(away[:, :, :2]).max(axis=1))) > _SPREAD_M
+    angles = np.zeros((len(time), 3))
+    heading = None
+    if turns:
+        flat = away[:, :, 0] + 1j * away[:, :, 1]
+        angles[:, 2] = np.unwrap(np.angle((flat * flat[:1].conj()).sum(axis=1)))
+        unturned = flat * np.exp(-1j * angles[:, 2])[:, None]
+        heading = _heading(unturned.mean(axis=0), [positions[row] for row in used])
+        angles[:, 2] += heading or 0.0
+    elif len(base.time):
+        angles[:, 2] = np.interp(time - time[0], base.time - time[0], base.angles[:, 2])
+    poses = _history(time, centre, angles)
+    return Witness(poses, "contact points", heading is not None, turns)
+
+
+def _footfalls(foot: FootHistory) -> tuple[Ints, Floats]:
+    """Return when and where a foot rests: once a stance, twice in a stance that is long."""
+    time, place = stance_places(foot)
+    known = all_finite(place)
+    time, place = time[known], place[known]
+    duration = (foot.stances.liftoff - foot.stances.touchdown)[known]
+    if not len(time):
+        return time, place
+    longer = np.maximum(duration - 2 * int(median_of(duration)), 0)
+    twice = np.stack([time, time + longer], axis=1).ravel()
+    both = np.repeat(place, 2, axis=0)
+    kept = np.concatenate([[True], np.diff(twice) > 0])
+    return twice[kept], both[kept]
+
+
+def _interpolated(at: Ints, place: Floats, time: Ints) -> Floats:
+    """(t, 3) m, linearly between footfalls."""
+    since = (at - at[0]).astype(np.float64)
+    return np.stack([np.interp(time - at[0], since, axis) for axis in place.T], axis=1)
+
+
+def _heading(
+    places: "np.ndarray[tuple[int], np.dtype[np.complex128]]",
+    positions: Sequence[LegPosition | None],
+) -> float | None:
+    """Return the direction of forward by where fore and hind, left and right feet are, rad.
+
+    Args:
+        places: (f,) m, x + iy of each foot.
+        positions: of each foot on the body.
+
+    Returns:
+        None where the names of the feet do not tell.
+    """
+    ends: dict[str, list[complex]] = {}
+    for place, position in zip(places.tolist(), positions, strict=True):
+        for word in position or ():
+            ends.setdefault(word, []).append(place)
+    ahead = 0.0j
+    for first, second, turn in (("front", "back", 1.0), ("left", "right", -1.0j)):
+        if first in ends and second in ends:
+            ahead += turn * complex(np.mean(ends[first]) - np.mean(ends[second]))
+    return float(np.angle(ahead)) if abs(ahead) > _SPREAD_M else None
+
+
+def by_legs(
+    places: Sequence[FootPath | None], feet: Sequence[FootHistory], base: BaseHistory
+) -> Witness | None:
+    """Return the base's motion by the feet's places in its own axes.
+
+    Args:
+        places: of each foot, from the base's origin along its axes; None: not known.
+        feet: histories of the same feet.
+        base: recorded poses, whose turn stands in where a single foot stands.
+
+    Returns:
+        None where no foot's places are known.
+    """
+    known = [row for row, path in enumerate(places) if path is not None and len(path.time) > 2]
+    if not known:
+        return None
+    paths = [places[row] for row in known]
+    time = max((path.time for path in paths if path is not None), key=len)
+    place = np.stack([path.at(time) for path in paths if path is not None], axis=1)
+    standing = np.stack([timespans.covers(feet[row].in_contact, time) for row in known], axis=1)
+    legs = leg_odometry(time, place, standing)
+    tells_turn = bool(np.isfinite(legs.turn_rate[:, 2]).mean() > 0.5)
+    if not tells_turn and len(base.time) > 1:
+        yaw = np.interp(time - time[0], base.time - time[0], base.angles[:, 2])
+        rates = np.zeros((len(time), 3))
+        rates[:, 2] = np.gradient(yaw, (time - time[0]) / 1e9)
+        legs = leg_odometry(time, place, standing, rates)
+    if not np.isfinite(legs.velocity[:, 0]).any():
+        return None
+    return Witness(dead_reckoned(legs), "legs", tells_heading=True, tells_turn=tells_turn)
+
+
+def _history(time: Ints, position: Floats, angles: Floats) -> BaseHistory:
+    return BaseHistory(len(time), 0, 0, time, position, angles, timespans.no_spans())
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """How far a base moves in each of k windows."""
+
+    way: Floats
+    """(k, 2) m, ahead and to the left along its own heading; NaN: not known. Likewise the rest."""
+    turn: Floats
+    """(k,) rad."""
+    rise: Floats
+    """(k,) m."""
+
+    @property
+    def known(self) -> Flags:
+        """(k,) whether the motion is known."""
+        return np.isfinite(self.turn)
+
+
+def stride_windows(strides: Ints, period_s: float) -> Ints:
+    """Return spans, each as long as the usual stride, one after another while a robot walks.
+
+    Args:
+        strides: (s, 2) ns, merged spans with strides.
+        period_s: s, the usual stride.
+    """
+    period = round(period_s * 1e9)
+    starts = [
+        np.arange(start, end - period + 1, period, dtype=np.int64)
+        for start, end in strides.tolist()
+    ]
+    first = np.concatenate([np.empty(0, np.int64), *starts])
+    return np.stack([first, first + period], axis=1)
+
+
+def motion_in(base: BaseHistory, windows: Ints, forward_rad: float = 0.0) -> Motion:
+    """Add up a base's steps in some windows.
+
+    Args:
+        base: poses.
+        windows: (k, 2) ns.
+        forward_rad: from the heading of its poses to forward.
+    """
+    if len(base.time) < 2:
+        return Motion(*(np.full((len(windows), *more), np.nan) for more in ((2,), (), ())))
+    yaw = base.angles[:, 2]
+    step = np.diff(base.position[:, :2], axis=0)
+    ahead, left = along_heading(step, (yaw[1:] + yaw[:-1]) / 2.0 + forward_rad)
+    since = (base.time - base.time[0]).astype(np.float64)
+    edges = windows - base.time[0]
+
+    def change(column: Floats) -> Floats:
+        at = np.interp(edges, since, column)
+        return np.asarray(at[:, 1] - at[:, 0])
+
+    changes = np.stack(
+        [
+            change(np.concatenate([[0.0], np.cumsum(ahead)])),
+            change(np.concatenate([[0.0], np.cumsum(left)])),
+            change(yaw),
+            change(base.position[:, 2]),
+        ],
+        axis=1,
+    )
+    outside = (edges[:, 0] < 0) | (edges[:, 1] > since[-1])
+    outside |= timespans.touches(base.gaps, windows[:, 0], windows[:, 1])
+    changes[outside] = np.nan
+    return Motion(changes[:, :2], changes[:, 2], changes[:, 3])
+
+
+def feet_witness(
+    feet: Sequence[FootHistory],
+    places: Sequence[FootPath | None],
+    positions: Sequence[LegPosition | None],
+    base: BaseHistory,
+) -> Witness | None:
+    """Return the base's motion by the feet; None where their places are not known.
+
+    Args:
+        feet: histories of all feet.
+        places: of each foot in the base's axes, where its messages tell that; None: they do not,
+            and its contact points, if any, are the world's.
+        positions: of each foot on the body.
+        base: recorded poses.
+    """
+    if any(path is not None for path in places):
+        return by_legs(places, feet, base)
+    return by_points(feet, positions, base)
