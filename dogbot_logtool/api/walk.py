@@ -286,10 +286,10 @@ class Walk:
         """Read the contact samples of each foot, as they were measured."""
         log = open_recorded(self.path, self._options.joined)
         try:
-            found = measure_log(log, self._options)
+            walk = measure_log(log, self._options).measurement.stats
         finally:
             log.close()
-        return usable_samples(found.recording, found.measurement.stats.settings)
+        return usable_samples(walk.recording, walk.settings)
 
     def _sample_columns(self, foot: int, samples: Samples) -> dict[str, NDArray[Any]]:
         """Return the columns of some samples of a foot."""

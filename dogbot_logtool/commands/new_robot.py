@@ -10,7 +10,6 @@ from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.robot_file import RobotEvidence, robot_file
 from dogbot_logtool.robot.annotated import open_recorded
-from dogbot_logtool.robot.probe import frame_names
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.selection import Selection, nothing_to_do, select_topics
 from dogbot_logtool.robot.unknown import FootCandidates
@@ -57,16 +56,15 @@ def new_robot(
         found = measure_log(log, options, progress)
     finally:
         log.close()
-    learnt, measured = found.learnt, found.measurement
-    selection = learnt.selection
-    world, base = frame_names(selection.robot, learnt.probe)
+    selection, measured = found.selection, found.measurement
+    walk = measured.stats
     evidence = RobotEvidence(
         log=file_name(path),
-        world_frame=world,
-        base_frame=base,
+        world_frame=walk.frames.world,
+        base_frame=walk.frames.base,
         has_base=bool(selection.odometry),
         feet_because=because,
-        weight_n=learnt.sensors.estimated_weight_n,
+        weight_n=walk.settings.estimated_weight_n,
         damage=measured.damage.text,
         metrics=measured.metrics,
     )

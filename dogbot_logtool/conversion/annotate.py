@@ -14,6 +14,7 @@ from dogbot_logtool.core.base.poses import (
     usable_poses,
 )
 from dogbot_logtool.core.base.poses import from_opening as transforms_from_opening
+from dogbot_logtool.core.checks.frames import transform_findings
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.events.event import EventMessage, GaitState
@@ -31,7 +32,6 @@ from dogbot_logtool.core.scene.support_scene import SupportScene, support_scene
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.recording import in_time_order
-from dogbot_logtool.robot.frames.world_frames import frame_findings
 from dogbot_logtool.writer.annotations import AnnotationColumns
 
 
@@ -63,24 +63,18 @@ class Scene:
 
 
 def draw(
-    plan: ConversionPlan,
-    recording: Recording,
-    stats: Stats,
-    metrics: WalkMetrics,
-    end: int,
-    recorded: Arrows,
+    plan: ConversionPlan, stats: Stats, metrics: WalkMetrics, end: int, recorded: Arrows
 ) -> Scene:
     """Prepare what is drawn of a walk.
 
     Args:
         plan: what is drawn.
-        recording: the columns that were measured.
         stats: what was measured.
         metrics: made of that; contact that findings void is not known.
         end: ns, log time of the log's last message.
         recorded: arrows of contact states, for a style that draws these.
     """
-    opening = 0 if plan.opening is None else plan.opening
+    recording, opening = stats.recording, 0 if plan.opening is None else plan.opening
     samples, findings = _placed(plan, recording, stats)
     feet = _feet(plan, samples, stats, metrics)
     poses = recording.base.pick(usable_poses(recording.base))
@@ -119,8 +113,9 @@ def _placed(
     # Forces are in the world already, as far as they can be turned.
     links, clock = (None,) * len(points), stats.settings.clock
     frames = replace(plan.frames, points=points, links=links, clock=clock)
-    placed = frames.place(recording.feet, frames.tracks(recording.transforms, recording.base))
-    return placed.samples, tuple(frame_findings(frames, placed))
+    tracks = frames.tracks(recording.transforms, recording.base)
+    samples, counts = frames.place(recording.feet, tracks)
+    return samples, tuple(transform_findings(frames, counts))
 
 
 def _feet(

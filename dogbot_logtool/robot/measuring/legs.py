@@ -6,6 +6,7 @@ from typing import Final
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.kinematics import Joint
 from dogbot_logtool.core.frames.transforms import TransformBuffer, moving_tracks
+from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.legs.paths import (
     JointPair,
     LegChain,
@@ -17,16 +18,10 @@ from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.wanted import WantedJoints
 from dogbot_logtool.robot.names import name_feet
-from dogbot_logtool.robot.probe import Probe, frame_names
 from dogbot_logtool.robot.robot_model.description import link_of_foot
-from dogbot_logtool.robot.robot_model.joint_motion import (
-    joint_channels,
-    joint_names,
-)
-from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf
-from dogbot_logtool.robot.robot_model.urdf import (
-    said_of_left_out,
-)
+from dogbot_logtool.robot.robot_model.joint_motion import joint_channels, joint_names
+from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf, leg_of
+from dogbot_logtool.robot.robot_model.urdf import said_of_left_out
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, Part, words_of
 
@@ -45,7 +40,7 @@ def wanted_joints(log: Log) -> tuple[WantedJoints, ...]:
 def find_legs(
     recording: Recording,
     selection: Selection,
-    probe: Probe,
+    probe: KnownFrames,
     clock: TimeSource,
     robot: RobotOfUrdf | None,
 ) -> tuple[LegSettings, TransformBuffer] | None:
@@ -100,7 +95,7 @@ def _moved(chain: LegChain | None) -> list[str]:
 
 
 def _why_not(
-    selection: Selection, probe: Probe, foot: int, lacking: Sequence[str], left_out: int
+    selection: Selection, probe: KnownFrames, foot: int, lacking: Sequence[str], left_out: int
 ) -> str:
     """Say why a foot has no chain."""
     if lacking:
@@ -108,14 +103,14 @@ def _why_not(
     link = selection.robot.feet[foot].frame or probe.links[foot]
     if link is None:
         return "no frame is known to be its own"
-    base = frame_names(selection.robot, probe)[1]
+    base = probe.base
     reason = f"nothing connects its frame {link} with {base}"
     return f"{reason}; {said_of_left_out(left_out)}" if left_out else reason
 
 
 def _chains(
     selection: Selection,
-    probe: Probe,
+    probe: KnownFrames,
     parents: Mapping[str, str],
     joints: Mapping[str, Joint] | None = None,
 ) -> list[LegChain | None]:
@@ -123,13 +118,13 @@ def _chains(
 
     Each does by its own frame, or by one that is named so.
     """
-    feet, base = selection.robot.feet, frame_names(selection.robot, probe)[1]
+    feet, base = selection.robot.feet, probe.base
     named = _named_frames(feet, parents)
     origin = (0.0, 0.0, 0.0)
     chains = []
     for number, foot in enumerate(feet):
         link, like = link_of_foot(selection, probe, number)
-        sole = probe.exact_soles.get(number) or probe.exact_soles.get(like)
+        sole = probe.soles.get(number) or probe.soles.get(like)
         if foot.frame is not None:
             places = [(foot.frame, foot.contact_point_m, any(foot.contact_point_m))]
         elif link is not None and sole is not None:
@@ -168,23 +163,13 @@ def _feet_of_joints(
     for number, chain in enumerate(chains):
         for name in _moved(chain):
             found.setdefault(name, number)
-    legs = [foot.leg_position or _leg_of(foot.name) for foot in feet]
+    legs = [foot.leg_position or leg_of(foot.name) for foot in feet]
     for name in sorted(names - found.keys()):
-        leg = _leg_of(name)
+        leg = leg_of(name)
         matching = [number for number, each in enumerate(legs) if _is_of(leg, each)]
         if len(matching) == 1 and not any(w.part is Part.NOT_A_FOOT for w in words_of(name)):
             found[name] = matching[0]
     return found
-
-
-def _leg_of(name: str) -> tuple[str, str]:
-    """Return the end and the side of the robot that a name tells; empty where it does not."""
-    end = side = ""
-    for word in words_of(name):
-        if word.text in LETTERS:
-            return LETTERS[word.text]
-        end, side = ENDS.get(word.text, end), SIDES.get(word.text, side)
-    return end, side
 
 
 def _is_of(leg: tuple[str, str], foot: tuple[str, str]) -> bool:
@@ -197,7 +182,7 @@ def _pairs(feet: Sequence[Foot], foot_of: Mapping[str, int]) -> tuple[JointPair,
     """Return the joints of legs that are alike but for their side."""
     found: dict[str, dict[str, str]] = {}
     for joint, foot in sorted(foot_of.items()):
-        end, side = feet[foot].leg_position or _leg_of(feet[foot].name)
+        end, side = feet[foot].leg_position or leg_of(feet[foot].name)
         words = [w.text for w in words_of(joint) if w.text not in {*LETTERS, *ENDS, *SIDES}]
         end = end if end in {"front", "back"} or len(feet) > 2 else ""
         found.setdefault("_".join(filter(None, (end, *words))), {})[side] = joint
