@@ -16,9 +16,9 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted, WantedJoints
-from dogbot_logtool.robot.feet import planned_feet
 from dogbot_logtool.robot.measuring.moved_base import with_poses_of_base
 from dogbot_logtool.robot.measuring.side_topics import SideTopics, side_topics
+from dogbot_logtool.robot.message_feet import planned_feet
 from dogbot_logtool.robot.selection import Selection, nothing_to_do, select_topics
 from dogbot_logtool.robot.time_span import time_limits
 
