@@ -137,6 +137,12 @@ def test_an_inertial_unit_is_turned_as_the_description_says(tmp_path: Path) -> N
     assert abs(walk.stats["base"]["roll_rad"]["median"]) < 0.02
 
 
+def test_names_of_joints_may_have_a_namespace(tmp_path: Path) -> None:
+    named = tuple(f"quad/{name.upper()}" for name in robot("trot").joints)
+    walk = measured(tmp_path, replace(robot("trot"), joints=named))
+    assert walk.gait.name == "trot"
+
+
 def test_without_a_description_the_line_to_paste_is_printed(tmp_path: Path) -> None:
     walk = measured(tmp_path, robot("trot"), with_urdf=False)
     assert walk.gait.name is None

@@ -125,6 +125,7 @@ def told_by_legs(
         model: the robot's description.
     """
     robot = model.robot
+    recording = _named_as_described(recording, robot) if robot else recording
     lacks_feet, lacks_base = not selection.contacts, not selection.odometry
     if not (lacks_feet or lacks_base):
         return recording, selection
@@ -164,6 +165,23 @@ def told_by_legs(
         base_from_legs=lacks_base,
     )
     return recording, selection
+
+
+def _named_as_described(recording: Recording, robot: RobotOfUrdf) -> Recording:
+    """Name joints as the description does, where none is, but for namespaces and capitals."""
+    described = {joint.name.lower(): joint.name for joint in robot.joints if joint.kind != "fixed"}
+    told = [name for table in recording.joints for name in table.names]
+    if not set(described.values()).isdisjoint(told):
+        return recording
+    short = {name: name.replace(":", "/").rpartition("/")[2].lower() for name in told}
+    if len(set(short.values())) < len(short):
+        return recording
+    names = {name: described.get(last, name) for name, last in short.items()}
+    tables = (
+        replace(table, names=tuple(names[name] for name in table.names))
+        for table in recording.joints
+    )
+    return replace(recording, joints=tuple(tables))
 
 
 def _is_settled(finding: Finding, recording: Recording) -> bool:
