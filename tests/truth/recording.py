@@ -140,10 +140,10 @@ class VectorRecording:
     frame: str = "base_link"
 
 
-SensorKind = Literal["contacts", "gz_contacts", "wrench", "spot"]
+SensorKind = Literal["contacts", "gz_contacts", "wrench", "spot", "flags"]
 """Contact states with points and normals of Gazebo classic or of the new Gazebo, which speaks in
-contact only; a force sensor that reports no contact; or flags and places in the base's axes of all
-feet in one message."""
+contact only; a force sensor that reports no contact; or in one message of all feet flags and places
+in the base's axes, or flags alone."""
 
 
 @dataclass(frozen=True, slots=True)
