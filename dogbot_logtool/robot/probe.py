@@ -17,7 +17,7 @@ from dogbot_logtool.core.frames.wrench_frame import (
     frame_fit,
     judge_wrench_frame,
 )
-from dogbot_logtool.core.recording import Recording
+from dogbot_logtool.core.recording import Recording, is_stamped
 from dogbot_logtool.core.rotations import normalised, roll_pitch_yaw
 from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.dataclass import dataclass
@@ -148,6 +148,8 @@ def _silent_steps(recording: Recording, selection: Selection) -> dict[int, Ints]
 def _zero_stamps(recording: Recording, selection: Selection) -> frozenset[str]:
     """Return the used topics whose header stamps are all zero."""
     base = selection.base
+    if is_stamped(recording):
+        return frozenset()
     found = {
         topic
         for topic in {channel.topic for channel in selection.contacts}

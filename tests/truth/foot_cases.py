@@ -8,7 +8,6 @@ from tests.truth import pose_faults as pose
 from tests.truth import sensor_faults as sensor
 from tests.truth.judging import Case, Tolerance
 from tests.truth.recorders import FORCE, recorder
-from tests.truth.robots import biped, quadruped
 from tests.truth.walking import Walk
 
 TROT, WALK = Walk(), Walk(gait=gaits.WALK, period_s=1.0)

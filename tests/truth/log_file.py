@@ -63,7 +63,7 @@ def _entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
 
 
 def _base_entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
-    base, topic = recording.base, recording.robot.odometry_topic
+    base, topic = recording.base, recording.odometry or recording.robot.odometry_topic
     template = messages.odometry(WORLD, recording.child_frame)
     numbers = np.concatenate([base.position, base.orientation, base.velocity], axis=1)
     data = template.all_filled(base.stamp, numbers)

@@ -29,6 +29,7 @@ _NEEDED: Final = (
     "ros_gz_interfaces/msg/JointWrench",
     "ros_gz_interfaces/msg/Contact",
     GZ_CONTACTS,
+    FLAGS,
 )
 FOOT_STATES: Final = "std_msgs/Header header\nspot_msgs/FootState[] states"
 """As a fork has it: with a header."""

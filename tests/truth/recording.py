@@ -168,6 +168,8 @@ class Recording:
     """Topics beside feet and base."""
     places: tuple[Floats, ...] = ()
     """(n, 3) m, of each foot in the base's axes, at the times of its messages."""
+    odometry: str = ""
+    """Topic of the odometry; empty: the robot's."""
     child_frame: str = "base_link"
     """What the odometry says that its poses are of."""
     statics: tuple[tuple[str, tuple[float, ...]], ...] = ()

@@ -9,7 +9,7 @@ from dogbot_logtool.core.contact.contact_rule import Thresholds
 from dogbot_logtool.core.corrected import on_clock
 from dogbot_logtool.core.corrections.clock import LogClock, TimeSource
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.recording import Recording
+from dogbot_logtool.core.recording import Recording, is_stamped
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
@@ -129,7 +129,7 @@ def _settings(
     side: SideTopics,
 ) -> StatsSettings:
     robot = selection.robot
-    time_source, reason = _time_source(selection, probe, options)
+    time_source, reason = _time_source(recording, selection, probe, options)
     return StatsSettings(
         feet=tuple(
             FootSettings(
@@ -167,13 +167,13 @@ def _settings(
 
 
 def _time_source(
-    selection: Selection, probe: Probe, options: StatsOptions
+    recording: Recording, selection: Selection, probe: Probe, options: StatsOptions
 ) -> tuple[TimeSource | None, str]:
     """Return the clock, and why it is log time; None: header stamps, unless they are unusable."""
     if options.time_source:
         return TimeSource(options.time_source), ""
     headless = selection.without_header
-    if headless:
+    if headless and not is_stamped(recording):
         return TimeSource.LOG, f"messages of {headless[0]} have no header"
     if probe.zero_stamps:
         used = {channel.topic for channel in (*selection.odometry, *selection.contacts)}

@@ -23,6 +23,7 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.robot.frames.world_frames import frame_findings
 from dogbot_logtool.robot.measuring.moved_base import with_poses_of_base
+from dogbot_logtool.robot.measuring.one_clock import on_one_clock
 from dogbot_logtool.robot.measuring.plan import (
     LearntSettings,
     MeasuringPlan,
@@ -73,6 +74,7 @@ def measure_recording(
         CallError: an option names a foot that the log does not have.
     """
     recording, moved = with_poses_of_base(recording, plan.selection)
+    recording, joined = on_one_clock(recording, plan.selection)
     selection, model = plan.selection, None
     if recording.joints:
         from dogbot_logtool.robot.measuring.by_legs import read_model, told_by_legs  # noqa: PLC0415
@@ -82,7 +84,7 @@ def measure_recording(
         recording, selection = told_by_legs(recording, selection, found)
     learnt = learn_settings(recording, selection, plan.side, options, with_soles=with_soles)
     measured = _measured(log, recording, learnt, plan, model)
-    measured = replace(measured, findings=(*measured.findings, *moved))
+    measured = replace(measured, findings=(*measured.findings, *moved, *joined))
     if plan.planned is None:
         return measured
     of_plan = replace(recording, feet=recording.planned, links={}, joints=())

@@ -127,11 +127,16 @@ def choose_base(
     if named is not None and (own := _named(log, robot, named, findings)) is not None:
         return own
     odometry = _sources(log, {ODOMETRY_TYPE})
+    foreign = [topic for topic in odometry if is_of_another_robot(topic, feet)]
+    if foreign and named is None:
+        odometry = {topic: each for topic, each in odometry.items() if topic not in foreign}
+        findings.append(_of_another(foreign, [*odometry], feet))
     if odometry:
         topic = most_frequent(log, _of_same_robot([*odometry], feet))
         findings.append(_odometry_found(log, robot, topic, [*odometry]))
         return _chosen(log, robot, BaseCandidate(topic, odometry[topic]), findings)
     found = _base_candidates(log, robot, feet)
+    found = [each for each in found if each.topic not in foreign]
     best = next((each for each in found if each.is_sure), None)
     others = [each for each in found if each is not best]
     if best is None:
@@ -311,6 +316,38 @@ def _of_same_robot(names: Sequence[str], feet: Collection[str]) -> list[str]:
     shared = frozenset.intersection(*map(_topic_words, feet)) if feet else frozenset()
     counts = [len(shared & _topic_words(name)) for name in names]
     return [name for name, count in zip(names, counts, strict=True) if count == max(counts)]
+
+
+_SHARED: Final = _topic_words(
+    "ground truth gazebo gz sim simulation mocap vicon optitrack vrpn node odom odometry state "
+    "states estimator estimation estimate localization localisation slam lio camera imu visual "
+    "sensor sensors feet foot contact contacts robot hardware base body pose status tf leg legs "
+    "map world fast lidar wheel raw filtered ekf ukf kf highstate lowstate sport control "
+    "controller front left right back hind fore rear fl fr rl rr lf rf lh rh hl hr bl br"
+)
+"""Words at the beginning of topics that are no robot's name."""
+
+
+def is_of_another_robot(name: str, feet: Collection[str]) -> bool:
+    """Tell whether a topic's namespace is the name of another robot than that of the feet."""
+    own = {_namespace(each) for each in feet}
+    other = _namespace(name)
+    return len(own) == 1 and bool(other) and own.isdisjoint((other, ""))
+
+
+def _namespace(topic: str) -> str:
+    """Return the first part of a topic if it may be a robot's name; else nothing."""
+    first, *rest = topic.strip("/").lower().split("/")
+    words = frozenset(re.findall(r"[a-z]+", first))
+    return first if rest and (words - _SHARED or re.search(r"\d", first)) else ""
+
+
+def _of_another(others: Sequence[str], own: Sequence[str], feet: Collection[str]) -> Finding:
+    """Say which poses are another robot's."""
+    robot = _namespace(next(iter(feet)))
+    text = f"{listed(others)}: poses of another robot than that of the feet ({robot}), not used"
+    text += f"; {listed(own)} would be its own" if own else "; the log has none of its own"
+    return Finding("POSE_OTHER_ROBOT", text, others[0], cases=() if own else ("alone",))
 
 
 def _likely_base(log: Log, candidates: Sequence[BaseCandidate], feet: Collection[str]) -> str:
