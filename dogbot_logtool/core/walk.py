@@ -124,7 +124,7 @@ def _command_track(
     steps = [each.spans for each in segments if each.strides]
     return follow_commands(
         commands,
-        walk.poses,
+        walk.track.history,
         walk.jumps.spans,
         walk.settings.forward_axis,
         timespans.merge(np.concatenate([timespans.no_spans(), *steps])),

@@ -26,6 +26,7 @@ CHECKS: Final[tuple[Check, ...]] = (
     base.sides_swapped,
     base.forward_axis,
     base.pose_jumps,
+    poses.treadmill,
     poses.frozen,
     poses.scale,
     poses.direction,

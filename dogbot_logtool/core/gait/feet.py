@@ -18,6 +18,7 @@ from dogbot_logtool.core.arrays import (
 )
 from dogbot_logtool.core.base.foot_path import FootPath, places_on_path
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES, stride_lengths
+from dogbot_logtool.core.base.moving_ground import MovingGround
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.places import stance_places
@@ -211,6 +212,7 @@ def foot_steps(
     standing: Standing,
     *,
     path: FootPath | None = None,
+    ground: MovingGround | None = None,
     is_dead: bool = False,
 ) -> FootSteps:
     """Find the steps of a foot.
@@ -223,6 +225,7 @@ def foot_steps(
         fallen: (f, 2) ns, spans in which the robot lies.
         standing: spans without steps.
         path: of the foot in the world, where its messages tell its places in the base's axes.
+        ground: how the ground moves; None: it rests.
         is_dead: whether its sensor never reports a contact, and nothing says that it is lifted.
     """
     foot, rolling_m = settings.feet[row], settings.foot_rolling_m
@@ -230,7 +233,9 @@ def foot_steps(
     stances = cut_by_standing(stances, steps_apart(standing.without_steps, stances))
     strides, discarded = strides_of(stances, record.gaps, fallen)
     heading = stance_headings(record.stances, base, settings.forward_axis)
-    place = places_on_path(path, stances) if path is not None else stance_places(record)[1]
+    at, place = stance_places(record) if path is None else places_on_path(path, stances)
+    if ground is not None:
+        place = place - ground.way_at(at)
     length, length_from = own_lengths(place, strides), "points"
     if not np.isfinite(length).any():
         length, length_from = straight_lengths(base, strides), "base"
