@@ -17,8 +17,8 @@ from upath import UPath
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
 from dogbot_logtool.reader.containers.sources.remote_source import RemoteSource
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.run.cluster import ClusterRunner
 from dogbot_logtool.run.runner import OnProgress
 
@@ -85,20 +85,20 @@ def main() -> None:
         write_bag(logs[0], seconds, "lz4")
         write_mcap(logs[1], seconds, "ros1")
         out = Path(folder) / "out.mcap"
-        part = ConvertOptions(start_s=seconds / 2, end_s=seconds / 2 + 5, overwrite=True)
+        part = ConvertOptions(start=seconds / 2, end=seconds / 2 + 5, overwrite=True)
         for log in logs:
             size = log.stat().st_size
             print(f"{log.name}: {size / 1e6:.0f} MB")
             for name, work in (
-                ("stats", lambda p: measure(p, StatsOptions())),
+                ("stats", lambda p: measure(p, MeasureOptions())),
                 ("convert", lambda p: convert(p, out, ConvertOptions(overwrite=True))),
             ):
                 spent = least_s(lambda w=work, p=log: w(p))
                 print(f"  {name}: {spent:.2f} s, {size / 1e6 / spent:.0f} MB a second")
             for name, work in (
-                ("info", lambda p: describe(p, TopicOptions())),
+                ("info", lambda p: describe(p, InfoOptions())),
                 ("convert of 5 s", lambda p: convert(p, out, part)),
-                ("stats", lambda p: measure(p, StatsOptions())),
+                ("stats", lambda p: measure(p, MeasureOptions())),
             ):
                 requests, read = fetched(work, log)
                 print(f"  {name}: {requests} requests, {read / 1e6:.1f} MB ({read / size:.1%})")

@@ -10,14 +10,15 @@ import subprocess
 import sys
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 from typing import Final
 
 import duckdb
 from rosbags.rosbag1 import Reader, Writer
 
-from dogbot_logtool.commands.tasks import Measure
-from dogbot_logtool.robot.options import StatsOptions
+from dogbot_logtool.commands.tasks import figures
+from dogbot_logtool.options import MeasureOptions
 
 SAMPLE: Final = Path(__file__).parents[1] / "sample_logs" / "dogbot_trot.bag"
 JOBS: Final = 2
@@ -58,7 +59,7 @@ def write_logs(folder: Path, count: int) -> list[Path]:
 
 def in_process(paths: list[Path]) -> float:
     """Measure the logs here, with everything loaded; s."""
-    measure = Measure(StatsOptions())
+    measure = partial(figures, options=MeasureOptions())
     measure(paths[0], None)
     start = time.process_time()
     for path in paths:

@@ -21,8 +21,8 @@ from typing import Any, Final
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.layout import view_of
 from dogbot_logtool.io.plain_json import to_json
+from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.report.layouts import foxglove_layout
-from dogbot_logtool.robot.options import ConvertOptions, TopicOptions
 
 PICTURES: Final = Path(__file__).parent / "pictures"
 SAMPLES: Final = PICTURES.parents[1] / "sample_logs"
@@ -80,7 +80,7 @@ def prepare() -> None:
     for log, _ in (*LOGS.values(), TROUBLED):
         source, stem = SAMPLES / log, Path(log).stem
         convert(source, WORKSHOP / f"{stem}.mcap", ConvertOptions(overwrite=True))
-        layout = foxglove_layout(view_of(source, TopicOptions()))
+        layout = foxglove_layout(view_of(source, MeasureOptions()))
         (WORKSHOP / f"{stem}.json").write_text(to_json(layout))
     page = ["report", str(SAMPLES / LOGS["trot"][0]), "-o", str(WORKSHOP / "report.html")]
     program = [sys.executable, "-m", "dogbot_logtool"]

@@ -173,5 +173,3 @@ class Figures:
     damage: Damage
     whole: "Measurement | None" = None
     """All there is, if it was asked for."""
-    drawn: tuple[float, float] | None = None
-    """s since the log's start: the window of the figure, if one was drawn."""

@@ -20,8 +20,8 @@ from typing import Final
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.options import CompareOptions, ConvertOptions, MeasureOptions
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.robot.options import CompareOptions, ConvertOptions, StatsOptions
 
 SAMPLES: Final = Path(__file__).parent
 GOLDEN: Final = SAMPLES / "golden"
@@ -51,11 +51,7 @@ class GoldenLog:
         """Write the file into a folder."""
         start_s, end_s = _SPANS_S[self.log]
         options = ConvertOptions(
-            style=self.style,
-            encoding=self.encoding,
-            copy=False,
-            start_s=start_s,
-            end_s=end_s,
+            style=self.style, encoding=self.encoding, copy=False, start=start_s, end=end_s
         )
         target = folder / self.name
         convert(SAMPLES / self.log, target, options)
@@ -75,7 +71,7 @@ class GoldenStats:
 
     def make(self, folder: Path) -> Path:
         """Write the file into a folder."""
-        done = measure(SAMPLES / self.log, StatsOptions())
+        done = measure(SAMPLES / self.log, MeasureOptions())
         figures = stats_json(done)
         figures["log"]["path"] = self.log
         target = folder / self.name

@@ -10,12 +10,12 @@ import dogbot_logtool as dl
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.arrays import Flags, Ints
 from dogbot_logtool.core.contact.stances import Cut, Stances
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.results import Measurement
-from dogbot_logtool.robot.options import StatsOptions
 
 
 @cache
-def measured(log: Path, options: StatsOptions = StatsOptions()) -> Measurement:  # noqa: B008 - frozen
+def measured(log: Path, options: MeasureOptions = MeasureOptions()) -> Measurement:  # noqa: B008 - frozen
     """Measure a log, as the commands do."""
     return measure(log, options)
 
@@ -39,7 +39,7 @@ def in_stance(stances: Stances, time: Ints) -> Flags:
 def measured_contact(
     log: Path,
     foot: str,
-    options: StatsOptions = StatsOptions(),  # noqa: B008 - frozen
+    options: MeasureOptions = MeasureOptions(),  # noqa: B008 - frozen
 ) -> Mapping[int, bool] | None:
     """Whether a foot is in contact by log time of its samples, ns; None: that is not known."""
     found = next(each for each in measured(log, options).stats.feet if each.name == foot)

@@ -11,11 +11,11 @@ from rosbags.rosbag2.enums import StoragePlugin
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.robot.measuring.plan import make_plan
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions
 from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.oracles.annotated_file import read_written
@@ -27,7 +27,7 @@ recorded = cache(read_bag)
 
 
 def figures(path: Path, jobs: int = 1) -> dict[str, Any]:
-    found = measure(path, StatsOptions(jobs=jobs))
+    found = measure(path, MeasureOptions(jobs=jobs))
     document: dict[str, Any] = stats_json(found)
     del document["log"]
     kept = [each for each in document["findings"] if each["code"] != "OUT_OF_ORDER"]
@@ -81,7 +81,7 @@ def test_however_processes_start_they_read_the_same(
     monkeypatch.setattr("dogbot_logtool.reader.containers.log.BATCH_SIZE", 2_000_000)
     log = open_recorded(TROT)
     try:
-        wanted = make_plan(log, StatsOptions()).wanted
+        wanted = make_plan(log, MeasureOptions()).wanted
         alone = read_recording(log, wanted, 1).recording
         together = read_recording(log, wanted, 2, start=start).recording
     finally:

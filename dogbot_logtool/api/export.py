@@ -9,9 +9,9 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.storage import Location, shown
 
 if TYPE_CHECKING:
+    from dogbot_logtool.options import MeasureOptions
     from dogbot_logtool.report.table_file import TableFile
     from dogbot_logtool.results import Measurement
-    from dogbot_logtool.robot.options import StatsOptions
     from dogbot_logtool.run.runner import OnProgress
 
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 class Export:
     """Writes a table of each log that it is called with."""
 
-    options: "StatsOptions"
+    options: "MeasureOptions"
     table: str
     """``strides``, ``stances``, ``joints``, ``events``, ``base``, ``commands`` or ``samples``."""
     file: "TableFile"
 
-    def __call__(self, log: Location, on_progress: "OnProgress | None") -> "Measurement":
+    def __call__(self, log: Location, progress: "OnProgress | None" = None) -> "Measurement":
         """Measure a log and write its rows."""
-        measured = measure(log, self.options, on_progress)
+        measured = measure(log, self.options, progress)
         walk, name = Walk(log, measured, self.options), shown(log)
         if self.table == "samples":
             for table in walk.all_samples():

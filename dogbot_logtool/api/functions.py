@@ -2,22 +2,20 @@
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Unpack
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from dogbot_logtool.api.keywords import (
-    ConvertKeywords,
-    MeasureKeywords,
     PathOrName,
-    RobotKeywords,
-    checked,
-    convert_options,
-    refuse_bad_values,
+    log_and_others,
+    options_from,
     several,
-    stats_options,
-    topic_options,
+    takes,
 )
 from dogbot_logtool.io.storage import Location, location
+from dogbot_logtool.options import CompareOptions, ConvertOptions, InfoOptions, MeasureOptions
 
 # Each function loads what it needs: who only measures need not load the writer.
 if TYPE_CHECKING:
@@ -27,8 +25,13 @@ if TYPE_CHECKING:
     from dogbot_logtool.comparison.walks.two_runs import GaitComparison
     from dogbot_logtool.results import Conversion, LogInfo
 
+Log = PathOrName | Sequence[PathOrName]
+"""A log; with ``join=True``, the files of one recording."""
+Options = TypeVar("Options", MeasureOptions, ConvertOptions, InfoOptions)
 
-def measure(log: PathOrName, **options: Unpack[MeasureKeywords]) -> "Walk":
+
+@takes(MeasureOptions)
+def measure(log: Log, **options: Any) -> "Walk":  # noqa: ANN401 - checked by the record
     """Measure a walk: what `dogbot-logtool stats` does.
 
     >>> import dogbot_logtool as dl
@@ -47,13 +50,12 @@ def measure(log: PathOrName, **options: Unpack[MeasureKeywords]) -> "Walk":
     from dogbot_logtool.api.walk import Walk  # noqa: PLC0415
     from dogbot_logtool.commands import stats  # noqa: PLC0415
 
-    path, chosen = _location(log), stats_options(options)
+    path, chosen = _joined(log, options_from(MeasureOptions, options))
     return Walk(path, stats.measure(path, chosen), chosen)
 
 
-def convert(
-    log: PathOrName, target: PathOrName, **options: Unpack[ConvertKeywords]
-) -> "Conversion":
+@takes(ConvertOptions)
+def convert(log: Log, target: PathOrName, **options: Any) -> "Conversion":  # noqa: ANN401
     """Write the annotated MCAP of a log: what `dogbot-logtool convert` does.
 
     Raises:
@@ -63,19 +65,13 @@ def convert(
     """
     from dogbot_logtool.commands import convert as command  # noqa: PLC0415
 
-    return command.convert(_location(log), _location(target), convert_options(options))
+    path, chosen = _joined(log, options_from(ConvertOptions, options))
+    return command.convert(path, _location(target), chosen)
 
 
-def info(
-    log: PathOrName, *, frames: bool = False, jobs: int = 1, **options: Unpack[RobotKeywords]
-) -> "LogInfo":
+@takes(InfoOptions)
+def info(log: Log, **options: Any) -> "LogInfo":  # noqa: ANN401
     """Tell what is in a log, what is used for what, and what is wrong with it.
-
-    Args:
-        log: its path or URL.
-        frames: read every transform: the result's `frames`.
-        jobs: batches that are worked on at once then.
-        options: see `RobotKeywords`.
 
     Raises:
         CallError: no such file, or a topic that the log does not have.
@@ -83,47 +79,27 @@ def info(
     """
     from dogbot_logtool.commands.info import describe  # noqa: PLC0415
 
-    refuse_bad_values({"jobs": jobs})
-    topics = topic_options(checked(options, RobotKeywords))
-    return describe(_location(log), topics, all_frames=frames, jobs=jobs)
+    return describe(*_joined(log, options_from(InfoOptions, options)))
 
 
-def compare(
-    expected: PathOrName,
-    actual: PathOrName,
-    *,
-    atol: float | None = None,
-    rtol: float | None = None,
-    tolerances: PathOrName | None = None,
-    ignore: Sequence[str] = (),
-    topics: Sequence[str] = (),
-    max_differences: int = 20,
-) -> "Comparison":
+@takes(CompareOptions)
+def compare(expected: PathOrName, actual: PathOrName, **options: Any) -> "Comparison":  # noqa: ANN401
     """Compare two logs, or two results of `stats --json`; `exit_code` is 0 where they agree.
 
     Raises:
         CallError: an option is wrong, or a file is missing, unreadable, or not like the other.
     """
     from dogbot_logtool.commands import compare as command  # noqa: PLC0415
-    from dogbot_logtool.robot.options import CompareOptions  # noqa: PLC0415
 
-    tolerated = {name: value for name, value in (("atol", atol), ("rtol", rtol)) if value}
-    refuse_bad_values(tolerated)
-    chosen = CompareOptions(
-        atol=atol,
-        rtol=rtol,
-        tolerances=None if tolerances is None else Path(tolerances),
-        ignore=tuple(several(ignore)),
-        topics=tuple(several(topics)),
-        max_differences=max_differences,
-    )
+    chosen = options_from(CompareOptions, options)
     return command.compare(Path(expected), Path(actual), chosen)
 
 
+@takes(MeasureOptions)
 def compare_gait(
     first: PathOrName | Sequence[PathOrName],
     second: PathOrName | Sequence[PathOrName],
-    **options: Unpack[MeasureKeywords],
+    **options: Any,  # noqa: ANN401
 ) -> "GaitComparison":
     """Compare how the robot walks in two logs, or groups of logs: what `compare --gait` does.
 
@@ -132,21 +108,28 @@ def compare_gait(
         LogError: one is no log, or has nothing to measure.
     """
     from dogbot_logtool.commands import compare_gait as command  # noqa: PLC0415
-    from dogbot_logtool.commands.tasks import Measure  # noqa: PLC0415
+    from dogbot_logtool.commands.tasks import figures  # noqa: PLC0415
 
-    work = Measure(stats_options(options))
-    sides = [[work(_location(log), None) for log in several(side)] for side in (first, second)]
+    work = partial(figures, options=options_from(MeasureOptions, options))
+    sides = [[work(_location(log)) for log in several(side)] for side in (first, second)]
     return command.compare_gait(*sides)
 
 
+@takes(MeasureOptions)
 def check(
-    log: PathOrName,
+    log: Log,
     limits: PathOrName,
     *,
     baseline: PathOrName | None = None,
-    **options: Unpack[MeasureKeywords],
+    **options: Any,  # noqa: ANN401
 ) -> "tuple[Judgement, ...]":
     """Judge a log by the rules of a file: what `dogbot-logtool check` does.
+
+    Args:
+        log: the log.
+        limits: the TOML file of rules.
+        baseline: `stats --json` of the run that rules with `baseline` compare with.
+        options: see the keywords.
 
     Raises:
         CallError: a file is missing or not what it should be, or rules need a `baseline`.
@@ -156,6 +139,12 @@ def check(
 
     rules = command.read_limits(Path(limits), None if baseline is None else Path(baseline))
     return tuple(command.check(measure(log, **options).stats, rules))
+
+
+def _joined(log: Log, options: Options) -> tuple[Location, Options]:
+    """Return the log, and options with the other files of its recording."""
+    path, others = log_and_others(log, join=options.join)
+    return path, replace(options, joined=others)
 
 
 def _location(path: PathOrName) -> Location:

@@ -44,7 +44,7 @@ from dogbot_logtool.results import Measurement
 from dogbot_logtool.robot.topics.annotated import open_recorded
 
 if TYPE_CHECKING:
-    from dogbot_logtool.robot.options import StatsOptions
+    from dogbot_logtool.options import MeasureOptions
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,7 +53,7 @@ class Walk:
 
     path: Location
     _measured: Measurement
-    _options: "StatsOptions" = field(repr=False)
+    _options: "MeasureOptions" = field(repr=False)
 
     def __repr__(self) -> str:
         gait = self.gait.name or "gait not known"
@@ -240,12 +240,10 @@ class Walk:
             CallError: the file may not be written.
             LogtoolError: matplotlib is not installed, or there are no feet.
         """
-        from dogbot_logtool.commands.plot import refuse_bad_plot, write_plot  # noqa: PLC0415
-        from dogbot_logtool.robot.options import PlotOptions  # noqa: PLC0415
+        from dogbot_logtool.commands.plot import draw_figure, refuse_bad_figure  # noqa: PLC0415
 
-        drawing = PlotOptions(Path(target), overwrite=overwrite)
-        refuse_bad_plot(drawing, [self.path])
-        return write_plot(self._measured, drawing)
+        refuse_bad_figure(Path(target), [self.path], overwrite=overwrite)
+        return draw_figure(self._measured, Path(target), overwrite=overwrite)
 
     def report(self, target: PathOrName, *, replay: bool = True, overwrite: bool = False) -> None:
         """Read the log again and write its page: what `dogbot-logtool report` does.
@@ -286,7 +284,7 @@ class Walk:
 
     def _samples(self) -> tuple[Samples, ...]:
         """Read the contact samples of each foot, as they were measured."""
-        log = open_recorded(self.path, self._options.topics.joined)
+        log = open_recorded(self.path, self._options.joined)
         try:
             found = measure_log(log, self._options)
         finally:

@@ -1,39 +1,29 @@
 """The command line: words in, one function called, results printed, an exit code set.
 
-One file a command, loaded when it is called. Commands import what they need when they run, so that
---help answers at once.
+A command's module is loaded when it is called, so that --help answers at once.
 """
 
 import errno
 import os
 import sys
-from importlib import import_module
 from typing import Final, NoReturn
 
 import click
 
 from dogbot_logtool import __version__
-from dogbot_logtool.cli.gone import explained
-from dogbot_logtool.cli.outcomes import say, say_error
+from dogbot_logtool.cli.command import command
+from dogbot_logtool.cli.messages import say
 from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.gone import instead_of, instead_of_choice
 from dogbot_logtool.io.streams import safe_streams
+from dogbot_logtool.options import COMMANDS
 from dogbot_logtool.signals import raise_on_signals, stopped
 
-_COMMANDS: Final = (
-    "check",
-    "compare",
-    "convert",
-    "export",
-    "info",
-    "layout",
-    "report",
-    "robots",
-    "stats",
-)
+_COMMANDS: Final = {record.__name__.lower(): record for record in COMMANDS}
 
 
 class _Commands(click.Group):
-    """Commands by name, each loaded when it is called: the options of all take a while."""
+    """Commands by name, each made when it is called or listed."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """See `click.Group`."""
@@ -43,10 +33,7 @@ class _Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """See `click.Group`."""
         del ctx
-        if cmd_name not in _COMMANDS:
-            return None
-        command: click.Command = getattr(import_module(f"{__name__}.{cmd_name}"), cmd_name)
-        return command
+        return command(_COMMANDS[cmd_name]) if cmd_name in _COMMANDS else None
 
 
 @click.group(
@@ -102,13 +89,26 @@ def _run() -> int:
 def _show(error: Exception) -> int:
     """Print an error; return its exit code."""
     if isinstance(error, click.ClickException):
-        explained(error).show()
+        _explained(error).show()
         return error.exit_code
     if isinstance(error, LogtoolError):
-        say_error(error)
+        say(str(error))
         return error.exit_code
     _show_fault(error)
     return 1
+
+
+def _explained(error: click.ClickException) -> click.ClickException:
+    """Return an error that says what to use instead, if an option is gone; else the same error."""
+    if isinstance(error, click.NoSuchOption) and error.ctx is not None:
+        instead = instead_of(error.option_name, error.ctx.info_name or "")
+        if instead is not None:
+            return click.UsageError(f"{error.option_name} is gone: {instead}.", error.ctx)
+    if isinstance(error, click.BadParameter) and error.param is not None:
+        option, choice = error.param.name or "", error.message.partition(" ")[0].strip("'")
+        if (instead := instead_of_choice(option, choice)) is not None:
+            return click.UsageError(f"--{option} {choice} is gone: {instead}.", error.ctx)
+    return error
 
 
 def _show_fault(error: Exception) -> None:

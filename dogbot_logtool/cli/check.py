@@ -1,142 +1,74 @@
-"""The words of `check`."""
+"""`check` on the command line."""
 
+from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import NoReturn
 
 import click
 
-from dogbot_logtool.cli.options import (
-    jobs_option,
-    jobs_or_cores,
-    json_option,
-    junit_option,
-    junit_overwrite_option,
-    logs_argument,
-    quietness,
-    scheduler_option,
-    stats_options,
-)
-from dogbot_logtool.cli.outcomes import Outcomes
+from dogbot_logtool.cli.call import Call
+from dogbot_logtool.commands.check import check, exit_code, read_limits
+from dogbot_logtool.commands.tasks import figures
+from dogbot_logtool.comparison.rules.judge import Judgement
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.io.output import whole_file
+from dogbot_logtool.io.printable import printable
+from dogbot_logtool.io.targets import output_file, refuse_bad_report
+from dogbot_logtool.options import Check
+from dogbot_logtool.report.check_report import check_json, check_junit, print_check
+from dogbot_logtool.report.documents import damage_json
+from dogbot_logtool.report.text.console import results
+from dogbot_logtool.results import Figures
+from dogbot_logtool.run.inputs import LogSet
 
-if TYPE_CHECKING:
-    from dogbot_logtool.comparison.rules.judge import Judgement
-    from dogbot_logtool.robot.options import StatsOptions
 
-
-@click.command()
-@logs_argument
-@click.option(
-    "--limits",
-    type=click.Path(path_type=Path),
-    metavar="FILE.toml",
-    help="Rules on figures, findings and events.",
-)
-@click.option(
-    "--baseline",
-    type=click.Path(path_type=Path),
-    metavar="FILE.json",
-    help="`stats --json` of the run that rules with `baseline` compare with.",
-)
-@click.option(
-    "--suggest", is_flag=True, help="Print limits that these runs pass, as a file to edit."
-)
-@junit_option
-@junit_overwrite_option
-@stats_options
-@jobs_option
-@scheduler_option
-@json_option
-@quietness
-def check(
-    words: tuple[str, ...],
-    limits: Path | None,
-    baseline: Path | None,
-    junit: Path | None,
-    measuring: "StatsOptions",
-    jobs: int | None,
-    scheduler: str | None,
-    *,
-    suggest: bool,
-    overwrite: bool,
-    as_json: bool,
-    quiet: bool,
-    verbose: bool,
-) -> None:
-    """Judge logs by rules: each is GOOD, WARN, FAIL or UNKNOWN.
-
-    A rule names a figure of `stats --json`, a finding or an event, by a pattern, and what is
-    demanded of it; `check --suggest LOG...` prints a file of rules to begin with.
-
-    Exit code 0: all rules are kept; 1: one is broken, or a figure is unknown where its rule does
-    not allow that; 2: the call or the limits are wrong; 3: kept, but a log is damaged.
-    """
-    from dogbot_logtool.commands.check import check as judged  # noqa: PLC0415
-    from dogbot_logtool.commands.check import exit_code, read_limits  # noqa: PLC0415
-    from dogbot_logtool.commands.tasks import Measure  # noqa: PLC0415
-    from dogbot_logtool.io.targets import refuse_bad_report  # noqa: PLC0415
-    from dogbot_logtool.report.check_report import (  # noqa: PLC0415
-        check_json,
-        print_check,
-    )
-    from dogbot_logtool.report.documents import damage_json  # noqa: PLC0415
-    from dogbot_logtool.report.text.console import results  # noqa: PLC0415
-    from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
-    from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
-
-    if (limits is None) != suggest:
+def run(options: Check) -> NoReturn:
+    """Judge each log; or print limits that all of them pass."""
+    if (options.limits is None) != options.suggest:
         raise CallError("check needs one of --limits FILE.toml and --suggest")
-    held = None if limits is None else read_limits(limits, baseline)
-    if suggest and (baseline or junit or as_json):
-        raise CallError("--suggest prints a limits file; it goes with none of the other outputs")
-    log_set = find_logs(words, for_workers=scheduler is not None)
+    call = Call(options)
+    if options.limits is None:
+        _suggest(call, options)
+    limits = read_limits(options.limits, options.baseline)
+    logs, options = call.joined_logs(options)
+    junit = output_file(options.junit, ".xml")
     if junit is not None:
-        refuse_bad_report(junit, log_set.paths, overwrite=overwrite)
-    runner = runner_for("stats", len(log_set.paths), jobs_or_cores(jobs), scheduler)
-    work = Measure(replace(measuring, jobs=runner.jobs))
-    outcomes = Outcomes(quiet=quiet)
-    outcomes.mention_left_out(log_set)
+        refuse_bad_report(junit, logs.paths, overwrite=options.overwrite)
     checked: dict[str, list[Judgement]] = {}
-    documents: dict[str, dict[str, Any]] = {}
-    for done in outcomes.of(runner, work, log_set.paths, log_set.names):
+    for done in _measured(call, logs, options):
         name = done.json["log"]["path"]
-        documents[name] = done.json
-        if held is None:
-            outcomes.add(done.json)
-            continue
-        checked[name] = judged(done.json, held)
-        document = {**check_json(name, checked[name]), "damage": damage_json(done.damage)}
-        outcomes.add(document, exit_code(checked[name]))
-        if not as_json:
-            print_check(results(), name, checked[name], verbose=verbose)
-    if suggest and documents:
-        _print_suggestion(documents)
+        judgements = checked[name] = check(done.json, limits)
+        document = {**check_json(name, judgements), "damage": damage_json(done.damage)}
+        call.add(document, exit_code(judgements))
+        if not options.json:
+            print_check(results(), name, judgements, verbose=options.verbose)
     if junit is not None:
-        _write_junit(junit, checked, dict(outcomes.failures), overwrite=overwrite)
-    outcomes.finish(as_json=as_json)
+        with whole_file(junit, overwrite=options.overwrite) as file:
+            file.write(check_junit(checked, dict(call.failures)))
+    call.finish(as_json=options.json)
 
 
-def _print_suggestion(documents: dict[str, dict[str, Any]]) -> None:
+def _measured(call: Call, logs: LogSet, options: Check) -> Iterator[Figures]:
+    runner = call.runner("stats", len(logs.paths))
+    work = partial(figures, options=replace(options, jobs=runner.jobs))
+    yield from call.each(work, logs.paths, logs.names, runner)
+
+
+def _suggest(call: Call, options: Check) -> NoReturn:
+    """Print limits that all logs pass."""
     from dogbot_logtool.comparison.rules.suggestion import doubts, suggest_limits  # noqa: PLC0415
-    from dogbot_logtool.io.printable import printable  # noqa: PLC0415
 
-    names = [printable(name) for name in documents]
-    runs = list(documents.values())
-    click.echo(suggest_limits(runs, names), nl=False)
-    for doubt in doubts(runs, names):
-        click.echo(f"warning: {doubt}", err=True)
-
-
-def _write_junit(
-    target: Path,
-    checked: "dict[str, list[Judgement]]",
-    failures: dict[str, str],
-    *,
-    overwrite: bool,
-) -> None:
-    from dogbot_logtool.io.output import whole_file  # noqa: PLC0415
-    from dogbot_logtool.report.check_report import check_junit  # noqa: PLC0415
-
-    with whole_file(target, overwrite=overwrite) as file:
-        file.write(check_junit(checked, failures))
+    if options.baseline or options.junit or options.json:
+        raise CallError("--suggest prints a limits file; it goes with none of the other outputs")
+    logs, options = call.joined_logs(options)
+    documents = {}
+    for done in _measured(call, logs, options):
+        documents[done.json["log"]["path"]] = done.json
+        call.add(done.json)
+    names, runs = [printable(name) for name in documents], list(documents.values())
+    if runs:
+        click.echo(suggest_limits(runs, names), nl=False)
+        for doubt in doubts(runs, names):
+            click.echo(f"warning: {doubt}", err=True)
+    call.finish()

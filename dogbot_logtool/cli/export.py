@@ -1,151 +1,102 @@
-"""The words of `export`."""
+"""`export` on the command line."""
 
 import sys
-from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import NoReturn
 
-import click
-
-from dogbot_logtool.cli.options import (
-    jobs_option,
-    jobs_or_cores,
-    logs_argument,
-    output_name,
-    overwrite_option,
-    quietness,
-    scheduler_option,
-    stats_options,
-)
-from dogbot_logtool.cli.outcomes import Outcomes
+from dogbot_logtool.api.export import Export as Exporter
+from dogbot_logtool.cli.call import Call
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.io.output import refuse_bad_target, whole_file
+from dogbot_logtool.io.targets import refuse_no_name
+from dogbot_logtool.options import Export
+from dogbot_logtool.report.table_file import TableFile, table_file
+from dogbot_logtool.results import Measurement
+from dogbot_logtool.run.inputs import LogSet
+from dogbot_logtool.run.runner import SerialRunner
 
-if TYPE_CHECKING:
-    from dogbot_logtool.api.export import Export
-    from dogbot_logtool.results import Measurement
-    from dogbot_logtool.robot.options import StatsOptions
-    from dogbot_logtool.run.inputs import LogSet
 
-_STDOUT = "-"
-
-
-@click.command()
-@logs_argument
-@click.option(
-    "--table",
-    type=click.Choice(["strides", "stances", "joints", "events", "base", "commands", "samples"]),
-    help="What to write, a row each; samples are all messages of all feet; default: strides.",
-)
-@click.option(
-    "-o",
-    "--output",
-    default=_STDOUT,
-    metavar="FILE",
-    help="File that ends in .csv, .parquet, .arrow or .feather. Default: CSV on stdout.",
-)
-@click.option(
-    "--dataset",
-    type=output_name,
-    metavar="DIR|URL",
-    help="Keep the metrics of many logs there, for SQL; logs that are there unchanged are skipped.",
-)
-@click.option(
-    "--label",
-    "labels",
-    metavar="NAME=VALUE",
-    multiple=True,
-    help="With --dataset: a label for the logs of this call, such as firmware=3.2; can be given "
-    "several times.",
-)
-@click.option(
-    "--prune",
-    is_flag=True,
-    help="With --dataset: remove logs from there that are gone from where they were.",
-)
-@stats_options
-@jobs_option
-@scheduler_option
-@overwrite_option
-@quietness
-def export(
-    words: tuple[str, ...],
-    table: str | None,
-    output: str,
-    dataset: str | None,
-    labels: tuple[str, ...],
-    measuring: "StatsOptions",
-    jobs: int | None,
-    scheduler: str | None,
-    *,
-    prune: bool,
-    overwrite: bool,
-    quiet: bool,
-    verbose: bool,
-) -> None:
-    """Write a table of strides, stances, events, poses or samples.
-
-    The tables are those of a walk in Python, behind a column with the log's name. Several logs
-    make one table. A dataset has tables of the metrics of many logs, to which later calls add.
-
-    \b
-    dogbot-logtool export walk.bag > strides.csv
-    dogbot-logtool export walk.bag --table samples -o samples.parquet
-    dogbot-logtool export recordings/ --dataset walks
-    """  # noqa: D301 - click's own mark
-    from dogbot_logtool.api.export import Export  # noqa: PLC0415
-    from dogbot_logtool.io.output import refuse_bad_target, whole_file  # noqa: PLC0415
-    from dogbot_logtool.report.table_file import table_file  # noqa: PLC0415
-    from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
-
-    del verbose
-    chosen = replace(measuring, jobs=jobs_or_cores(jobs))
-    _refuse_others(
-        dataset,
-        with_table={"--table": table, "-o": output != _STDOUT, "--overwrite": overwrite},
-        with_dataset={"--label": labels, "--prune": prune, "--scheduler": scheduler},
-    )
-    if dataset is not None:
-        from dogbot_logtool.cli.dataset import export_dataset  # noqa: PLC0415 - loads pyarrow
-
-        export_dataset(words, dataset, chosen, labels, scheduler, prune=prune, quiet=quiet)
-    table = table or "strides"
-    log_set = find_logs(words)
-    outcomes = Outcomes(quiet=quiet)
-    outcomes.mention_left_out(log_set)
-    if output == _STDOUT:
-        if overwrite:
+def run(options: Export) -> NoReturn:
+    """Write a table of all logs, or keep their tables in a dataset."""
+    _refuse_others(options)
+    call = Call(options)
+    logs, options = call.joined_logs(options)
+    if options.dataset is not None:
+        _dataset(call, logs, options, options.dataset)
+    if options.output in {None, "-"}:
+        if options.overwrite:
             raise CallError("--overwrite goes with -o FILE")
-        _run(Export(chosen, table, table_file("stdout.csv", sys.stdout.buffer)), log_set, outcomes)
-        outcomes.finish(as_json=False)
-    target = Path(output_name(output))
-    for log in log_set.paths:
-        refuse_bad_target(target, log, overwrite=overwrite)
-    with whole_file(target, overwrite=overwrite, is_wanted=lambda: outcomes.has_results) as file:
-        work = Export(chosen, table, table_file(target.name, file))
-        _run(work, log_set, outcomes)
-        work.finish()
-    outcomes.finish(as_json=False)
+        _write(call, logs, options, table_file("stdout.csv", sys.stdout.buffer))
+        call.finish()
+    refuse_no_name(options.output or "")
+    target = Path(options.output or "")
+    for log in logs.paths:
+        refuse_bad_target(target, log, overwrite=options.overwrite)
+    with whole_file(
+        target, overwrite=options.overwrite, is_wanted=lambda: call.has_results
+    ) as file:
+        table = table_file(target.name, file)
+        _write(call, logs, options, table)
+        table.finish()
+    call.finish()
 
 
-def _refuse_others(
-    dataset: str | None, *, with_table: Mapping[str, object], with_dataset: Mapping[str, object]
-) -> None:
+def _refuse_others(options: Export) -> None:
     """Refuse options of a table with a dataset, and the other way round.
 
     Raises:
         CallError: one is given.
     """
-    others = with_dataset if dataset is None else with_table
+    if options.dataset is None:
+        why = "goes with --dataset"
+        others = {"--label": options.label, "--prune": options.prune,
+                  "--scheduler": options.scheduler}  # fmt: skip
+    else:
+        why = "goes without --dataset"
+        others = {"--table": options.table, "-o": options.output, "--overwrite": options.overwrite}
     for option in (name for name, given in others.items() if given):
-        why = "goes with --dataset" if dataset is None else "goes without --dataset"
         raise CallError(f"{option} {why}")
 
 
-def _run(work: "Export", log_set: "LogSet", outcomes: Outcomes) -> None:
+def _write(call: Call, logs: LogSet, options: Export, file: TableFile) -> None:
     """Export all logs, one after the other."""
-    from dogbot_logtool.run.runner import SerialRunner  # noqa: PLC0415
+    work = Exporter(options, options.table or "strides", file)
+    runner: SerialRunner[Measurement] = SerialRunner(options.jobs)
+    for _ in call.each(work, logs.paths, logs.names, runner):
+        call.add({})
 
-    runner: SerialRunner[Measurement] = SerialRunner(work.options.jobs)
-    for _ in outcomes.of(runner, work, log_set.paths, log_set.names):
-        outcomes.add({})
+
+def _dataset(call: Call, logs: LogSet, options: Export, name: str) -> NoReturn:
+    """Measure the logs that are not in a dataset, or not as they are now; exit."""
+    from dogbot_logtool.commands.tasks import MeasuredEntry, measure_entry  # noqa: PLC0415
+    from dogbot_logtool.io.storage import from_root, location, shown  # noqa: PLC0415
+    from dogbot_logtool.report.dataset import dataset_at, parse_labels  # noqa: PLC0415 - loads pyarrow
+    from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415
+    from dogbot_logtool.report.text.conversion_text import DatasetRun, print_dataset  # noqa: PLC0415
+
+    refuse_no_name(name)
+    dataset = dataset_at(from_root(location(name)), options, parse_labels(options.label))
+    pending = dataset.begin(logs, prune=options.prune)
+    call.add_unchanged(pending.unchanged)
+    run = DatasetRun(pending.unchanged, pending.pruned)
+
+    def take(number: int, done: MeasuredEntry | None, sentence: str) -> None:
+        entry = pending.entries[number]
+        if done is None:
+            dataset.write_failed(entry, sentence)
+            return
+        damaged = bool(done.damage.losses)
+        dataset.write(entry, done.tables, damaged=damaged)
+        run.measured += 1
+        run.damaged += damaged
+
+    runner = call.runner("stats", len(pending.entries))
+    work = partial(measure_entry, options=replace(options, jobs=runner.jobs))
+    for _ in call.each(work, pending.entries, pending.log_set.names, runner, take):
+        call.add({})
+    if not options.quiet:
+        run.failed = len(call.failures)
+        print_dataset(diagnostics(), shown(dataset.files.root), run)
+    call.finish()

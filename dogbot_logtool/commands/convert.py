@@ -11,13 +11,13 @@ from dogbot_logtool.conversion.writing import annotations_of
 from dogbot_logtool.finding import by_severity
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
+from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.recording import Alongside
 from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
 from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.robot.measuring.plan import make_plan as plan_measuring
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions
 from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.run.runner import OnProgress
@@ -46,20 +46,19 @@ def convert(
         LogtoolError: the target cannot be written.
     """
     overwrite, makes_folder = options.overwrite, options.makes_folder
-    for location in (source, *options.topics.joined):
+    for location in (source, *options.joined):
         refuse_bad_target(target, location, overwrite=overwrite, makes_folder=makes_folder)
     refuse_unknown_names(options)
-    log = open_recorded(source, options.topics.joined)
+    log = open_recorded(source, options.joined)
     try:
-        measuring = _measuring(options)
-        wanted = plan_measuring(log, measuring)
+        wanted = plan_measuring(log, options)
         copier = make_copier(log, wanted.selection, options)
         with whole_file(target, overwrite=overwrite, makes_folder=makes_folder) as file:
             output = AnnotatedLog(file, log, options, copier.left_out)
             measured = measure_planned(
                 log,
                 wanted,
-                measuring,
+                options,
                 _half(progress, 0),
                 with_soles=True,
                 alongside=Alongside(copier, output.copy),
@@ -98,17 +97,6 @@ def convert(
     )
 
 
-def _measuring(options: ConvertOptions) -> StatsOptions:
-    """Return the options of what is drawn, as `stats` takes them."""
-    return StatsOptions(
-        topics=options.topics,
-        wrench_frame=options.wrench_frame,
-        start_s=options.start_s,
-        end_s=options.end_s,
-        jobs=options.jobs,
-    )
-
-
 def _half(progress: OnProgress | None, half: int) -> OnProgress | None:
     """Return a callback for one half of the work: to read, and to annotate."""
     if progress is None:
@@ -120,7 +108,7 @@ def _scene(log: Log, output: AnnotatedLog, measured: MeasuredLog, options: Conve
     """Decide what is drawn of the walk."""
     learnt, measurement = measured.learnt, measured.measurement
     plan = make_plan(log, learnt.selection, learnt.probe, learnt.sensors, options)
-    _, end = time_limits(log, options.start_s, options.end_s)
+    _, end = time_limits(log, options.start, options.end)
     last = log.end_time or 0
     return draw(
         plan,
@@ -136,7 +124,7 @@ def _finish(log: Log, output: AnnotatedLog, measured: MeasuredLog, scene: Scene)
     """Write what follows the messages; return all that could not be read."""
     read, options = measured.read, scene.plan.options
     losses = [*log.losses, *read.losses, *output.copy_extras()]
-    if options.start_s is None and options.end_s is None:
+    if options.start is None and options.end is None:
         losses += wrong_statistics(log, read.counts, losses)
     losses += malformed_messages(log.channels, read.malformed, ": copied, but not annotated")
     in_world = measured.learnt.settings.force_in_world

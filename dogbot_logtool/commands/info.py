@@ -9,6 +9,7 @@ from dogbot_logtool.conversion.plan import writes_tf
 from dogbot_logtool.core.quality.quality import mean_rate_hz
 from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.io.storage import Location
+from dogbot_logtool.options import ConvertOptions, InfoOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES
@@ -20,7 +21,6 @@ from dogbot_logtool.robot.feet.message_feet import is_planned
 from dogbot_logtool.robot.frames.frame_findings import frame_findings
 from dogbot_logtool.robot.frames.frames import Frames, read_frames
 from dogbot_logtool.robot.measuring.side_topics import side_topics
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.robot.probe import Probe, frame_names, probe_recording
 from dogbot_logtool.robot.probe_findings import name_findings, stamp_findings
 from dogbot_logtool.robot.robot_model.joint_motion import joint_channels
@@ -34,19 +34,14 @@ _FIRST_NS: Final = 2_000_000_000
 
 def describe(
     path: Location,
-    options: TopicOptions,
-    *,
-    all_frames: bool = False,
-    jobs: int = 1,
+    options: InfoOptions,
     progress: OnProgress | None = None,
 ) -> LogInfo:
     """Look at a log: its index, and its first seconds for what an index does not tell.
 
     Args:
         path: the log.
-        options: which topics to use.
-        all_frames: read every transform, not only those of the first seconds.
-        jobs: how many batches are read at once.
+        options: which topics to use; with `frames`, every transform is read.
         progress: called with bytes done and bytes in all.
 
     Raises:
@@ -60,13 +55,14 @@ def describe(
         selection = select_topics(recorded, options)
         probe, chunks_seen = _first_seconds(recorded, selection)
         frames = None
-        if all_frames:
+        if options.frames:
             added_transforms = [
                 channel
                 for number, channel in log.channels.items()
                 if number in ours and channel.type_name in TRANSFORM_TYPES
             ]
-            frames = read_frames(log, [*selection.transforms, *added_transforms], jobs, progress)
+            transforms = [*selection.transforms, *added_transforms]
+            frames = read_frames(log, transforms, options.jobs, progress)
             probe = _with_all_frames(probe, frames, ours)
         findings, added = _outlook(recorded, selection, probe)
         if frames is not None:
@@ -147,10 +143,10 @@ def _base_use(selection: Selection) -> str:
     return f"base {base.element}".rstrip()
 
 
-def _side_uses(log: Log) -> dict[int, str]:
+def _side_uses(log: Log, selection: Selection) -> dict[int, str]:
     """Return what `stats` uses channels beside feet and base for, by id."""
     joints = {channel.id: "joints" for channel in joint_channels(log)}
-    side = side_topics(log, StatsOptions())
+    side = side_topics(log, selection.robot)
     uses = ((side.commands, "commands"), (side.inertial, "accelerometer"))
     return joints | {each.id: use for topic, use in uses if topic for each in topic.channels}
 
@@ -162,7 +158,7 @@ def _topics(
     frames: Frames | None,
     ours: AbstractSet[int],
 ) -> tuple[TopicInfo, ...]:
-    uses = _side_uses(log) | {channel.id: "frames" for channel in selection.transforms}
+    uses = _side_uses(log, selection) | {channel.id: "frames" for channel in selection.transforms}
     uses |= dict.fromkeys(ours, "annotation")
     uses |= dict.fromkeys(frames.channels if frames else (), "frames")
     uses |= {channel.id: _base_use(selection) for channel in selection.odometry}

@@ -10,11 +10,11 @@ from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.plausible import STRONGEST_N
 from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.errors import LogError
+from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.report.layouts import View, upper_bound
 from dogbot_logtool.robot.feet.selection import assign_feet
-from dogbot_logtool.robot.options import TopicOptions
 from dogbot_logtool.robot.probe import (
     DEFAULT_BASE,
     DEFAULT_WORLD,
@@ -26,6 +26,7 @@ from dogbot_logtool.robot.robot import Robot, load_robot
 from dogbot_logtool.robot.robot_model.description import robot_shape
 from dogbot_logtool.robot.robot_model.primitives import body_size_m
 from dogbot_logtool.robot.sensors import LearntSensors, learn_sensors
+from dogbot_logtool.robot.settings import with_settings
 from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.robot.topics.selection import nothing_to_do, select_topics
 
@@ -35,7 +36,7 @@ _ROOM: Final = 1.1
 """Bound over the load."""
 
 
-def view_of(log: Path | None, options: TopicOptions) -> View:
+def view_of(log: Path | None, options: RobotOptions) -> View:
     """Return what is shown of a log, or of any log of a robot.
 
     Raises:
@@ -44,8 +45,9 @@ def view_of(log: Path | None, options: TopicOptions) -> View:
     """
     if log is None:
         robot = load_robot(options.robot or "dogbot")
-        topics, guessed = options.foot_topics or {}, options.robot is None
+        topics, guessed = options.foot or {}, options.robot is None
         robot = assign_feet(robot, topics, frozenset(), guessed=guessed)
+        robot = with_settings(robot, options.set).with_mass(options.mass)
         return _view(robot, robot.world_frame or DEFAULT_WORLD, robot.base_frame or DEFAULT_BASE)
     opened = open_recorded(log)
     try:
@@ -55,7 +57,7 @@ def view_of(log: Path | None, options: TopicOptions) -> View:
         recording = read_recording(opened, selection.wanted(), 1).recording
         probe = probe_recording(recording, selection, with_soles=True)
         selection = selection.without_forces(probe.forceless)
-        learnt = learn_sensors(selection, probe, options)
+        learnt = learn_sensors(selection, probe)
         view = _view(selection.robot, *frame_names(selection.robot, probe))
         shape = robot_shape(selection, probe)
         return replace(

@@ -6,10 +6,10 @@ from dogbot_logtool.commands.stats import measure_log
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location, file_name
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.robot_file import RobotEvidence, robot_file
 from dogbot_logtool.robot.feet.unknown import FootCandidates
-from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from dogbot_logtool.robot.probe import frame_names
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics.annotated import open_recorded
@@ -28,7 +28,7 @@ class NewRobot:
 
 
 def new_robot(
-    path: Location, name: str, options: TopicOptions, progress: OnProgress | None = None
+    path: Location, name: str, options: MeasureOptions, progress: OnProgress | None = None
 ) -> NewRobot:
     """Describe the robot of a log.
 
@@ -54,7 +54,7 @@ def new_robot(
             selection = select_topics(log, options)
         if not selection.odometry and not selection.contacts:
             raise LogError(nothing_to_do(log, selection))
-        found = measure_log(log, StatsOptions(topics=options), progress)
+        found = measure_log(log, options, progress)
     finally:
         log.close()
     learnt, measured = found.learnt, found.measurement

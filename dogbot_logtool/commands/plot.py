@@ -1,6 +1,7 @@
 """`stats --figure`: the gait diagram and the load curves of a walk, as a file for a paper."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.errors import CallError
@@ -14,10 +15,9 @@ from dogbot_logtool.report.gait_figure import (
 )
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.results import Measurement
-from dogbot_logtool.robot.options import PlotOptions
 
 
-def refuse_bad_plot(plot: PlotOptions, logs: Sequence[Location]) -> None:
+def refuse_bad_figure(target: Path, logs: Sequence[Location], *, overwrite: bool) -> None:
     """Check what can be checked before any work is done.
 
     Raises:
@@ -26,14 +26,14 @@ def refuse_bad_plot(plot: PlotOptions, logs: Sequence[Location]) -> None:
     """
     if len(logs) != 1:
         raise CallError(f"--figure draws one log, and there are {len(logs)}: call it for each")
-    if plot.form not in FORMATS:
+    if _format(target) not in FORMATS:
         endings = ", ".join(f".{form}" for form in FORMATS)
-        raise CallError(f"--figure {plot.target}: the name must end in one of {endings}")
-    refuse_bad_target(plot.target, logs[0], overwrite=plot.overwrite)
+        raise CallError(f"--figure {target}: the name must end in one of {endings}")
+    refuse_bad_target(target, logs[0], overwrite=overwrite)
     require_matplotlib()
 
 
-def write_plot(measured: Measurement, plot: PlotOptions) -> tuple[float, float]:
+def draw_figure(measured: Measurement, target: Path, *, overwrite: bool) -> tuple[float, float]:
     """Draw a log that was measured.
 
     Returns:
@@ -48,6 +48,11 @@ def write_plot(measured: Measurement, plot: PlotOptions) -> tuple[float, float]:
     detail = CurveDetail(window=(first, last))
     curves = tuple(foot.record.load_curves(detail) for foot in stats.feet)
     figure = gait_figure(stats, curves, window)
-    with whole_file(plot.target, overwrite=plot.overwrite) as file:
-        write_figure(figure, file, plot.form)
+    with whole_file(target, overwrite=overwrite) as file:
+        write_figure(figure, file, _format(target))
     return window
+
+
+def _format(target: Path) -> str:
+    """Return the format that a name tells: ``svg`` ..."""
+    return target.suffix[1:].lower()

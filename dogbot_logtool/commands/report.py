@@ -8,13 +8,13 @@ from dogbot_logtool.commands.stats import MeasuredLog, measure_log
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, file_name, is_folder, shown, version
 from dogbot_logtool.io.targets import Output, targets
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.report.page.assets import page_script, shared_name
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import ALONE, Beside, page
 from dogbot_logtool.report.page.replay import frame_times, replay
 from dogbot_logtool.results import Measurement, Page
-from dogbot_logtool.robot.options import StatsOptions
 from dogbot_logtool.robot.probe import frame_names, probe_recording
 from dogbot_logtool.robot.robot_model.joint_motion import joint_motion
 from dogbot_logtool.robot.robot_model.limbs import find_limbs
@@ -29,7 +29,7 @@ class Reports:
         self,
         logs: Sequence[Location],
         output: Output,
-        options: StatsOptions,
+        options: MeasureOptions,
         *,
         overwrite: bool,
         with_replay: bool = True,
@@ -77,7 +77,7 @@ class Reports:
         self, source: Location, progress: OnProgress | None
     ) -> tuple[Measurement, dict[str, Any] | None]:
         """Measure a log; return also what its replay draws, None without one."""
-        log = open_recorded(source, self._options.topics.joined)
+        log = open_recorded(source, self._options.joined)
         try:
             found = measure_log(log, self._options, progress)
             replay = replay_of(log, found) if self._with_replay else None

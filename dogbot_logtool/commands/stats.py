@@ -13,6 +13,7 @@ from dogbot_logtool.core.walk_metrics.walk import metrics_of
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import Location, shown
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.recording import Alongside, ReadLog, read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
@@ -20,7 +21,6 @@ from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.results import LogFacts, Measurement
 from dogbot_logtool.robot.measuring.plan import LearntSettings, MeasuringPlan, make_plan
 from dogbot_logtool.robot.measuring.walk import Measured, measure_recording
-from dogbot_logtool.robot.options import StatsOptions
 from dogbot_logtool.robot.probe_findings import order_findings
 from dogbot_logtool.robot.time_span import TimeLimits, refuse_empty_span
 from dogbot_logtool.robot.topics.annotated import open_recorded
@@ -29,7 +29,7 @@ from dogbot_logtool.run.runner import OnProgress
 
 def measure(
     path: Location,
-    options: StatsOptions,
+    options: MeasureOptions,
     progress: OnProgress | None = None,
 ) -> Measurement:
     """Work out all figures of a log.
@@ -43,7 +43,7 @@ def measure(
         CallError: no such file, or a topic or time in the options that the log does not have.
         LogError: it is no log, or has nothing to measure.
     """
-    log = open_recorded(path, options.topics.joined)
+    log = open_recorded(path, options.joined)
     try:
         return measure_log(log, options, progress).measurement
     finally:
@@ -62,7 +62,9 @@ class MeasuredLog:
     """How they were read; its own columns are the corrected ones, too."""
 
 
-def measure_log(log: Log, options: StatsOptions, progress: OnProgress | None = None) -> MeasuredLog:
+def measure_log(
+    log: Log, options: MeasureOptions, progress: OnProgress | None = None
+) -> MeasuredLog:
     """Work out all figures of an open log; see `measure` and `measure_recording`."""
     return measure_planned(log, make_plan(log, options), options, progress)
 
@@ -70,7 +72,7 @@ def measure_log(log: Log, options: StatsOptions, progress: OnProgress | None = N
 def measure_planned(
     log: Log,
     plan: MeasuringPlan,
-    options: StatsOptions,
+    options: MeasureOptions,
     progress: OnProgress | None = None,
     *,
     with_soles: bool = False,

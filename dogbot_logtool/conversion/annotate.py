@@ -102,7 +102,7 @@ def draw(
     samples, findings = _placed(plan, recording, stats)
     feet = _feet(plan, samples, stats, metrics)
     poses = recording.base.pick(usable_poses(recording.base))
-    at_ticks = first_at_each_tick(poses.time, plan.options.tf_rate_hz)
+    at_ticks = first_at_each_tick(poses.time, plan.options.tf_rate)
     first = [int(foot.samples.log_time[0]) for foot in feet if len(foot.samples.log_time)]
     known_from = max([opening, *first])
     events, gaits = event_messages(stats), gait_states(stats)
@@ -169,7 +169,7 @@ def _links(plan: ConversionPlan, recording: Recording, opening: int) -> list[Lin
             samples = table.samples
             times = samples.log_time, samples.stamp
             moved = motion.links(table.names, *times, samples.position.astype(np.float64))
-            rows = first_at_each_tick(moved.stamp, plan.options.tf_rate_hz)
+            rows = first_at_each_tick(moved.stamp, plan.options.tf_rate)
             found.append(moved.pick(rows).from_opening(opening))
     return found
 

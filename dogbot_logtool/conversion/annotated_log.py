@@ -16,11 +16,11 @@ from dogbot_logtool.conversion.annotate import DrawnCounts, Scene
 from dogbot_logtool.conversion.copying import CopiedSpan
 from dogbot_logtool.conversion.writing import SpanWriter, time_spans
 from dogbot_logtool.core.scene.arrows import ArrowCounts, Arrows, no_arrows
+from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
 from dogbot_logtool.reader.growing import GrowingColumns
 from dogbot_logtool.reader.workers import Start, in_order
-from dogbot_logtool.robot.options import ConvertOptions
 from dogbot_logtool.run.runner import OnProgress
 from dogbot_logtool.writer.annotations import Annotations
 from dogbot_logtool.writer.chunks import finish_chunk

@@ -12,10 +12,10 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
+from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Batch, Channel, LoadedChunk, Log, Messages
 from dogbot_logtool.reader.messages.contact_messages import read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels
-from dogbot_logtool.robot.options import ConvertOptions
 from dogbot_logtool.robot.topics.selection import Selection
 from dogbot_logtool.writer.chunks import (
     Compression,
@@ -141,10 +141,10 @@ def channels_left_out(log: Log, options: ConvertOptions) -> frozenset[int]:
     Raises:
         CallError: topics are chosen, but nothing is copied.
     """
-    if not (options.copied_topics or options.topics_left_out):
+    if not options.topics:
         return frozenset()
     if not options.copy:
-        raise CallError("--topics and --without choose what is copied; --no-copy copies nothing")
+        raise CallError("--topics chooses what is copied; --no-copy copies nothing")
     return frozenset(
         channel.id
         for channel in log.channels.values()
@@ -156,13 +156,9 @@ def channels_left_out(log: Log, options: ConvertOptions) -> frozenset[int]:
 def copy_findings(log: Log, options: ConvertOptions, left_out: frozenset[int]) -> Iterator[Finding]:
     """Say what is left out, and which patterns fit no topic."""
     topics = {channel.topic for channel in log.channels.values()}
-    for option, globs in (
-        ("--topics", options.copied_topics),
-        ("--without", options.topics_left_out),
-    ):
-        for glob in globs:
-            if not any(fnmatchcase(topic, glob) for topic in topics):
-                yield Finding("COPY", f"{option} {glob} fits no topic of the log")
+    for glob in options.topics:
+        if not any(fnmatchcase(topic, glob.removeprefix("!")) for topic in topics):
+            yield Finding("COPY", f"--topics {glob} fits no topic of the log")
     if left_out:
         names = sorted({log.channels[number].topic for number in left_out})
         messages = sum(log.counts.get(number, 0) for number in left_out)

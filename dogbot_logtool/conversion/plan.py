@@ -13,9 +13,9 @@ from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
+from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.robot.frames.world_frames import WorldFrames, follow_frames
-from dogbot_logtool.robot.options import ConvertOptions
 from dogbot_logtool.robot.probe import Probe, frame_names, usable_clock
 from dogbot_logtool.robot.probe_findings import probe_findings
 from dogbot_logtool.robot.robot_model.description import RobotDescription, robot_description
@@ -73,7 +73,7 @@ def make_plan(
     robot = selection.robot
     findings = [*selection.findings, *probe_findings(selection, probe)]
     world, base = frame_names(robot, probe)
-    wrench_frame = _wrench_frame(probe, options)
+    wrench_frame = _wrench_frame(probe, robot.wrench_frame)
     known_weight_n = body_weight_n(robot.mass_kg)
     weight_n = known_weight_n or learnt.estimated_weight_n
     findings.extend(sensor_findings([foot.name for foot in robot.feet], learnt.feet, weight_n))
@@ -92,10 +92,8 @@ def make_plan(
     findings.extend(_arrow_findings(selection, style, frames, wrench_frame, scale_n))
     left_out = channels_left_out(log, options)
     findings.extend(copy_findings(log, options, left_out))
-    start_time, _ = time_limits(log, options.start_s, options.end_s)
-    description = robot_description(
-        log, selection, probe, base, options.topics.urdf, copy=options.copy
-    )
+    start_time, _ = time_limits(log, options.start, options.end)
+    description = robot_description(log, selection, probe, base, options.urdf, copy=options.copy)
     findings.extend(description.findings)
     return ConversionPlan(
         selection=selection,
@@ -160,11 +158,9 @@ def refuse_unknown_names(options: ConvertOptions) -> None:
             raise CallError(f"there is no {kind} {name!r}; known: {', '.join(known)}")
 
 
-def _wrench_frame(probe: Probe, options: ConvertOptions) -> WrenchFrame:
-    """Return the frame of the recorded wrenches: the user's, else the one that the probe found."""
-    if options.wrench_frame == "auto":
-        return probe.wrench_frame.frame
-    return WrenchFrame(options.wrench_frame)
+def _wrench_frame(probe: Probe, given: str) -> WrenchFrame:
+    """Return the frame of the recorded wrenches: the given one, else that the probe found."""
+    return probe.wrench_frame.frame if given == "auto" else WrenchFrame(given)
 
 
 def _without_points(selection: Selection, frames: WorldFrames | None) -> Iterator[Finding]:

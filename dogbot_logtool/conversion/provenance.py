@@ -27,10 +27,10 @@ def provenance_record(
         "style": options.style,
         "encoding": options.encoding,
         "copy": options.copy,
-        "wrench_frame": options.wrench_frame,
+        "wrench_frame": robot.wrench_frame,
         "force_in_world": force_in_world,
         "tf": options.tf,
-        "tf_rate_hz": options.tf_rate_hz,
+        "tf_rate_hz": options.tf_rate,
         "robot": robot.name,
         "mass_kg": robot.mass_kg,
         "world_frame": plan.world_frame,
@@ -55,7 +55,7 @@ def _origin(log: Log, plan: ConversionPlan) -> dict[str, object]:
     For a log that was annotated before, that is the log which it was made from, as long as a part
     of its time is not cut out anew.
     """
-    start_s, end_s = plan.options.start_s, plan.options.end_s
+    start_s, end_s = plan.options.start, plan.options.end
     earlier = _earlier(log)
     if earlier and not any(
         (start_s, end_s, *(each.get(key) for each in earlier[1:] for key in ("start_s", "end_s")))

@@ -23,6 +23,8 @@ from dogbot_logtool.writer.topics import FALLBACK_PREFIX
 SPAN_ROWS = 20_000
 """Samples of feet in a span: enough to make the cost of a numpy call small, and few enough to be
 annotated in some 40 MB."""
+ESTIMATED_WIDTH = 0.5
+"""Width of arrows whose forces are estimated, over that of measured ones."""
 _TIMES = np.iinfo(np.int64)
 TimeSpan = tuple[int, int]
 """ns, log times from which on and before which is annotated."""
@@ -139,9 +141,12 @@ def annotations_of(log: Log, plan: ConversionPlan) -> tuple[Annotations, Mapping
     profile = plan.encoding.profile or (log.profile if options.copy else "")
     description, fixed = plan.description, plan.style.shaft_diameter_m
     # At a low rate, support lasts until the next message.
-    lifetime_s = max(LIFETIME_S, 2.0 / options.tf_rate_hz if options.tf_rate_hz else 0.0)
+    lifetime_s = max(LIFETIME_S, 2.0 / options.tf_rate if options.tf_rate else 0.0)
     look = SupportLook(robot.shaft_diameter_m / 2.0, robot.shaft_diameter_m, lifetime_s)
     shaft_m = robot.shaft_diameter_m if fixed is None else fixed
+    estimated = plan.selection.contact_from
+    if estimated and fixed is None:
+        shaft_m *= ESTIMATED_WIDTH
     wanted = WantedAnnotations(
         [foot.name for foot in robot.feet],
         plan.world_frame,
@@ -156,5 +161,6 @@ def annotations_of(log: Log, plan: ConversionPlan) -> tuple[Annotations, Mapping
     # Chunks that are copied as they are may describe channels that are left out.
     schema_ids = IdSource({channel.schema.id for channel in copied if channel.schema})
     channel_ids = IdSource({channel.id for channel in copied})
-    added = AddedChannels(schema_ids, channel_ids, free)
+    notes = {"contact_from": estimated} if estimated else {}
+    added = AddedChannels(schema_ids, channel_ids, free, notes)
     return Annotations(plan.encoding.load(), wanted, added), free.moved

@@ -12,7 +12,14 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, median_of, median_of_known, percentiles_of
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Floats,
+    Ints,
+    median_of,
+    median_of_known,
+    percentiles_of,
+)
 from dogbot_logtool.core.frames.kinematics import LegMotion
 from dogbot_logtool.dataclass import dataclass
 
@@ -25,11 +32,13 @@ LOW: Final = 0.25
 LOW_AND_SLOW: Final = 0.6
 LEAST_LIFT_M: Final = 0.004
 """m: noise may lift a standing foot as far."""
-SLOW: Final = 0.08
+SLOW: Final = 0.12
 """Share of the usual speed of a swing below which a foot rests."""
+FAST: Final = 0.5
+"""Share of that speed beyond which no foot is in contact."""
 SLOWEST_MPS: Final = (0.04, 0.3)
 """m/s, bounds of that speed."""
-LOOSELY: Final = 2.5
+LOOSELY: Final = 3.0
 """Times that speed by which a foot that rested leaves the ground."""
 AROUND_S: Final = 0.03
 """s before and after, over which the velocity of the base is the median."""
@@ -39,11 +48,19 @@ LOADED: Final = 0.4
 """Share of the weight a foot, were it spread evenly, from which a foot is loaded."""
 UNLOADED: Final = 0.2
 """The same, below which it is not any more."""
+BOUNCE: Final = 0.35
+"""Share of the usual time without rest below which a foot without load bounces, or less than
+`LONGEST_BOUNCE_S`."""
+LONGEST_BOUNCE_S: Final = 0.08
+RESTED: Final = 0.2
+"""Share of a foot's time under load in which it rests, at least."""
 FORCE_ONLY: Final = 1e-6
 """How little forces are damped in a least-squares fit, and how much `MOMENT` moments at a foot."""
 MOMENT: Final = 1e-2
 CARRY: Final = (0.75, 1.33)
 """Mean vertical force of all feet over the weight within which efforts are torques in N m."""
+WRONG_SIGN: Final = "efforts have the wrong sign"
+TOO_MUCH: Final = "by the efforts, feet carry"
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +71,8 @@ class Ground:
     """(n, f, 3) m/s, how the base moves along its axes if each foot rests on the ground."""
     resting: Flags
     """(n, f) whether each foot rests there."""
-    slow: Flags
-    """(n, f) whether each is low, and so slow that it may."""
+    fast: Flags
+    """(n, f) whether each is so fast that it swings, whatever its leg's torques say."""
 
     def velocity(self, standing: Flags) -> Floats:
         """(n, 3) m/s, of the base by the median over standing feet; NaN where none stands.
@@ -111,16 +128,15 @@ def resting_feet(
     lift -= lift.min(axis=1, keepdims=True)
     usual = np.maximum(percentiles_of(lift, (95.0,), axis=0)[0], LEAST_LIFT_M)
     low = lift < np.maximum(LOW * usual, LEAST_LIFT_M)
-    resting = low
-    limit = np.inf
+    resting, top = low, 0.0
     for _ in range(4):
         base = _common(seconds, implied, resting)
         speed = np.linalg.norm(implied - base[:, None], axis=2)
-        limit = SLOW * float(percentiles_of(speed, (95.0,), axis=None)[0])
-        limit = float(np.clip(limit, *SLOWEST_MPS))
+        top = float(percentiles_of(speed, 95.0))
+        limit = float(np.clip(SLOW * top, *SLOWEST_MPS))
         close = lift < np.maximum(LOW_AND_SLOW * usual, 2.0 * LEAST_LIFT_M)
         resting = _held(close & (speed < limit), ~close | (speed > LOOSELY * limit))
-    return Ground(implied, resting, close & (speed < LOOSELY * limit))
+    return Ground(implied, resting, speed > max(FAST * top, LOOSELY * limit))
 
 
 def _lift(seconds: Floats, height: Floats) -> Floats:
@@ -199,16 +215,45 @@ def _force(seconds: Floats, leg: LegMotion, point: Floats, effort: Floats, felt:
     return np.asarray(np.linalg.solve(square, asked[:, :, None])[:, :3, 0])
 
 
-def loaded_feet(vertical: Floats, weight_n: float, slow: Flags) -> Flags:
-    """(n, f) which feet carry a load and are slow; vertical: (n, f) N."""
+def loaded_feet(seconds: Floats, vertical: Floats, weight_n: float, ground: Ground) -> Flags:
+    """(n, f) which feet carry a load, and rest meanwhile, but for touchdown and lift-off.
+
+    Args:
+        seconds: (n,) s.
+        vertical: (n, f) N, of the ground on each foot.
+        weight_n: N, of the robot.
+        ground: what the motion of the feet tells.
+    """
     share = weight_n / vertical.shape[1]
-    return _held(slow & (vertical >= LOADED * share), ~slow | (vertical < UNLOADED * share))
+    on, off = vertical >= LOADED * share, vertical < UNLOADED * share
+    loaded = _held(on & ~ground.fast, off | ground.fast)
+    for foot in range(vertical.shape[1]):
+        resting = ground.resting[:, foot]
+        # A foot that bounces at touchdown, while it is there already.
+        begin, end = _runs(~loaded[:, foot])
+        swings = _runs(~resting)
+        usual = (
+            float(median_of(seconds[swings[1] - 1] - seconds[swings[0]])) if len(swings[0]) else 0.0
+        )
+        short = seconds[end - 1] - seconds[begin] < min(BOUNCE * usual, LONGEST_BOUNCE_S)
+        for first, behind in zip(begin[short].tolist(), end[short].tolist(), strict=True):
+            loaded[first:behind, foot] = True
+        rested = np.concatenate([[0], np.cumsum(resting)])
+        for first, behind in zip(*(each.tolist() for each in _runs(loaded[:, foot])), strict=True):
+            if rested[behind] - rested[first] < RESTED * (behind - first):
+                loaded[first:behind, foot] = False
+    return loaded
+
+
+def _runs(flags: Flags) -> tuple[Ints, Ints]:
+    """Return the first row of each run of true flags, and the row behind it."""
+    change = np.diff(flags.astype(np.int8), prepend=0, append=0)
+    return np.flatnonzero(change > 0), np.flatnonzero(change < 0)
 
 
 def _middles(standing: Flags) -> Flags:
     """(n,) the rows of contacts that are away from their ends."""
-    change = np.diff(standing.astype(np.int8), prepend=0, append=0)
-    begin, end = np.flatnonzero(change > 0), np.flatnonzero(change < 0)
+    begin, end = _runs(standing)
     edge = np.ceil(EDGE * (end - begin)).astype(np.int64)
     inside = np.zeros(len(standing) + 1, np.int64)
     some = end - begin > 2 * edge
@@ -238,5 +283,5 @@ def effort_fault(vertical: Floats, weight_n: float | None) -> str:
     if CARRY[0] <= ratio <= CARRY[1]:
         return ""
     if -CARRY[1] <= ratio <= -CARRY[0]:
-        return "efforts have the wrong sign: by them, the feet pull at the ground"
-    return f"by the efforts, feet carry {ratio:.3g} times the weight: they are no torques in N m"
+        return f"{WRONG_SIGN}: by them, the feet pull at the ground"
+    return f"{TOO_MUCH} {ratio:.3g} times the weight: they are no torques in N m"

@@ -82,6 +82,21 @@ def may_be_several(words: Sequence[str], logs: Sequence[Location]) -> bool:
     return storage.from_root(named) != storage.from_root(found)
 
 
+def output_file(word: str | None, suffix: str) -> Path | None:
+    """Return the file that -o names; None: none, which is stdout.
+
+    Raises:
+        CallError: the word names no file, or promises another format than that of a suffix.
+    """
+    if word is None:
+        return None
+    refuse_no_name(word)
+    if ends_in_slash(word):
+        raise CallError(f"{word}: is a directory's name; name a file in it")
+    refuse_other_format(Path(word), suffix)
+    return Path(word)
+
+
 def refuse_no_name(word: str) -> None:
     """Refuse what names no output: nothing, and the usual name of stdout.
 

@@ -295,7 +295,7 @@ def take_fields(record: type[Any], table: TomlTable, hint: str) -> dict[str, Any
         hint: see `TomlTable.refuse_leftovers`.
     """
     tables, found = {"": table}, {}
-    for name, take, section, key in _declared(record):
+    for name, take, section, key in declared_fields(record):
         if section not in tables:
             tables[section] = table.section(section)
         value = take(tables[section], key)
@@ -312,7 +312,7 @@ def toml_values(record: Any) -> dict[str, str]:  # noqa: ANN401 - any data class
     plain = {each.name: each.default for each in fields(record)}
     return {
         f"{section}.{key}".lstrip("."): to_toml(value)
-        for name, _, section, key in _declared(type(record))
+        for name, _, section, key in declared_fields(type(record))
         if (value := getattr(record, name)) != plain[name]
     }
 
@@ -327,7 +327,7 @@ def to_toml(value: object) -> str:
     return repr(value)
 
 
-def _declared(record: type[Any]) -> Iterator[tuple[str, Callable[..., Any], str, str]]:
+def declared_fields(record: type[Any]) -> Iterator[tuple[str, Callable[..., Any], str, str]]:
     """Yield the fields that stand in a table: name, what takes them, section and key."""
     for each in fields(record):
         if take := each.metadata.get("take"):

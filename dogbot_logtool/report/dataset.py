@@ -17,7 +17,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import asdict, replace
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from dogbot_logtool import __version__
 from dogbot_logtool.core import metrics
@@ -34,6 +34,8 @@ from dogbot_logtool.errors import (
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.output import whole_file
 from dogbot_logtool.io.storage import Location, valid_unicode
+from dogbot_logtool.option import part_of
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.table_file import arrow_table
 from dogbot_logtool.results import StrideTable
 from dogbot_logtool.run.inputs import Found, LogSet
@@ -43,9 +45,6 @@ try:
     import pyarrow.parquet as pq
 except ImportError as error:
     raise ExtraMissingError("--dataset", "fleet") from error
-
-if TYPE_CHECKING:
-    from dogbot_logtool.robot.options import StatsOptions
 
 
 TABLES: Final = ("strides", "feet", "events", "findings", "logs")
@@ -326,7 +325,7 @@ class Dataset:
         return (name, log_hash) if is_gone(name, log_hash) else None
 
 
-def dataset_at(location: Location, options: "StatsOptions", labels: Labels) -> Dataset:
+def dataset_at(location: Location, options: MeasureOptions, labels: Labels) -> Dataset:
     """Return the dataset at a path or URL, for metrics with some options.
 
     Raises:
@@ -334,8 +333,8 @@ def dataset_at(location: Location, options: "StatsOptions", labels: Labels) -> D
     """
     if isinstance(location, Path):
         _refuse_bad_root(location)
-    settings = asdict(replace(options, jobs=1))
-    robot = options.topics.robot
+    settings = asdict(replace(part_of(options, MeasureOptions), jobs=1))
+    robot = options.robot
     if robot is not None and robot.endswith(".toml"):
         # The file may change while its name does not.
         settings["robot_file"] = storage.content(Path(robot), 1 << 20)

@@ -135,8 +135,12 @@ def fall_headline(walk: WalkMetrics) -> str:
 def gait_headline(walk: WalkMetrics) -> str:
     """Name the gait of the longest segment, and how sure that is."""
     details = gait_details(walk)
-    source = _SOURCES.get(walk.settings.contact_from or "", "") if walk.feet else ""
-    return f"Gait: {gait_of(walk)}" + (f" ({details})" if details else "") + source
+    return f"Gait: {gait_of(walk)}" + (f" ({details})" if details else "") + contact_source(walk)
+
+
+def contact_source(walk: WalkMetrics) -> str:
+    """Say where contacts come from that no sensor tells; empty where one does."""
+    return _SOURCES.get(walk.settings.contact_from or "", "") if walk.feet else ""
 
 
 def gait_of(walk: WalkMetrics) -> str:

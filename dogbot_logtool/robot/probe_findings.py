@@ -58,7 +58,7 @@ def _wrench_frame_finding(probe: Probe) -> Finding:
     if seen.frame is WrenchFrame.UNKNOWN:
         text = (
             f"the frame of the wrenches is not known ({_evidence(seen)}): only magnitudes are "
-            "used; --wrench-frame says which"
+            "used; --set wrench_frame says which"
         )
         return Finding("WRENCH_FRAME", text, cases=("unknown",))
     if seen.frame is WrenchFrame.WORLD:

@@ -28,6 +28,13 @@ _KNOWN: Final = Path(__file__).with_name("known")
 _ALL_KEYS: Final = "'dogbot-logtool robots dogbot' shows all that are."
 
 
+def _not_negative(table: TomlTable, key: str) -> float | None:
+    number = table.number(key)
+    if number is not None and number < 0.0:
+        raise table.fault(key, f"{table.path(key)} is {number:g}; it must be a number from 0")
+    return number
+
+
 @dataclass(frozen=True, slots=True)
 class Robot:
     """A robot's file, checked. What is None is taken from the log or stays unknown."""
@@ -36,11 +43,25 @@ class Robot:
     description: str = toml_field(TomlTable.text, "")
     mass_kg: float | None = toml_field(TomlTable.positive)
     forward_axis: str = toml_field(one_of(*AXES), "+x")
+    wrench_frame: str = toml_field(one_of("auto", "world", "link"), "auto")
+    """The frame of the recorded wrenches; auto: by evidence."""
+    clock: str | None = toml_field(one_of("header", "log"))
+    """What times are measured on: header stamps, or log time; None: header stamps, and log time
+    where those cannot be used."""
+    tare: str = toml_field(one_of("auto", "none"), "auto")
+    """Whether what unloaded sensors read is estimated for feet without `offset_n`, and taken off;
+    none: all forces stay as recorded."""
     com_offset_m: tuple[float, float, float] | None = toml_field(TomlTable.vector)
     """m: the centre of mass from the base's frame, in its axes; None: taken to be there."""
     foot_rolling_m: float | None = toml_field(TomlTable.positive)
     """m: how far a foot's contact point travels in a stance without slipping; None: not known."""
     odometry_topic: str | None = toml_field(TomlTable.text, key="topics.odometry")
+    command_topic: str | None = toml_field(TomlTable.text, key="topics.command")
+    """Topic of the velocity commands; None: found by type and name. Likewise `imu_topic`, of the
+    base's inertial unit."""
+    imu_topic: str | None = toml_field(TomlTable.text, key="topics.imu")
+    odometry_scale: float | None = toml_field(TomlTable.positive)
+    """Metres in one unit of the recorded positions of the base; None: they are in metres."""
     world_frame: str | None = toml_field(TomlTable.frame, key="frames.world")
     base_frame: str | None = toml_field(TomlTable.frame, key="frames.base")
     feet: tuple[Foot, ...] = ()
@@ -54,9 +75,11 @@ class Robot:
     """N: |F| below which contact ends; None: as `contact_on_n`."""
     contact_on_counts: float | None = toml_field(TomlTable.positive, key="contact.on_counts")
     """Counts above a foot's `offset` from which a raw sensor without a scale is in contact."""
-    debounce_s: float | None = toml_field(TomlTable.positive, key="contact.debounce_s")
+    debounce_s: float | None = toml_field(_not_negative, key="contact.debounce_s")
     """s: shorter swings are filled, then shorter stances dropped; None: 20 ms, or 1.5
     sampling intervals where that is more."""
+    given: frozenset[str] = frozenset()
+    """Fields that the user set for this call."""
 
     @property
     def topics(self) -> frozenset[str]:
@@ -73,6 +96,10 @@ class Robot:
     def with_mass(self, mass_kg: float | None) -> "Robot":
         """Return this robot with another mass, where one is given."""
         return self if mass_kg is None else replace(self, mass_kg=mass_kg)
+
+    def is_given(self, field: str) -> bool:
+        """Tell whether the user set a field for this call: ``mass_kg``, ``tare.front_left``."""
+        return field in self.given
 
 
 @cache

@@ -23,10 +23,8 @@ from dogbot_logtool.core.corrections.weighed_levels import (
 )
 from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.errors import CallError
-from dogbot_logtool.io.printable import listed
-from dogbot_logtool.robot.options import TopicOptions
 from dogbot_logtool.robot.probe import Probe
+from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics.selection import Selection
 
 
@@ -43,31 +41,23 @@ class LearntSensors:
 def learn_sensors(
     selection: Selection,
     probe: Probe,
-    topics: TopicOptions,
-    given: Thresholds | None = None,
+    *,
+    mass_is_given: bool = False,
 ) -> LearntSensors:
     """Learn how each foot's sensor reads with and without load, and what counts as contact.
 
     Args:
         selection: the feet.
         probe: what the recording tells; the samples of its feet are looked at.
-        topics: what the user says about offsets and mass.
-        given: thresholds that are not to be chosen here; what is None in it is the robot's.
-
-    Raises:
-        CallError: the user names a foot that the log does not have.
+        mass_is_given: whether the user tells the mass.
     """
-    names = [foot.name for foot in selection.robot.feet]
-    for name in topics.offsets_n or {}:
-        if name not in names:
-            raise CallError(f"--tare {name}: the log has no such foot; it has {listed(names)}")
     weight = body_weight_n(selection.robot.mass_kg)
     # A mass that is only guessed from the topics tells nothing of levels.
-    trusted = None if selection.robot_is_guessed and topics.mass_kg is None else weight
-    alone = [_level(selection, samples, foot, topics) for foot, samples in enumerate(probe.feet)]
+    trusted = None if selection.robot_is_guessed and not mass_is_given else weight
+    alone = [_level(selection, samples, foot) for foot, samples in enumerate(probe.feet)]
     levels = weighed_levels(turned_levels(alone, trusted), trusted)
     estimated = weight_of_levels(levels) if weight is None else None
-    thresholds = _thresholds(selection, given or Thresholds())
+    thresholds = _thresholds(selection.robot)
     feet = []
     for foot, level in enumerate(levels):
         rule = contact_rule(level, weight or estimated, thresholds)
@@ -84,22 +74,22 @@ def _is_stuck(level: SensorLevel) -> bool:
     return level.reason == CONSTANT and bool(level.loaded_n)
 
 
-def _level(selection: Selection, samples: Samples, foot: int, topics: TopicOptions) -> SensorLevel:
+def _level(selection: Selection, samples: Samples, foot: int) -> SensorLevel:
     """Estimate a foot's level, or take the one that is given."""
-    robot = selection.robot.feet[foot]
-    known = given = (topics.offsets_n or {}).get(robot.name)
-    if known is None and topics.takes_offsets:
-        known = robot.offset_n
+    robot = selection.robot
+    is_given = robot.is_given(f"tare.{robot.feet[foot].name}")
+    takes_offsets = robot.tare != "none"
+    known = robot.feet[foot].offset_n if takes_offsets or is_given else None
     if known is None and (level := _zero(selection, samples, foot)) is not None:
         return level
-    if known is None and topics.takes_offsets:
+    if known is None and takes_offsets:
         level = estimate_level(samples.log_time, samples.force)
         if level.zero_in_swing or level.reason:
             return level
         return follow_level(samples.log_time, samples.force, level)
     offset = np.array([known or (0.0, 0.0, 0.0)])
     rest = estimate_level(samples.log_time, samples.force - offset)
-    origin: Origin = "robot" if known is not None and given is None else "option"
+    origin: Origin = "robot" if known is not None and not is_given else "option"
     return replace(rest, knots=np.zeros(1, np.int64), offset=offset, origin=origin, reason="")
 
 
@@ -125,13 +115,12 @@ def _zero(selection: Selection, samples: Samples, foot: int) -> SensorLevel | No
     return level
 
 
-def _thresholds(selection: Selection, given: Thresholds) -> Thresholds:
-    """Complete thresholds from the robot's file."""
-    robot = selection.robot
-    return replace(
-        given,
-        on_n=given.on_n or robot.contact_on_n,
-        off_n=given.off_n or robot.contact_off_n,
-        debounce_s=robot.debounce_s if given.debounce_s is None else given.debounce_s,
-        origin="option" if given.on_n else "robot",
+def _thresholds(robot: Robot) -> Thresholds:
+    """Return the thresholds of the robot's file, or of this call; None: to be chosen."""
+    is_given = robot.is_given("contact_on_n")
+    return Thresholds(
+        robot.contact_on_n,
+        robot.contact_off_n,
+        robot.debounce_s,
+        origin="option" if is_given else "robot",
     )

@@ -7,7 +7,7 @@ other.
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, Final, Generic, Protocol, Self, TypeVar
+from typing import Any, Final, Generic, Literal, Protocol, Self, TypeVar
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogtoolError, StoreError
@@ -16,7 +16,10 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 OnProgress = Callable[[int, int], None]
 """Called with bytes done and bytes in all while work goes on."""
-Work = Callable[[Any, OnProgress | None], Result]
+Work = Callable[..., Result]
+"""Called as ``work(item, progress=on_progress)``."""
+Command = Literal["convert", "info", "stats"]
+"""A module of `dogbot_logtool.commands`."""
 
 _PROGRESS_EVERY_S: Final = 0.2
 
@@ -95,8 +98,10 @@ class SerialRunner(Runner[Result]):
             outcome: Result | Failure
             try:
                 # A bug met with a single log is better seen with its traceback.
-                alone = len(items) == 1
-                outcome = work(item, on_progress) if alone else attempt(work, item, on_progress)
+                if len(items) == 1:
+                    outcome = work(item, progress=on_progress)
+                else:
+                    outcome = attempt(work, item, on_progress)
             except LogtoolError as error:
                 outcome = Failure(str(error), error.exit_code)
             progress.finished(number)
@@ -114,7 +119,7 @@ def attempt(work: Work[Result], item: object, on_progress: OnProgress) -> Result
     """
     for last in (False, True):
         try:
-            return work(item, on_progress)
+            return work(item, progress=on_progress)
         except StoreError as error:
             if last:
                 return Failure(str(error), error.exit_code)
@@ -140,3 +145,31 @@ def throttled(on_progress: OnProgress) -> OnProgress:
             on_progress(done, total)
 
     return update
+
+
+def runner_for(command: Command, logs: int, jobs: int, scheduler: str | None = None) -> Runner[Any]:
+    """Choose what works on the logs of a call.
+
+    One log is done in this process, several batches at once; several logs by as many processes; and
+    all of them by a cluster if there is a scheduler.
+
+    Args:
+        command: what is done to each.
+        logs: how many.
+        jobs: how much is done at once on this machine.
+        scheduler: address of one of dask.distributed.
+
+    Raises:
+        CallError: that is no address.
+        LogtoolError: no scheduler answers, or the extra `fleet` is not installed.
+    """
+    if scheduler is not None:
+        from dogbot_logtool.run.cluster import ClusterRunner  # noqa: PLC0415 - needs the extra
+
+        return ClusterRunner(scheduler)
+    if min(logs, jobs) <= 1:
+        return SerialRunner(jobs)
+    from dogbot_logtool.run.processes import ProcessRunner  # noqa: PLC0415 - slow to import
+
+    load = f"dogbot_logtool.commands.{command}"
+    return ProcessRunner(min(logs, jobs), max(jobs // logs, 1), load=load)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from collections.abc import Set as AbstractSet
+from types import MappingProxyType
 from typing import Final
 
 from mcap import records
@@ -41,8 +42,14 @@ class AddedChannels:
     """Declares channels; each type of message has one schema."""
 
     def __init__(
-        self, schema_ids: IdSource, channel_ids: IdSource, resolve_topic: ResolveTopic
+        self,
+        schema_ids: IdSource,
+        channel_ids: IdSource,
+        resolve_topic: ResolveTopic,
+        notes: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
+        """Begin without channels; notes stand in the metadata of each."""
+        self._metadata = {**ANNOTATION_MARK, **notes}
         self.schemas: list[records.Schema] = []
         self.channels: list[records.Channel] = []
         self._schema_ids = schema_ids
@@ -68,7 +75,7 @@ class AddedChannels:
             id=self._channel_ids.take(),
             topic=self._resolve(topic, kind),
             message_encoding=kind.message_encoding,
-            metadata=dict(ANNOTATION_MARK),
+            metadata=dict(self._metadata),
             schema_id=schema.id,
         )
         self.channels.append(channel)

@@ -2,10 +2,13 @@
 
 import csv
 import doctest
+import inspect
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -15,7 +18,10 @@ from mcap.reader import make_reader
 import dogbot_logtool as dl
 from dogbot_logtool.api import functions
 from tests.forked_cli import run
+from tests.measured import walk_of
 from tests.paths import ROOT, TROT, TROUBLED, WALK
+
+FOOT = "/dogbot/front_left_contactsensor_state"
 
 
 @pytest.fixture(scope="module")
@@ -23,8 +29,13 @@ def walk() -> dl.Walk:
     return dl.measure(str(TROT), robot="dogbot")
 
 
+def plain(stats: Any) -> Any:
+    return json.loads(json.dumps(stats))
+
+
 def test_only_the_public_names_are_listed() -> None:
     assert set(dir(dl)) == {*dl.__all__, "__version__"}
+    assert len(dl.__all__) <= 13
     assert all(getattr(dl, name) is not None for name in dl.__all__)
     with pytest.raises(AttributeError, match="has no attribute 'mesure'"):
         dl.mesure  # type: ignore[attr-defined]  # noqa: B018
@@ -42,9 +53,18 @@ def test_the_examples_in_docstrings_hold(monkeypatch: pytest.MonkeyPatch) -> Non
     assert doctest.testmod(functions).failed == 0
 
 
-def test_figures_are_those_of_stats_json(walk: dl.Walk) -> None:
+def test_help_lists_the_keywords() -> None:
+    assert "contact_on_n=20" in (dl.measure.__doc__ or "")
+    assert {"robot", "mass", "start", "set"} <= inspect.signature(dl.measure).parameters.keys()
+
+
+def test_metrics_are_those_of_stats_json(walk: dl.Walk) -> None:
     printed = json.loads(run("stats", TROT, "--robot", "dogbot", "--json", "-v").stdout)
-    assert json.loads(json.dumps(walk.stats)) == printed
+    assert plain(walk.stats) == printed
+    assert walk.gait.duty_factor == printed["gait"]["duty_factor"]
+    stance_s = walk.feet["front_left"].stance_s
+    assert stance_s is not None
+    assert stance_s.median == printed["feet"]["front_left"]["stance_s"]["median"]
 
 
 def test_strides_are_those_of_csv_and_of_the_dataset_to_the_bit(
@@ -63,46 +83,97 @@ def test_strides_are_those_of_csv_and_of_the_dataset_to_the_bit(
         assert numbers.tobytes() == column.tobytes()
 
 
-def test_strides_are_those_of_json_to_the_bit(walk: dl.Walk) -> None:
-    """Figures of stances count those that belong to no whole stride, too."""
-    equal = set()
-    for foot, figures in walk.stats["feet"].items():
-        for name in walk.strides:
-            column = walk.strides[name][walk.strides["foot"] == foot]
-            told = column[~np.isnan(column)] if column.dtype == np.float64 else column
-            figure = figures.get(name)
-            if isinstance(figure, dict) and figure["n"] == len(told):
-                found = [getattr(np, statistic)(told) for statistic in ("min", "median", "max")]
-                assert [figure[each] for each in ("min", "median", "max")] == found, name
-                equal.add(name)
-    assert {"swing_s", "duty_factor", "clearance_m", "step_length_m"} <= equal
-
-
-def test_options_have_the_names_of_the_command_line() -> None:
-    part = dl.measure(
+def test_the_same_options_measure_the_same() -> None:
+    settings = {
+        "contact_on_n": 12,
+        "contact_off_n": 3,
+        "debounce_s": 0.03,
+        "clock": "log",
+        "forward_axis": "+y",
+        "wrench_frame": "world",
+        "tare.front_left": (1, 2, 3),
+        "imu_topic": "/dogbot/imu",
+    }
+    words = [
+        *("--start", 1, "--end", 6, "--mass", 20, "--odom-topic", "/dogbot/odom"),
+        *("--robot", "dogbot", "--foot", f"front_left={FOOT}"),
+    ]
+    for name, value in settings.items():
+        text = "1,2,3" if isinstance(value, tuple) else value
+        words += ["--set", f"{name}={text}"]
+    printed = json.loads(run("stats", WALK, *words, "--json", "-v").stdout)
+    walk = dl.measure(
         WALK,
-        mass=20.0,
-        start=1.0,
-        end=6.0,
-        contact_on=12.0,
-        contact_off=3.0,
-        debounce=0.03,
-        time_source="log",
-        forward_axis="+y",
-        wrench_frame="world",
-        tare="none",
-        foot={"front_left": "/dogbot/front_left_contactsensor_state"},
+        start=1,
+        end=6,
+        mass=20,
         odom_topic="/dogbot/odom",
+        robot="dogbot",
+        foot={"front_left": FOOT},
+        set=settings,
     )
-    settings = part.metrics.settings
-    assert settings.mass_kg == 20.0
-    assert settings.clock == "log"
-    assert settings.feet["front_left"].debounce_s == 0.03
-    assert part.base["time_s"][-1] <= 5.01
+    assert plain(walk.stats) == printed
+    told = walk.metrics.settings
+    assert (told.clock, told.mass_kg, told.feet["front_left"].debounce_s) == ("log", 20.0, 0.03)
+
+
+def test_the_same_options_convert_to_the_same_bytes(tmp_path: Path) -> None:
+    words = [
+        *("--style", "force", "--encoding", "ros1", "--topics", "/dogbot/*", "--topics", "!*imu"),
+        *("--tf", "always", "--tf-rate", 0, "--start", 1),
+        *("--end", 4, "--compression", "lz4", "--set", "tare=none", "--jobs", 1),
+    ]
+    assert run("convert", TROT, *words, "-o", tmp_path / "words.mcap").returncode == 0
+    dl.convert(
+        TROT,
+        tmp_path / "keywords.mcap",
+        style="force",
+        encoding="ros1",
+        topics=["/dogbot/*", "!*imu"],
+        tf="always",
+        tf_rate=0,
+        start=1,
+        end=4,
+        compression="lz4",
+        set={"tare": "none"},
+    )
+    assert (tmp_path / "words.mcap").read_bytes() == (tmp_path / "keywords.mcap").read_bytes()
+
+
+def test_files_of_one_recording(tmp_path: Path) -> None:
+    files = [tmp_path / "feet.mcap", tmp_path / "base.mcap"]
+    for file, topics in zip(files, ("*contact*", "/dogbot/odom"), strict=True):
+        dl.convert(WALK, file, topics=topics, tf="never")
+    joined = dl.measure(files, join=True)
+    printed = run("stats", *files, "--join", "--json", "-v").stdout
+    assert plain(joined.stats) == json.loads(printed)
+    assert joined.base["x_m"].tolist() == walk_of(WALK).base["x_m"].tolist()
+    with pytest.raises(dl.CallError, match="join=True"):
+        dl.measure(files)
+
+
+def test_frames_gaits_pages_and_figures(tmp_path: Path) -> None:
+    assert dl.info(TROT, frames=True, jobs=2).frames is not None
+    printed = json.loads(run("compare", TROT, WALK, "--gait", "--json").stdout)
+    compared = dl.compare_gait(TROT, [WALK])
+    assert [each.figure for each in compared.differences] == [
+        each["figure"] for each in printed["differences"]
+    ]
+    run("report", TROT, "--no-replay", "-o", tmp_path / "words.html")
+    run("stats", TROT, "--figure", tmp_path / "words.svg", "-q")
+    walk = walk_of(TROT)
+    walk.report(tmp_path / "keywords.html", replay=False)
+    start, end = walk.plot(tmp_path / "keywords.svg")
+    assert 0.0 < start < end < 8.0
+    for suffix in ("html", "svg"):
+        files = (tmp_path / f"{name}.{suffix}" for name in ("words", "keywords"))
+        assert len({file.read_bytes() for file in files}) == 1
+    with pytest.raises(dl.CallError, match="exists already"):
+        walk.plot(tmp_path / "keywords.svg")
 
 
 def test_convert_compare_info_and_check(tmp_path: Path) -> None:
-    done = dl.convert(WALK, tmp_path / "walk.mcap", style="force", without=["/dogbot/imu"])
+    done = dl.convert(WALK, tmp_path / "walk.mcap", style="force", topics="!/dogbot/imu")
     assert not done.damage.losses
     with (tmp_path / "walk.mcap").open("rb") as stream:
         topics = {each.topic for each in make_reader(stream).get_summary().channels.values()}  # type: ignore[union-attr]
@@ -114,6 +185,38 @@ def test_convert_compare_info_and_check(tmp_path: Path) -> None:
     limits.write_text('[[rule]]\nfigure = "gait.name"\nequals = "trot"\n')
     (judgement,) = dl.check(WALK, limits)
     assert (judgement.status, judgement.value) == ("FAIL", "walk")
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"mass": -1.0}, "mass=-1.0: must be a number from 0.001 to 1e+06"),
+        ({"mass": float("nan")}, "mass=nan: must be a number"),
+        ({"start": 1e10}, "must be a number of seconds"),
+        ({"jobs": 0}, "jobs=0: must be a whole number from 1 to 256"),
+        ({"jobs": 1.5}, "jobs=1.5: must be a whole number"),
+        ({"join": "b.bag"}, "join='b.bag': must be True or False"),
+        ({"foot": {"a/b": "/x"}}, "--foot a/b: a foot's name has letters, digits and _ only"),
+        ({"set": {"contact_on": 12}}, "did you mean contact_on_n"),
+        ({"set": {"contact_on_n": "much"}}, "must be a number above 0"),
+        ({"set": {"contact_on_n": 3, "contact_off_n": 4}}, "contact_off_n 4 is above"),
+        ({"set": {"wrench_frame": "earth"}}, "must be one of auto, world, link"),
+        ({"set": {"tare.front_left": (0.0, 1.0)}}, "must be three numbers"),
+        ({"set": {"tare.nose": (0.0, 1.0, 2.0)}}, "the log has no such foot"),
+    ],
+)
+def test_bad_values_are_refused(options: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(dl.CallError, match=re.escape(sentence)):
+        dl.measure(TROT, **options)
+
+
+def test_an_option_that_does_not_exist_is_refused() -> None:
+    with pytest.raises(TypeError, match="no option 'contact'; there are end, foot, jobs"):
+        dl.measure(TROT, contact=3.0)
+    with pytest.raises(TypeError, match="no option 'mas'"):
+        dl.info(TROT, mas=3.0)
+    with pytest.raises(TypeError, match="'tare' is gone: use --set tare"):
+        dl.measure(TROT, tare="none")
 
 
 def test_errors_are_exceptions_with_sentences(tmp_path: Path) -> None:
@@ -134,4 +237,3 @@ def test_damage_is_told(tmp_path: Path) -> None:
     cut = dl.measure(tmp_path / "cut.bag")
     assert cut.damaged
     assert "LOST" in {each["code"] for each in cut.stats["findings"]}
-    assert not np.isnan(cut.strides["duty_factor"]).any()

@@ -3,6 +3,7 @@
 import json
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +18,9 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.plausible import FARTHEST_M
 from dogbot_logtool.io.plain_json import only_finite, to_json
 from dogbot_logtool.io.targets import Output
+from dogbot_logtool.option import part_of
+from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from tests.oracles import walks
 from tests.oracles.mcap_file import write_mcap
 
@@ -96,10 +98,12 @@ def strict(text: str) -> Any:
 
 def outputs(folder: Path, path: Path) -> tuple[dict[str, Any], set[str]]:
     """Make all outputs; return the figures and the texts of convert's findings."""
-    topics = TopicOptions(robot=str(walks.robot_file(folder, GAZEBO)))
-    done = measure(path, StatsOptions(topics))
+    topics = MeasureOptions(robot=str(walks.robot_file(folder, GAZEBO)))
+    done = measure(path, topics)
     figures = strict(json.dumps(stats_json(done)))
-    converted = convert(path, folder / "out.mcap", ConvertOptions(topics, style="force"))
+    converted = convert(
+        path, folder / "out.mcap", replace(part_of(topics, ConvertOptions), style="force")
+    )
     assert done.damage.losses == converted.damage.losses == ()
     return figures, {finding.text for finding in converted.findings}
 
@@ -136,7 +140,7 @@ def test_what_no_robot_reaches_is_counted(tmp_path: Path, value: float) -> None:
     path = write(tmp_path / "walk.mcap", Extreme("position", value, 50), GAZEBO, usual)
     figures, _ = outputs(tmp_path, path)
     target = Output(tmp_path / "page.html", is_folder=False)
-    Reports([path], target, StatsOptions(), overwrite=False).write(path)
+    Reports([path], target, MeasureOptions(), overwrite=False).write(path)
     texts = {each["code"]: each["text"] for each in figures["findings"]}
     # The base's position is wrong in every 50th message, and so is nothing else.
     assert texts["NOT_FINITE"].startswith("4 poses or contacts")
@@ -146,10 +150,10 @@ def test_what_no_robot_reaches_is_counted(tmp_path: Path, value: float) -> None:
 @pytest.mark.parametrize("value", [1e300, math.inf, math.nan])
 def test_forces_in_frames_of_sensors(tmp_path: Path, value: float) -> None:
     path = write(tmp_path / "walk.mcap", Extreme("force", value, 7), WRENCH, usual)
-    topics = TopicOptions(robot=str(walks.robot_file(tmp_path, WRENCH)))
-    done = measure(path, StatsOptions(topics))
+    topics = MeasureOptions(robot=str(walks.robot_file(tmp_path, WRENCH)))
+    done = measure(path, topics)
     strict(json.dumps(stats_json(done)))
-    convert(path, tmp_path / "out.mcap", ConvertOptions(topics))
+    convert(path, tmp_path / "out.mcap", part_of(topics, ConvertOptions))
 
 
 TIMES: dict[str, Callable[[int], int]] = {
@@ -169,12 +173,12 @@ TIMES: dict[str, Callable[[int], int]] = {
 )
 def test_times_at_the_ends_of_their_range(tmp_path: Path, name: str, kind: str) -> None:
     path = write(tmp_path / "walk.mcap", walks.Walk(2), kind, TIMES[name])
-    topics = TopicOptions(robot=str(walks.robot_file(tmp_path, kind)))
+    topics = MeasureOptions(robot=str(walks.robot_file(tmp_path, kind)))
     for clock in ("header", "log"):
-        done = measure(path, StatsOptions(topics, time_source=clock))
+        done = measure(path, replace(topics, set={"clock": clock}))
         strict(json.dumps(stats_json(done)))
-    convert(path, tmp_path / "out.mcap", ConvertOptions(topics))
-    describe(path, topics, all_frames=True)
+    convert(path, tmp_path / "out.mcap", part_of(topics, ConvertOptions))
+    describe(path, replace(part_of(topics, InfoOptions), frames=True))
 
 
 @settings(max_examples=50, deadline=None)

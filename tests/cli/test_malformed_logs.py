@@ -10,8 +10,9 @@ import pytest
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.option import part_of
+from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from tests.forked_cli import run
 from tests.oracles import walks
 from tests.oracles.walks import Entry
@@ -73,12 +74,12 @@ def test_stats_and_convert_use_what_is_left(
 ) -> None:
     path = spoiled_walk(tmp_path, kind, bad, batch=1)
     lost = sum(bad(entry) and _third(entry) == 1 for entry in walks.messages(2, kind))
-    topics = TopicOptions(robot=str(walks.robot_file(tmp_path, kind)))
-    measured = measure(path, StatsOptions(topics))
+    topics = MeasureOptions(robot=str(walks.robot_file(tmp_path, kind)))
+    measured = measure(path, topics)
     assert measured.damage.exit_code == 3
     assert sum(loss.messages or 0 for loss in measured.damage.losses) == lost
     assert all("could not be decoded" in loss.what for loss in measured.damage.losses)
-    done = convert(path, tmp_path / "out.mcap", ConvertOptions(topics))
+    done = convert(path, tmp_path / "out.mcap", part_of(topics, ConvertOptions))
     assert done.damage.exit_code == 3
     assert sum(loss.messages or 0 for loss in done.damage.losses) == lost
 

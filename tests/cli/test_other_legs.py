@@ -13,10 +13,10 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.layout import view_of
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.layouts import foxglove_layout
 from dogbot_logtool.report.text.stats_text import print_report
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from tests.oracles import walks
 
 KIND = "gazebo_msgs/msg/ContactsState"
@@ -61,8 +61,8 @@ def test_gait_figures_are_whole_and_those_of_quadrupeds_null(
     log = walked(tmp_path / "walk.mcap", phases)
     feet = {leg: f"/{leg}/contact" for leg in phases}
     carried_kg = len(phases) * STANCE / STRIDE * FORCE[2] / 9.81
-    options = TopicOptions(robot="generic", foot_topics=feet, mass_kg=carried_kg)
-    done = measure(log, StatsOptions(options))
+    options = MeasureOptions(robot="generic", foot=feet, mass=carried_kg)
+    done = measure(log, options)
     got: dict[str, Any] = stats_json(done)
 
     assert list(got["feet"]) == list(phases)
@@ -95,7 +95,7 @@ def test_gait_figures_are_whole_and_those_of_quadrupeds_null(
 @pytest.mark.parametrize("phases", [HEXAPOD, BIPED], ids=["hexapod", "biped"])
 def test_they_are_found_drawn_and_laid_out(tmp_path: Path, phases: Mapping[str, int]) -> None:
     log = walked(tmp_path / "walk.mcap", phases)
-    told = describe(log, TopicOptions())
+    told = describe(log, InfoOptions())
     used = {topic.use for topic in told.topics}
     count = sum(use.startswith("foot ") for use in used)
     assert count == len(phases)
@@ -103,5 +103,5 @@ def test_they_are_found_drawn_and_laid_out(tmp_path: Path, phases: Mapping[str, 
     drawn = [topic for topic in done.annotations if topic.startswith("/marker_basic")]
     assert len(drawn) == len(phases)
     assert all(done.annotations[topic] == SAMPLES for topic in drawn)
-    layout = foxglove_layout(view_of(log, TopicOptions()))
+    layout = foxglove_layout(view_of(log, MeasureOptions()))
     assert all(topic in str(layout) for topic in drawn)

@@ -62,7 +62,7 @@ def set_right() -> Recorded:
     "words",
     [
         "info {log}",
-        "stats {log} --time-source log",
+        "stats {log} --set clock=log",
         "stats {log} --json",
         "report {log} -o page.html",
         "convert {log} -o out.mcap",

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from dogbot_logtool.commands.compare_gait import compare_gait
-from dogbot_logtool.commands.tasks import Measure
-from dogbot_logtool.robot.options import StatsOptions, TopicOptions
+from dogbot_logtool.commands.tasks import figures
+from dogbot_logtool.options import MeasureOptions
 from tests.forked_cli import run
 from tests.paths import SAMPLE_LOGS
 from tests.truth import sensor_faults
@@ -32,7 +32,7 @@ def test_two_halves_of_a_run_walk_alike(tmp_path: Path) -> None:
     faults = (sensor_faults.as_force_sensors, sensor_faults.noise(1.0))
     log = write_log(recorder(Walk(seconds=20.0), *faults)(), tmp_path / "log.mcap")
     halves = [
-        Measure(StatsOptions(TopicOptions(mass_kg=20.0), start_s=start, end_s=end))(log, None)
+        figures(log, options=MeasureOptions(mass=20.0, start=start, end=end))
         for start, end in ((0.0, 10.0), (10.0, 20.0))
     ]
     found = compare_gait(*([half] for half in halves))

@@ -22,7 +22,7 @@ import pytest
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
+from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.commands.conversions import (
     COMPRESSIONS,
@@ -113,7 +113,7 @@ def test_lengths_of_classic_markers_are_exact(folder: Path) -> None:
     ids=lambda each: each.stem if isinstance(each, Path) else each,
 )
 def test_tf_rate_0_writes_every_pose(folder: Path, log: Path, encoding: str) -> None:
-    done = converted(folder, log, tf_rate_hz=0.0, encoding=encoding, copy=False)
+    done = converted(folder, log, tf_rate=0.0, encoding=encoding, copy=False)
     poses = written_poses(done.written, "/tf", encoding)
     assert_same_poses(poses, expected_poses(log, at_ticks=False), opening_of(log))
 
@@ -146,7 +146,7 @@ def test_zero_stamps_are_replaced_by_log_times_and_said(folder: Path) -> None:
 
 def test_start_and_end_choose_messages_by_log_time(folder: Path) -> None:
     first = min(one.log_time for one in read_log(WALK))
-    done = converted(folder, WALK, start_s=2.0005, end_s=4.25)
+    done = converted(folder, WALK, start=2.0005, end=4.25)
     start, end = first + 2_000_500_000, first + 4_250_000_000
     wanted = Counter(
         (one.topic, one.log_time, one.data)
@@ -184,20 +184,18 @@ def test_a_time_range_between_two_messages_is_refused(folder: Path) -> None:
         place = next(n for n in range(100, len(times)) if times[n + 1] - times[n] > 10_000)
         start, end = times[place] - times[0] + 2_000, times[place + 1] - times[0] - 2_000
         with pytest.raises(CallError, match="no message was recorded from"):
-            converted(folder, log, start_s=start / S, end_s=end / S)
+            converted(folder, log, start=start / S, end=end / S)
 
 
 @pytest.mark.parametrize("style", STYLES)
 def test_forces_of_all_kinds(tmp_path: Path, style: str) -> None:
     log = write_bag(tmp_path / "odd.bag", odd_contacts())
     options = ConvertOptions(
-        style=style, encoding="ros1", wrench_frame="world", topics=TopicOptions(robot="dogbot")
+        robot="dogbot", style=style, encoding="ros1", set={"wrench_frame": "world"}
     )
     conversion = convert(log, tmp_path / "out.mcap", options)
     written = read_written(tmp_path / "out.mcap")
-    contact = measured_contact(
-        log, "front_left", StatsOptions(topics=options.topics, wrench_frame="world")
-    )
+    contact = measured_contact(log, "front_left", MeasureOptions(robot="dogbot"))
     expected = expected_arrows(log, "front_left", style, in_world=True, contact=contact)
     told = written_arrows(written, "front_left", "ros1", style)
     assert_same_arrows(told, expected, exactly=style == "classic")

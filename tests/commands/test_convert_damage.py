@@ -9,7 +9,7 @@ from mcap.writer import CompressionType
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.robot.options import ConvertOptions
+from dogbot_logtool.options import ConvertOptions
 from tests.commands.conversions import chunks_of, codes
 from tests.oracles.annotated_file import read_written, written_loads
 from tests.oracles.recorded import (

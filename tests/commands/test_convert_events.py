@@ -15,8 +15,8 @@ from mcap_ros2.decoder import DecoderFactory as Ros2Decoder
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.conversion import plan
+from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.robot.options import ConvertOptions
 from dogbot_logtool.writer.encodings import registry
 from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
 from tests.measured import measured

@@ -11,8 +11,8 @@ from mcap_protobuf.decoder import DecoderFactory
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions
 from tests.oracles import state_walks, walks
 from tests.oracles.state_walks import StateWalk
 
@@ -51,7 +51,7 @@ def test_loads_say_stance_and_swing(tmp_path: Path, kind: str) -> None:
 def test_spot_s_feet_are_where_it_says(tmp_path: Path) -> None:
     walk, path = Placed(2), tmp_path / "walk.mcap"
     walks.write_mcap(path, walk, list(walk.messages(SPOT)))
-    done = measure(path, StatsOptions())
+    done = measure(path, MeasureOptions())
     feet = stats_json(done)["feet"]
     for leg in walks.LEGS:
         assert feet[leg]["stride_length_m"]["median"] == pytest.approx(

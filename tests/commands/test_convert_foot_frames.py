@@ -1,6 +1,7 @@
 """Feet whose messages name no frame stand where transforms place frames of their names."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,8 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.robot.options import ConvertOptions, TopicOptions
+from dogbot_logtool.option import part_of
+from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from tests.oracles import state_walks, walks
 from tests.oracles.state_walks import StateWalk
 
@@ -53,8 +55,8 @@ def test_arrows_start_at_the_frames_of_the_feet(tmp_path: Path) -> None:
     walk, path, target = StateWalk(2), tmp_path / "walk.mcap", tmp_path / "out.mcap"
     written = sorted(entries(walk), key=lambda entry: entry.log_time)
     walks.write_mcap(path, walk, written)
-    topics = TopicOptions(mass_kg=walks.MASS_KG)
-    convert(path, target, ConvertOptions(topics, encoding="ros2", copy=False))
+    topics = MeasureOptions(mass=walks.MASS_KG)
+    convert(path, target, replace(part_of(topics, ConvertOptions), encoding="ros2", copy=False))
     drawn = 0
     with target.open("rb") as stream:
         reader = make_reader(stream, decoder_factories=[DecoderFactory()])

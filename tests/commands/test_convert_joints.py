@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.robot.options import ConvertOptions, TopicOptions
+from dogbot_logtool.options import ConvertOptions
 from tests.oracles.annotated_file import annotations, read_written
 from tests.oracles.recorded import TEXT_TYPE, decoded_log, read_log
 from tests.oracles.ros1_logs import Entry, text, write_ros1_mcap
@@ -104,9 +104,7 @@ def test_links_are_where_the_recorded_transforms_had_them(
     file, own = tmp_path / "dog.urdf", source == "own"
     file.write_text(urdf())
     log = write(tmp_path / "log.mcap", urdf() if own else "")
-    options = ConvertOptions(
-        encoding=encoding, copy=own, topics=TopicOptions(urdf=None if own else file)
-    )
+    options = ConvertOptions(encoding=encoding, copy=own, urdf=None if own else file)
     done = convert(log, tmp_path / "out.mcap", options)
     assert "ROBOT_DESCRIPTION" in {finding.code for finding in done.findings}
     messages = moved(tmp_path / "out.mcap", encoding)
@@ -138,16 +136,16 @@ def test_the_links_stand_at_the_first_time(tmp_path: Path) -> None:
 def test_recorded_transforms_and_unknown_joints_are_left_alone(tmp_path: Path) -> None:
     file = tmp_path / "dog.urdf"
     file.write_text(urdf())
-    done = convert(TROT, tmp_path / "out.mcap", ConvertOptions(TopicOptions(urdf=file), end_s=0.5))
+    done = convert(TROT, tmp_path / "out.mcap", ConvertOptions(urdf=file, end=0.5))
     assert "ROBOT_DESCRIPTION" not in {finding.code for finding in done.findings}
     file.write_text(
         urdf().replace("_knee", "_other").replace("_roll", "_b").replace("_pitch", "_c")
     )
     log = write(tmp_path / "log.mcap")
-    done = convert(log, tmp_path / "out2.mcap", ConvertOptions(TopicOptions(urdf=file)))
+    done = convert(log, tmp_path / "out2.mcap", ConvertOptions(urdf=file))
     assert "ROBOT_DESCRIPTION" not in {finding.code for finding in done.findings}
     file.write_text(urdf().replace("base_link", "trunk"))
-    done = convert(log, tmp_path / "out3.mcap", ConvertOptions(TopicOptions(urdf=file)))
+    done = convert(log, tmp_path / "out3.mcap", ConvertOptions(urdf=file))
     assert "ROBOT_DESCRIPTION" in {finding.code for finding in done.findings}
 
 

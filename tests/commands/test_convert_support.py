@@ -24,10 +24,10 @@ from dogbot_logtool.core.hulls import margin_in_hull
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.core.scene.support_scene import margin_colour
 from dogbot_logtool.core.stability import feet_down
+from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.reader.messages.contact_messages import read_contacts
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.results import Conversion
-from dogbot_logtool.robot.options import ConvertOptions, TopicOptions
 from dogbot_logtool.robot.topics.selection import select_topics
 from tests.measured import measured_contact
 from tests.oracles import walks
@@ -258,7 +258,7 @@ def test_margins_are_those_of_stats_at_the_same_times(folder: Path, log: Path) -
 def recorded(path: Path) -> tuple[list[Any], Any]:
     """Return what `stats` keeps of the feet and the base, on log time."""
     log = open_log(path)
-    selection = select_topics(log, TopicOptions())
+    selection = select_topics(log, MeasureOptions())
     assert selection.base is not None
     rule = contact_rule(SensorLevel(zero_in_swing=True), BODY_WEIGHT_N)
     samples: list[Samples] = []
@@ -302,7 +302,7 @@ def test_it_does_not_matter_where_batches_end(
 
 @pytest.mark.parametrize("style", ARROW_STYLES)
 def test_it_is_written_whatever_the_style(tmp_path: Path, style: str) -> None:
-    options = ConvertOptions(style=style, copy=False, end_s=0.2)
+    options = ConvertOptions(style=style, copy=False, end=0.2)
     done = convert(TROUBLED, tmp_path / "out.mcap", options)
     assert done.annotations["/support"] > 0
 
@@ -316,7 +316,7 @@ def test_what_is_not_known_is_told(folder: Path) -> None:
     # Of this base the log's own transforms know nothing.
     robot = folder / "robot.toml"
     robot.write_text(DOGBOT.read_text().replace("base_link", "trunk"))
-    options = ConvertOptions(topics=TopicOptions(robot=str(robot)), copy=False, end_s=2.0)
+    options = ConvertOptions(robot=str(robot), copy=False, end=2.0)
     done = convert(TROT, folder / "link.mcap", options)
     assert "NO_SUPPORT_DRAWN" in {finding.code for finding in done.findings}
 
@@ -336,7 +336,7 @@ def test_a_centipede_has_no_support(tmp_path: Path) -> None:
     feet = {f"foot_{number}": f"/leg/{number}" for number in range(17)}
     topics = dict.fromkeys(feet.values(), CONTACTS)
     log = write_log(tmp_path / "walk.mcap", topics, odometry=["/odom"])
-    options = ConvertOptions(topics=TopicOptions(robot="generic", foot_topics=feet))
+    options = ConvertOptions(robot="generic", foot=feet)
     done = convert(log, tmp_path / "out.mcap", options)
     assert "/support" not in done.annotations
     (finding,) = [one for one in done.findings if one.code == "NO_SUPPORT_DRAWN"]
@@ -344,7 +344,7 @@ def test_a_centipede_has_no_support(tmp_path: Path) -> None:
 
 
 def test_it_lasts_until_it_is_drawn_anew(tmp_path: Path) -> None:
-    convert(TROUBLED, tmp_path / "out.mcap", ConvertOptions(copy=False, tf_rate_hz=1.0))
+    convert(TROUBLED, tmp_path / "out.mcap", ConvertOptions(copy=False, tf_rate=1.0))
     written = read_written(tmp_path / "out.mcap")
     for _, message in annotations(written, "/support", "foxglove", "foxglove.SceneUpdate"):
         assert message.entities[0].lifetime.ToNanoseconds() == 2_000 * MS

@@ -9,7 +9,7 @@ import pytest
 from mcap.reader import make_reader
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.robot.options import ConvertOptions
+from dogbot_logtool.options import ConvertOptions
 from tests.commands.conversions import MATRIX, codes, converted
 from tests.oracles.annotated_file import Written, read_written
 from tests.oracles.recorded import (

@@ -13,9 +13,9 @@ from rosbags.rosbag1 import Reader as BagReader
 
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.options import InfoOptions
 from dogbot_logtool.report.info_report import info_json, print_info
 from dogbot_logtool.results import LogInfo
-from dogbot_logtool.robot.options import TopicOptions
 from tests.paths import SAMPLE_LOGS
 
 TROT, WALK, TROUBLED = (
@@ -39,7 +39,7 @@ def printed(info: LogInfo, width: int = 120) -> str:
 
 @pytest.mark.parametrize("log", LOGS, ids=lambda log: log.stem)
 def test_counts_times_and_types(log: Path) -> None:
-    info, told = describe(log, TopicOptions()), truth(log)["log"]
+    info, told = describe(log, InfoOptions()), truth(log)["log"]
     assert {topic.topic: topic.messages for topic in info.topics} == told["messages"]
     assert info.messages == sum(told["messages"].values())
     assert info.start_time == told["first_log_time_ns"]
@@ -55,7 +55,7 @@ def test_counts_times_and_types(log: Path) -> None:
 
 
 def test_a_bag_is_what_rosbags_says() -> None:
-    info = describe(TROT, TopicOptions())
+    info = describe(TROT, InfoOptions())
     with BagReader(TROT) as reader:
         types = {c.topic: c.msgtype.replace("/msg/", "/") for c in reader.connections}
         chunks = len(reader.chunk_infos)
@@ -63,11 +63,11 @@ def test_a_bag_is_what_rosbags_says() -> None:
     assert {topic.encoding for topic in info.topics} == {"ros1"}
     assert (info.container, info.profile, info.compressions) == ("ROS 1 bag", "ros1", ("lz4",))
     assert info.chunks == chunks
-    assert describe(TROUBLED, TopicOptions()).compressions == ("bz2",)
+    assert describe(TROUBLED, InfoOptions()).compressions == ("bz2",)
 
 
 def test_an_mcap_is_what_the_library_says() -> None:
-    info = describe(WALK, TopicOptions())
+    info = describe(WALK, InfoOptions())
     with WALK.open("rb") as stream:
         summary = make_reader(stream).get_summary()
     assert summary is not None
@@ -79,7 +79,7 @@ def test_an_mcap_is_what_the_library_says() -> None:
 
 @pytest.mark.parametrize("log", LOGS, ids=lambda log: log.stem)
 def test_uses(log: Path) -> None:
-    uses = {topic.topic: topic.use for topic in describe(log, TopicOptions()).topics}
+    uses = {topic.topic: topic.use for topic in describe(log, InfoOptions()).topics}
     wanted = {f"/dogbot/{foot}_contactsensor_state": f"foot {foot}" for foot in FEET}
     wanted |= {"/dogbot/odom": "odometry", "/dogbot/joint_states": "joints"}
     wanted |= {"/dogbot/imu": "accelerometer", "/dogbot/cmd_vel": "commands"}
@@ -89,7 +89,7 @@ def test_uses(log: Path) -> None:
 
 @pytest.mark.parametrize("log", LOGS, ids=lambda log: log.stem)
 def test_findings(log: Path) -> None:
-    codes = {finding.code for finding in describe(log, TopicOptions()).findings}
+    codes = {finding.code for finding in describe(log, InfoOptions()).findings}
     wanted = {"ROBOT_GUESSED"}
     if log == TROUBLED:
         wanted |= {"BAD_STAMPS", "FRAME_NAMES"}
@@ -97,11 +97,11 @@ def test_findings(log: Path) -> None:
 
 
 def test_the_transform_that_would_be_added() -> None:
-    assert describe(WALK, TopicOptions()).added_transform == ("world", "base_link")
+    assert describe(WALK, InfoOptions()).added_transform == ("world", "base_link")
 
 
 def test_json_is_plain_and_complete() -> None:
-    info = describe(TROUBLED, TopicOptions())
+    info = describe(TROUBLED, InfoOptions())
     told = json.loads(json.dumps(info_json(info), allow_nan=False))
     assert told["path"] == str(TROUBLED)
     assert told["size_bytes"] == TROUBLED.stat().st_size
@@ -114,7 +114,7 @@ def test_json_is_plain_and_complete() -> None:
 
 @pytest.mark.parametrize("width", [40, 80, 109, 110, 200])
 def test_print_fits_and_tells_all_topics(width: int) -> None:
-    text = printed(describe(TROT, TopicOptions()), width)
+    text = printed(describe(TROT, InfoOptions()), width)
     table = text[: text.index("frames\n")]
     too_long = [line for line in table.split("\n")[1:] if len(line) > width]
     assert [line for line in too_long if len(line.split()) > 1] == [], "only whole names may be"
@@ -131,7 +131,7 @@ def test_an_empty_log(tmp_path: Path) -> None:
         writer = McapWriter(stream)
         writer.start()
         writer.finish()
-    info = describe(path, TopicOptions())
+    info = describe(path, InfoOptions())
     assert (info.messages, info.start_time, info.duration_s, info.topics) == (0, None, None, ())
     assert not info.damage.losses
     assert info.added_transform is None
@@ -147,7 +147,7 @@ def test_a_log_of_one_instant_has_no_rate(tmp_path: Path) -> None:
         channel = writer.register_channel("/x", "json", 0)
         writer.add_message(channel, 1_700_000_000_000_000_000, b"{}", 0)
         writer.finish()
-    info = describe(path, TopicOptions())
+    info = describe(path, InfoOptions())
     assert (info.duration_s, info.topics[0].rate_hz) == (0.0, None)
     assert info.topics[0].type_name == ""
     text = printed(info)
@@ -157,7 +157,7 @@ def test_a_log_of_one_instant_has_no_rate(tmp_path: Path) -> None:
 
 def test_what_is_no_log(tmp_path: Path) -> None:
     with pytest.raises(CallError, match="no such file"):
-        describe(tmp_path / "none.bag", TopicOptions())
+        describe(tmp_path / "none.bag", InfoOptions())
     (tmp_path / "text").write_text("hello, this is no log at all")
     with pytest.raises(LogError, match="neither"):
-        describe(tmp_path / "text", TopicOptions())
+        describe(tmp_path / "text", InfoOptions())

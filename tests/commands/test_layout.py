@@ -15,8 +15,8 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.layout import view_of
 from dogbot_logtool.core.scene.foot_style import FOOT_COLOURS
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.report.layouts import View, foxglove_layout, rviz_config, upper_bound
-from dogbot_logtool.robot.options import ConvertOptions, TopicOptions
 from tests.oracles.standing_log import write_standing_log
 from tests.paths import SAMPLE_LOGS
 
@@ -24,7 +24,7 @@ TROUBLED = SAMPLE_LOGS / "dogbot_troubled.bag"
 FEET = ("front_left", "front_right", "back_left", "back_right")
 
 
-def foxglove_layout_of(log: Path | None, options: TopicOptions) -> dict[str, Any]:
+def foxglove_layout_of(log: Path | None, options: MeasureOptions) -> dict[str, Any]:
     return foxglove_layout(view_of(log, options))
 
 
@@ -53,7 +53,7 @@ def test_every_topic_and_field_is_in_a_converted_log(tmp_path: Path) -> None:
             if channel.topic == "/tf":
                 (transform,) = message.transforms
                 frames.add((transform.parent_frame_id, transform.child_frame_id))
-    layout = foxglove_layout_of(TROUBLED, TopicOptions())
+    layout = foxglove_layout_of(TROUBLED, MeasureOptions())
     drawn = {
         topic for topic in fields if not topic.startswith(("/tf", "/load/", "/events", "/gait"))
     }
@@ -160,7 +160,7 @@ def test_a_robot_without_feet_has_no_curves() -> None:
 def test_curves_have_one_scale_and_no_labels_that_would_shift_their_time_axes() -> None:
     """Loads of the trot reach 122 N, as the simulator knows; the walk's weight is 208 N."""
     for log, bound in ((SAMPLE_LOGS / "dogbot_trot.bag", 150.0), (None, 250.0)):
-        configs = foxglove_layout_of(log, TopicOptions())["configById"].values()
+        configs = foxglove_layout_of(log, MeasureOptions())["configById"].values()
         curves = [config for config in configs if "minYValue" in config]
         assert [(c["minYValue"], c["maxYValue"]) for c in curves] == [(0, bound)] * len(FEET)
         assert not any(c["showYAxisLabels"] or c["showXAxisLabels"] for c in curves)
@@ -212,13 +212,13 @@ def test_more_feet_than_colours() -> None:
 
 
 def test_without_a_log_the_feet_are_the_robot_s() -> None:
-    for options in (TopicOptions(), TopicOptions(robot="dogbot")):
+    for options in (MeasureOptions(), MeasureOptions(robot="dogbot")):
         dogbot = view_of(None, options)
         assert (dogbot.feet, dogbot.base_frame, dogbot.forward_axis) == (FEET, "base_link", "+y")
-    named = view_of(None, TopicOptions(robot="generic", foot_topics={"paw": "/x"}))
+    named = view_of(None, MeasureOptions(robot="generic", foot={"paw": "/x"}))
     assert (named.feet, named.forward_axis, named.peak_n) == (("paw",), "+x", None)
     with pytest.raises(CallError):
-        foxglove_layout_of(None, TopicOptions(robot="unicorn"))
+        foxglove_layout_of(None, MeasureOptions(robot="unicorn"))
 
 
 @pytest.mark.parametrize(
@@ -227,7 +227,7 @@ def test_without_a_log_the_feet_are_the_robot_s() -> None:
 )
 def test_the_sample_logs_have_the_dogbot_s_layout(log: str, heading_rad: float) -> None:
     """It is 0.46 m high, and its feet stand 0.4 to 0.6 m apart from front to back."""
-    view = view_of(SAMPLE_LOGS / log, TopicOptions())
+    view = view_of(SAMPLE_LOGS / log, MeasureOptions())
     assert (view.feet, view.world_frame, view.base_frame) == (FEET, "world", "base_link")
     assert view.forward_axis == "+y"
     assert 0.4 <= view.size_m <= 0.6
@@ -243,5 +243,5 @@ def test_the_sample_logs_have_the_dogbot_s_layout(log: str, heading_rad: float) 
 def test_a_guessed_robot_looks_to_where_its_fore_feet_are(tmp_path: Path) -> None:
     """The guessed robot's +y is forward, but here its topics are those of another one."""
     log = write_standing_log(tmp_path / "log.mcap")
-    assert view_of(log, TopicOptions()).forward_axis == "+x"
-    assert view_of(log, TopicOptions(robot="dogbot")).forward_axis == "+y"
+    assert view_of(log, MeasureOptions()).forward_axis == "+x"
+    assert view_of(log, MeasureOptions(robot="dogbot")).forward_axis == "+y"

@@ -8,22 +8,22 @@ import pytest
 
 from dogbot_logtool.commands.new_robot import new_robot
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from tests.oracles import base_walks, state_walks, walks
 from tests.oracles.state_walks import StateWalk
 
 
-def figures(path: Path, topics: TopicOptions) -> dict[str, Any]:
-    done = measure(path, StatsOptions(topics))
+def figures(path: Path, topics: MeasureOptions) -> dict[str, Any]:
+    done = measure(path, topics)
     return stats_json(done)
 
 
 def figures_with_file(path: Path, odometry_topic: str | None = None) -> dict[str, Any]:
     file = path.with_name("robot.toml")
-    text = new_robot(path, "walker", TopicOptions(odometry_topic=odometry_topic)).text
+    text = new_robot(path, "walker", MeasureOptions(odom_topic=odometry_topic)).text
     file.write_text(text, encoding="utf-8")
-    return figures(path, TopicOptions(robot=str(file)))
+    return figures(path, MeasureOptions(robot=str(file)))
 
 
 @pytest.mark.parametrize("kind", state_walks.KINDS)
@@ -31,7 +31,7 @@ def test_the_file_has_the_feet_of_messages_of_all_feet(tmp_path: Path, kind: str
     path = tmp_path / "walk.mcap"
     entries = state_walks.messages(kind)
     walks.write_mcap(path, StateWalk(2), entries[: len(entries) // 2])
-    without, with_file = figures(path, TopicOptions()), figures_with_file(path)
+    without, with_file = figures(path, MeasureOptions()), figures_with_file(path)
     assert with_file["feet"] == without["feet"]
     assert len(with_file["feet"]) > 1
 
@@ -39,7 +39,7 @@ def test_the_file_has_the_feet_of_messages_of_all_feet(tmp_path: Path, kind: str
 @pytest.mark.parametrize("kind", sorted({*base_walks.TOPICS} - {*base_walks.ON_REQUEST}))
 def test_the_file_has_the_base_s_poses(tmp_path: Path, kind: str) -> None:
     path = base_walks.write(tmp_path / "walk.mcap", kind, base_walks.TOPICS[kind])
-    without, with_file = figures(path, TopicOptions()), figures_with_file(path)
+    without, with_file = figures(path, MeasureOptions()), figures_with_file(path)
     assert with_file["base"] == without["base"]
     assert with_file["base"]["path_length_m"] > 1.0
 
@@ -58,7 +58,7 @@ def test_the_file_has_the_element_of_the_base_s_poses(
     path = base_walks.write(tmp_path / "walk.mcap", kind, "/state")
     name = f"/state:{element}"
     with_file = figures_with_file(path, name)
-    assert with_file["base"] == figures(path, TopicOptions(odometry_topic=name))["base"]
+    assert with_file["base"] == figures(path, MeasureOptions(odom_topic=name))["base"]
     assert "ROBOT_GUESSED" not in {finding["code"] for finding in with_file["findings"]}
     text = path.with_name("robot.toml").read_text(encoding="utf-8")
     assert f'odometry = "{name}"' in text
@@ -68,6 +68,6 @@ def test_the_file_has_what_messages_call_the_feet(tmp_path: Path) -> None:
     walk = StateWalk(2)
     path = tmp_path / "walk.mcap"
     walks.write_mcap(path, walk, state_walks.messages("anymal_msgs/msg/AnymalState"))
-    text = new_robot(path, "walker", TopicOptions()).text
+    text = new_robot(path, "walker", MeasureOptions()).text
     labels = {foot["label"] for foot in tomllib.loads(text)["feet"].values()}
     assert labels == {"LF_FOOT", "RF_FOOT", "LH_FOOT", "RH_FOOT"}

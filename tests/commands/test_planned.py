@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from tests.oracles import walks
 from tests.oracles.state_walks import StateWalk
 
@@ -62,7 +62,7 @@ def both(kind: str, plan: StateWalk) -> Iterator[walks.Entry]:
 
 
 def figures(path: Path, **options: Any) -> dict[str, Any]:
-    done = measure(path, StatsOptions(TopicOptions(), **options))
+    done = measure(path, MeasureOptions(**options))
     found: dict[str, Any] = stats_json(done)
     return found
 

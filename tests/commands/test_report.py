@@ -12,8 +12,8 @@ import pytest
 from dogbot_logtool.commands.report import Reports
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.targets import Output
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.page.assets import shared_name
-from dogbot_logtool.robot.options import StatsOptions
 from tests.forked_cli import run
 from tests.paths import SAMPLE_LOGS
 
@@ -29,7 +29,7 @@ def test_a_page_is_the_same_whatever_the_jobs(tmp_path: Path) -> None:
     for jobs in (1, 3):
         target = tmp_path / f"{jobs}.html"
         done = Reports(
-            [TROT], Output(target, is_folder=False), StatsOptions(jobs=jobs), overwrite=False
+            [TROT], Output(target, is_folder=False), MeasureOptions(jobs=jobs), overwrite=False
         ).write(TROT)
         assert (done.target, done.size) == (target, target.stat().st_size)
         pages.append(target.read_bytes())
@@ -42,7 +42,11 @@ def test_several_logs_have_an_index_even_if_one_fails(tmp_path: Path) -> None:
     out = tmp_path / "out"
     out.mkdir()
     reports = Reports(
-        [TROT, bad], Output(out, is_folder=True), StatsOptions(), overwrite=False, with_replay=False
+        [TROT, bad],
+        Output(out, is_folder=True),
+        MeasureOptions(),
+        overwrite=False,
+        with_replay=False,
     )
     reports.write(TROT)
     with pytest.raises(LogError):
@@ -78,13 +82,15 @@ def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:
     target = tmp_path / "x.html"
     target.write_text("mine")
     with pytest.raises(CallError, match="exists already"):
-        Reports([TROUBLED], Output(target, is_folder=False), StatsOptions(), overwrite=False).write(
-            TROUBLED
-        )
+        Reports(
+            [TROUBLED], Output(target, is_folder=False), MeasureOptions(), overwrite=False
+        ).write(TROUBLED)
     assert target.read_text() == "mine"
     (tmp_path / "index.html").write_text("mine")
     with pytest.raises(CallError, match="exists already"):
-        Reports([TROT, TROUBLED], Output(tmp_path, is_folder=True), StatsOptions(), overwrite=False)
+        Reports(
+            [TROT, TROUBLED], Output(tmp_path, is_folder=True), MeasureOptions(), overwrite=False
+        )
 
 
 def test_without_the_extra_a_sentence_says_what_to_install(tmp_path: Path) -> None:

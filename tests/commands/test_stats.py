@@ -16,9 +16,9 @@ from mcap.writer import Writer
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.metrics import NEEDS, WalkMetrics
 from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.schema import schema
-from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from tests.measured import measured
 from tests.oracles.walks import Walk as ContactWalk
 from tests.oracles.walks import write_mcap
@@ -28,8 +28,8 @@ from tests.reader.mcap_bytes import small_mcap
 WALKS = ("dogbot_trot.bag", "dogbot_walk.mcap")
 
 
-def figures(log: str, options: StatsOptions | None = None) -> dict[str, Any]:
-    done = measured(SAMPLE_LOGS / log, options or StatsOptions())
+def figures(log: str, options: MeasureOptions | None = None) -> dict[str, Any]:
+    done = measured(SAMPLE_LOGS / log, options or MeasureOptions())
     return stats_json(done)
 
 
@@ -42,7 +42,7 @@ def truth(log: str) -> dict[str, Any]:
 @pytest.fixture(scope="module", params=WALKS)
 def walk(request: pytest.FixtureRequest) -> tuple[dict[str, Any], dict[str, Any]]:
     true = truth(request.param)
-    origin = measured(SAMPLE_LOGS / request.param, StatsOptions()).stats.origin
+    origin = measured(SAMPLE_LOGS / request.param, MeasureOptions()).stats.origin
     true["log"]["start_s"] = true["log"]["start_stamp_s"] - origin / 1e9
     return figures(request.param), true
 
@@ -125,7 +125,7 @@ def test_without_its_transforms_a_link_frame_log_has_no_vertical_figures(tmp_pat
     robot = tmp_path / "stranger.toml"
     text = (ROOT / "dogbot_logtool/robot/known/dogbot.toml").read_text(encoding="utf-8")
     robot.write_text(text.replace('base = "base_link"', 'base = "trunk"'), encoding="utf-8")
-    options = StatsOptions(topics=TopicOptions(robot=str(robot)))
+    options = MeasureOptions(robot=str(robot))
     got = figures("dogbot_trot.bag", options)
 
     assert got["forces"]["vertical_impulse_over_weight"] is None
@@ -139,8 +139,8 @@ def test_without_its_transforms_a_link_frame_log_has_no_vertical_figures(tmp_pat
 
 
 def test_figures_do_not_depend_on_threads() -> None:
-    assert figures("dogbot_walk.mcap", StatsOptions(jobs=1)) == figures(
-        "dogbot_walk.mcap", StatsOptions(jobs=3)
+    assert figures("dogbot_walk.mcap", MeasureOptions(jobs=1)) == figures(
+        "dogbot_walk.mcap", MeasureOptions(jobs=3)
     )
 
 
@@ -168,7 +168,7 @@ def test_the_json_is_what_the_schema_says() -> None:
 
 
 def test_a_part_of_a_log_is_measured_alone() -> None:
-    got = figures("dogbot_trot.bag", StatsOptions(start_s=2.0, end_s=6.0))
+    got = figures("dogbot_trot.bag", MeasureOptions(start=2.0, end=6.0))
     assert got["base"]["duration_s"] == pytest.approx(4.0, abs=0.01)
     assert got["feet"]["front_left"]["strides"] == 2
 
@@ -177,12 +177,12 @@ def test_a_log_with_nothing_to_measure_is_an_error(tmp_path: Path) -> None:
     log = tmp_path / "log.mcap"
     log.write_bytes(small_mcap("").build())
     with pytest.raises(LogError, match="neither nav_msgs/Odometry nor"):
-        measure(log, StatsOptions())
+        measure(log, MeasureOptions())
 
 
 def test_a_missing_file_is_a_wrong_call(tmp_path: Path) -> None:
     with pytest.raises(CallError, match="no such file"):
-        measure(tmp_path / "log.bag", StatsOptions())
+        measure(tmp_path / "log.bag", MeasureOptions())
 
 
 def test_times_of_several_senders_of_a_topic_stand_in_the_order_of_the_log(tmp_path: Path) -> None:
@@ -203,7 +203,7 @@ def test_times_of_several_senders_of_a_topic_stand_in_the_order_of_the_log(tmp_p
             writer.add_message(sender, message.log_time, message.data, message.publish_time)
         writer.finish()
 
-    done = measure(log, StatsOptions())
+    done = measure(log, MeasureOptions())
 
     assert stats_json(done)["quality"] == figures("dogbot_walk.mcap")["quality"]
 

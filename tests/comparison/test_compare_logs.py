@@ -13,8 +13,8 @@ from mcap.writer import CompressionType, IndexType, Writer
 
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.options import CompareOptions
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.robot.options import CompareOptions
 from tests.comparison.pairs import Pair, counts, tally
 from tests.comparison.recordings import (
     JSON,

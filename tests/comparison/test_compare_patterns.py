@@ -14,7 +14,7 @@ from dogbot_logtool.comparison.fields import Findings, Tree, compare_fields
 from dogbot_logtool.comparison.outcome import Comparison
 from dogbot_logtool.comparison.tolerances import FieldRules, Quantity, Rules, Tolerance
 from dogbot_logtool.errors import CallError, LogError
-from dogbot_logtool.robot.options import CompareOptions
+from dogbot_logtool.options import CompareOptions
 from tests import forked_cli
 from tests.comparison.recordings import JSON, Recording, odometry, recording, ros_kind
 from tests.forked_cli import Ended

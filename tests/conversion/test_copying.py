@@ -8,7 +8,7 @@ from mcap.reader import make_reader
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.robot.options import ConvertOptions
+from dogbot_logtool.options import ConvertOptions
 from tests.oracles import base_walks
 from tests.oracles.foot_logs import CONTACTS, write_log
 
@@ -35,7 +35,7 @@ def log(tmp_path: Path) -> Path:
 def test_topics_are_left_out_and_annotations_stay(log: Path, tmp_path: Path) -> None:
     whole, part = tmp_path / "whole.mcap", tmp_path / "part.mcap"
     convert(log, whole, ConvertOptions())
-    done = convert(log, part, ConvertOptions(topics_left_out=("/feet/*",)))
+    done = convert(log, part, ConvertOptions(topics=("!/feet/*",)))
     expected = topics_of(whole)
     for topic in FEET:
         del expected[topic]
@@ -48,7 +48,7 @@ def test_topics_are_left_out_and_annotations_stay(log: Path, tmp_path: Path) -> 
 
 def test_only_some_topics_are_copied(log: Path, tmp_path: Path) -> None:
     target = tmp_path / "part.mcap"
-    options = ConvertOptions(copied_topics=("/odom", "/feet/*"), topics_left_out=("*/right/*",))
+    options = ConvertOptions(topics=("/odom", "/feet/*", "!*/right/*"))
     done = convert(log, target, options)
     assert done.copied == 400
     assert channels_of(target) >= {"/odom", "/feet/left/contact", "/tf"}
@@ -61,19 +61,19 @@ def test_only_some_topics_are_copied(log: Path, tmp_path: Path) -> None:
 
 def test_a_pattern_that_fits_nothing_is_a_warning(log: Path, tmp_path: Path) -> None:
     target = tmp_path / "part.mcap"
-    done = convert(log, target, ConvertOptions(topics_left_out=("/camera/*",)))
+    done = convert(log, target, ConvertOptions(topics=("!/camera/*",)))
     (said,) = [finding for finding in done.findings if finding.code == "COPY"]
-    assert said.text == "--without /camera/* fits no topic of the log"
+    assert said.text == "--topics !/camera/* fits no topic of the log"
     assert done.copied == 600
 
 
 def test_nothing_is_chosen_of_no_copy(log: Path, tmp_path: Path) -> None:
-    options = ConvertOptions(copy=False, copied_topics=("/odom",))
+    options = ConvertOptions(copy=False, topics=("/odom",))
     with pytest.raises(CallError, match="--no-copy"):
         convert(log, tmp_path / "part.mcap", options)
 
 
 def test_transforms_that_are_left_out_are_written_anew(tmp_path: Path) -> None:
     path = base_walks.write(tmp_path / "walk.mcap", "tf2_msgs/TFMessage", "/tf")
-    done = convert(path, tmp_path / "part.mcap", ConvertOptions(topics_left_out=("/tf",)))
+    done = convert(path, tmp_path / "part.mcap", ConvertOptions(topics=("!/tf",)))
     assert done.annotations["/tf"] > 100

@@ -12,8 +12,8 @@ from dogbot_logtool.conversion.plan import ConversionPlan, make_plan, refuse_unk
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame, WrenchFrameEvidence
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Severity
+from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.robot.options import ConvertOptions, TopicOptions
 from dogbot_logtool.robot.probe import Probe
 from dogbot_logtool.robot.probe_findings import probe_findings
 from dogbot_logtool.robot.sensors import learn_sensors
@@ -28,7 +28,7 @@ UNKNOWN = WrenchFrameEvidence(WrenchFrame.UNKNOWN)
 def looked_at(path: Path) -> tuple[Selection, Probe]:
     """Return what a look into a log shows."""
     log = open_log(path)
-    selection = select_topics(log, TopicOptions())
+    selection = select_topics(log, MeasureOptions())
     probe = probe_log(log, selection, with_soles=True)
     log.close()
     return selection, probe
@@ -43,7 +43,7 @@ class Case:
 
     def plan(self, **options: Any) -> ConversionPlan:
         wanted = ConvertOptions(**options)
-        learnt = learn_sensors(self.selection, self.probe, wanted.topics)
+        learnt = learn_sensors(self.selection, self.probe)
         return make_plan(self.log, self.selection, self.probe, learnt, wanted)
 
     def see(self, **probe: Any) -> None:
@@ -119,13 +119,14 @@ def test_a_second_parent(trot: Case, tf: str, parents: set[str], *, copy: bool) 
 )
 def test_the_wrench_frame(trot: Case, option: str, seen: WrenchFrame, *, in_world: bool) -> None:
     trot.see(wrench_frame=WrenchFrameEvidence(seen))
-    plan = trot.plan(wrench_frame=option, style="force")
+    trot.know(wrench_frame=option)
+    plan = trot.plan(style="force")
     turns = plan.frames is not None and any(plan.frames.links)
     assert turns == (WrenchFrame.LINK in {option, seen} and not in_world)
     assert ("NOT_DRAWN" in codes(plan)) == (not in_world and not turns)
     (finding,) = (each for each in plan.findings if each.code == "WRENCH_FRAME")
     assert (finding.severity is Severity.WARNING) == (seen is WrenchFrame.UNKNOWN)
-    assert "NOT_DRAWN" not in codes(trot.plan(wrench_frame=option, style="pressure"))
+    assert "NOT_DRAWN" not in codes(trot.plan(style="pressure"))
 
 
 @pytest.mark.parametrize(
@@ -156,8 +157,8 @@ def test_weight_and_arrow_style(trot: Case) -> None:
 
 def test_the_output_begins_where_its_messages_do(walk: Case) -> None:
     assert walk.log.start_time == 5_000_000_000
-    assert walk.plan(start_s=1.5, end_s=2.0).opening == 6_500_000_000
-    assert walk.plan().opening == walk.plan(start_s=0.0).opening == 5_000_000_000
+    assert walk.plan(start=1.5, end=2.0).opening == 6_500_000_000
+    assert walk.plan().opening == walk.plan(start=0.0).opening == 5_000_000_000
 
 
 def test_without_odometry_there_is_no_transform(trot: Case) -> None:

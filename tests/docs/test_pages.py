@@ -42,7 +42,7 @@ def test_every_metric_is_measured_of_some_log(tmp_path: Path) -> None:
     walk = Walk(gait=WALK, seconds=12.0).recorded(200.0, 100.0)
     sensed = with_imu(pushed(walk, (0.6, 0.3, 0.0), 5.0))
     log = write_log(sensed, tmp_path / "sensed.mcap")
-    documents.append(dl.measure(log, mass=20.0, wrench_frame="world").stats)
+    documents.append(dl.measure(log, mass=20.0, set={"wrench_frame": "world"}).stats)
     goldens = SAMPLE_LOGS.glob("golden/*.stats.json")
     documents += [json.loads(golden.read_text(encoding="utf-8")) for golden in goldens]
     known = {

@@ -7,10 +7,10 @@ import pytest
 
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader import growing, recording
 from dogbot_logtool.reader.growing import GrowingColumns
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.robot.options import StatsOptions
 from tests.oracles.straight_walk import Walk
 from tests.paths import SAMPLE_LOGS
 
@@ -53,5 +53,5 @@ def test_a_walk_in_a_file_has_the_same_figures(
 
 
 def figures(path: Path) -> object:
-    found = measure(path, StatsOptions())
+    found = measure(path, MeasureOptions())
     return stats_json(found)

@@ -73,7 +73,7 @@ def test_broken_toml_is_named_with_its_line() -> None:
     [
         # unknown keys, at every level
         ("colour = 1", "colour"),
-        ("topics.imu = '/imu'", "topics.imu"),
+        ("topics.camera = '/image'", "topics.camera"),
         ("frames.odom = 'odom'", "frames.odom"),
         ("arrows.length = 3", "arrows.length"),
         ("contact.on = 3", "contact.on"),

@@ -9,8 +9,8 @@ import pytest
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from tests.truth import sensor_faults as sensor
 from tests.truth.log_file import write_log
 from tests.truth.recorders import recorder
@@ -28,12 +28,12 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def figures(log: Path, **options: Any) -> dict[str, Any]:
-    done = measure(log, StatsOptions(TopicOptions(**options)))
+    done = measure(log, MeasureOptions(**options))
     return stats_json(done)
 
 
 def test_offsets_are_estimated_and_reported(log: Path) -> None:
-    got = figures(log, mass_kg=20.0)
+    got = figures(log, mass=20.0)
     for name, foot in got["quality"]["feet"].items():
         assert foot["force_offset_n"] == pytest.approx(OFFSET, abs=0.5)
         assert foot["force_noise_n"] == pytest.approx(1.0, rel=0.2)
@@ -44,14 +44,14 @@ def test_offsets_are_estimated_and_reported(log: Path) -> None:
 
 def test_a_given_offset_stands(log: Path) -> None:
     name = "front_left"
-    got = figures(log, mass_kg=20.0, offsets_n={name: OFFSET})
+    got = figures(log, mass=20.0, set={f"tare.{name}": "4,-6,-40"})
     assert got["quality"]["feet"][name]["force_offset_n"] == list(OFFSET)
     assert got["settings"]["feet"][name]["offset_from"] == "option"
     assert got["settings"]["feet"]["front_right"]["offset_from"] == "estimated"
 
 
 def test_offsets_stay_in_if_asked(log: Path) -> None:
-    got = figures(log, mass_kg=20.0, takes_offsets=False)
+    got = figures(log, mass=20.0, set={"tare": "none"})
     for name, foot in got["quality"]["feet"].items():
         assert foot["force_offset_n"] == [0.0, 0.0, 0.0]
         assert got["feet"][name]["contact_fraction"] > 0.9
@@ -66,8 +66,8 @@ def test_without_a_mass_the_weight_is_estimated(log: Path) -> None:
 
 
 def test_an_offset_of_no_foot_is_refused(log: Path) -> None:
-    with pytest.raises(CallError, match="--tare nose"):
-        figures(log, offsets_n={"nose": OFFSET})
+    with pytest.raises(CallError, match=r"--set tare\.nose"):
+        figures(log, set={"tare.nose": "4,-6,-40"})
 
 
 def test_loads_are_drawn_without_offsets(log: Path, tmp_path: Path) -> None:
@@ -75,7 +75,7 @@ def test_loads_are_drawn_without_offsets(log: Path, tmp_path: Path) -> None:
     from mcap_protobuf.decoder import DecoderFactory  # noqa: PLC0415
 
     target = tmp_path / "out.mcap"
-    convert(log, target, ConvertOptions(TopicOptions(mass_kg=20.0)))
+    convert(log, target, ConvertOptions(mass=20.0))
     with target.open("rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
         loads = [

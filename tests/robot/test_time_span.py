@@ -72,8 +72,3 @@ def test_each_log_has_its_own_span(shell: Shell, command: str) -> None:
     assert "1 of 2 logs could not be done" in done.err
     assert LENGTH in " ".join(done.err.split())
     assert len(shell.files()) == {"convert": 1, "stats": 0, "report": 3}[command]
-
-
-def test_times_of_the_log_are_seen_in_help(shell: Shell) -> None:
-    done = shell("convert", "--help")
-    assert "since the log's start, not negative" in " ".join(done.out.split())

@@ -6,6 +6,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,10 @@ import pytest
 from upath import UPath
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.commands.tasks import Measure
+from dogbot_logtool.commands.tasks import figures
 from dogbot_logtool.errors import CallError, StoreError
 from dogbot_logtool.io.output import whole_file
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions
+from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from tests.run.services import (
     BUCKET,
     Store,
@@ -73,8 +74,8 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
 @pytest.fixture(scope="module")
 def serial(lab: Lab) -> dict[Path, Any]:
     """Figures of each different log, measured here."""
-    measure = Measure(StatsOptions())
-    return {path: measure(path, None) for path in set(lab.logs.values())}
+    measure = partial(figures, options=MeasureOptions())
+    return {path: measure(path) for path in set(lab.logs.values())}
 
 
 def without_path(said: dict[str, Any]) -> dict[str, Any]:

@@ -15,9 +15,8 @@ import pytest
 
 from dogbot_logtool.errors import CallError, StoreError
 from dogbot_logtool.run import processes
-from dogbot_logtool.run.choice import runner_for
 from dogbot_logtool.run.processes import ProcessRunner
-from dogbot_logtool.run.runner import Failure, OnProgress, Runner, attempt
+from dogbot_logtool.run.runner import Failure, OnProgress, Runner, attempt, runner_for
 from tests.paths import ROOT
 from tests.run.work import Progress, wait_for_the_end_of, work
 
@@ -169,9 +168,9 @@ def printed_by(script: str) -> str:
     return done.stdout
 
 
-def kind_of_process(item: tuple[str, Path], on_progress: OnProgress | None) -> str:
+def kind_of_process(item: tuple[str, Path], progress: OnProgress | None) -> str:
     """Work on an item; return what kind of process did it."""
-    work(item, on_progress)
+    work(item, progress)
     loaded = "dogbot_logtool.commands.info" in sys.modules
     return f"{type(multiprocessing.current_process()).__name__} {loaded}"
 
@@ -204,7 +203,7 @@ if __name__ == "__main__":
 def test_a_store_that_fails_is_tried_once_more() -> None:
     calls: list[int] = []
 
-    def fails(_item: object, _on_progress: OnProgress | None) -> str:
+    def fails(_item: object, progress: OnProgress | None) -> str:  # noqa: ARG001
         calls.append(1)
         if len(calls) == 1:
             raise StoreError("the store fails")
@@ -212,7 +211,7 @@ def test_a_store_that_fails_is_tried_once_more() -> None:
 
     assert attempt(fails, None, lambda _done, _total: None) == "done"
 
-    def always_fails(_item: object, _on_progress: OnProgress | None) -> str:
+    def always_fails(_item: object, progress: OnProgress | None) -> str:  # noqa: ARG001
         calls.append(1)
         raise StoreError("the store fails")
 

@@ -29,10 +29,10 @@ class Progress:
         self.sentences.append(sentence)
 
 
-def work(item: tuple[str, Path], on_progress: OnProgress | None) -> Any:  # noqa: C901 - a list of cases
+def work(item: tuple[str, Path], progress: OnProgress | None) -> Any:  # noqa: C901 - a list of cases
     what, folder = item
-    if on_progress is not None:
-        on_progress(1, 2)
+    if progress is not None:
+        progress(1, 2)
     match what:
         case "slow":
             time.sleep(0.3)
@@ -45,10 +45,10 @@ def work(item: tuple[str, Path], on_progress: OnProgress | None) -> Any:  # noqa
         case "deadly once" if not (folder / "died").exists():
             (folder / "died").touch()
             os.kill(os.getpid(), signal.SIGKILL)
-        case "deadly once" if on_progress is not None:
+        case "deadly once" if progress is not None:
             # Far more than any pipe or queue holds.
             for _ in range(100_000):
-                on_progress(1, 2)
+                progress(1, 2)
         case "unsendable":
             return UNSENDABLE
         case "endless":

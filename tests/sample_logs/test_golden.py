@@ -11,8 +11,8 @@ from golden import GOLDEN, Case, cases
 from rich.console import Console
 
 from dogbot_logtool.commands.compare import compare
+from dogbot_logtool.options import CompareOptions
 from dogbot_logtool.report.comparison_report import show_comparison
-from dogbot_logtool.robot.options import CompareOptions
 
 # Sines and powers differ in their last bits from one processor to the next.
 OPTIONS = CompareOptions(atol=1e-9, rtol=1e-9)

@@ -24,6 +24,12 @@ COMMAND_S: Final = 0.02
 SETTLE_S: Final = 1.0
 KEPT_S: Final = 0.002
 """s between rows that are kept."""
+GAITS: Final = {
+    "trot": (np.array([physics.PHASES[foot] for foot in FEET]), physics.DUTY),
+    "walk": (np.array([0.0, 0.5, 0.75, 0.25]), 0.75),
+    "stand": (np.zeros(4), 1.0),
+}
+"""Phases of the feet, and duty factor."""
 _FREE: Final = (
     '<joint name="x" type="slide" axis="1 0 0"/><joint name="y" type="slide" axis="0 1 0"/>'
     '<joint name="z" type="slide" axis="0 0 1"/><joint name="yaw" type="hinge" axis="0 0 1"/>'
@@ -54,7 +60,14 @@ def _held(steps: Steps, time: Floats) -> Floats:
 
 
 @cache
-def walker(steps: Steps, seconds: float, latency_s: float = 0.0, slope_rad: float = 0.0) -> Physics:
+def walker(
+    steps: Steps,
+    seconds: float,
+    latency_s: float = 0.0,
+    slope_rad: float = 0.0,
+    gait: str = "trot",
+    legs_kg: tuple[float, ...] = physics.LEGS_KG,
+) -> Physics:
     """Run the engine.
 
     Args:
@@ -62,29 +75,30 @@ def walker(steps: Steps, seconds: float, latency_s: float = 0.0, slope_rad: floa
         seconds: of the log.
         latency_s: s from a command's publication until the controller uses it.
         slope_rad: by which the ground falls ahead.
+        gait: one of `GAITS`.
+        legs_kg: of the parts of each leg.
     """
     steps_of = (round(each / physics.STEP_S) for each in (-SETTLE_S, seconds))
     time: Floats = np.arange(*steps_of, dtype=np.float64) * physics.STEP_S
     received = np.floor((time - latency_s) / COMMAND_S + 1e-6) * COMMAND_S
-    angles = _angles(_feet(time, _held(steps, received)))
+    angles = _angles(_feet(time, _held(steps, received), *GAITS[gait]))
     pull = 9.81 * np.array([np.sin(slope_rad), 0.0, -np.cos(slope_rad)])
     gravity = " ".join(map(str, pull.tolist()))
-    engine = physics.Engine(physics.model_xml((_FREE, ""), gravity), angles[0])
+    engine = physics.Engine(physics.model_xml((_FREE, ""), gravity, legs_kg), angles[0])
     every = round(KEPT_S / physics.STEP_S)
     for row, targets in enumerate(angles):
         engine.step(targets, keep=time[row] >= -1e-9 and row % every == 0)
     return _tilted(engine.finish(KEPT_S), slope_rad)
 
 
-def _feet(time: Floats, wanted: Floats) -> Floats:
+def _feet(time: Floats, wanted: Floats, phases: Floats, duty: float) -> Floats:
     """(n, 4, 3) m, where the plan has each foot, from the base; wanted: (n, 3) velocity."""
-    phases = np.array([physics.PHASES[foot] for foot in FEET])
     cycle = time[:, None] / physics.PERIOD_S - phases
     share = cycle - np.floor(cycle)
-    swings = share > physics.DUTY
-    part = np.where(swings, (share - physics.DUTY) / (1.0 - physics.DUTY), 0.0)
+    swings = share > duty
+    part = np.where(swings, (share - duty) / max(1.0 - duty, 1e-9), 0.0)
     smooth = part**3 * (10.0 - 15.0 * part + 6.0 * part**2)
-    stance_s = physics.DUTY * physics.PERIOD_S
+    stance_s = duty * physics.PERIOD_S
     place = np.empty((len(time), len(FEET), 3))
     own, lifted = _CORNERS.copy(), _CORNERS.copy()
     across = np.array([(0.0, 1.0), (-1.0, 0.0)])
@@ -100,7 +114,7 @@ def _feet(time: Floats, wanted: Floats) -> Floats:
         )
         place[row, :, :2] = own
     lift = physics.LIFT_M * 4.0 * part * (1.0 - part) - physics.SINK_M * part**2
-    sunk = -physics.SINK_M * np.maximum(0.0, 1.0 - share / (0.5 * physics.DUTY))
+    sunk = -physics.SINK_M * np.maximum(0.0, 1.0 - share / (0.5 * duty)) * (duty < 1.0)
     place[:, :, 2] = physics.BALL - physics.HEIGHT_M + np.where(swings, lift, sunk)
     return place
 

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.verdict import headline, quality_of
-from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from tests.truth.log_file import write_log
 from tests.truth.recording import Recording
 
@@ -77,14 +77,14 @@ def outcome(recording: Recording, folder: Path) -> Outcome:
     """Write a recording into a log, and measure that."""
     path = write_log(recording, folder / "log.mcap")
     mass_kg = recording.given.get("mass_kg", recording.robot.mass_kg)
-    found = measured_log(path, TopicOptions(mass_kg=mass_kg, foot_topics=_foot_topics(recording)))
+    found = measured_log(path, MeasureOptions(mass=mass_kg, foot=_foot_topics(recording)))
     path.unlink()
     return found
 
 
-def measured_log(path: Path, topics: TopicOptions | None = None) -> Outcome:
+def measured_log(path: Path, topics: MeasureOptions | None = None) -> Outcome:
     """Measure a log."""
-    measured = measure(path, StatsOptions(topics or TopicOptions()))
+    measured = measure(path, topics or MeasureOptions())
     quality = quality_of(measured)
     return Outcome(
         stats_json(measured),

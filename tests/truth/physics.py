@@ -27,6 +27,8 @@ FEET: Final = ("FL", "FR", "RL", "RR")
 NAMES: Final = ("front_left", "front_right", "back_left", "back_right")
 JOINTS: Final = tuple(f"{foot}_{part}_joint" for foot in FEET for part in ("hip", "thigh", "calf"))
 HALF_LENGTH, HALF_WIDTH, OFFSET, LINK, BALL = 0.18, 0.05, 0.08, 0.2, 0.02
+LEGS_KG: Final = (0.5, 0.6, 0.15, 0.05)
+"""Hip, thigh, calf and ball of each leg."""
 HEIGHT_M: Final = 0.30
 SPEED_MPS, PERIOD_S, DUTY, LIFT_M = 0.4, 0.5, 0.6, 0.05
 SINK_M: Final = 0.01
@@ -50,28 +52,34 @@ RAIL: Final = (
 """Joints of a trunk that is pulled along, and their motor."""
 
 
-def model_xml(trunk: tuple[str, str] = RAIL, gravity: str = "0 0 -9.81") -> str:
+def model_xml(
+    trunk: tuple[str, str] = RAIL,
+    gravity: str = "0 0 -9.81",
+    legs_kg: tuple[float, ...] = LEGS_KG,
+) -> str:
     """Return the robot's model.
 
     Args:
         trunk: how it is free to move, and its own motors.
         gravity: m/s^2.
+        legs_kg: of the parts of each leg.
     """
+    hip, thigh, calf, ball = legs_kg
     legs, motors = [], []
     for foot in FEET:
         end, side = _corner(foot)
         legs.append(
             f'<body name="{foot}_hip" pos="{end * HALF_LENGTH} {side * HALF_WIDTH} 0">'
             f'<joint name="{foot}_hip_joint" axis="1 0 0" armature=".01"/>'
-            f'<geom type="sphere" size=".03" mass=".5" contype="0" conaffinity="0"/>'
+            f'<geom type="sphere" size=".03" mass="{hip}" contype="0" conaffinity="0"/>'
             f'<body name="{foot}_thigh" pos="0 {side * OFFSET} 0">'
             f'<joint name="{foot}_thigh_joint" axis="0 1 0" armature=".01"/>'
-            f'<geom type="capsule" fromto="0 0 0 0 0 {-LINK}" size=".015" mass=".6" contype="0" '
-            f'conaffinity="0"/><body name="{foot}_calf" pos="0 0 {-LINK}">'
+            f'<geom type="capsule" fromto="0 0 0 0 0 {-LINK}" size=".015" mass="{thigh}" '
+            f'contype="0" conaffinity="0"/><body name="{foot}_calf" pos="0 0 {-LINK}">'
             f'<joint name="{foot}_calf_joint" axis="0 1 0" armature=".01"/>'
-            f'<geom type="capsule" fromto="0 0 0 0 0 {-LINK}" size=".01" mass=".15" contype="0" '
+            f'<geom type="capsule" fromto="0 0 0 0 0 {-LINK}" size=".01" mass="{calf}" contype="0" '
             f'conaffinity="0"/><geom name="{foot}" type="sphere" size="{BALL}" '
-            f'pos="0 0 {-LINK}" mass=".05" friction="1 .01 .001" solref=".004 1"/>'
+            f'pos="0 0 {-LINK}" mass="{ball}" friction="1 .01 .001" solref=".004 1"/>'
             f'<site name="{foot}" pos="0 0 {-LINK}"/></body></body></body>'
         )
     motors = [f'<position name="{joint}" joint="{joint}" kp="400" kv="6"/>' for joint in JOINTS]
@@ -237,9 +245,13 @@ def trot() -> Physics:
     return engine.finish(STEP_S)
 
 
-def urdf() -> str:
-    """Return the robot description of the model."""
-    parts = []
+def urdf(legs_kg: tuple[float, ...] = (), trunk_kg: float = 8.0) -> str:
+    """Return the robot description of the model; with masses where some are given."""
+    parts, kilograms = [], {"base_link": (trunk_kg, 0.0)}
+    for foot in FEET:
+        parts_kg = zip(("hip", "thigh", "calf", "foot"), legs_kg, strict=False)
+        for part, mass in parts_kg:
+            kilograms[f"{foot}_{part}"] = mass, -LINK / 2.0 if part in {"thigh", "calf"} else 0.0
     for foot in FEET:
         end, side = _corner(foot)
         limit = '<limit lower="-3" upper="3" effort="40" velocity="30"/>'
@@ -263,7 +275,19 @@ def urdf() -> str:
         *(f"{f}_{p}" for f, p in itertools.product(FEET, ("hip", "thigh", "calf", "foot"))),
     ]
     named = "".join(f'<link name="{name}"/>' for name in links)
+    if legs_kg:
+        named = "".join(
+            f'<link name="{name}"><inertial><origin xyz="0 0 {kilograms[name][1]}"/>'
+            f'<mass value="{kilograms[name][0]}"/></inertial>{_ball(name)}</link>'
+            for name in links
+        )
     return f'<robot name="physics">{named}{"".join(parts)}</robot>'
+
+
+def _ball(link: str) -> str:
+    """Return the shape of a link that is a foot."""
+    shape = f'<collision><geometry><sphere radius="{BALL}"/></geometry></collision>'
+    return shape if link.endswith("foot") else ""
 
 
 class _Messages(Messages):

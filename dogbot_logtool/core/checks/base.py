@@ -147,7 +147,7 @@ def forward_axis(stats: Stats) -> Iterator[Finding]:
         text = (
             f"the robot moves to the {side} of its forward axis {axis}, at {abs(left):.2f} m/s "
             f"against {forward:.2f} m/s forward: if it does not walk sideways, another "
-            "--forward-axis is right"
+            "forward_axis is right"
         )
         yield Finding("FORWARD_AXIS", text, "base.forward_speed_mps")
 

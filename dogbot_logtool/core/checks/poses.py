@@ -100,7 +100,7 @@ def scale(stats: Stats) -> Iterator[Finding]:
 def _unit(factor: float) -> str:
     near = [unit for number, unit in UNITS.items() if 0.8 <= factor / number <= 1.25]
     if near:
-        return f": positions in {near[0]}?"
+        return f": positions in {near[0]}? --set odometry_scale={1.0 / factor:.3g}"
     return ": another unit, or a clock that runs at another speed?"
 
 

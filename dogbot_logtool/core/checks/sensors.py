@@ -69,7 +69,7 @@ def _offset(name: str, level: SensorLevel, weight_n: float | None, where: str) -
         of_what = "weight" if weight_n else "usual load"
         text = (
             f"the sensor of {name} reads {offset:.3g} N without load, {offset / scale:.0%} of the "
-            f"{of_what} ({level.origin}); it is taken off all forces (--tare changes that)"
+            f"{of_what} ({level.origin}); it is taken off all forces (--set tare changes that)"
         )
         yield Finding("SENSOR_OFFSET", text, where)
 

@@ -337,6 +337,18 @@ def early_touchdowns(foot: int, figures: FootSteps, walks: list[Segment]) -> Ite
             yield Event(onset, 0, EventType.EARLY_CONTACT, foot, by_s, "s")
 
 
+def scuffs(foot: int, figures: FootSteps, walks: list[Segment]) -> Iterator[Event]:
+    """Yield touches of the ground in mid-swing that are too short and light to be stances."""
+    spans, stances = figures.record.scuffs, figures.stances
+    inside = _inside(walks, spans[:, 0])
+    for onset, end in spans[inside].tolist():
+        after = int(np.searchsorted(stances.touchdown, onset))
+        if 0 < after < len(stances.touchdown):
+            lifted, lands = int(stances.liftoff[after - 1]), int(stances.touchdown[after])
+            done = (onset - lifted) / max(lands - lifted, 1)
+            yield Event(onset, end - onset, EventType.STUMBLE, foot, done, "swing")
+
+
 def _swings_s(figures: FootSteps) -> Floats:
     """(stances,) s, swing before each stance; NaN where it was not seen from end to end."""
     stances, gaps = figures.stances, figures.record.gaps
@@ -403,6 +415,7 @@ def _odd_steps(stats: Stats) -> Iterator[Event]:
         early = list(early_touchdowns(row, foot, walks))
         stumbles = frozenset(each.onset for each in early if each.type is EventType.STUMBLE)
         yield from early
+        yield from scuffs(row, foot, walks)
         yield from slips(row, foot, walks, stats.settings.foot_rolling_m, stumbles)
 
 

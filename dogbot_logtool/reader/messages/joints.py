@@ -80,8 +80,14 @@ def _source(channel: Channel) -> Source:
 def _read(source: Source, messages: DecodedMessages) -> JointStates:
     paths = [source.paths[name][0] for name in _VALUES]
     if not source.row.joint:
-        return _read_numbered(source, messages, paths)
+        return _read_numbered(source, messages, paths, source.row.joints)
     name = source.paths["joint"][0]
+    if not len(messages.table.nested(name.arrays[0].path).parent):
+        # Some publishers leave the names out; positions keep their order.
+        count = len(messages.table.nested(paths[0].arrays[0].path).parent)
+        width = -(-count // max(len(messages.channel), 1))
+        numbered = tuple(f"joint_{number}" for number in range(width))
+        return _read_numbered(source, messages, paths, numbered)
     alike = _read_alike(source, messages, name, paths)
     if alike is not None:
         return alike
@@ -92,15 +98,18 @@ def _read(source: Source, messages: DecodedMessages) -> JointStates:
 
 
 def _read_numbered(
-    source: Source, messages: DecodedMessages, paths: Sequence[FieldPath]
+    source: Source, messages: DecodedMessages, paths: Sequence[FieldPath], names: tuple[str, ...]
 ) -> JointStates:
-    """Read joints that the type of the messages names, by their numbers."""
+    """Read joints that messages do not name, by their numbers."""
     told = messages.table.nested(paths[0].arrays[0].path)
-    index, names = told.index, source.row.joints
-    rows = np.flatnonzero(index < len(names))
-    values = [path.all_values(messages.table)[rows, 0] for path in paths]
+    rows = np.flatnonzero(told.index < len(names))
+    values = []
+    for path in paths:
+        own = path.all_values(messages.table)[:, 0]
+        # Arrays that some publishers leave empty.
+        values.append(own[rows] if len(own) == len(told.parent) else np.full(len(rows), np.nan))
     stamp = source.stamps(messages)
-    return _matrices(messages, stamp, names, told.parent[rows], index[rows], values)
+    return _matrices(messages, stamp, names, told.parent[rows], told.index[rows], values)
 
 
 def _matrices(

@@ -29,6 +29,7 @@ from dogbot_logtool.report.verdict import (
     SUMMARY_HEADERS,
     Quality,
     confidence,
+    contact_source,
     during,
     fall_headline,
     gait_headline,
@@ -77,6 +78,7 @@ _COLUMNS: Final = (
     _Column("peak |F|", (("BW", "peak_force_bw", 1.0, 2), ("N", "peak_force_n", 1.0, 0))),
     _Column("slip", (("mm", "slip_m", 1e3, 1),)),
 )
+_ESTIMATED: Final = "All of this table is estimated from the joints; see docs/validation.md."
 _INSTEAD: Final = {"peak |F|": "peak Fz"}
 """A column that is shown only where another cannot be."""
 
@@ -106,7 +108,8 @@ def print_report(console: Console, measured: Measurement, *, verbose: bool = Fal
         when = f"{part.start_s:.1f} to {part.end_s:.1f} s"
         _print(console, Text(f"Longest segment: {when}, {gait_name(part.gait)}", style="bold"))
     if any(foot.contact_fraction is not None for foot in shown.feet.values()):
-        _print(console, _feet(console, shown), Text())
+        _print(console, _feet(console, shown))
+        _print(console, *([Text(_ESTIMATED, style="dim")] if contact_source(walk) else []), Text())
     for name, line in _SUBJECTS.items():
         if words := line(shown):
             subject = f"{name:<{_SUBJECT}}", "bold"
@@ -152,7 +155,7 @@ def _gait(
     if len(walk.gait.segments) > 1:
         names = [gait_name(each.gait) for each in walk.gait.segments]
         more = " ..." if len(names) > _SHOWN_SEGMENTS else ""
-        line = f"Gait: {', '.join(names[:_SHOWN_SEGMENTS])}{more}"
+        line = f"Gait: {', '.join(names[:_SHOWN_SEGMENTS])}{more}{contact_source(walk)}"
         yield HangingIndent(Text(line, style="bold"), 2)
         yield _segments(console, walk.gait.segments)
         return
@@ -336,7 +339,8 @@ def _base(walk: WalkMetrics) -> str:
         _angle("roll", base.roll_rad),
         _angle("pitch", base.pitch_rad),
     ]
-    return ", ".join(filter(None, parts))
+    legs = " (estimated: by the legs)" if walk.settings.base_from == "legs" else ""
+    return ", ".join(filter(None, parts)) + legs
 
 
 def _angle(name: str, angle: Aggregate | None) -> str:

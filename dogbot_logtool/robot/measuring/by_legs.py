@@ -1,6 +1,6 @@
 """Feet without sensors and a base without poses: what a log's joint states tell of both."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Final, Literal
@@ -11,6 +11,7 @@ from dogbot_logtool.core import estimated
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, median_of
 from dogbot_logtool.core.base.attitude import Inertial, by_attitude, inertial_at, level
 from dogbot_logtool.core.base.foot_path import LONGEST_STEP_S
+from dogbot_logtool.core.base.leg_odometry import leg_odometry
 from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.contact.contact_detection import find_stances
 from dogbot_logtool.core.contact.contact_rule import ContactRule
@@ -28,6 +29,7 @@ from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
+from dogbot_logtool.io.printable import shell_joined
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.robot.robot_model.description import read_urdf
@@ -46,6 +48,8 @@ SLOWEST_S: Final = 0.04
 """s between two joint states, beyond which they tell no contact."""
 SHORTEST_S: Final = 0.04
 """s: shorter swings and stances are none."""
+TURNS_S: Final = 0.1
+"""s before and after a time, over which turns by the feet are averaged."""
 _FEWEST: Final = 20
 """Joint states at least."""
 _WORLD: Final = "odom"
@@ -78,6 +82,8 @@ class Model:
     robot: RobotOfUrdf | None
     why_none: str = ""
     """Why there is none that can be used."""
+    call: str = ""
+    """A call that would give one."""
 
 
 def read_model(log: Log, urdf: Path | None) -> Model:
@@ -88,7 +94,8 @@ def read_model(log: Log, urdf: Path | None) -> Model:
     """
     text = own_description(log) if urdf is None else read_urdf(urdf)
     if text is None:
-        return Model(None, "the log has no robot description that says how the legs are built")
+        call = shell_joined(["dogbot-logtool", "stats", *log.words, "--urdf", "ROBOT.urdf"])
+        return Model(None, "the log has no robot description, which says how the legs go", call)
     try:
         return Model(read_robot(text))
     except ValueError as error:
@@ -125,12 +132,12 @@ def told_by_legs(
     columns = _columns(recording, legs) if legs else None
     reason = model.why_none or _why_not(recording, legs, columns)
     if robot is None or columns is None or reason:
-        return recording, _without_legs(selection, reason) if lacks_feet else selection
+        return recording, _without_legs(selection, reason, model.call) if lacks_feet else selection
     mass = selection.robot.mass_kg or robot.mass_kg
     found = _estimate(recording, selection, legs, columns, mass)
     named = replace(
         selection.robot,
-        mass_kg=mass,
+        mass_kg=mass if lacks_feet else selection.robot.mass_kg,
         forward_axis=axis if selection.robot_is_guessed else selection.robot.forward_axis,
         base_frame=selection.robot.base_frame or _base_frame(recording, robot),
     )
@@ -148,7 +155,7 @@ def told_by_legs(
         named = replace(named, feet=feet)
         recording = replace(recording, feet=found.samples)
         findings = [each for each in findings if each.code != "NO_FEET"]
-        findings.append(_of_contact(found, columns))
+        findings += [_of_contact(found, columns), *_of_efforts(found)]
     selection = replace(
         selection,
         robot=named,
@@ -181,11 +188,12 @@ def _why_not(recording: Recording, legs: Sequence[NamedLeg], columns: _Columns |
     return ""
 
 
-def _without_legs(selection: Selection, reason: str) -> Selection:
+def _without_legs(selection: Selection, reason: str, call: str) -> Selection:
     """Say why there is no gait, in place of what says that there are no topics of feet."""
     findings = [each for each in selection.findings if each.code != "NO_FEET"]
-    text = f"no topic tells of feet, and joints do not tell: {reason}"
-    return replace(selection, findings=(*findings, Finding("NO_FEET", text)))
+    text = f"no topic tells of feet, so there is no gait, and joints do not tell: {reason}"
+    text += f"; with it, this measures the gait: {call}" if call else ""
+    return replace(selection, findings=(*findings, Finding("NO_FEET", text, command=call)))
 
 
 def _columns(recording: Recording, legs: Sequence[NamedLeg]) -> _Columns | None:
@@ -253,6 +261,7 @@ class _Found:
     why_no_force: str
     inertial: Inertial
     turns_from: str
+    names: tuple[str, ...]
 
 
 def _estimate(
@@ -280,11 +289,14 @@ def _estimate(
         axis=1,
     )
     ground = estimated.resting_feet(seconds, points, velocity, inertial.turn, inertial.up)
+    if not turns_from:
+        inertial = _turned_by_feet(columns, points, ground.resting, inertial)
+        ground = estimated.resting_feet(seconds, points, velocity, inertial.turn, inertial.up)
     force, why = _forces(columns, [motion for motion, _ in motions], points, inertial, mass_kg)
     standing = ground.resting
     if force is not None:
         vertical = np.einsum("nfi,ni->nf", force, inertial.up)
-        standing = estimated.loaded_feet(vertical, (mass_kg or 0.0) * GRAVITY_MPS2, ground.slow)
+        standing = estimated.loaded_feet(seconds, vertical, (mass_kg or 0.0) * GRAVITY_MPS2, ground)
     standing = np.stack([_debounced(columns.time, each) for each in standing.T], axis=1)
     base = _base(columns, points, ground.velocity(standing), standing, inertial)
     placed = _placed(recording, columns, base) if selection.odometry else base
@@ -299,6 +311,7 @@ def _estimate(
         why_no_force=why,
         inertial=inertial,
         turns_from=turns_from,
+        names=tuple(leg.name for leg in legs),
     )
 
 
@@ -331,6 +344,22 @@ def _inertial(
         if np.isfinite(angles).any():
             return by_attitude(columns.seconds, _filled(angles), GRAVITY_MPS2), "its poses"
     return level(len(columns.time), GRAVITY_MPS2), ""
+
+
+def _turned_by_feet(
+    columns: _Columns, points: Floats, resting: Flags, inertial: Inertial
+) -> Inertial:
+    """Return readings with the turn about the vertical that the resting feet tell."""
+    turns = leg_odometry(columns.time, points, resting).turn_rate[:, 2]
+    known = np.flatnonzero(np.isfinite(turns))
+    if not len(known):
+        return inertial
+    rates = np.interp(np.arange(len(columns.time)), known, turns[known])
+    around = min(2 * round(TURNS_S / float(median_of(np.diff(columns.seconds)))) + 1, len(rates))
+    rates = np.convolve(np.pad(rates, around // 2, "edge"), np.ones(around) / around, "valid")
+    turn = inertial.turn.copy()
+    turn[:, 2] = rates[: len(turn)]
+    return replace(inertial, turn=turn)
 
 
 def _filled(values: Floats) -> Floats:
@@ -369,14 +398,14 @@ def _base(
 ) -> Odometry:
     """Add up the velocities that standing feet tell; the height is that over these feet."""
     seconds = columns.seconds
-    known = np.isfinite(velocity[:, 0])
-    filled = np.zeros_like(velocity)
-    if known.any():
-        filled = np.stack(
-            [np.interp(seconds, seconds[known], each[known]) for each in velocity.T], 1
-        )
     step = np.diff(seconds)
     step[step > LONGEST_STEP_S] = 0.0
+    # Where no foot surely rests, the accelerometer tells how the velocity changes.
+    own = inertial.felt - GRAVITY_MPS2 * inertial.up
+    gained = np.zeros_like(velocity)
+    gained[1:] = np.cumsum((own[1:] + own[:-1]) / 2.0 * step[:, None], axis=0)
+    known = np.isfinite(velocity[:, 0]).any()
+    filled = gained + _filled(velocity - gained) if known else np.zeros_like(velocity)
     angles = np.zeros((len(seconds), 3))
     angles[:, :2] = inertial.roll_pitch
     rate = inertial.yaw_rate
@@ -438,12 +467,21 @@ def _samples(
 def _of_base(found: _Found) -> Finding:
     """Say that the base is worked out from the legs."""
     how = found.turns_from or "the feet alone"
-    lean = "the accelerometer" if found.inertial.tells_up else "taken as level"
+    lean = "by the accelerometer" if found.inertial.tells_up else "taken as none"
     text = (
         "the log has no poses of the base: they are worked out from the standing feet (leg "
-        f"odometry), with turns by {how}, roll and pitch by {lean}"
+        f"odometry), with turns by {how}, roll and pitch {lean}"
     )
     return Finding("BASE_FROM_LEGS", text)
+
+
+def _of_efforts(found: _Found) -> Iterator[Finding]:
+    """Yield why efforts are no torques: then work is none, either."""
+    if found.why_no_force.startswith(estimated.TOO_MUCH):
+        text = f"no work is known: {found.why_no_force}"
+        yield Finding("JOINT_VALUES", text, "legs.absolute_work_j")
+    if found.why_no_force.startswith(estimated.WRONG_SIGN):
+        yield Finding("EFFORT_SIGN", found.why_no_force, "legs.positive_work_j", feet=found.names)
 
 
 def _of_contact(found: _Found, columns: _Columns) -> Finding:

@@ -5,7 +5,6 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.contact.contact_rule import Thresholds
 from dogbot_logtool.core.corrected import on_clock
 from dogbot_logtool.core.corrections.clock import LogClock, TimeSource
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
@@ -13,12 +12,12 @@ from dogbot_logtool.core.recording import Recording, is_stamped
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted, WantedJoints
 from dogbot_logtool.robot.feet.message_feet import planned_feet
 from dogbot_logtool.robot.frames.world_frames import WorldFrames, follow_frames
 from dogbot_logtool.robot.measuring.side_topics import SideTopics, side_topics
-from dogbot_logtool.robot.options import StatsOptions
 from dogbot_logtool.robot.probe import Probe, frame_names, probe_recording
 from dogbot_logtool.robot.sensors import LearntSensors, learn_sensors
 from dogbot_logtool.robot.time_span import time_limits
@@ -51,19 +50,19 @@ class LearntSettings:
     """How the frames of forces are connected to the world; None: no force must be turned."""
 
 
-def make_plan(log: Log, options: StatsOptions) -> MeasuringPlan:
+def make_plan(log: Log, options: MeasureOptions) -> MeasuringPlan:
     """Decide what to read.
 
     Raises:
         LogError: the log has neither odometry nor contacts.
         CallError: an option names a topic, foot or time that the log does not have.
     """
-    selection = select_topics(log, options.topics)
+    selection = select_topics(log, options)
     joints = _wanted_joints(log)
     if not (selection.odometry or selection.contacts or joints):
         raise LogError(nothing_to_do(log, selection))
     planned = _planned(log, selection, options)
-    side = side_topics(log, options)
+    side = side_topics(log, selection.robot)
     wanted = replace(
         selection.wanted(),
         joints=joints,
@@ -71,29 +70,26 @@ def make_plan(log: Log, options: StatsOptions) -> MeasuringPlan:
         accelerations=side.inertial,
         planned=planned.contacts if planned else (),
         planned_feet=planned.foot_channels() if planned else None,
-        limits=time_limits(log, options.start_s, options.end_s),
+        limits=time_limits(log, options.start, options.end),
     )
     return MeasuringPlan(selection, planned, side, wanted)
 
 
-def _planned(log: Log, selection: Selection, options: StatsOptions) -> Selection | None:
+def _planned(log: Log, selection: Selection, options: MeasureOptions) -> Selection | None:
     """Return the selection of the feet of a plan that the log has beside their sensors."""
-    if options.topics.feet:
+    if options.feet:
         return None
     feet = planned_feet(log, selection.robot, selection.contacts)
     if not feet:
         return None
-    topics = replace(
-        options.topics, foot_topics=None, offsets_n=None, takes_offsets=False, feet=feet
-    )
-    return select_topics(log, topics)
+    return select_topics(log, replace(options, foot=None, set={"tare": "none"}, feet=feet))
 
 
 def learn_settings(
     recording: Recording,
     selection: Selection,
     side: SideTopics,
-    options: StatsOptions,
+    options: MeasureOptions,
     *,
     with_soles: bool = False,
 ) -> LearntSettings:
@@ -105,9 +101,9 @@ def learn_settings(
     with_soles |= bool(recording.joints or selection.transforms)
     probe = probe_recording(recording, selection, with_soles=with_soles)
     selection = selection.without_forces(probe.forceless)
-    given = Thresholds(options.contact_on_n, options.contact_off_n, options.debounce_s)
-    sensors = learn_sensors(selection, probe, options.topics, given)
-    settings = _settings(recording, selection, probe, sensors, options, side)
+    mass_is_given = options.mass is not None or selection.robot.is_given("mass_kg")
+    sensors = learn_sensors(selection, probe, mass_is_given=mass_is_given)
+    settings = _settings(recording, selection, probe, sensors, side, mass_is_given=mass_is_given)
     return LearntSettings(selection, probe, settings, sensors, _frames(selection, probe, settings))
 
 
@@ -125,11 +121,12 @@ def _settings(
     selection: Selection,
     probe: Probe,
     sensors: LearntSensors,
-    options: StatsOptions,
     side: SideTopics,
+    *,
+    mass_is_given: bool,
 ) -> StatsSettings:
     robot = selection.robot
-    time_source, reason = _time_source(recording, selection, probe, options)
+    time_source, reason = _time_source(recording, selection, probe)
     return StatsSettings(
         feet=tuple(
             FootSettings(
@@ -143,17 +140,17 @@ def _settings(
             for index, foot in enumerate(robot.feet)
         ),
         mass_kg=robot.mass_kg,
-        mass_is_assumed=selection.robot_is_guessed and options.topics.mass_kg is None,
+        mass_is_assumed=selection.robot_is_guessed and not mass_is_given,
         estimated_weight_n=sensors.estimated_weight_n,
-        forward_axis=options.forward_axis or robot.forward_axis,
-        forward_axis_is_assumed=selection.robot_is_guessed and options.forward_axis is None,
+        forward_axis=robot.forward_axis,
+        forward_axis_is_assumed=selection.robot_is_guessed and not robot.is_given("forward_axis"),
         com_offset_m=robot.com_offset_m,
         foot_rolling_m=robot.foot_rolling_m,
         contact_on_counts=robot.contact_on_counts,
         wrench_frame=WrenchFrame.WORLD
         if selection.contact_from
-        else _FRAMES.get(options.wrench_frame, probe.wrench_frame.frame),
-        wrench_frame_is_inferred=options.wrench_frame not in _FRAMES
+        else _FRAMES.get(robot.wrench_frame, probe.wrench_frame.frame),
+        wrench_frame_is_inferred=robot.wrench_frame not in _FRAMES
         and probe.wrench_frame.is_inferred,
         time_source=time_source,
         time_source_reason=reason,
@@ -167,11 +164,11 @@ def _settings(
 
 
 def _time_source(
-    recording: Recording, selection: Selection, probe: Probe, options: StatsOptions
+    recording: Recording, selection: Selection, probe: Probe
 ) -> tuple[TimeSource | None, str]:
     """Return the clock, and why it is log time; None: header stamps, unless they are unusable."""
-    if options.time_source:
-        return TimeSource(options.time_source), ""
+    if selection.robot.clock:
+        return TimeSource(selection.robot.clock), ""
     headless = selection.without_header
     if headless and not is_stamped(recording):
         return TimeSource.LOG, f"messages of {headless[0]} have no header"

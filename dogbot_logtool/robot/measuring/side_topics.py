@@ -17,7 +17,7 @@ from dogbot_logtool.reader.messages.vectors import (
     check_vectors,
 )
 from dogbot_logtool.reader.wanted import WantedVectors
-from dogbot_logtool.robot.options import StatsOptions
+from dogbot_logtool.robot.robot import Robot
 
 _ROWS: Final = {**COMMANDS, **INERTIAL_UNITS}
 Rank = Callable[[str], "tuple[int, ...] | None"]
@@ -50,21 +50,21 @@ class SideTopics:
     """Which of several topics they are."""
 
 
-def side_topics(log: Log, options: StatsOptions) -> SideTopics:
+def side_topics(log: Log, robot: Robot) -> SideTopics:
     """Choose the topics of velocity commands and of the base's inertial unit.
 
     Raises:
-        CallError: an option names a topic that the log does not have, or one of a wrong type.
-        LogError: an option names a topic that cannot be decoded.
+        CallError: the robot names a topic that the log does not have, or one of a wrong type.
+        LogError: the robot names a topic that cannot be decoded.
     """
-    asked = options.command_topic, options.imu_topic
+    asked = robot.command_topic, robot.imu_topic
     if not any(asked) and not any(c.type_name in _ROWS for c in log.channels.values()):
         return SideTopics(None, None, ())
     findings: list[Finding] = []
     found: list[WantedVectors | None] = []
     for topic, rows, rank, what, option in (
-        (asked[0], COMMANDS, _command_rank, "velocity commands", "--command"),
-        (asked[1], INERTIAL_UNITS, _inertial_rank, "the base's accelerations", "--imu"),
+        (asked[0], COMMANDS, _command_rank, "velocity commands", "command_topic"),
+        (asked[1], INERTIAL_UNITS, _inertial_rank, "the base's accelerations", "imu_topic"),
     ):
         if topic is not None:
             found.append(_named(log, topic, rows, option))
@@ -74,7 +74,7 @@ def side_topics(log: Log, options: StatsOptions) -> SideTopics:
         if ranked:
             others = [each.topic for each in ranked[1:]]
             text = f"{what} are taken from {ranked[0].topic}, found by type and name"
-            text += f"; there are also {listed(others)} ({option} chooses)" if others else ""
+            text += f"; there are also {listed(others)} (--set {option} chooses)" if others else ""
             findings.append(Finding("TOPICS_CHOSEN", text, ranked[0].topic))
     return SideTopics(found[0], found[1], tuple(findings))
 

@@ -20,6 +20,7 @@ from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.core.walk import analyse
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.robot.frames.world_frames import frame_findings
 from dogbot_logtool.robot.measuring.moved_base import with_poses_of_base
@@ -30,7 +31,6 @@ from dogbot_logtool.robot.measuring.plan import (
     learn_settings,
     learnt_on_clock,
 )
-from dogbot_logtool.robot.options import StatsOptions
 from dogbot_logtool.robot.probe_findings import probe_findings
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def measure_recording(
     log: Log,
     recording: Recording,
     plan: MeasuringPlan,
-    options: StatsOptions,
+    options: MeasureOptions,
     *,
     with_soles: bool = False,
 ) -> Measured:
@@ -79,7 +79,7 @@ def measure_recording(
     if recording.joints:
         from dogbot_logtool.robot.measuring.by_legs import read_model, told_by_legs  # noqa: PLC0415
 
-        found = read_model(log, options.topics.urdf)
+        found = read_model(log, options.urdf)
         model = found.robot
         recording, selection = told_by_legs(recording, selection, found)
     learnt = learn_settings(recording, selection, plan.side, options, with_soles=with_soles)

@@ -30,7 +30,14 @@ _SHORTEST: Final = 2
 """Joints of a leg at least; what hangs on one is a wheel, or turns a sensor."""
 _SAME_LEG: Final = 0.5
 """Share of the joints of the shorter chain that two ends of one leg have in common."""
+_CENTRED: Final = 0.5
+"""Share of its radius that a ball may be off its link's origin."""
 _MOST_LEGS: Final = 16
+_ARMS: Final = frozenset(
+    {"arm", "elbow", "finger", "fingers", "gripper", "hand", "head", "neck", "palm", "shoulder"}
+    | {"thumb", "wrist"}
+)
+_SENSORS: Final = frozenset(["camera", "force", "ft", "imu", "motor", "rotor", "screw", "sensor"])
 _SOLES: Final = frozenset({"sole", "soles", "footsole"})
 
 
@@ -101,14 +108,15 @@ def _masses(root: ET.Element) -> Iterator[tuple[str, tuple[float, Triple]]]:
 
 
 def _balls(root: ET.Element) -> Iterator[tuple[str, float]]:
-    """Yield the radii of links that are balls around their origins."""
+    """Yield the radii of links that are balls, about around their origins."""
     for link in root.findall("link"):
         for shape in (*link.findall("visual"), *link.findall("collision")):
             ball = shape.find("geometry/sphere")
             try:
-                away = triple_of(shape, "origin", "xyz")
-                if ball is not None and not any(away):
-                    yield link.get("name", "").lstrip("/"), finite(ball.get("radius", "0"))
+                away = np.linalg.norm(triple_of(shape, "origin", "xyz"))
+                radius = 0.0 if ball is None else finite(ball.get("radius", "0"))
+                if away < _CENTRED * radius:
+                    yield link.get("name", "").lstrip("/"), radius
             except ValueError:
                 continue
 
@@ -205,6 +213,8 @@ def _fixed_tails(below: Mapping[str, list[Joint]], link: str) -> Iterator[tuple[
 def _rank(link: str) -> int:
     """Return how surely a link is named as what touches the ground, low first."""
     words = words_of(link)
+    if any(word.text in _SENSORS for word in words):
+        return 3
     if any(word.text in _SOLES for word in words):
         return 0
     return 1 if any(word.part is Part.FOOT for word in words) else 2
@@ -237,10 +247,15 @@ def _lowest(ends: Sequence[tuple[Leg, Floats]]) -> list[tuple[Leg, Floats]]:
 
 
 def _is_no_leg(leg: Leg) -> bool:
-    """Tell whether the names of a chain's last links say that it is an arm or a wheel."""
-    names = [leg.foot, [joint.name for joint in leg.joints if joint.kind != "fixed"][-1]]
-    parts = [word.part for name in names for word in words_of(name)]
-    return Part.NOT_A_FOOT in parts and not any(part in {Part.FOOT, Part.LEG} for part in parts)
+    """Tell whether names say that a chain is an arm, or ends in a wheel or a tool."""
+    last = [leg.foot, [joint.name for joint in leg.joints if joint.kind != "fixed"][-1]]
+    parts = {word.part for name in last for word in words_of(name)}
+    if Part.NOT_A_FOOT in parts and not parts & {Part.FOOT, Part.LEG}:
+        return True
+    names = [name for joint in leg.joints for name in (joint.name, joint.child)]
+    words = [word for name in names for word in words_of(name)]
+    of_legs = {Part.FOOT, Part.LEG, Part.UPPER_LEG}
+    return any(w.text in _ARMS for w in words) and not any(w.part in of_legs for w in words)
 
 
 def _is_same_leg(leg: Leg, other: Leg) -> bool:

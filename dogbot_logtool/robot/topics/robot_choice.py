@@ -4,16 +4,16 @@ from collections.abc import Sequence
 
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.finding import Finding
+from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.contact_messages import contact_types, source_of
-from dogbot_logtool.robot.options import TopicOptions
 from dogbot_logtool.robot.robot import GENERIC, Robot, known_robots, load_robot, robot_toml
 from dogbot_logtool.robot.topics.topics import topics_of_type
 
 
-def choose_robot(log: Log, options: TopicOptions, findings: list[Finding]) -> Robot:
+def choose_robot(log: Log, options: RobotOptions, findings: list[Finding]) -> Robot:
     """Return the robot that the user names, else the known one whose topics the log has."""
     if options.robot is not None:
         robot = load_robot(options.robot)
@@ -24,7 +24,7 @@ def choose_robot(log: Log, options: TopicOptions, findings: list[Finding]) -> Ro
         robot = max(known, key=lambda one: (len(one.topics & topics), one.name == GENERIC))
         text = f"robot: {robot.name} (guessed from the topics; change with --robot)"
         findings.append(Finding("ROBOT_GUESSED", text))
-    return robot.with_mass(options.mass_kg)
+    return robot.with_mass(options.mass)
 
 
 def _may_fit(name: str, topics: frozenset[str]) -> bool:

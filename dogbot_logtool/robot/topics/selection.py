@@ -11,6 +11,7 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import MOST, listed, printable, shell_joined
 from dogbot_logtool.io.storage import shown
+from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.messages.bases import Base
 from dogbot_logtool.reader.messages.contact_messages import source_of, without_flags
@@ -35,8 +36,8 @@ from dogbot_logtool.robot.feet.unknown import (
     find_candidates,
     split_cells,
 )
-from dogbot_logtool.robot.options import TopicOptions
 from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.robot.settings import with_settings
 from dogbot_logtool.robot.topics.annotated import annotation_findings
 from dogbot_logtool.robot.topics.base import check_named_base, choose_base
 from dogbot_logtool.robot.topics.readable import (
@@ -175,7 +176,7 @@ class Selection:
         )
 
 
-def select_topics(log: Log, options: TopicOptions) -> Selection:
+def select_topics(log: Log, options: RobotOptions) -> Selection:
     """Decide which topics are used for what.
 
     Raises:
@@ -186,6 +187,7 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     named = _apply_options(log, choose_robot(log, options, findings), options)
     of_feet: list[Finding] = []
     robot, offer = find_feet(log, named, of_feet)
+    robot = with_settings(robot, options.set)
     contacts: list[Channel] = []
     feet_of: dict[int, tuple[int, ...]] = {}
     for topic in dict.fromkeys(foot.topic for foot in robot.feet):
@@ -297,28 +299,29 @@ def _without_topics(robot: Robot) -> Iterator[Finding]:
         yield Finding("ROBOT_GUESSED", text, cases=("absent",))
 
 
-def _apply_options(log: Log, robot: Robot, options: TopicOptions) -> Robot:
-    if options.odometry_topic is not None:
-        check_named_base(log, robot, options.odometry_topic)
-        robot = replace(robot, odometry_topic=options.odometry_topic)
+def _apply_options(log: Log, robot: Robot, options: RobotOptions) -> Robot:
+    if options.odom_topic is not None:
+        check_named_base(log, robot, options.odom_topic)
+        robot = replace(robot, odometry_topic=options.odom_topic)
     if options.feet:
         robot = replace(robot, feet=options.feet)
-    if options.foot_topics:
-        given, guessed = options.foot_topics, options.robot is None
+    if options.foot:
+        given, guessed = options.foot, options.robot is None
         check_topics(log, given)
         robot = assign_feet(robot, given, usable_topics(log), guessed=guessed)
     return robot
 
 
-def _call(log: Log, options: TopicOptions, base: str) -> str:
+def _call(log: Log, options: RobotOptions, base: str) -> str:
     """Return a call of `stats` with the user's options, and with a base that is offered."""
     words = ["dogbot-logtool", "stats", *log.words]
-    named = options.odometry_topic or base
+    named = options.odom_topic or base
     words += ["--robot", options.robot] if options.robot is not None else []
     words += ["--odom-topic", named] if named else []
-    words += ["--mass", f"{options.mass_kg:g}"] if options.mass_kg is not None else []
-    for foot, topic in (options.foot_topics or {}).items():
-        words += ["--foot", f"{foot}={topic}"]
+    words += ["--mass", f"{options.mass:g}"] if options.mass is not None else []
+    for option, pairs in (("--foot", options.foot), ("--set", options.set)):
+        for name, text in (pairs or {}).items():
+            words += [option, f"{name}={text}"]
     return shell_joined(words)
 
 

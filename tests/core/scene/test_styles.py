@@ -15,7 +15,7 @@ from dogbot_logtool.core.scene.arrows import (
     pressure_arrows,
 )
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, DEFAULT_STYLE, ArrowStyle
-from dogbot_logtool.robot.options import ConvertOptions
+from dogbot_logtool.options import ConvertOptions
 from tests.paths import SAMPLE_LOGS
 
 TROT = SAMPLE_LOGS / "dogbot_trot.bag"
@@ -39,7 +39,7 @@ def test_a_row_is_all_that_a_style_needs(tmp_path: Path, monkeypatch: pytest.Mon
         return replace(drawn, length=drawn.length / 2.0), counts
 
     monkeypatch.setitem(ARROW_STYLES, "short", ArrowStyle("short", "half as long", short))
-    options = ConvertOptions(style="short", copy=False, end_s=0.5)
+    options = ConvertOptions(style="short", copy=False, end=0.5)
     done = convert(TROT, tmp_path / "short.mcap", options)
     whole = convert(TROT, tmp_path / "whole.mcap", replace(options, style="pressure"))
     assert done.annotations == whole.annotations

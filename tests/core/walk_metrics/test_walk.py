@@ -12,8 +12,8 @@ from dogbot_logtool.core.records import values
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.results import LogFacts
-from dogbot_logtool.robot.options import StatsOptions
 from tests.analysed import analysed
 from tests.measured import measured
 from tests.oracles.straight_walk import Walk
@@ -69,7 +69,7 @@ def test_a_finding_voids_metrics_of_the_log_and_of_its_segments() -> None:
 
 @pytest.mark.parametrize("log", [TROT, TROUBLED], ids=lambda path: path.stem)
 def test_every_null_has_a_reason(log: Path) -> None:
-    walk = measured(log, StatsOptions()).metrics
+    walk = measured(log, MeasureOptions()).metrics
     of_whole = {path for path in nulls(walk) if not path.startswith("gait.segments.")}
 
     assert of_whole == {p for p in walk.null_because if not p.startswith("gait.segments.")}

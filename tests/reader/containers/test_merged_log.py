@@ -4,6 +4,7 @@ import random
 import tempfile
 from collections.abc import Callable
 from contextlib import closing
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -16,11 +17,12 @@ from mcap.writer import Writer
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.option import part_of
+from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.reader import opening
 from dogbot_logtool.reader.containers import log, merged_log
 from dogbot_logtool.reader.containers.mcap.records import read_extra
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from tests import forked_cli
 from tests.oracles import walks
 
@@ -60,8 +62,8 @@ def write_file(folder: Path, ros: int, name: str, entries: list[walks.Entry]) ->
 
 
 def figures(paths: list[Path]) -> dict[str, Any]:
-    topics = TopicOptions(joined=tuple(paths[1:]))
-    done = measure(paths[0], StatsOptions(topics, jobs=1))
+    topics = MeasureOptions(joined=tuple(paths[1:]))
+    done = measure(paths[0], replace(topics, jobs=1))
     found = stats_json(done)
     del found["log"]["path"], found["log"]["container"]
     return found
@@ -205,15 +207,15 @@ def test_the_joined_output_has_every_message_once(
     monkeypatch.setattr(merged_log, "BATCH_SIZE", 30_000)
     (tmp_path / "parts").mkdir()
     paths = write(tmp_path / "parts", 2, by_sensor)
-    topics = TopicOptions(joined=tuple(paths[1:]))
-    convert(paths[0], tmp_path / "out.mcap", ConvertOptions(topics))
+    topics = MeasureOptions(joined=tuple(paths[1:]))
+    convert(paths[0], tmp_path / "out.mcap", part_of(topics, ConvertOptions))
     expected = sorted(message for path in paths for message in recorded(path))
     assert recorded(tmp_path / "out.mcap") == expected
 
 
 def test_no_joined_file_is_overwritten(tmp_path: Path) -> None:
     paths = write(tmp_path, 2, by_sensor)
-    options = ConvertOptions(TopicOptions(joined=tuple(paths[1:])), overwrite=True)
+    options = ConvertOptions(joined=tuple(paths[1:]), overwrite=True)
     with pytest.raises(CallError):
         convert(paths[0], paths[1], options)
 

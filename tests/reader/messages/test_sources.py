@@ -1,6 +1,7 @@
 """Sensors of single feet and raw counts: what is measured, said and drawn of one walk."""
 
 import tempfile
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -15,9 +16,10 @@ from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.option import part_of
+from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.robot.topics.selection import select_topics
 from tests.oracles import walks
 from tests.oracles.foot_logs import WRENCH, write_log
@@ -38,8 +40,8 @@ FORCE_FIGURES = (
 )
 
 
-def options_for(folder: Path, kind: str) -> TopicOptions:
-    return TopicOptions(robot=str(walks.robot_file(folder, kind)))
+def options_for(folder: Path, kind: str) -> MeasureOptions:
+    return MeasureOptions(robot=str(walks.robot_file(folder, kind)))
 
 
 @cache
@@ -48,7 +50,7 @@ def figures(kind: str) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         path = walks.write_walk(folder, kind, "mcap")
-        done = measure(path, StatsOptions(options_for(folder, kind)))
+        done = measure(path, options_for(folder, kind))
         return stats_json(done)
 
 
@@ -82,7 +84,7 @@ def test_without_a_header_log_time_is_used_and_said(kind: str) -> None:
 @pytest.mark.parametrize("kind", walks.KINDS)
 def test_every_source_converts(tmp_path: Path, kind: str) -> None:
     path = walks.write_walk(tmp_path, kind, "mcap")
-    options = ConvertOptions(options_for(tmp_path, kind))
+    options = part_of(options_for(tmp_path, kind), ConvertOptions)
     done = convert(path, tmp_path / "out.mcap", options)
     assert done.damage.losses == ()
     touching = sum(int(touch.sum()) for touch in walks.TOUCHES.values())
@@ -104,14 +106,16 @@ def test_the_result_of_silent_swings_does_not_depend_on_jobs(tmp_path: Path) -> 
     outputs = []
     for jobs in (1, 4):
         target = tmp_path / f"out{jobs}.mcap"
-        convert(path, target, ConvertOptions(options_for(tmp_path, kind), jobs=jobs))
+        convert(
+            path, target, replace(part_of(options_for(tmp_path, kind), ConvertOptions), jobs=jobs)
+        )
         outputs.append(target.read_bytes())
     assert outputs[0] == outputs[1]
 
 
 def test_the_interval_of_a_silent_sensor_is_seen(tmp_path: Path) -> None:
     log = open_log(walks.write_walk(tmp_path, "ros_gz_interfaces/msg/Contacts", "mcap"))
-    evidence = probe_log(log, select_topics(log, TopicOptions(robot="generic")))
+    evidence = probe_log(log, select_topics(log, MeasureOptions(robot="generic")))
     log.close()
     assert evidence.intervals == dict.fromkeys(range(4), walks.STEP)
     assert evidence.wrench_frame.frame == "world"
@@ -122,12 +126,12 @@ def test_raw_counts_are_not_passed_off_as_newtons(tmp_path: Path, name: str) -> 
     """But two clear modes of each foot's counts tell when it touches."""
     path = walks.write_walk(tmp_path, "unitree_go/msg/LowState", "mcap")
     feet = dict.fromkeys(walks.LEGS, "/feet") if name == "unitree_go2" else None
-    options = TopicOptions(robot=name, foot_topics=feet)
-    told = describe(path, options)
+    options = MeasureOptions(robot=name, foot=feet)
+    told = describe(path, part_of(options, InfoOptions))
     (finding,) = [f for f in told.findings if f.code == "NOT_CALIBRATED"]
     assert "no forces; contact from" in finding.text
     assert "both estimated from the log" in finding.text
-    done = measure(path, StatsOptions(options))
+    done = measure(path, options)
     got = stats_json(done)
     for leg in walks.LEGS:
         foot = got["feet"][leg]
@@ -147,7 +151,7 @@ def test_counts_of_a_robot_that_stands_tell_nothing(tmp_path: Path) -> None:
         entries.append(walks.Entry("/feet", kind, time, walk.bytes_of(kind, message)))
     path = tmp_path / "stand.mcap"
     walks.write_mcap(path, walk, entries)
-    done = measure(path, StatsOptions(TopicOptions(robot="generic")))
+    done = measure(path, MeasureOptions(robot="generic"))
     got = stats_json(done)
     for leg in walks.LEGS:
         foot = got["feet"][leg]
@@ -163,9 +167,9 @@ def test_counts_without_a_scale_give_a_gait_and_no_forces(tmp_path: Path, kind: 
     lines = robot.read_text(encoding="utf-8").splitlines()
     kept = [line for line in lines if not line.startswith("newtons_per_count")]
     robot.write_text("\n".join(["contact.on_counts = 30", *kept]), encoding="utf-8")
-    options = TopicOptions(robot=str(robot))
+    options = MeasureOptions(robot=str(robot))
 
-    done = measure(path, StatsOptions(options))
+    done = measure(path, options)
     got = stats_json(done)
     assert got["gait"]["name"] == "trot"
     assert got["forces"]["vertical_impulse_over_weight"] is None
@@ -177,7 +181,9 @@ def test_counts_without_a_scale_give_a_gait_and_no_forces(tmp_path: Path, kind: 
     assert "WRENCH_FRAME" not in told
 
     target = tmp_path / "out.mcap"
-    converted = convert(path, target, ConvertOptions(options, encoding="ros2", copy=False))
+    converted = convert(
+        path, target, replace(part_of(options, ConvertOptions), encoding="ros2", copy=False)
+    )
     assert "NOT_FINITE" not in {finding.code for finding in converted.findings}
     assert not any(n for topic, n in converted.annotations.items() if "marker" in topic)
     loads = 0
@@ -195,18 +201,18 @@ def test_counts_without_a_scale_give_a_gait_and_no_forces(tmp_path: Path, kind: 
 
 def test_two_feet_are_not_one_element(tmp_path: Path) -> None:
     path = walks.write_walk(tmp_path, "spot_msgs/msg/FootStateArray", "mcap")
-    options = TopicOptions("generic", foot_topics={"fl": "/feet", "front_left": "/feet"})
+    options = MeasureOptions(robot="generic", foot={"fl": "/feet", "front_left": "/feet"})
     with pytest.raises(CallError, match="front_left: fl is the same foot"):
-        describe(path, options)
+        describe(path, part_of(options, InfoOptions))
 
 
 def test_robots_with_other_numbers_of_feet(tmp_path: Path) -> None:
     four = walks.write_walk(tmp_path, "geometry_msgs/msg/WrenchStamped", "mcap")
     path = tmp_path / "two.mcap"
-    convert(four, path, ConvertOptions(topics_left_out=("/back_*/contact",)))
+    convert(four, path, ConvertOptions(topics=("!/back_*/contact",)))
     feet = {"left": "/front_left/contact", "right": "/front_right/contact"}
-    options = TopicOptions(robot="generic", foot_topics=feet)
-    done = measure(path, StatsOptions(options))
+    options = MeasureOptions(robot="generic", foot=feet)
+    done = measure(path, options)
     got = stats_json(done)
     # One foot of each diagonal, half a cycle apart.
     assert got["gait"]["name"] == "walk"
@@ -214,7 +220,7 @@ def test_robots_with_other_numbers_of_feet(tmp_path: Path) -> None:
         assert got["feet"][name]["touchdown_s"] == pytest.approx(steps(leg)[0], abs=1e-6)
     six = {f"foot_{number}": f"/some/{number}" for number in range(6)}
     path = write_log(tmp_path / "six.mcap", dict.fromkeys(six.values(), WRENCH))
-    told = describe(path, TopicOptions(robot="generic", foot_topics=six))
+    told = describe(path, InfoOptions(robot="generic", foot=six))
     assert {topic.use for topic in told.topics} == {f"foot {name}" for name in six}
     assert not told.damage.losses
 
@@ -248,7 +254,7 @@ def test_a_force_sensor_s_frame_is_turned_into_the_world(tmp_path: Path) -> None
     walk = TurnedSensors(2)
     path = tmp_path / "walk.mcap"
     walks.write_mcap(path, walk, [walk.frames(), *walk.messages(kind)])
-    done = measure(path, StatsOptions(options_for(tmp_path, kind)))
+    done = measure(path, options_for(tmp_path, kind))
     got = stats_json(done)
     times = np.arange(walks.SAMPLES) * walks.STEP / 1e9
     for leg in walks.LEGS:
@@ -264,7 +270,7 @@ def test_swings_of_sensors_that_are_silent_in_swing_are_no_gaps(tmp_path: Path) 
     entries = list(walk.messages(kind))
     walks.write_mcap(tmp_path / "whole.mcap", walk, entries)
     topics = {walks.foot_topic(kind, leg) for leg in walks.LEGS}
-    stats = measure(tmp_path / "whole.mcap", StatsOptions()).stats
+    stats = measure(tmp_path / "whole.mcap", MeasureOptions()).stats
     assert {topic.topic: topic.gaps for topic in stats.topics if topic.topic in topics} == (
         dict.fromkeys(topics, 0)
     )
@@ -274,7 +280,7 @@ def test_swings_of_sensors_that_are_silent_in_swing_are_no_gaps(tmp_path: Path) 
     start, end = walks.START + 1_000_000_000, walks.START + 4_800_000_000
     kept = [e for e in entries if e.topic != silent or not start < e.log_time < end]
     walks.write_mcap(tmp_path / "gap.mcap", walk, kept)
-    stats = measure(tmp_path / "gap.mcap", StatsOptions()).stats
+    stats = measure(tmp_path / "gap.mcap", MeasureOptions()).stats
     found = {topic.topic: topic for topic in stats.topics if topic.gaps}
     assert list(found) == [silent]
     assert found[silent].gaps == 1

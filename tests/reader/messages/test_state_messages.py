@@ -1,6 +1,7 @@
 """The synthetic walk in messages that tell of all feet: the same contacts, forces and arrows."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,8 +15,9 @@ from rosbags.typesys import get_types_from_msg
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.option import part_of
+from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from tests.oracles import state_walks, walks
 from tests.oracles.state_walks import StateWalk
 from tests.reader.messages.test_sources import steps
@@ -39,19 +41,19 @@ def written(folder: Path, kind: str, walk: StateWalk | None = None) -> Path:
     return path
 
 
-def options(folder: Path, kind: str) -> TopicOptions:
+def options(folder: Path, kind: str) -> MeasureOptions:
     """Return no options but a mass; raw sensors need the robot's file."""
     if kind in state_walks.RAW:
-        return TopicOptions(robot=str(robot_file(folder)))
-    return TopicOptions(mass_kg=walks.MASS_KG)
+        return MeasureOptions(robot=str(robot_file(folder)))
+    return MeasureOptions(mass=walks.MASS_KG)
 
 
 def robot_file(folder: Path) -> Path:
     return walks.robot_file(folder, "unitree_go/msg/SportModeState")
 
 
-def figures(path: Path, topics: TopicOptions) -> dict[str, Any]:
-    done = measure(path, StatsOptions(topics))
+def figures(path: Path, topics: MeasureOptions) -> dict[str, Any]:
+    done = measure(path, topics)
     return stats_json(done)
 
 
@@ -85,7 +87,11 @@ def test_forces_are_those_of_the_walk(figures_of: Figures, kind: str) -> None:
 @pytest.mark.parametrize("kind", POINTS)
 def test_arrows_start_at_the_feet(tmp_path: Path, kind: str) -> None:
     path, target = written(tmp_path, kind), tmp_path / "out.mcap"
-    convert(path, target, ConvertOptions(options(tmp_path, kind), encoding="ros2", copy=False))
+    convert(
+        path,
+        target,
+        replace(part_of(options(tmp_path, kind), ConvertOptions), encoding="ros2", copy=False),
+    )
     places, feet, lengths = [], [], set()
     topics = [f"/marker_basic_{leg}_foot" for leg in walks.LEGS]
     with target.open("rb") as stream:
@@ -116,7 +122,7 @@ def test_stride_length_comes_from_the_feet(figures_of: Figures, kind: str) -> No
 
 @pytest.mark.parametrize("kind", state_walks.KINDS)
 def test_what_is_planned_is_called_planned(tmp_path: Path, kind: str) -> None:
-    told = describe(written(tmp_path, kind), TopicOptions())
+    told = describe(written(tmp_path, kind), InfoOptions())
     (use,) = [topic.use for topic in told.topics if topic.topic == "/feet"]
     said = "PLANNED" in {finding.code for finding in told.findings}
     assert (use.startswith("planned feet "), said) == ((kind in state_walks.PLANNED),) * 2
@@ -130,7 +136,7 @@ def test_measured_forces_are_taken_before_commanded_ones(tmp_path: Path) -> None
         for topic in (("/control/grfs", "/state/grfs") if entry.kind == kind else (entry.topic,))
     ]
     walks.write_mcap(tmp_path / "walk.mcap", walk, entries)
-    uses = {t.topic: t.use for t in describe(tmp_path / "walk.mcap", TopicOptions()).topics}
+    uses = {t.topic: t.use for t in describe(tmp_path / "walk.mcap", InfoOptions()).topics}
     assert uses["/state/grfs"].startswith("feet ")
     assert uses["/control/grfs"] == ""
 
@@ -147,7 +153,7 @@ class WithArm(StateWalk):
 
 def test_a_gripper_among_feet_is_no_foot(tmp_path: Path) -> None:
     path = written(tmp_path, "syropod_highlevel_controller/msg/TipState", WithArm(2))
-    got = figures(path, TopicOptions(mass_kg=walks.MASS_KG))
+    got = figures(path, MeasureOptions(mass=walks.MASS_KG))
     assert set(got["feet"]) == set(walks.LEGS)
     for leg in walks.LEGS:
         assert got["feet"][leg]["touchdown_s"] == pytest.approx(steps(leg)[0], abs=1e-6)
@@ -162,7 +168,7 @@ class Unflagged(StateWalk):
 
 def test_flags_that_are_never_set_do_not_decide(tmp_path: Path) -> None:
     path = written(tmp_path, state_walks.KINDS[0], Unflagged(2))
-    got = figures(path, TopicOptions(mass_kg=walks.MASS_KG))
+    got = figures(path, MeasureOptions(mass=walks.MASS_KG))
     assert "FLAGS_CONTRADICTED" in {finding["code"] for finding in got["findings"]}
     for leg in walks.LEGS:
         assert got["feet"][leg]["touchdown_s"] == pytest.approx(steps(leg)[0], abs=1e-6)
@@ -177,7 +183,7 @@ class Shifted(StateWalk):
 
 def test_flags_decide_contact_where_forces_say_otherwise(tmp_path: Path) -> None:
     path = written(tmp_path, state_walks.KINDS[0], Shifted(2))
-    got = figures(path, TopicOptions(mass_kg=walks.MASS_KG))
+    got = figures(path, MeasureOptions(mass=walks.MASS_KG))
     assert "FLAGS_CONTRADICTED" in {finding["code"] for finding in got["findings"]}
     for leg in walks.LEGS:
         expected = [time - 0.04 for time in steps(leg)[0]]
@@ -200,7 +206,7 @@ class Ballbot(StateWalk):
 
 def test_an_observation_of_a_robot_without_legs_is_not_of_feet(tmp_path: Path) -> None:
     path = written(tmp_path, "ocs2_msgs/msg/mpc_observation", Ballbot(2))
-    told = describe(path, TopicOptions())
+    told = describe(path, InfoOptions())
     assert not any("feet" in topic.use for topic in told.topics)
 
 
@@ -214,7 +220,7 @@ def test_a_type_without_its_fields_is_not_of_feet(tmp_path: Path) -> None:
     message = walk.make(kind, tick=1, position=np.zeros(3, np.float32))
     entry = walks.Entry("/lowstate", kind, walks.START, walk.bytes_of(kind, message))
     walks.write_mcap(tmp_path / "log.mcap", walk, [entry])
-    told = describe(tmp_path / "log.mcap", TopicOptions())
+    told = describe(tmp_path / "log.mcap", InfoOptions())
     assert [topic.use for topic in told.topics] == [""]
     assert "NO_FEET" in {finding.code for finding in told.findings}
 
@@ -231,14 +237,14 @@ def write_joint_foot(folder: Path, topic: str) -> Path:
 
 
 def test_efforts_of_joint_foot_are_feet(tmp_path: Path) -> None:
-    got = figures(write_joint_foot(tmp_path, "/hardware_a1/joint_foot"), TopicOptions())
+    got = figures(write_joint_foot(tmp_path, "/hardware_a1/joint_foot"), MeasureOptions())
     for leg in walks.LEGS:
         assert got["feet"][leg]["touchdown_s"] == pytest.approx(steps(leg)[0], abs=1e-6)
         assert got["feet"][leg]["peak_force_n"] is None
 
 
 def test_other_joint_states_are_not_of_feet(tmp_path: Path) -> None:
-    told = describe(write_joint_foot(tmp_path, "/joint_states"), TopicOptions())
+    told = describe(write_joint_foot(tmp_path, "/joint_states"), InfoOptions())
     assert {t.topic: t.use for t in told.topics}["/joint_states"] == "joints"
 
 
@@ -248,7 +254,7 @@ def test_the_base_is_part_of_a_state_in_any_package(tmp_path: Path, kind: str) -
     entries = [entry for entry in walk.messages(kind) if entry.kind == kind]
     walks.write_mcap(tmp_path / "walk.mcap", walk, entries)
     walked = 0.003 * (walks.SAMPLES - 1)
-    got = figures(tmp_path / "walk.mcap", TopicOptions())
+    got = figures(tmp_path / "walk.mcap", MeasureOptions())
     assert got["base"]["net_displacement_m"] == pytest.approx(walked, rel=1e-6)
 
 
@@ -268,6 +274,6 @@ class Rounded(StateWalk):
 
 def test_counts_of_two_levels_tell_contact(tmp_path: Path) -> None:
     """The narrower level is that of stance here, but a load never lowers a count."""
-    got = figures(written(tmp_path, "go2_interfaces/msg/Go2State", Rounded(2)), TopicOptions())
+    got = figures(written(tmp_path, "go2_interfaces/msg/Go2State", Rounded(2)), MeasureOptions())
     for leg in walks.LEGS:
         assert got["feet"][leg]["touchdown_s"] == pytest.approx(steps(leg)[0], abs=1e-6)

@@ -9,12 +9,12 @@ import pytest
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.feet import flagged
 from dogbot_logtool.reader.messages.table import TABLE, rows_of
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.robot.options import TopicOptions
 from dogbot_logtool.robot.topics.selection import Selection, select_topics
 from tests.oracles import state_walks, walks
 
@@ -53,7 +53,7 @@ def write(folder: Path, kind: str, ros: int) -> Path:
 def read(folder: Path, kind: str, ros: int, robot: str = "generic") -> tuple[Selection, list[Any]]:
     log = open_log(write(folder, kind, ros))
     try:
-        selection = select_topics(log, TopicOptions(robot=robot))
+        selection = select_topics(log, MeasureOptions(robot=robot))
         found = read_recording(log, selection.wanted(), jobs=1)
     finally:
         log.close()
@@ -111,7 +111,7 @@ def test_counts_with_a_scale_are_newtons(tmp_path: Path, kind: str) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_how_a_type_is_read_can_be_sent_to_another_process(tmp_path: Path, kind: str) -> None:
     log = open_log(write(tmp_path, kind, 2))
-    selection = select_topics(log, TopicOptions(robot="generic"))
+    selection = select_topics(log, MeasureOptions(robot="generic"))
     log.close()
     for source in selection.sources:
         assert pickle.loads(pickle.dumps(source)) == source  # noqa: S301 - our own bytes

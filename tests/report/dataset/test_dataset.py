@@ -19,10 +19,10 @@ import pyarrow.dataset as ds
 import pytest
 from upath import UPath
 
-from dogbot_logtool.commands.tasks import MeasureForDataset
+from dogbot_logtool.commands.tasks import measure_entry
 from dogbot_logtool.io import storage
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.dataset import TABLES, dataset_at, hash_of, is_gone
-from dogbot_logtool.robot.options import StatsOptions
 from dogbot_logtool.run.inputs import Found, LogSet
 from tests.forked_cli import Ended, run
 from tests.oracles.small_logs import first_seconds
@@ -245,9 +245,9 @@ def test_a_dataset_in_a_store() -> None:
     root, log = UPath("memory://lab/walks"), UPath("memory://lab/walk.bag")
     log.write_bytes(TROUBLED.read_bytes())
     log_set = LogSet((Found(log),), 0)
-    dataset = dataset_at(root, StatsOptions(), {"spot": "rex"})
+    dataset = dataset_at(root, MeasureOptions(), {"spot": "rex"})
     (entry,) = dataset.begin(log_set).entries
-    done = MeasureForDataset(StatsOptions())(entry, None)
+    done = measure_entry(entry, options=MeasureOptions())
     dataset.write(entry, done.tables, damaged=False)
     assert dataset.begin(log_set).unchanged == ((str(log), 0),)
     assert sorted(path.parent.name for path in root.rglob("*.parquet")) == sorted(TABLES)

@@ -16,14 +16,14 @@ from matplotlib.figure import Figure
 from pypdf import PdfReader
 from pypdf.generic import DictionaryObject
 
-from dogbot_logtool.commands.plot import write_plot
+from dogbot_logtool.commands.plot import draw_figure
 from dogbot_logtool.commands.stats import measure, measurement_of
 from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.errors import LogError
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.gait_figure import FORMATS, gait_figure, write_figure
 from dogbot_logtool.report.text.gait_diagram import default_window
-from dogbot_logtool.robot.options import PlotOptions, StatsOptions, TopicOptions
 from tests.measured import measured
 from tests.oracles import walks
 from tests.paths import SAMPLE_LOGS
@@ -44,7 +44,7 @@ def draw(path: Path, form: str, window: Window | None = None) -> bytes:
 
 
 def figure_of(path: Path, window: Window | None) -> Figure:
-    stats = measured(path, StatsOptions()).stats
+    stats = measured(path, MeasureOptions()).stats
     window = window or default_window(stats)
     first, last = (stats.origin + round(each * 1e9) for each in window)
     detail = CurveDetail(window=(first, last))
@@ -88,7 +88,7 @@ def bars(svg: ET.Element, foot: str) -> list[Window]:
 
 @pytest.mark.parametrize("path", [TROT, WALK], ids=["trot", "walk"])
 def test_bars_go_from_touchdown_to_liftoff(path: Path) -> None:
-    told: dict[str, Any] = stats_json(measured(path, StatsOptions()))
+    told: dict[str, Any] = stats_json(measured(path, MeasureOptions()))
     truth: dict[str, Any] = json.loads(path.with_suffix(".truth.json").read_text(encoding="utf-8"))
     window = 0.0, 4.0
     svg = svg_of(path, window)
@@ -121,7 +121,7 @@ def test_only_the_window_is_drawn() -> None:
 
 @pytest.mark.parametrize("path", [TROT, WALK], ids=["trot", "walk"])
 def test_the_highest_load_is_the_highest_peak(path: Path) -> None:
-    stats = measured(path, StatsOptions()).stats
+    stats = measured(path, MeasureOptions()).stats
     window = 0.0, (stats.end - stats.origin) / 1e9
     curves = [foot.record.load_curves(CurveDetail()) for foot in stats.feet]
     lines = {
@@ -129,14 +129,14 @@ def test_the_highest_load_is_the_highest_peak(path: Path) -> None:
         for axes in gait_figure(stats, curves, window).axes
         for line in axes.lines
     }
-    told = stats_json(measurement_of(stats, measured(path, StatsOptions()).facts))
+    told = stats_json(measurement_of(stats, measured(path, MeasureOptions()).facts))
     for foot in FEET:
         peak = told["feet"][foot]["peak_force_bw"]["max"]
         assert np.nanmax(lines[f"load-{foot}"]) == pytest.approx(peak, rel=1e-6)
 
 
 def test_a_gap_parts_the_line_and_a_dead_foot_has_no_bars() -> None:
-    stats = measured(TROUBLED, StatsOptions()).stats
+    stats = measured(TROUBLED, MeasureOptions()).stats
     curves = [foot.record.load_curves(CurveDetail()) for foot in stats.feet]
     figure = gait_figure(stats, curves, (0.0, 5.0))
     lines = {line.get_gid(): line for axes in figure.axes for line in axes.lines}
@@ -186,10 +186,10 @@ def test_a_figure_fits_one_column() -> None:
 def test_sensors_without_a_force_give_the_gait_diagram_alone(tmp_path: Path) -> None:
     kind = "spot_msgs/msg/FootStateArray"
     path = walks.write_walk(tmp_path, kind, "mcap")
-    options = StatsOptions(TopicOptions(robot=str(walks.robot_file(tmp_path, kind))))
+    options = MeasureOptions(robot=str(walks.robot_file(tmp_path, kind)))
     done = measure(path, options)
     target = tmp_path / "walk.svg"
-    write_plot(done, PlotOptions(target))
+    draw_figure(done, target, overwrite=False)
     svg = ET.fromstring(target.read_bytes())  # noqa: S314 - ours
     assert not [g for g in svg.iter(f"{SVG}g") if g.get("id", "").startswith("load-")]
     assert not [text for text in texts(svg) if text.startswith("Load")]
@@ -201,16 +201,16 @@ def test_sensors_without_a_force_give_the_gait_diagram_alone(tmp_path: Path) -> 
 def test_no_mass_means_newtons(tmp_path: Path) -> None:
     kind = "geometry_msgs/msg/WrenchStamped"
     path = walks.write_walk(tmp_path, kind, "mcap")
-    options = StatsOptions(TopicOptions(robot="generic"))
+    options = MeasureOptions(robot="generic")
     done = measure(path, options)
     target = tmp_path / "walk.svg"
-    window = write_plot(done, PlotOptions(target))
+    window = draw_figure(done, target, overwrite=False)
     svg = ET.fromstring(target.read_bytes())  # noqa: S314 - ours
     assert "Load (N)" in texts(svg)
     assert window == default_window(done.stats)
 
 
 def test_what_cannot_be_drawn() -> None:
-    stats = measured(TROT, StatsOptions()).stats
+    stats = measured(TROT, MeasureOptions()).stats
     with pytest.raises(LogError, match="no feet"):
         gait_figure(replace(stats, feet=()), [], (0.0, 1.0))

@@ -23,8 +23,8 @@ from selenium.webdriver.support.ui import WebDriverWait
 from dogbot_logtool.commands.report import Reports
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.io.targets import Output
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from tests.oracles import walks
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.browser import BROWSER, DRIVER, OVER_TIME, SWITCHES, Window
@@ -53,13 +53,13 @@ def window() -> Iterator[Window]:
 @pytest.fixture(scope="session")
 def trot_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     target = tmp_path_factory.mktemp("page") / "trot.html"
-    Reports([TROT], Output(target, is_folder=False), StatsOptions(), overwrite=False).write(TROT)
+    Reports([TROT], Output(target, is_folder=False), MeasureOptions(), overwrite=False).write(TROT)
     return target
 
 
 @pytest.fixture(scope="session")
 def trot_json() -> Any:
-    measured = measure(TROT, StatsOptions())
+    measured = measure(TROT, MeasureOptions())
     return json.loads(json.dumps(stats_json(measured)))
 
 
@@ -275,7 +275,7 @@ def test_data_are_saved_as_csv(window: Window, trot_page: Path, trot_json: Any) 
 def test_pages_share_a_script_and_the_index_sorts(window: Window, tmp_path: Path) -> None:
     """The page of a log with events steps from one to the next."""
     logs = [TROT, SAMPLE_LOGS / "dogbot_troubled.bag"]
-    reports = Reports(logs, Output(tmp_path, is_folder=True), StatsOptions(), overwrite=False)
+    reports = Reports(logs, Output(tmp_path, is_folder=True), MeasureOptions(), overwrite=False)
     for log in logs:
         reports.write(log)
     reports.finish({})
@@ -323,7 +323,9 @@ def test_names_in_a_log_are_never_markup(window: Window, tmp_path: Path) -> None
     ]
     walks.write_mcap(tmp_path / "walk.mcap", walk, renamed)
     feet = {f"{HOSTILE}{leg}": f"/{HOSTILE}{walks.foot_topic(kind, leg)}" for leg in walks.LEGS}
-    options = StatsOptions(topics=TopicOptions(None, f"/{HOSTILE}/odom", feet, walks.MASS_KG))
+    options = MeasureOptions(
+        robot=None, odom_topic=f"/{HOSTILE}/odom", foot=feet, mass=walks.MASS_KG
+    )
     log, target = tmp_path / "walk.mcap", tmp_path / "walk.html"
     Reports([log], Output(target, is_folder=False), options, overwrite=False).write(log)
 

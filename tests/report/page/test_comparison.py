@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.compare_gait import compare_gait
-from dogbot_logtool.commands.tasks import Measure
+from dogbot_logtool.commands.tasks import figures
 from dogbot_logtool.core.metrics import Base, Stability
 from dogbot_logtool.core.records import to_json, unknown
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.page.charts.comparison_figures import (
     PANEL,
     STANCES,
@@ -20,7 +21,6 @@ from dogbot_logtool.report.page.charts.comparison_figures import (
 )
 from dogbot_logtool.report.page.comparison import comparison_page
 from dogbot_logtool.results import Figures
-from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from tests.truth import gaits
 from tests.truth.gaits import Gait
 from tests.truth.log_file import write_log
@@ -40,7 +40,7 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Figures]:
 
 def _measured(path: Path, gait: Gait) -> Figures:
     log = write_log(Walk(gait=gait, seconds=9.0).recorded(200.0), path)
-    return Measure(StatsOptions(TopicOptions(mass_kg=20.0), jobs=1))(log, None)
+    return figures(log, options=MeasureOptions(mass=20.0, jobs=1))
 
 
 def page(first: Figures, second: Figures) -> str:

@@ -2,16 +2,16 @@
 
 import pytest
 
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.page.event_list import event_list
 from dogbot_logtool.report.page.render import page
-from dogbot_logtool.robot.options import StatsOptions
 from tests.measured import measured
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import drawings
 
 
 def test_events_are_listed_and_marked_in_every_figure_over_time() -> None:
-    options = StatsOptions()
+    options = MeasureOptions()
     troubled = measured(SAMPLE_LOGS / "dogbot_troubled.bag", options)
     found = event_list(troubled.stats)
     assert [row.what for row in found.rows] == ["sensor fault", "gap"]

@@ -16,13 +16,13 @@ from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.loss import Damage, Loss
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.page.assets import own
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import Beside, page
 from dogbot_logtool.results import LogFacts
-from dogbot_logtool.robot.options import StatsOptions
 from tests.analysed import analysed
 from tests.measured import measured
 from tests.paths import SAMPLE_LOGS
@@ -38,7 +38,7 @@ PLACES = (("front", "left"), ("front", "right"), ("back", "left"), ("back", "rig
 
 @cache
 def trot() -> tuple[Stats, LogFacts]:
-    found = measured(TROT, StatsOptions())
+    found = measured(TROT, MeasureOptions())
     return found.stats, found.facts
 
 

@@ -10,10 +10,10 @@ import pytest
 
 from dogbot_logtool.commands.report import replay_of
 from dogbot_logtool.commands.stats import measure_log, measurement_of
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.page.render import page
 from dogbot_logtool.report.page.replay import MOST_FRAMES, frame_times, replay
 from dogbot_logtool.results import Measurement
-from dogbot_logtool.robot.options import StatsOptions
 from dogbot_logtool.robot.topics.annotated import open_recorded
 from tests.commands.test_convert_joints import urdf, write
 from tests.paths import SAMPLE_LOGS
@@ -37,7 +37,7 @@ def shown() -> dict[str, Any]:
 def measured_and_shown(path: Path) -> tuple[Measurement, dict[str, Any]]:
     log = open_recorded(path)
     try:
-        found = measure_log(log, StatsOptions())
+        found = measure_log(log, MeasureOptions())
         drawn = replay_of(log, found)
     finally:
         log.close()

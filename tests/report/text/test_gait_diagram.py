@@ -3,14 +3,14 @@
 import pytest
 
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.text.gait_diagram import STRIDES_SHOWN, default_window
-from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from tests.paths import SAMPLE_LOGS
 
 
 @pytest.mark.parametrize("seconds", [2.5, 3.5, 8.0])
 def test_the_window_lies_in_the_log(seconds: float) -> None:
-    options = StatsOptions(TopicOptions(), end_s=seconds)
+    options = MeasureOptions(end=seconds)
     stats = measure(SAMPLE_LOGS / "dogbot_trot.bag", options).stats
     begin, end = default_window(stats)
 

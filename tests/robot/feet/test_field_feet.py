@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from dogbot_logtool.robot.options import TopicOptions
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.robot.topics.selection import select_topics
 from tests import forked_cli
@@ -143,7 +143,7 @@ def loads_of(path: Path, *keys: str, feet: int = 6) -> dict[str, Any]:
     )
     file = path.with_name("robot.toml")
     file.write_text(text, encoding="utf-8")
-    return figures(path, "--robot", file, "--time-source", "log")
+    return figures(path, "--robot", file, "--set", "clock=log")
 
 
 @pytest.mark.parametrize(
@@ -173,7 +173,7 @@ def test_fields_become_the_loads_they_are(
 
 def test_a_fixed_array_on_the_command_line(states: Path) -> None:
     words = [word for foot in range(4) for word in ("--foot", f"f{foot}=/state:loads[{foot}]")]
-    found = figures(states, *words, "--time-source", "log")
+    found = figures(states, *words, "--set", "clock=log")
     assert [foot["peak_force_n"]["median"] for foot in found["feet"].values()] == pytest.approx(
         [WEIGHT_N / 3] * 4, rel=0.02
     )
@@ -227,7 +227,7 @@ def test_a_known_robot_is_recognised_by_fields_of_all_its_feet(tmp_path: Path, l
             entries.append(walks.Entry(f"/leg_{leg + 1}/foot_contact", kind, time, data))
     walks.write_mcap(tmp_path / "log.mcap", walk, entries)
     log = open_recorded(tmp_path / "log.mcap")
-    found = select_topics(log, TopicOptions())
+    found = select_topics(log, MeasureOptions())
     log.close()
     assert found.robot.name == ("hexapod" if legs == 6 else "generic")
     assert len(found.contacts) == (6 if legs == 6 else 0)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from rosbags.typesys import get_types_from_msg
 
-from dogbot_logtool.robot.options import TopicOptions
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.robot.topics.selection import Selection, select_topics
 from tests.oracles import walks
@@ -51,7 +51,7 @@ def select(
     walks.write_mcap(folder / "log.mcap", walk, entries)
     log = open_recorded(folder / "log.mcap")
     try:
-        return select_topics(log, TopicOptions())
+        return select_topics(log, MeasureOptions())
     finally:
         log.close()
 

@@ -22,10 +22,10 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.finding import Severity
+from dogbot_logtool.options import ConvertOptions, InfoOptions
 from dogbot_logtool.report.info_report import info_json, print_info
 from dogbot_logtool.results import LogInfo
 from dogbot_logtool.robot.frames.frames import Frames
-from dogbot_logtool.robot.options import ConvertOptions, TopicOptions
 from tests.paths import SAMPLE_LOGS
 
 LOGS = [SAMPLE_LOGS / f"dogbot_{name}" for name in ("trot.bag", "walk.mcap", "troubled.bag")]
@@ -58,7 +58,7 @@ LastMessage = dict[tuple[str, str], list[tuple[int, int, bool]]]
 
 
 def survey(path: Path) -> tuple[LogInfo, Frames]:
-    info = describe(path, TopicOptions(), all_frames=True)
+    info = describe(path, InfoOptions(frames=True))
     assert info.frames is not None
     return info, info.frames
 
@@ -111,7 +111,7 @@ def test_every_edge_is_what_rosbags_reads(path: Path) -> None:
 
 def test_jobs_change_nothing() -> None:
     for log in LOGS[:2]:
-        one, four = (describe(log, TopicOptions(), all_frames=True, jobs=jobs) for jobs in (1, 4))
+        one, four = (describe(log, InfoOptions(frames=True, jobs=jobs)) for jobs in (1, 4))
         assert info_json(one) == info_json(four)
 
 
@@ -275,7 +275,7 @@ def test_messages_that_are_no_transforms_are_damage(tmp_path: Path) -> None:
 
 
 def test_a_quick_look_tells_no_rates() -> None:
-    told = info_json(describe(LOGS[1], TopicOptions()))["frames"]
+    told = info_json(describe(LOGS[1], InfoOptions()))["frames"]
     assert (told["edges"], told["second_parents"]) == (None, None)
     whole = info_json(survey(LOGS[1])[0])["frames"]
     assert whole["parents"] == told["parents"]

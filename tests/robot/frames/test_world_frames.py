@@ -13,9 +13,9 @@ from mcap.reader import make_reader
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.results import Conversion
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from tests.oracles import walks
 from tests.oracles.annotated_file import arrows
 from tests.oracles.frames import matrix_of
@@ -131,8 +131,8 @@ def swinging_walk(folder: Path, kind: str) -> Path:
 
 def test_arrows_of_force_sensors_stand_at_their_frames_along_the_force(tmp_path: Path) -> None:
     log = swinging_walk(tmp_path, WRENCHES)
-    options = TopicOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
-    done, target = converted(log, tmp_path, style="force", topics=options)
+    options = MeasureOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
+    done, target = converted(log, tmp_path, style="force", robot=options.robot, mass=options.mass)
     count = 0
     for topic, log_time, marker in arrows(target):
         (leg,) = (leg for leg in walks.LEGS if leg in topic)
@@ -156,8 +156,8 @@ def test_arrows_of_force_sensors_stand_at_their_frames_along_the_force(tmp_path:
 def test_stats_take_forces_but_no_places_from_frames(tmp_path: Path) -> None:
     """Thresholds are given: of a sensor that goes round, no unloaded level can be learnt."""
     log = swinging_walk(tmp_path, WRENCHES)
-    options = TopicOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
-    done = measure(log, StatsOptions(options, contact_on_n=20.0, contact_off_n=5.0))
+    options = MeasureOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
+    done = measure(log, replace(options, set={"contact_on_n": "20.0", "contact_off_n": "5.0"}))
     got = stats_json(done)
     for leg in walks.LEGS:
         peak = got["feet"][leg]["peak_vertical_force_n"]["mean"]
@@ -178,9 +178,9 @@ def test_transforms_that_cannot_be_decoded_are_told(
     entries = sorted([*frames, *walk.messages(WRENCHES)], key=lambda entry: entry.log_time)
     log = tmp_path / "walk.mcap"
     walks.write_mcap(log, walk, entries)
-    options = TopicOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
-    done, _ = converted(log, tmp_path, style=style, topics=options)
-    measured = measure(log, StatsOptions(options))
+    options = MeasureOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
+    done, _ = converted(log, tmp_path, style=style, robot=options.robot, mass=options.mass)
+    measured = measure(log, options)
     for (loss,) in (done.damage.losses, measured.damage.losses):
         assert loss.messages == 2
         assert "/tf" in loss.what
@@ -194,7 +194,7 @@ def test_a_robot_s_file_names_frame_and_point_of_feet_that_only_count(tmp_path: 
         named = f'[feet.{leg}]\nframe = "{leg}_sensor"\ncontact_point_m = [0.0, 0.5, 0.0]'
         text = text.replace(f"[feet.{leg}]", named)
     robot.write_text(text, encoding="utf-8")
-    done, target = converted(log, tmp_path, topics=TopicOptions(robot=str(robot)))
+    done, target = converted(log, tmp_path, robot=str(robot))
     seen = {
         (topic, round((log_time - walks.START) / walks.STEP)): marker.pose.position
         for topic, log_time, marker in arrows(target)
@@ -209,8 +209,8 @@ def test_a_robot_s_file_names_frame_and_point_of_feet_that_only_count(tmp_path: 
 
 def test_without_frames_there_are_no_arrows_and_that_is_said(tmp_path: Path) -> None:
     log = walks.write_walk(tmp_path, WRENCHES, "mcap")
-    options = TopicOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
-    done, target = converted(log, tmp_path, style="force", topics=options)
+    options = MeasureOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
+    done, target = converted(log, tmp_path, style="force", robot=options.robot, mass=options.mass)
     assert not list(arrows(target))
     assert {"NOT_DRAWN"} <= {f.code for f in done.findings}
 
@@ -221,8 +221,8 @@ def test_frames_that_end_early_leave_the_rest_where_it_is(tmp_path: Path) -> Non
     entries = sorted([*frames, *walk.messages(WRENCHES)], key=lambda entry: entry.log_time)
     log = tmp_path / "walk.mcap"
     walks.write_mcap(log, walk, entries)
-    options = TopicOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
-    done, target = converted(log, tmp_path, style="force", topics=options)
+    options = MeasureOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
+    done, target = converted(log, tmp_path, style="force", robot=options.robot, mass=options.mass)
     last = (frames[-1].log_time - walks.START) // walks.STEP - 3
     touching = {leg: int(touch[: last + 1].sum()) for leg, touch in walks.TOUCHES.items()}
     assert counted(done, "forces turned") == sum(touching.values())

@@ -13,9 +13,9 @@ from rich.console import Console
 import dogbot_logtool as dl
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.metrics import NEEDS
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.page.render import page
 from dogbot_logtool.report.text.stats_text import print_report
-from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from tests.report.page.page_data import drawings
 from tests.truth.commanded import Commanded, commanded_walk
 from tests.truth.gaits import WALK
@@ -77,7 +77,7 @@ def test_both_velocities_are_a_table(tmp_path: Path) -> None:
 
 def test_commands_and_accelerometer_are_in_the_report(tmp_path: Path) -> None:
     recording = with_imu(commanded_walk(ROBOT, ROBOT.commands()))
-    options = StatsOptions(TopicOptions(mass_kg=20.0))
+    options = MeasureOptions(mass=20.0)
     done = measure(write_log(recording, tmp_path / "x.mcap"), options)
     console = Console(width=100, record=True, file=StringIO())
     print_report(console, done)
@@ -114,18 +114,18 @@ def test_the_best_of_several_is_taken_and_the_others_are_said(tmp_path: Path) ->
     stats = measured(tmp_path, recording)
     assert stats["commands"]["topic"] == "/robot/cmd_vel"
     text = " ".join(said(stats, "TOPICS_CHOSEN"))
-    assert "/cmd_vel_nav, /nav/command_velocity, /joy/desired (--command chooses)" in text
-    named = measured(tmp_path, recording, "y.mcap", command="/joy/desired")
+    assert "/cmd_vel_nav, /nav/command_velocity, /joy/desired (--set command_topic chooses)" in text
+    named = measured(tmp_path, recording, "y.mcap", set={"command_topic": "/joy/desired"})
     assert named["commands"]["topic"] == "/joy/desired"
 
 
 def test_a_topic_that_is_not_there_is_refused(tmp_path: Path) -> None:
     recording = walk(ROBOT.commands())
-    with pytest.raises(dl.CallError, match=r"--command: /other is not in the log.*: /cmd_vel"):
-        measured(tmp_path, recording, command="/other")
+    with pytest.raises(dl.CallError, match=r"command_topic: /other is not in the log.*: /cmd_vel"):
+        measured(tmp_path, recording, set={"command_topic": "/other"})
     topic = recording.robot.odometry_topic
     with pytest.raises(dl.CallError, match="is of another type"):
-        measured(tmp_path, recording, "y.mcap", command=topic)
+        measured(tmp_path, recording, "y.mcap", set={"command_topic": topic})
 
 
 def test_commands_that_are_no_numbers_are_said(tmp_path: Path) -> None:
@@ -211,7 +211,9 @@ def test_other_units_are_left_aside(tmp_path: Path) -> None:
     beside = (imu, *(replace(imu, topic=topic) for topic in others))
     stats = measured(tmp_path, replace(recording, beside=beside))
     assert stats["imu"]["topic"] == "/imu/data"
-    named = measured(tmp_path, replace(recording, beside=beside), "y.mcap", imu="/camera/imu")
+    named = measured(
+        tmp_path, replace(recording, beside=beside), "y.mcap", set={"imu_topic": "/camera/imu"}
+    )
     assert named["imu"]["topic"] == "/camera/imu"
 
 

@@ -9,7 +9,7 @@ from mcap_ros1.decoder import DecoderFactory
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.robot.options import ConvertOptions, TopicOptions
+from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.robot.robot_model.description import read_urdf
 from tests.paths import SAMPLE_LOGS
 
@@ -46,14 +46,14 @@ def test_a_log_without_one_gets_one_of_its_frames(tmp_path: Path) -> None:
 def test_the_user_s_file_is_written_as_it_is(tmp_path: Path) -> None:
     file = tmp_path / "dog.urdf"
     file.write_text('<?xml version="1.0"?>\n<robot name="dog"><link name="base_link"/></robot>')
-    convert(TROT, tmp_path / "out.mcap", ConvertOptions(TopicOptions(urdf=file)))
+    convert(TROT, tmp_path / "out.mcap", ConvertOptions(urdf=file))
     assert [text for _, text in descriptions(tmp_path / "out.mcap")] == [file.read_text()]
 
 
 def test_the_log_s_own_stays(tmp_path: Path) -> None:
     file = tmp_path / "dog.urdf"
     file.write_text('<robot name="dog"/>')
-    convert(TROT, tmp_path / "with.mcap", ConvertOptions(TopicOptions(urdf=file)))
+    convert(TROT, tmp_path / "with.mcap", ConvertOptions(urdf=file))
     recorded = tmp_path / "recorded.mcap"
     _unmarked(tmp_path / "with.mcap", recorded)
     done = convert(recorded, tmp_path / "again.mcap", ConvertOptions())

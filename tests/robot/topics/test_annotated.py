@@ -16,15 +16,11 @@ from mcap.writer import Writer
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.options import CompareOptions, ConvertOptions, MeasureOptions
 from dogbot_logtool.reader.containers.log import Chunk
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.results import Conversion
-from dogbot_logtool.robot.options import (
-    CompareOptions,
-    ConvertOptions,
-    StatsOptions,
-)
 from dogbot_logtool.robot.topics.annotated import annotations_left_out, open_recorded
 from dogbot_logtool.writer import channels as added_channels
 from dogbot_logtool.writer.encodings.encoding import MessageType
@@ -116,7 +112,7 @@ def test_another_style_and_encoding_replace_the_old_ones(
 
 
 def figures(log: Path) -> dict[str, Any]:
-    done = measured(log) if log in {LONG, WALK} else measure(log, StatsOptions())
+    done = measured(log) if log in {LONG, WALK} else measure(log, MeasureOptions())
     found = stats_json(done)
     # What a file is called and how it is packed is no figure; the rest is.
     del found["log"]["path"], found["log"]["container"]
@@ -253,11 +249,11 @@ def test_what_was_lost_before_is_not_forgotten(tmp_path: Path) -> None:
 
 def test_a_part_of_an_annotated_log_is_a_part_of_that_log(tmp_path: Path) -> None:
     once, part = tmp_path / "once.mcap", tmp_path / "part.mcap"
-    converted(TROUBLED, once, start_s=1.0)
+    converted(TROUBLED, once, start=1.0)
     converted(once, tmp_path / "again.mcap")
     (record,) = records(tmp_path / "again.mcap")
     assert (record.metadata["input"], record.metadata["start_s"]) == (TROUBLED.name, "1.0")
-    converted(once, part, end_s=2.0)
+    converted(once, part, end=2.0)
     (record,) = records(part)
     assert (record.metadata["input"], record.metadata["start_s"]) == ("once.mcap", "")
 

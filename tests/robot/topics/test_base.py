@@ -11,8 +11,8 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from tests.oracles import base_walks as base
 from tests.oracles import walks
 from tests.oracles.foot_logs import WRENCH, write_log
@@ -21,7 +21,7 @@ DURATION_S = (base.SAMPLES - 1) * walks.STEP / 1e9
 
 
 def figures(path: Path, name: str | None = None) -> dict[str, Any]:
-    done = measure(path, StatsOptions(TopicOptions(odometry_topic=name)))
+    done = measure(path, MeasureOptions(odom_topic=name))
     return stats_json(done)
 
 
@@ -61,7 +61,7 @@ def test_json_gives_the_same_as_protobuf(tmp_path: Path, kind: str) -> None:
 
 @pytest.mark.parametrize("kind", base.ON_REQUEST)
 def test_poses_that_may_be_anything_are_only_offered(tmp_path: Path, kind: str) -> None:
-    info = describe(base.write(tmp_path / "walk.mcap", kind, base.TOPICS[kind]), TopicOptions())
+    info = describe(base.write(tmp_path / "walk.mcap", kind, base.TOPICS[kind]), InfoOptions())
     (none,) = [finding for finding in info.findings if finding.code == "NO_BASE"]
     assert f"--odom-topic {base.TOPICS[kind]}" in none.text
     assert [topic.use for topic in info.topics] == [""]
@@ -70,7 +70,7 @@ def test_poses_that_may_be_anything_are_only_offered(tmp_path: Path, kind: str) 
 @pytest.mark.parametrize("topic", ["/goal_pose", "/initialpose", "/object", "/base_to_footprint"])
 def test_other_poses_are_not_the_base_s(tmp_path: Path, topic: str) -> None:
     path = base.write(tmp_path / "walk.mcap", "geometry_msgs/PoseStamped", topic)
-    assert "NO_BASE" in codes(describe(path, TopicOptions()))
+    assert "NO_BASE" in codes(describe(path, InfoOptions()))
     check(figures(path, topic))
 
 
@@ -111,7 +111,7 @@ def test_recorded_transforms_are_not_written_again(tmp_path: Path) -> None:
 
 def test_info_says_what_is_used(tmp_path: Path) -> None:
     path = base.write(tmp_path / "walk.mcap", "tf2_msgs/TFMessage", "/tf")
-    (topic,) = describe(path, TopicOptions()).topics
+    (topic,) = describe(path, InfoOptions()).topics
     assert topic.use == "base odom/base_link"
 
 
@@ -127,7 +127,7 @@ def test_of_two_poses_none_is_surely_the_base_s(tmp_path: Path) -> None:
     path = base.write(
         tmp_path / "two.mcap", "geometry_msgs/PoseStamped", "/robot_1/pose", "/robot_2/pose"
     )
-    info = describe(path, TopicOptions())
+    info = describe(path, InfoOptions())
     (none,) = [finding for finding in info.findings if finding.code == "NO_BASE"]
     assert "--odom-topic /robot_1/pose, --odom-topic /robot_2/pose" in none.text
     check(figures(path, "/robot_2/pose"))
@@ -136,7 +136,7 @@ def test_of_two_poses_none_is_surely_the_base_s(tmp_path: Path) -> None:
 def test_measured_poses_are_better_than_planned_ones(tmp_path: Path) -> None:
     kind = "xpp_msgs/RobotStateCartesian"
     path = base.write(tmp_path / "two.mcap", kind, "/xpp/state_curr", "/xpp/state_des")
-    info = describe(path, TopicOptions())
+    info = describe(path, InfoOptions())
     assert {topic.topic: topic.use for topic in info.topics} == {
         "/xpp/state_curr": "base",
         "/xpp/state_des": "",
@@ -148,7 +148,7 @@ def test_measured_poses_are_better_than_planned_ones(tmp_path: Path) -> None:
 
 def test_what_else_there_is_stands_beside_the_odometry(tmp_path: Path) -> None:
     path = base.write(tmp_path / "two.mcap", "nav_msgs/Odometry", "/odom", "/other")
-    info = describe(path, TopicOptions())
+    info = describe(path, InfoOptions())
     (found,) = [finding for finding in info.findings if finding.code == "TOPICS_CHOSEN"]
     assert "there are also /other" in found.text
 
@@ -165,14 +165,14 @@ FEET = {f"/a1/{leg}_foot/wrench": WRENCH for leg in ("fl", "fr", "rl", "rr")}
 def test_of_two_robots_the_base_is_that_of_the_feet(tmp_path: Path) -> None:
     odometry = ["/a1/odom", "/a2/odom"]
     path = write_log(tmp_path / "two.mcap", FEET, odometry=odometry)
-    uses = {topic.topic: topic.use for topic in describe(path, TopicOptions()).topics}
+    uses = {topic.topic: topic.use for topic in describe(path, InfoOptions()).topics}
     assert {topic: uses[topic] for topic in odometry} == {"/a1/odom": "odometry", "/a2/odom": ""}
 
 
 @pytest.mark.parametrize("names", [("a1_gazebo", "a2_gazebo"), ("a2_gazebo", "a1_gazebo")])
 def test_of_two_models_the_base_is_that_of_the_feet(tmp_path: Path, names: tuple[str, str]) -> None:
     path = write_log(tmp_path / "two.mcap", FEET, models=dict.fromkeys(names, 0.4))
-    info = describe(path, TopicOptions())
+    info = describe(path, InfoOptions())
     (use,) = [topic.use for topic in info.topics if topic.topic == "/gazebo/model_states"]
     assert use == "base a1_gazebo"
 
@@ -181,8 +181,8 @@ def test_what_moves_is_offered_as_the_base(tmp_path: Path) -> None:
     models = {"cupboard": 0.0, "laikago": 0.4, "person_walking": 1.0}
     path = write_log(tmp_path / "models.mcap", FEET, models=models)
     (none,) = [
-        finding for finding in describe(path, TopicOptions()).findings if finding.code == "NO_BASE"
+        finding for finding in describe(path, InfoOptions()).findings if finding.code == "NO_BASE"
     ]
     words = ["dogbot-logtool", "stats", str(path), "--odom-topic", "/gazebo/model_states:laikago"]
     assert none.command == shlex.join(words)
-    assert measure(path, StatsOptions(TopicOptions(odometry_topic=words[-1]))).stats.base
+    assert measure(path, MeasureOptions(odom_topic=words[-1])).stats.base

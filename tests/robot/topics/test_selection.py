@@ -9,9 +9,9 @@ from mcap.writer import Writer as McapWriter
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.robot.options import TopicOptions
 from dogbot_logtool.robot.topics.selection import Selection, select_topics
 
 ODOMETRY, CONTACTS, TF = "nav_msgs/Odometry", "gazebo_msgs/ContactsState", "tf2_msgs/TFMessage"
@@ -101,7 +101,7 @@ def codes(selection: Selection) -> list[str]:
 
 
 def test_the_known_robot_with_most_topics_is_guessed(opened: Opener) -> None:
-    selection = select_topics(opened(channels(DOGBOT | {"/tf": TF})), TopicOptions())
+    selection = select_topics(opened(channels(DOGBOT | {"/tf": TF})), MeasureOptions())
     assert selection.robot.name == "dogbot"
     assert [channel.topic for channel in selection.odometry] == ["/dogbot/odom"]
     assert tuple(feet(selection)) == DOGBOT_FEET
@@ -120,7 +120,7 @@ def test_an_unknown_robot_s_topics_are_found(opened: Opener) -> None:
         "/spot/contacts/LH": CONTACTS,
         "/spot/contacts/RH": CONTACTS,
     }
-    selection = select_topics(opened(channels(topics)), TopicOptions())
+    selection = select_topics(opened(channels(topics)), MeasureOptions())
     assert selection.robot.name == "generic"
     assert feet(selection) == {
         "front_left": "/spot/contacts/LF",
@@ -134,7 +134,7 @@ def test_an_unknown_robot_s_topics_are_found(opened: Opener) -> None:
 
 def test_feet_whose_names_do_not_tell_are_offered(opened: Opener) -> None:
     topics = {"/bumper 7": CONTACTS, "/a/left_front": CONTACTS, "/b/left_front": CONTACTS}
-    selection = select_topics(opened(channels(topics)), TopicOptions(mass_kg=12.5))
+    selection = select_topics(opened(channels(topics)), MeasureOptions(mass=12.5))
     assert (selection.robot.feet, selection.contacts) == ((), ())
     assert {"NO_BASE", "FEET_UNSURE"} <= set(codes(selection))
     (finding,) = [f for f in selection.findings if f.code == "FEET_UNSURE"]
@@ -150,7 +150,7 @@ def test_feet_whose_names_do_not_tell_are_offered(opened: Opener) -> None:
 
 def test_sensors_that_are_not_named_like_feet_are_no_feet(opened: Opener) -> None:
     topics = {"/odom": ODOMETRY, "/rl_tool/drill/force": WRENCH, "/left_hand/ft": WRENCH}
-    selection = select_topics(opened(channels(topics)), TopicOptions())
+    selection = select_topics(opened(channels(topics)), MeasureOptions())
     assert selection.robot.feet == ()
     (finding,) = [f for f in selection.findings if f.code == "NO_FEET"]
     assert "/left_hand/ft, /rl_tool/drill/force" in finding.text
@@ -158,7 +158,7 @@ def test_sensors_that_are_not_named_like_feet_are_no_feet(opened: Opener) -> Non
 
 def test_what_else_may_be_feet_is_told(opened: Opener) -> None:
     sides = [f"/{kind}{side}fsensor" for kind in ("", "off_") for side in "lr"]
-    selection = select_topics(opened(channels(dict.fromkeys(sides, WRENCH))), TopicOptions())
+    selection = select_topics(opened(channels(dict.fromkeys(sides, WRENCH))), MeasureOptions())
     assert feet(selection) == {"left": "/off_lfsensor", "right": "/off_rfsensor"}
     (finding,) = [f for f in selection.findings if f.code == "TOPICS_CHOSEN"]
     assert "--foot left=/lfsensor --foot right=/rfsensor" in finding.text
@@ -166,14 +166,14 @@ def test_what_else_may_be_feet_is_told(opened: Opener) -> None:
 
 def test_feet_of_another_type_are_found(opened: Opener) -> None:
     topics = {"/trunk/bumper": CONTACTS, "/left_ankle_ft": WRENCH, "/right_ankle_ft": WRENCH}
-    selection = select_topics(opened(channels(topics)), TopicOptions())
+    selection = select_topics(opened(channels(topics)), MeasureOptions())
     assert feet(selection) == {"left": "/left_ankle_ft", "right": "/right_ankle_ft"}
 
 
 def test_the_odometry_that_is_heard_most_is_taken(opened: Opener) -> None:
     topics = {"/a/odom": ODOMETRY, "/b/odom": ODOMETRY, "/c/odom": ODOMETRY}
     log = opened(channels(topics, {"/a/odom": 3, "/b/odom": 9}))
-    selection = select_topics(log, TopicOptions())
+    selection = select_topics(log, MeasureOptions())
     assert [channel.topic for channel in selection.odometry] == ["/b/odom"]
     (finding,) = [f for f in selection.findings if f.code == "TOPICS_CHOSEN"]
     assert finding.where == "/b/odom"
@@ -183,7 +183,7 @@ def test_the_odometry_that_is_heard_most_is_taken(opened: Opener) -> None:
 
 def test_missing_feet_are_told_and_kept(opened: Opener) -> None:
     log = opened(channels({"/dogbot/back_left_contactsensor_state": CONTACTS}))
-    selection = select_topics(log, TopicOptions())
+    selection = select_topics(log, MeasureOptions())
     assert selection.robot.name == "dogbot"
     assert len(selection.robot.feet) == 4
     missing = [f.where for f in selection.findings if f.code == "NO_MESSAGES"]
@@ -193,7 +193,9 @@ def test_missing_feet_are_told_and_kept(opened: Opener) -> None:
 
 def test_options_choose(opened: Opener) -> None:
     topics = {"/x": ODOMETRY, "/dogbot/odom": ODOMETRY, "/y": CONTACTS, "/z": CONTACTS}
-    options = TopicOptions("generic", "/x", {"paw": "/y", "hind_left": "/z"}, 12.5)
+    options = MeasureOptions(
+        robot="generic", odom_topic="/x", foot={"paw": "/y", "hind_left": "/z"}, mass=12.5
+    )
     selection = select_topics(opened(channels(topics)), options)
     assert [channel.topic for channel in selection.odometry] == ["/x"]
     assert feet(selection) == {"paw": "/y", "hind_left": "/z"}
@@ -204,7 +206,7 @@ def test_options_choose(opened: Opener) -> None:
 
 def test_a_foot_of_the_robot_gets_another_topic(opened: Opener) -> None:
     topics = DOGBOT | {"/other": CONTACTS}
-    options = TopicOptions("dogbot", foot_topics={"back_left": "/other"})
+    options = MeasureOptions(robot="dogbot", foot={"back_left": "/other"})
     selection = select_topics(opened(channels(topics)), options)
     assert feet(selection)["back_left"] == "/other"
     (foot,) = [foot for foot in selection.robot.feet if foot.name == "back_left"]
@@ -216,7 +218,7 @@ SPARE = {f"/spare/{number}": CONTACTS for number in range(4)}
 
 def test_feet_take_each_other_s_topics(opened: Opener) -> None:
     left, right = (f"/dogbot/front_{side}_contactsensor_state" for side in ("left", "right"))
-    options = TopicOptions(foot_topics={"front_left": right, "front_right": left})
+    options = MeasureOptions(foot={"front_left": right, "front_right": left})
     selection = select_topics(opened(channels(DOGBOT)), options)
     assert feet(selection)["front_left"] == right
     assert feet(selection)["front_right"] == left
@@ -228,7 +230,7 @@ def test_all_feet_of_a_guessed_robot_can_be_named_anew(
 ) -> None:
     recorded = {"/dogbot/odom": ODOMETRY, **dict.fromkeys(topics, CONTACTS)}
     given = {f"paw_{number}": topic for number, topic in enumerate(topics)}
-    selection = select_topics(opened(channels(recorded)), TopicOptions(foot_topics=given))
+    selection = select_topics(opened(channels(recorded)), MeasureOptions(foot=given))
     assert selection.robot.name == "dogbot"
     assert feet(selection) == given
 
@@ -236,54 +238,54 @@ def test_all_feet_of_a_guessed_robot_can_be_named_anew(
 @pytest.mark.parametrize("robot", [None, "dogbot"])
 def test_a_foot_that_the_robot_does_not_have(opened: Opener, robot: str | None) -> None:
     log = opened(channels(DOGBOT | SPARE))
-    options = TopicOptions(robot, foot_topics={"nose": "/spare/0"})
+    options = MeasureOptions(robot=robot, foot={"nose": "/spare/0"})
     with pytest.raises(CallError, match=r"dogbot.* no such foot; it has front_left, front_right"):
         select_topics(log, options)
 
 
 def test_a_topic_for_two_feet(opened: Opener) -> None:
     log = opened(channels(DOGBOT | SPARE))
-    same = TopicOptions("generic", foot_topics={"a": "/spare/0", "b": "/spare/0"})
+    same = MeasureOptions(robot="generic", foot={"a": "/spare/0", "b": "/spare/0"})
     with pytest.raises(CallError, match=r"topic of a, b; .*ContactsState is about one foot"):
         select_topics(log, same)
     other = f"/dogbot/{DOGBOT_FEET[1]}_contactsensor_state"
     with pytest.raises(CallError, match="topic of front_left, front_right"):
-        select_topics(log, TopicOptions(foot_topics={"front_left": other}))
+        select_topics(log, MeasureOptions(foot={"front_left": other}))
 
 
 def test_a_robot_of_which_the_log_has_nothing(opened: Opener) -> None:
     topics = {"/odom": ODOMETRY, "/left_foot": CONTACTS, "/right_foot": CONTACTS}
-    selection = select_topics(opened(channels(topics)), TopicOptions("dogbot"))
+    selection = select_topics(opened(channels(topics)), MeasureOptions(robot="dogbot"))
     assert feet(selection) == {"left": "/left_foot", "right": "/right_foot"}
     told = [each.text for each in selection.findings if each.code == "TOPICS_CHOSEN"]
     missing = "/odom, found by its type, since the robot's /dogbot/odom is missing"
     assert any(missing in each for each in told)
     (finding,) = [f for f in selection.findings if f.code == "ROBOT_GUESSED"]
     assert "none of the topics of the robot 'dogbot'" in finding.text
-    named = TopicOptions("dogbot", odometry_topic="/odom")
+    named = MeasureOptions(robot="dogbot", odom_topic="/odom")
     assert "ROBOT_GUESSED" not in codes(select_topics(opened(channels(topics)), named))
 
 
 def test_a_topic_of_another_type_makes_no_robot(opened: Opener) -> None:
     topics = dict.fromkeys([*DOGBOT][1:], TF) | {"/odom": ODOMETRY}
-    assert select_topics(opened(channels(topics)), TopicOptions()).robot.name == "generic"
+    assert select_topics(opened(channels(topics)), MeasureOptions()).robot.name == "generic"
 
 
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (TopicOptions(odometry_topic="dogbot/odom"), "did you mean /dogbot/odom?"),
-        (TopicOptions(odometry_topic="/dogbt/odom"), "did you mean /dogbot/odom?"),
-        (TopicOptions(foot_topics={"back_left": "/dogbot/back_left"}), "did you mean /dogbot/"),
-        (TopicOptions(odometry_topic="/none"), "no topic /none"),
-        (TopicOptions(odometry_topic="/tf"), "is of type tf2_msgs/TFMessage"),
-        (TopicOptions(foot_topics={"a": "/none"}), "--foot"),
-        (TopicOptions(foot_topics={"a": "/dogbot/odom"}), "is of type nav_msgs/Odometry"),
-        (TopicOptions(robot="unicorn"), "dogbot, generic"),
-        (TopicOptions(robot="unicorn.toml"), "no such file"),
+        (MeasureOptions(odom_topic="dogbot/odom"), "did you mean /dogbot/odom?"),
+        (MeasureOptions(odom_topic="/dogbt/odom"), "did you mean /dogbot/odom?"),
+        (MeasureOptions(foot={"back_left": "/dogbot/back_left"}), "did you mean /dogbot/"),
+        (MeasureOptions(odom_topic="/none"), "no topic /none"),
+        (MeasureOptions(odom_topic="/tf"), "is of type tf2_msgs/TFMessage"),
+        (MeasureOptions(foot={"a": "/none"}), "--foot"),
+        (MeasureOptions(foot={"a": "/dogbot/odom"}), "is of type nav_msgs/Odometry"),
+        (MeasureOptions(robot="unicorn"), "dogbot, generic"),
+        (MeasureOptions(robot="unicorn.toml"), "no such file"),
     ],
 )
-def test_options_that_do_not_fit(opened: Opener, options: TopicOptions, said: str) -> None:
+def test_options_that_do_not_fit(opened: Opener, options: MeasureOptions, said: str) -> None:
     log = opened(channels(DOGBOT | {"/tf": TF}))
     with pytest.raises(CallError, match=said):
         select_topics(log, options)
@@ -297,7 +299,7 @@ def test_what_cannot_be_decoded_is_not_used(opened: Opener) -> None:
         ("/foot_b", CONTACTS, definition(CONTACTS), "json", 1),
         ("/tf", TF, b"string[] transforms", "ros1", 1),
     ]
-    selection = select_topics(opened(found), TopicOptions(robot="dogbot"))
+    selection = select_topics(opened(found), MeasureOptions(robot="dogbot"))
     assert [channel.topic for channel in selection.odometry] == ["/good/odom"]
     assert (selection.contacts, selection.transforms) == ((), ())
     unreadable = {(f.code, f.where) for f in selection.findings if "UNREADABLE" in f.code}
@@ -316,12 +318,12 @@ def test_several_senders_of_a_topic_are_all_used(opened: Opener) -> None:
         (topic, CONTACTS, definition(CONTACTS), "ros1", 1),
         (topic, CONTACTS, other, "ros1", 1),
     ]
-    selection = select_topics(opened(found), TopicOptions())
+    selection = select_topics(opened(found), MeasureOptions())
     assert len(selection.contacts) == 2
     assert set(selection.feet_of.values()) == {(0,)}
 
 
 def test_nothing(opened: Opener) -> None:
-    selection = select_topics(opened([("/x", "", b"", "json", 1)]), TopicOptions())
+    selection = select_topics(opened([("/x", "", b"", "json", 1)]), MeasureOptions())
     assert (selection.odometry, selection.contacts, selection.robot.feet) == ((), (), ())
     assert {"NO_BASE", "NO_FEET"} <= set(codes(selection))

@@ -15,7 +15,7 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.robot.options import ConvertOptions, TopicOptions
+from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.writer import drawing
 from dogbot_logtool.writer.drawing import ArrowLook, SupportLook, SupportShape
 from dogbot_logtool.writer.encodings.encoding import Encoding, MessageType
@@ -196,7 +196,7 @@ def test_a_converted_log_is_read_by_others(tmp_path: Path, container: str, *, co
     kind = "gazebo_msgs/msg/ContactsState"
     path = walks.write_walk(tmp_path, kind, container)
     options = ConvertOptions(
-        TopicOptions(robot=str(walks.robot_file(tmp_path, kind))), encoding="ros2", copy=copy
+        robot=str(walks.robot_file(tmp_path, kind)), encoding="ros2", copy=copy
     )
     target = tmp_path / "out.mcap"
     done = convert(path, target, options)

@@ -8,7 +8,7 @@ import pytest
 from mcap.reader import make_reader
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.robot.options import ConvertOptions
+from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.writer.encodings.registry import (
     DEFAULT_ENCODING,
     ENCODINGS,
@@ -34,7 +34,7 @@ def test_profile_and_messages(
 ) -> None:
     assert ENCODINGS[name].load().load_type.message_encoding == message_encoding
     target = tmp_path / "out.mcap"
-    convert(TROT, target, ConvertOptions(encoding=name, copy=False, end_s=0.1))
+    convert(TROT, target, ConvertOptions(encoding=name, copy=False, end=0.1))
     assert header_profile(target) == ENCODINGS[name].profile == profile
 
 
@@ -49,7 +49,7 @@ def test_a_row_is_all_that_an_encoding_needs(
     other = OutputEncoding("other", "ROS 1 by another name", profile="other", load=Ros1Encoding)
     monkeypatch.setitem(ENCODINGS, "other", other)
     target = tmp_path / "out.mcap"
-    done = convert(TROT, target, ConvertOptions(encoding="other", copy=False, end_s=0.1))
+    done = convert(TROT, target, ConvertOptions(encoding="other", copy=False, end=0.1))
     assert sum(done.annotations.values()) > 0
     assert header_profile(target) == "other"
 

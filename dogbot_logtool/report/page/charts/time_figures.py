@@ -72,7 +72,8 @@ def gait_diagram(stats: Stats) -> Drawing | None:
     return Drawing(
         "gait",
         "Gait diagram",
-        f"A bar a foot over time, filled while the foot is down. Time in contact: {down}.",
+        f"A bar a foot over time, filled while the foot is down{_hatched(stats)}. "
+        f"Time in contact: {down}.",
         "Filled: the foot is down. Hatched: nothing is known of it." + _partly(stats, parts),
         figure,
         over_time=True,
@@ -106,14 +107,21 @@ def _stances_drawn(stats: Stats, foot: FootSteps) -> Ints:
     return spans[first : first + MOST_STANCES]
 
 
+def _hatched(stats: Stats) -> str:
+    return " (hatched: estimated from the joints)" if stats.settings.contact_from else ""
+
+
 def _bars(stats: Stats, foot: FootSteps, spans: Ints, row: int) -> Trace:
     start, end = seconds(stats, spans[:, 0]), seconds(stats, spans[:, 1])
+    marker: dict[str, object] = {"color": foot_colour(row), "line": {"width": 0}}
+    if stats.settings.contact_from:
+        marker["pattern"] = {"shape": "\\", "fgcolor": "white", "size": 5, "solidity": 0.25}
     return bars(
         base=start,
         x=end - start,
         y=np.full(len(spans), row, np.int16),
         width=_BAR,
-        marker={"color": foot_colour(row), "line": {"width": 0}},
+        marker=marker,
         name=label(foot.name),
         customdata=np.stack([end - start, end], axis=1).astype(np.float32),
         hovertemplate="down for %{customdata[0]:.3f} s<br>"

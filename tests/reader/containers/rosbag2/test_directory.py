@@ -13,13 +13,13 @@ from rosbags.rosbag2.enums import CompressionMode, StoragePlugin
 
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.errors import CallError, LogError, LogtoolError
+from dogbot_logtool.options import CompareOptions
 from dogbot_logtool.reader.containers.log import BATCH_SIZE
 from dogbot_logtool.reader.containers.mcap.records import read_extra
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.contact_messages import read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.robot.options import CompareOptions
 from tests.oracles.walks import LEGS, Entry, foot_topic, write_mcap
 from tests.reader.containers.rosbag2.bags import (
     ENTRIES,

@@ -15,10 +15,10 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.errors import CallError, LogError, StoreError
 from dogbot_logtool.io import storage
+from dogbot_logtool.options import ConvertOptions, InfoOptions
 from dogbot_logtool.reader.containers.sources.remote_source import RemoteSource
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.info_report import info_json
-from dogbot_logtool.robot.options import ConvertOptions, TopicOptions
 from tests.oracles.small_logs import odometry_log
 from tests.paths import SAMPLE_LOGS
 
@@ -99,7 +99,7 @@ def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def facts_of(place: Any) -> dict[str, Any]:
-    told = info_json(describe(place, TopicOptions()))
+    told = info_json(describe(place, InfoOptions()))
     return {key: value for key, value in told.items() if key != "path"}
 
 
@@ -115,10 +115,10 @@ def test_info_reads_an_index_and_a_few_chunks(tmp_path: Path, url: str) -> None:
 
 def test_a_part_of_a_log_is_all_that_is_read(tmp_path: Path, url: str) -> None:
     log = odometry_log(tmp_path / "log.mcap", "/odom", filler=3)
-    options = ConvertOptions(start_s=4.0, end_s=4.5, overwrite=True)
+    options = ConvertOptions(start=4.0, end=4.5, overwrite=True)
     convert(log, tmp_path / "here.mcap", options)
     place = storage.location(f"{url}/log.mcap")
-    describe(place, TopicOptions())
+    describe(place, InfoOptions())
     look = sum(Server.sent)
     Server.sent.clear()
 
