@@ -1,5 +1,6 @@
 """Feet outside the usual: slow or inverted flags, scuffs, filters, payloads, several sensors."""
 
+import itertools
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -38,7 +39,7 @@ def scuffs(newtons: float, seconds: float, *only: str) -> Disturbance:
     def change(_: int, foot: FootRecording) -> FootRecording:
         edges = np.flatnonzero(np.diff(foot.touching.astype(np.int8)))
         force, touching = foot.force.copy(), foot.touching.copy()
-        for off, on in zip(edges[:-1], edges[1:], strict=True):
+        for off, on in itertools.pairwise(edges):
             if foot.touching[off + 1]:
                 continue
             middle = (foot.time[off] + foot.time[on]) / 2.0

@@ -15,7 +15,7 @@ FEWEST_STANCES: Final = 6
 SLOWEST_MPS: Final = 0.05
 ALIKE: Final = 0.3
 """Share of the ground's speed by which half of the stances may differ from it."""
-RESTS: Final = 0.2
+RESTS: Final = 0.05
 """Share of the ground's speed that a resting base keeps below, on average."""
 _NEIGHBOURS: Final = 5
 

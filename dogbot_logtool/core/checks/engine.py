@@ -7,7 +7,18 @@ afterwards, in one place (`voids.py`).
 from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
-from dogbot_logtool.core.checks import base, clock, commands, gait, imu, legs, loads, poses, sensors
+from dogbot_logtool.core.checks import (
+    base,
+    clock,
+    commands,
+    feet,
+    gait,
+    imu,
+    legs,
+    loads,
+    poses,
+    sensors,
+)
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding, Severity
 
@@ -43,6 +54,9 @@ CHECKS: Final[tuple[Check, ...]] = (
     sensors.samples_left_out,
     sensors.chatter,
     sensors.sampled_slowly,
+    feet.sampled_slowly,
+    feet.flags_inverted,
+    feet.payload,
     gait.no_class,
     gait.other_reference_foot,
     gait.moves_without_steps,
