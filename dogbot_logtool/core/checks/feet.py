@@ -165,14 +165,15 @@ def payload(stats: Stats) -> Iterator[Finding]:
         return
     time, weight = found
     best: tuple[float, int] | None = None
-    for row in range(FEWEST_WEIGHTS // 2, len(weight) - FEWEST_WEIGHTS // 2 + 1):
-        first, second = weight[:row], weight[row:]
+    for row in range(FEWEST_WEIGHTS // 2 - 1, len(weight) - FEWEST_WEIGHTS // 2 + 1):
+        # The stride in which it changes belongs to neither.
+        first, second = weight[:row], weight[row + 1 :]
         rest = float(((first - first.mean()) ** 2).sum() + ((second - second.mean()) ** 2).sum())
         if best is None or rest < best[0]:
             best = rest, row
     if best is None:
         return
-    before, after = float(weight[: best[1]].mean()), float(weight[best[1] :].mean())
+    before, after = float(weight[: best[1]].mean()), float(weight[best[1] + 1 :].mean())
     scatter = float(np.sqrt(best[0] / max(len(weight) - 2, 1)))
     if abs(after - before) < max(CHANGES * max(before, after), OVER_NOISE * scatter):
         return
