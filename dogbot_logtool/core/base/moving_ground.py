@@ -52,7 +52,9 @@ def find_moving_ground(
         placed_by_poses: whether the feet's places in the world rest on these poses: then poses that
             are frozen would look the same.
     """
-    if len(base.time) < 2 or (placed_by_poses and not np.ptp(base.position, axis=0).any()):
+    if not feet or len(base.time) < 2:
+        return None
+    if placed_by_poses and not np.ptp(base.position, axis=0).any():
         return None
     slopes = [_velocities(foot) for foot in feet]
     time = np.concatenate([each for each, _ in slopes])
