@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from dogbot_logtool.core.arrays import Aggregate
-from dogbot_logtool.core.events.event import MEANINGS
+from dogbot_logtool.core.events.event import EventType
 from dogbot_logtool.core.metrics import Event, Stride, WalkMetrics
 from dogbot_logtool.core.records import Field, definitions, fields_of, is_record, metric_paths
 from dogbot_logtool.finding import finding_kinds
@@ -77,7 +77,8 @@ def _section(field: Field, words: str) -> Iterator[str]:
                 yield _metric_row(f"{field.name}{items}.{path}", each, definition)
     if field.inner is Event:
         yield "\n"
-        yield from (f"- `{kind}`: {meaning}.\n" for kind, meaning in MEANINGS.items())
+        meanings = definitions(EventType)
+        yield from (f"- `{kind}`: {meanings[kind.name]}.\n" for kind in EventType)
 
 
 def _metric_row(path: str, field: Field, definition: str) -> str:

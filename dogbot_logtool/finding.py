@@ -6,13 +6,12 @@ it and the metrics that it voids.
 
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import cache
 from pathlib import Path
-from typing import Any
-
-from dogbot_logtool.dataclass import dataclass
+from string import Formatter
+from typing import Any, Final
 
 
 class Severity(IntEnum):
@@ -59,6 +58,8 @@ class FindingKind:
     voids: Sequence[str] = ()
     """Patterns of the metrics that it sets to null; ``{foot}`` stands for a foot's name."""
     cases: Mapping[str, FindingCase] = field(default_factory=dict)
+    texts: Mapping[str, str] = field(default_factory=dict)
+    """Its sentences, by what is found; ``plain`` is the usual one."""
     was: Sequence[str] = ()
     """Codes of before that are now this one, without their prefix."""
 
@@ -163,6 +164,48 @@ class Finding:
     def sentence(self) -> str:
         """The text without the command, which is printed in one piece to be pasted."""
         return self.text.removesuffix(self.command).rstrip()
+
+
+class _Words(Formatter):
+    """Formats values as usual, and numbers with a noun: ``{gaps:gap}``."""
+
+    def format_field(self, value: Any, format_spec: str) -> Any:  # noqa: ANN401 - as the parent has it
+        if format_spec.replace(" ", "").isalpha():
+            return counted(value, format_spec)
+        return super().format_field(value, format_spec)
+
+
+def counted(number: int, thing: str) -> str:
+    """Return a number with its noun, in the plural where it is not one."""
+    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
+
+
+_WORDS: Final = _Words()
+
+
+def found(
+    code: str,
+    where: str = "",
+    *cases: str,
+    say: str = "",
+    feet: Sequence[str] = (),
+    **values: object,
+) -> Finding:
+    """Return a finding with the sentence that `findings.toml` has for it.
+
+    Args:
+        code: one of the `finding_kinds`.
+        where: the topic or the metric that it is about.
+        cases: of its kind that it is.
+        say: which of its sentences; if not given, that of its first case, or the plain one.
+        feet: names of the feet whose metrics it voids; the first is ``foot`` in its sentence.
+        values: what the sentence names.
+    """
+    texts = _kind(code).texts
+    named = [each for each in (say, *cases[:1], "plain") if each in texts]
+    words = {"foot": feet[0], **values} if feet else values
+    text = _WORDS.vformat(texts[named[0]], (), words)
+    return Finding(code, text, where, cases=cases, feet=tuple(feet))
 
 
 def by_severity(finding: Finding) -> tuple[int, str, str, str]:

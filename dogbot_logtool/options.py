@@ -313,7 +313,7 @@ class Compare(JunitOptions, JobOptions, RobotOptions, CompareOptions, CommonOpti
     """Compare two logs, or two `stats --json` files, with tolerances.
 
     A field is named by its path without positions: pose.position.x, feet.front_left.slip_m. A
-    glob's * stands for dots and slashes, too; one that fits nothing gives a warning. Integers are
+    glob's * stands for dots and slashes, too. Integers are
     exact unless a tolerance names them. That nothing is left to compare is a wrong call.
 
     With --gait, either side is a log, a directory, a glob or @LIST; its strides are compared metric

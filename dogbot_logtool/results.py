@@ -1,5 +1,6 @@
 """The records that commands return and reports print."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import field
 from typing import TYPE_CHECKING, Any
@@ -9,7 +10,6 @@ from dogbot_logtool.reader.containers.loss import SOUND, Damage
 
 # A command needs not load what only other commands' records are made of.
 if TYPE_CHECKING:
-    from dogbot_logtool.conversion.annotate import DrawnCounts
     from dogbot_logtool.core.arrays import Floats
     from dogbot_logtool.core.metrics import WalkMetrics
     from dogbot_logtool.core.statistics import Stats
@@ -85,7 +85,8 @@ class Conversion:
     """Recorded messages in the output."""
     annotations: Mapping[str, int]
     """Messages that were added, by topic."""
-    counts: "DrawnCounts"
+    counts: Counter[str]
+    """Annotations that lack something, by what; see `conversion/annotate.py`."""
     bad_poses: int
     """Odometry messages with a zero quaternion or a number that is not finite."""
     findings: "tuple[Finding, ...]"

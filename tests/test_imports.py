@@ -143,14 +143,6 @@ def test_only_the_command_line_knows_click() -> None:
     ] == []
 
 
-def test_records_are_made_by_our_own_data_class() -> None:
-    """The standard library's compiles its methods at import."""
-    # Those of a user are made once each.
-    own = {"api.walk", "api.table", "api.curves", "dataclass"}
-    files = [file for file in FILES if name_of(file).removeprefix(f"{PACKAGE}.") not in own]
-    assert [name_of(file) for file in files if "dataclasses.dataclass" in imports_of(file)] == []
-
-
 @pytest.mark.parametrize("room", ["core", "reader"])
 def test_no_part_of_a_room_imports_itself_through_another(room: str) -> None:
     graph: dict[str, set[str]] = defaultdict(set)

@@ -15,8 +15,8 @@ from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.report.documents import stats_json
+from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.measuring.plan import make_plan
-from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.oracles.annotated_file import read_written
 from tests.oracles.repacked import Recorded, read_bag, write_bag, write_mcap, write_rosbag2

@@ -19,7 +19,7 @@ from dogbot_logtool.core.checks.voids import void_columns, void_patterns
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.corrected import usable_samples
-from dogbot_logtool.core.gait.feet import FootSteps
+from dogbot_logtool.core.gait.feet import FIGURES, FootSteps
 from dogbot_logtool.core.metrics import (
     Event,
     Finding,
@@ -41,7 +41,7 @@ from dogbot_logtool.io.storage import Location, location
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.table_file import stride_table
 from dogbot_logtool.results import Measurement
-from dogbot_logtool.robot.topics.annotated import open_recorded
+from dogbot_logtool.robot.annotated import open_recorded
 
 if TYPE_CHECKING:
     from dogbot_logtool.options import MeasureOptions
@@ -138,7 +138,7 @@ class Walk:
         }
         void = void_patterns(self._measured.findings)
         known = [_stance_columns(foot, void) for foot in feet]
-        for name in _STANCE_FIGURES:
+        for name in _COLUMNS:
             columns[name] = _joined([each[name] for each in known])
         return Table(columns)
 
@@ -286,10 +286,10 @@ class Walk:
         """Read the contact samples of each foot, as they were measured."""
         log = open_recorded(self.path, self._options.joined)
         try:
-            found = measure_log(log, self._options)
+            walk = measure_log(log, self._options).measurement.stats
         finally:
             log.close()
-        return usable_samples(found.recording, found.measurement.stats.settings)
+        return usable_samples(walk.recording, walk.settings)
 
     def _sample_columns(self, foot: int, samples: Samples) -> dict[str, NDArray[Any]]:
         """Return the columns of some samples of a foot."""
@@ -332,7 +332,7 @@ class Walk:
 def _stance_columns(foot: FootSteps, void: Sequence[str]) -> Mapping[str, Floats]:
     """Return metrics of a foot's stances, (k,) by name; NaN where not known or void."""
     figures = foot.stances.figures
-    columns = {name: getattr(figures, figure) for name, figure in _STANCE_FIGURES.items()}
+    columns = {name: getattr(figures, name) for name in _COLUMNS}
     return void_columns(columns, foot.name, void)
 
 
@@ -344,20 +344,11 @@ _CUTS = {
     Cut.GAP: "gap",
     Cut.STANDING: "standing",
     Cut.FALL: "fall",
-    Cut.OUTSIDE: "outside",
 }
-_STANCE_FIGURES = {
-    "peak_force_n": "peak_n",
-    "mean_force_n": "mean_n",
-    "peak_vertical_force_n": "peak_vertical_n",
-    "mean_vertical_force_n": "mean_vertical_n",
-    "vertical_impulse_ns": "vertical_impulse_ns",
-    "loading_rate_nps": "loading_rate_nps",
-    "impact_ratio": "impact_ratio",
-    "contact_travel_m": "contact_travel_m",
-    "friction_use": "friction_use",
-}
-"""Columns of `Walk.stances`, and where they come from in `StanceFigures`."""
+
+
+_COLUMNS = (*FIGURES[:4], "vertical_impulse_ns", *FIGURES[4:])
+"""Columns of `Walk.stances` that are figures of `StanceFigures`."""
 
 
 def _numbers(values: list[Any]) -> Floats:

@@ -14,12 +14,16 @@ from dogbot_logtool.io.storage import Location
 from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.recording import Alongside
-from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
+from dogbot_logtool.reader.salvage.losses import (
+    damage_of,
+    malformed_messages,
+    wrong_statistics,
+)
 from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.results import Conversion
+from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.measuring.plan import make_plan as plan_measuring
 from dogbot_logtool.robot.time_span import time_limits
-from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.run.runner import OnProgress
 
 
@@ -60,7 +64,6 @@ def convert(
                 wanted,
                 options,
                 _half(progress, 0),
-                with_soles=True,
                 alongside=Alongside(copier, output.copy),
                 start=start,
             )
@@ -74,7 +77,7 @@ def convert(
     ours = {topic: output.messages.get(channel, 0) for channel, topic in topics.items()}
     findings = [
         *measured.measurement.facts.findings,
-        *drawing_findings(scene, measured.recording, moved, counts),
+        *drawing_findings(scene, measured.measurement.stats.recording, moved, counts),
     ]
     plan = scene.plan
     return Conversion(
@@ -91,7 +94,7 @@ def convert(
         copied=sum(n for channel, n in output.messages.items() if channel not in topics),
         annotations=ours,
         counts=counts,
-        bad_poses=bad_poses(measured.recording),
+        bad_poses=bad_poses(measured.measurement.stats.recording),
         findings=tuple(sorted(dict.fromkeys(findings), key=by_severity)),
         damage=damage_of(log, losses),
     )
@@ -106,15 +109,14 @@ def _half(progress: OnProgress | None, half: int) -> OnProgress | None:
 
 def _scene(log: Log, output: AnnotatedLog, measured: MeasuredLog, options: ConvertOptions) -> Scene:
     """Decide what is drawn of the walk."""
-    learnt, measurement = measured.learnt, measured.measurement
-    plan = make_plan(log, learnt.selection, learnt.probe, learnt.sensors, options)
+    walk = measured.measurement.stats
+    plan = make_plan(log, measured.selection, walk, options)
     _, end = time_limits(log, options.start, options.end)
     last = log.end_time or 0
     return draw(
         plan,
-        measured.recording,
-        measurement.stats,
-        measurement.metrics,
+        walk,
+        measured.measurement.metrics,
         last if end is None else min(end, last),
         output.recorded_arrows(),
     )
@@ -127,6 +129,6 @@ def _finish(log: Log, output: AnnotatedLog, measured: MeasuredLog, scene: Scene)
     if options.start is None and options.end is None:
         losses += wrong_statistics(log, read.counts, losses)
     losses += malformed_messages(log.channels, read.malformed, ": copied, but not annotated")
-    in_world = measured.learnt.settings.force_in_world
+    in_world = measured.measurement.stats.settings.force_in_world
     output.finish(provenance_record(log, scene.plan, losses, force_in_world=in_world))
     return losses

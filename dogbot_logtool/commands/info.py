@@ -6,10 +6,12 @@ from typing import Final
 
 from dogbot_logtool.conversion.copying import channels_left_out
 from dogbot_logtool.conversion.plan import writes_tf
+from dogbot_logtool.core.checks.frames import name_findings, stamp_findings
+from dogbot_logtool.core.known_frames import KnownFrames, known_frames
 from dogbot_logtool.core.quality.quality import mean_rate_hz
 from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.options import ConvertOptions, InfoOptions
+from dogbot_logtool.options import ConvertOptions, InfoOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES
@@ -17,15 +19,14 @@ from dogbot_logtool.reader.opening import open_joined
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.results import LogInfo, TopicInfo
-from dogbot_logtool.robot.feet.message_feet import is_planned
+from dogbot_logtool.robot.annotated import without_annotations
+from dogbot_logtool.robot.feet import is_planned
 from dogbot_logtool.robot.frames.frame_findings import frame_findings
 from dogbot_logtool.robot.frames.frames import Frames, read_frames
+from dogbot_logtool.robot.measuring.plan import settings_of
 from dogbot_logtool.robot.measuring.side_topics import side_topics
-from dogbot_logtool.robot.probe import Probe, frame_names, probe_recording
-from dogbot_logtool.robot.probe_findings import name_findings, stamp_findings
 from dogbot_logtool.robot.robot_model.joint_motion import joint_channels
-from dogbot_logtool.robot.topics.annotated import without_annotations
-from dogbot_logtool.robot.topics.selection import Selection, select_topics
+from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.run.runner import OnProgress
 
 _FIRST_NS: Final = 2_000_000_000
@@ -53,7 +54,7 @@ def describe(
         recorded = without_annotations(log)
         ours = frozenset(log.channels.keys() - recorded.channels.keys())
         selection = select_topics(recorded, options)
-        probe, chunks_seen = _first_seconds(recorded, selection)
+        known, stamps, chunks_seen = _first_seconds(recorded, selection)
         frames = None
         if options.frames:
             added_transforms = [
@@ -63,8 +64,9 @@ def describe(
             ]
             transforms = [*selection.transforms, *added_transforms]
             frames = read_frames(log, transforms, options.jobs, progress)
-            probe = _with_all_frames(probe, frames, ours)
-        findings, added = _outlook(recorded, selection, probe)
+            known = _with_all_frames(known, frames, ours)
+        findings, added = _outlook(recorded, selection, known)
+        findings += stamps
         if frames is not None:
             findings += frame_findings(frames, added)
         duration_ns = None
@@ -82,7 +84,7 @@ def describe(
             chunks=len(log.chunks),
             topics=_topics(log, selection, duration_ns or 0, frames, ours),
             robot=selection.robot.name,
-            parents=probe.parents if frames is None else frames.parents(),
+            parents=known.parents if frames is None else frames.parents(),
             added_transform=added,
             chunks_seen=chunks_seen,
             frames=frames,
@@ -93,8 +95,8 @@ def describe(
         log.close()
 
 
-def _first_seconds(log: Log, selection: Selection) -> tuple[Probe, int]:
-    """Return what the first messages tell, and how many chunks they stand in."""
+def _first_seconds(log: Log, selection: Selection) -> tuple[KnownFrames, list[Finding], int]:
+    """Return the frames and findings of the first messages, and how many chunks these stand in."""
     used = {c.id for c in (*selection.odometry, *selection.contacts, *selection.transforms)}
     static = selection.static_transforms
     last = (log.start_time or 0) + _FIRST_NS
@@ -105,34 +107,35 @@ def _first_seconds(log: Log, selection: Selection) -> tuple[Probe, int]:
         if (chunk.start_time or 0) <= last or not static.isdisjoint(chunk.counts or ())
     ]
     read = read_recording(log, selection.wanted(), 1, spans=log.grouped(chunks))
-    return probe_recording(read.recording, selection), len(chunks)
+    settings = settings_of(selection, RobotOptions())
+    frames = known_frames(read.recording, settings)
+    return frames, list(stamp_findings(read.recording, settings)), len(chunks)
 
 
-def _with_all_frames(probe: Probe, frames: Frames, ours: AbstractSet[int]) -> Probe:
-    """Return the evidence, with every recorded transform instead of the first ones."""
-    slashed = {*probe.slashed_frames, *frames.recorded.slashed}
+def _with_all_frames(known: KnownFrames, frames: Frames, ours: AbstractSet[int]) -> KnownFrames:
+    """Return the frames by every recorded transform instead of the first ones."""
+    slashed = {*known.slashed_frames, *frames.recorded.slashed}
     return replace(
-        probe,
+        known,
         parents=frames.parents(ros_only=True, without=ours),
         slashed_frames=tuple(sorted(slashed)),
     )
 
 
 def _outlook(
-    log: Log, selection: Selection, probe: Probe
+    log: Log, selection: Selection, known: KnownFrames
 ) -> tuple[list[Finding], tuple[str, str] | None]:
     """Return the findings, and the transform that `convert` would add.
 
     What forces tell, only the whole log does: `stats` says that.
     """
-    findings = [*selection.findings, *stamp_findings(selection, probe), *name_findings(probe)]
+    findings = [*selection.findings, *name_findings(known)]
     if not selection.odometry and not selection.contacts:
         return findings, None
     options = ConvertOptions()
-    frames = frame_names(selection.robot, probe)
     left_out = channels_left_out(log, options)
-    added = writes_tf(selection, probe, options, frames, left_out, findings)
-    return findings, frames if added else None
+    added = writes_tf(selection, known, options, left_out, findings)
+    return findings, (known.world, known.base) if added else None
 
 
 def _base_use(selection: Selection) -> str:

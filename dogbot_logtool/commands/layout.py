@@ -1,5 +1,6 @@
 """`dogbot-logtool layout`: the view of an annotated walk, set up for a viewer."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
@@ -7,28 +8,25 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import norms
+from dogbot_logtool.core.checks.frames import zero_stamps
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.corrected import correct
+from dogbot_logtool.core.known_frames import DEFAULT_BASE, DEFAULT_WORLD
 from dogbot_logtool.core.plausible import STRONGEST_N
-from dogbot_logtool.core.settings import body_weight_n
+from dogbot_logtool.core.settings import StatsSettings, body_weight_n
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.report.layouts import View, upper_bound
-from dogbot_logtool.robot.feet.selection import assign_feet
-from dogbot_logtool.robot.probe import (
-    DEFAULT_BASE,
-    DEFAULT_WORLD,
-    Probe,
-    frame_names,
-    probe_recording,
-)
+from dogbot_logtool.robot.annotated import open_recorded
+from dogbot_logtool.robot.feet import assign_feet
+from dogbot_logtool.robot.measuring.plan import settings_of
 from dogbot_logtool.robot.robot import Robot, load_robot
 from dogbot_logtool.robot.robot_model.description import robot_shape
 from dogbot_logtool.robot.robot_model.primitives import body_size_m
-from dogbot_logtool.robot.sensors import LearntSensors, learn_sensors
+from dogbot_logtool.robot.selection import nothing_to_do, select_topics
 from dogbot_logtool.robot.settings import with_settings
-from dogbot_logtool.robot.topics.annotated import open_recorded
-from dogbot_logtool.robot.topics.selection import nothing_to_do, select_topics
 
 _NEARLY_ALL: Final = 0.995
 """Share of the loads that lie within the curves' bounds: a spike shall not flatten the rest."""
@@ -55,18 +53,17 @@ def view_of(log: Path | None, options: RobotOptions) -> View:
         if not selection.odometry and not selection.contacts:
             raise LogError(nothing_to_do(opened, selection))
         recording = read_recording(opened, selection.wanted(), 1).recording
-        probe = probe_recording(recording, selection, with_soles=True)
-        selection = selection.without_forces(probe.forceless)
-        learnt = learn_sensors(selection, probe)
-        view = _view(selection.robot, *frame_names(selection.robot, probe))
-        shape = robot_shape(selection, probe)
+        corrected = correct(recording, settings_of(selection, options))
+        settings, frames = corrected.settings, corrected.frames
+        view = _view(selection.robot, frames.world, frames.base)
+        shape = robot_shape(selection, frames)
         return replace(
             view,
-            peak_n=_peak_n(learnt, probe) or view.peak_n,
+            peak_n=_peak_n(settings, recording.feet) or view.peak_n,
             forward_axis=shape.forward_axis,
             size_m=shape.size_m,
-            turned_deg=probe.turned_deg,
-            has_stamps=not probe.zero_stamps,
+            turned_deg=frames.turned_deg,
+            has_stamps=not zero_stamps(recording, settings),
             damage=damage_of(opened, opened.losses),
         )
     finally:
@@ -85,12 +82,11 @@ def _view(robot: Robot, world: str, base: str) -> View:
     )
 
 
-def _peak_n(learnt: LearntSensors, probe: Probe) -> float | None:
+def _peak_n(settings: StatsSettings, feet: Sequence[Samples]) -> float | None:
     """Return a round bound, N, of the loads that were seen, above their sensors' offsets."""
     largest = 0.0
-    for foot, sensor in enumerate(learnt.feet):
-        samples = probe.feet[foot]
-        force = norms(samples.force - sensor.level.offset_at(samples.log_time))
+    for foot, samples in enumerate(feet):
+        force = norms(samples.force - settings.sensor(foot).level.offset_at(samples.log_time))
         force = force[np.isfinite(force) & (force < STRONGEST_N)]
         if len(force):
             largest = max(largest, _ROOM * float(np.quantile(force, _NEARLY_ALL)))

@@ -9,11 +9,10 @@ from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.robot_file import RobotEvidence, robot_file
-from dogbot_logtool.robot.feet.unknown import FootCandidates
-from dogbot_logtool.robot.probe import frame_names
+from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.topics.annotated import open_recorded
-from dogbot_logtool.robot.topics.selection import Selection, nothing_to_do, select_topics
+from dogbot_logtool.robot.selection import Selection, nothing_to_do, select_topics
+from dogbot_logtool.robot.unknown import FootCandidates
 from dogbot_logtool.run.runner import OnProgress
 
 
@@ -49,7 +48,7 @@ def new_robot(
         because = ["Found by the types and names of their topics."]
         if others:
             chosen = others.pop(0)
-            because = [f"Chosen since: {'; '.join(chosen.reasons)}."]
+            because = [f"Chosen since: {chosen.reasons}."]
             options = replace(options, feet=chosen.feet)
             selection = select_topics(log, options)
         if not selection.odometry and not selection.contacts:
@@ -57,16 +56,15 @@ def new_robot(
         found = measure_log(log, options, progress)
     finally:
         log.close()
-    learnt, measured = found.learnt, found.measurement
-    selection = learnt.selection
-    world, base = frame_names(selection.robot, learnt.probe)
+    selection, measured = found.selection, found.measurement
+    walk = measured.stats
     evidence = RobotEvidence(
         log=file_name(path),
-        world_frame=world,
-        base_frame=base,
+        world_frame=walk.frames.world,
+        base_frame=walk.frames.base,
         has_base=bool(selection.odometry),
         feet_because=because,
-        weight_n=learnt.sensors.estimated_weight_n,
+        weight_n=walk.settings.estimated_weight_n,
         damage=measured.damage.text,
         metrics=measured.metrics,
     )

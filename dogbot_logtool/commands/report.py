@@ -15,10 +15,9 @@ from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import ALONE, Beside, page
 from dogbot_logtool.report.page.replay import frame_times, replay
 from dogbot_logtool.results import Measurement, Page
-from dogbot_logtool.robot.probe import frame_names, probe_recording
+from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.robot_model.joint_motion import joint_motion
 from dogbot_logtool.robot.robot_model.limbs import find_limbs
-from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.run.runner import OnProgress
 
 
@@ -134,11 +133,10 @@ def replay_of(log: Log, found: MeasuredLog) -> dict[str, Any] | None:
         log: an open log.
         found: its figures and columns.
     """
-    stats, learnt = found.measurement.stats, found.learnt
-    if not len(stats.base_history.time):
+    walk = found.measurement.stats
+    if not len(walk.base_history.time):
         return None
-    selection, time = learnt.selection, frame_times(stats)
-    probe = probe_recording(found.recording, selection, with_soles=True)
-    motion = joint_motion(log, probe, frame_names(selection.robot, probe)[1], None)
-    clock = stats.settings.clock
-    return replay(stats, time, find_limbs(found.recording, selection, probe, motion, clock, time))
+    frames, time, settings = walk.frames, frame_times(walk), walk.settings
+    motion = joint_motion(log, frames, frames.base, None)
+    limbs = find_limbs(walk.recording, found.selection, frames, motion, settings.clock, time)
+    return replay(walk, time, limbs)

@@ -1,11 +1,12 @@
 """`dogbot-logtool stats`: which gait, how loaded, and can the recording be trusted."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from operator import attrgetter
 
 from dogbot_logtool.core import metrics
 from dogbot_logtool.core.checks.engine import findings_of
+from dogbot_logtool.core.checks.frames import columns_corrected, frames_known
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.core.walk_metrics.rest import Chosen
@@ -16,14 +17,17 @@ from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.recording import Alongside, ReadLog, read_recording
-from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
+from dogbot_logtool.reader.salvage.losses import (
+    damage_of,
+    malformed_messages,
+    wrong_statistics,
+)
 from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.results import LogFacts, Measurement
-from dogbot_logtool.robot.measuring.plan import LearntSettings, MeasuringPlan, make_plan
-from dogbot_logtool.robot.measuring.walk import Measured, measure_recording
-from dogbot_logtool.robot.probe_findings import order_findings
+from dogbot_logtool.robot.annotated import open_recorded
+from dogbot_logtool.robot.measuring.plan import MeasuringPlan, make_plan, measure_recording
+from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.time_span import TimeLimits, refuse_empty_span
-from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.run.runner import OnProgress
 
 
@@ -32,7 +36,7 @@ def measure(
     options: MeasureOptions,
     progress: OnProgress | None = None,
 ) -> Measurement:
-    """Work out all figures of a log.
+    """Work out all metrics of a log.
 
     Args:
         path: the log.
@@ -45,27 +49,26 @@ def measure(
     """
     log = open_recorded(path, options.joined)
     try:
-        return measure_log(log, options, progress).measurement
+        found = measure_log(log, options, progress).measurement
+        # Of the samples, only what figures draw is kept.
+        return replace(found, stats=replace(found.stats, recording=Recording()))
     finally:
         log.close()
 
 
 @dataclass(frozen=True, slots=True)
 class MeasuredLog:
-    """All figures of a log, and the columns that they are made of."""
+    """All metrics of a log, and what they were read from."""
 
     measurement: Measurement
-    recording: Recording
-    learnt: LearntSettings
-    """What the columns told of how to measure them."""
+    selection: Selection
     read: ReadLog
-    """How they were read; its own columns are the corrected ones, too."""
 
 
 def measure_log(
     log: Log, options: MeasureOptions, progress: OnProgress | None = None
 ) -> MeasuredLog:
-    """Work out all figures of an open log; see `measure` and `measure_recording`."""
+    """Work out all metrics of an open log, and keep its columns; see `measure`."""
     return measure_planned(log, make_plan(log, options), options, progress)
 
 
@@ -75,19 +78,24 @@ def measure_planned(
     options: MeasureOptions,
     progress: OnProgress | None = None,
     *,
-    with_soles: bool = False,
     alongside: Alongside | None = None,
     start: Start | None = None,
 ) -> MeasuredLog:
-    """Work out all figures of an open log by a plan; see `read_recording`, `measure_recording`."""
+    """Work out all metrics of an open log by a plan; see `measure` and `read_recording`."""
     read = read_recording(
         log, plan.wanted, options.jobs, progress, start=start, alongside=alongside
     )
     losses = _losses(log, read, plan.wanted.limits)
-    measured = measure_recording(log, read.recording, plan, options, with_soles=with_soles)
-    measurement = measurement_of(measured.stats, _facts(log, read, measured, losses))
-    read = replace(read, recording=measured.recording)
-    return MeasuredLog(measurement, measured.recording, measured.learnt, read)
+    walk, selection = measure_recording(log, read.recording, plan, options)
+    found = [
+        *selection.findings,
+        *frames_known(walk),
+        *plan.side.findings,
+        *columns_corrected(walk),
+        *_order_findings(log, read.recording.out_of_order),
+    ]
+    facts = _facts(log, read, selection, found, losses)
+    return MeasuredLog(measurement_of(walk, facts), selection, read)
 
 
 def measurement_of(stats: Stats, facts: LogFacts) -> Measurement:
@@ -129,7 +137,13 @@ def _losses(log: Log, read: ReadLog, limits: TimeLimits) -> list[Loss]:
     return losses
 
 
-def _facts(log: Log, read: ReadLog, measured: Measured, losses: Sequence[Loss]) -> LogFacts:
+def _facts(
+    log: Log,
+    read: ReadLog,
+    selection: Selection,
+    findings: Sequence[Finding],
+    losses: Sequence[Loss],
+) -> LogFacts:
     duration = None
     if log.start_time is not None and log.end_time is not None:
         duration = (log.end_time - log.start_time) / 1e9
@@ -141,8 +155,21 @@ def _facts(log: Log, read: ReadLog, measured: Measured, losses: Sequence[Loss]) 
         duration_s=duration,
         messages=sum(read.counts.values()),
         damage=damage_of(log, losses),
-        findings=[*measured.findings, *order_findings(log, read.recording.out_of_order)],
-        robot=measured.learnt.selection.robot.name,
-        robot_is_guessed=measured.learnt.selection.robot_is_guessed,
-        contact_is_planned=any(f.code == "PLANNED" and not f.cases for f in measured.findings),
+        findings=findings,
+        robot=selection.robot.name,
+        robot_is_guessed=selection.robot_is_guessed,
+        contact_is_planned=any(f.code == "PLANNED" and not f.cases for f in findings),
     )
+
+
+def _order_findings(log: Log, out_of_order: int) -> Iterator[Finding]:
+    """Say that messages were sorted.
+
+    Args:
+        log: the log.
+        out_of_order: messages that stood behind later ones of their channel.
+    """
+    if log.is_reordered or out_of_order:
+        count = f": {out_of_order:,} go back" if out_of_order else ""
+        text = f"messages stand out of order in the file{count}; they are read by their log times"
+        yield Finding("OUT_OF_ORDER", text)

@@ -6,9 +6,8 @@ from typing import Final
 
 from dogbot_logtool.comparison.fields import Findings, Tree, compare_fields, join
 from dogbot_logtool.comparison.logs.decoders import parse_json
-from dogbot_logtool.comparison.logs.field_names import tree_names
 from dogbot_logtool.comparison.outcome import Comparison, Differences, Kind, Tally
-from dogbot_logtool.comparison.tolerances import FieldRules, Rules, nothing_left
+from dogbot_logtool.comparison.tolerances import FieldRules, Rules, fits, nothing_left
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.storage import content, is_folder, open_file
 
@@ -49,18 +48,14 @@ def compare_json(expected: Path, actual: Path, rules: Rules, max_differences: in
         if one is _NOTHING and other is _NOTHING:
             raise CallError(f"--topics: neither file has a key like {', '.join(rules.topics)}")
         for key, parts in _parts(one, other):
-            if not rules.fit(rules.ignore, key):
+            if not fits(rules.ignore, key):
                 tally = Tally(key)
                 compared.append(_compare_part(tally, *parts, for_values, differences))
                 tallies.append(tally)
-        names = [name for document in documents for name in tree_names(document)]
     except RecursionError as error:
         raise LogError(f"{actual}: is nested too deeply") from error
     if (rules.ignore or rules.topics) and not any(compared):
         raise nothing_left(rules, "value")
-    for name in dict.fromkeys(names) if rules.unmatched else ():
-        rules.fit(rules.topics, name)
-        FieldRules(rules, name.partition(".")[0]).note(name)
     return Comparison(
         expected,
         actual,
@@ -68,13 +63,12 @@ def compare_json(expected: Path, actual: Path, rules: Rules, max_differences: in
         tallies,
         differences.kept,
         differences.count,
-        warnings=rules.warnings(),
     )
 
 
 def _picked(value: Tree, name: str, rules: Rules) -> Tree:
     """Return what of a value is to be compared, `_NOTHING` if nothing is."""
-    if not rules.topics or rules.fit(rules.topics, name):
+    if not rules.topics or fits(rules.topics, name):
         return value
     if isinstance(value, dict):
         inner = {key: _picked(each, join(name, key), rules) for key, each in value.items()}

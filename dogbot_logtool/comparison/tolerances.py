@@ -8,7 +8,7 @@ beside its messages is named like fields: ``profile``, ``metadata:NAME``, ``meta
 
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, Final
@@ -51,38 +51,19 @@ class Rules:
     """Globs of topics and fields."""
     topics: tuple[str, ...] = ()
     """Globs of the topics to compare; none: all."""
-    matched: set[str] = field(default_factory=set, compare=False)
-    """Globs that have fitted something so far."""
 
     def takes(self, topic: str) -> bool:
         """Tell whether a topic is compared at all."""
-        ignored = self.fit(self.ignore, topic)
-        return (not self.topics or self.fit(self.topics, topic)) and not ignored
-
-    def fit(self, globs: Sequence[str], *names: str) -> bool:
-        """Tell whether any of the globs fits any of the names; note those that do."""
-        fitting = [glob for glob in globs if any(fnmatchcase(name, glob) for name in names)]
-        self.matched.update(fitting)
-        return bool(fitting)
+        return (not self.topics or fits(self.topics, topic)) and not fits(self.ignore, topic)
 
     def ignoring(self, *globs: str) -> "Rules":
         """Return rules that ignore more."""
         return replace(self, ignore=(*self.ignore, *globs))
 
-    def warnings(self) -> list[str]:
-        """Say which globs have fitted nothing."""
-        return [
-            f"{origin} {glob!r} fits nothing in either file"
-            for glob, origin in self.unmatched.items()
-        ]
 
-    @property
-    def unmatched(self) -> Mapping[str, str]:
-        """The option or file of each glob that has matched nothing so far."""
-        given = dict.fromkeys(self.ignore, "--ignore") | dict.fromkeys(self.topics, "--topics")
-        for quantity in self.quantities:
-            given |= dict.fromkeys(quantity.fields, f"tolerance [{quantity.name}]")
-        return {glob: origin for glob, origin in given.items() if glob not in self.matched}
+def fits(globs: Sequence[str], *names: str) -> bool:
+    """Tell whether any of the globs fits any of the names."""
+    return any(fnmatchcase(name, glob) for glob in globs for name in names)
 
 
 class FieldRules:
@@ -111,20 +92,8 @@ class FieldRules:
             self._claimed[name] = fitting[0] if fitting else None
         return self._claimed[name]
 
-    def note(self, name: str) -> None:
-        """Note the globs that fit a field, whether it was compared or not."""
-        self.ignored(name)
-        self.claimed(name)
-
-    def note_unknown(self) -> None:
-        """Note the globs that may fit a field of the topic, whose fields nothing tells."""
-        for glob in self._rules.unmatched:
-            topic, colon, _ = glob.partition(":")
-            if not glob.startswith("/") or (colon and fnmatchcase(self._topic, topic)):
-                self._rules.matched.add(glob)
-
     def _fit(self, globs: Sequence[str], name: str) -> bool:
-        return self._rules.fit(globs, name, f"{self._topic}:{name}")
+        return fits(globs, name, f"{self._topic}:{name}")
 
 
 def nothing_left(rules: Rules, what: str) -> CallError:

@@ -1,7 +1,8 @@
 """What is drawn of a walk in any span of log time: looked up, so that spans need no order."""
 
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,9 +11,10 @@ from dogbot_logtool.core.arrays import Ints, picked
 from dogbot_logtool.core.base.poses import (
     Odometry,
     base_transforms,
-    from_opening,
     usable_poses,
 )
+from dogbot_logtool.core.base.poses import from_opening as transforms_from_opening
+from dogbot_logtool.core.checks.frames import transform_findings
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.events.event import EventMessage, GaitState
@@ -21,36 +23,16 @@ from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.hulls import NEAR_NS
 from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.recording import Recording
-from dogbot_logtool.core.scene.arrows import ArrowCounts, ArrowInput, Arrows, removals
-from dogbot_logtool.core.scene.feet import DrawnFoot, drawn_foot
+from dogbot_logtool.core.scene.arrows import Arrows, force_arrows, pressure_arrows, removals
+from dogbot_logtool.core.scene.feet import DrawnFoot, drawn_foot, from_opening
 from dogbot_logtool.core.scene.labels import foot_labels
 from dogbot_logtool.core.scene.legs import leg_lines
 from dogbot_logtool.core.scene.loads import Loads, foot_loads, silences
-from dogbot_logtool.core.scene.support_scene import SupportScene, opening_support, support_scene
+from dogbot_logtool.core.scene.support_scene import SupportScene, support_scene
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.recording import in_time_order
-from dogbot_logtool.robot.frames.world_frames import frame_findings
 from dogbot_logtool.writer.annotations import AnnotationColumns
-
-
-@dataclass(frozen=True, slots=True)
-class DrawnCounts:
-    """Annotations of a span, or of the whole log, that lack something."""
-
-    arrows: ArrowCounts = field(default_factory=ArrowCounts)
-    support_unknown: int = 0
-    """Support messages without a polygon: contact or contact point of some foot unknown."""
-    support_unweighed: int = 0
-    """Support messages with a polygon, but a vertical force unknown."""
-
-    def __add__(self, other: "DrawnCounts") -> "DrawnCounts":
-        return DrawnCounts(
-            self.arrows + other.arrows,
-            self.support_unknown + other.support_unknown,
-            self.support_unweighed + other.support_unweighed,
-        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,24 +63,18 @@ class Scene:
 
 
 def draw(
-    plan: ConversionPlan,
-    recording: Recording,
-    stats: Stats,
-    metrics: WalkMetrics,
-    end: int,
-    recorded: Arrows,
+    plan: ConversionPlan, stats: Stats, metrics: WalkMetrics, end: int, recorded: Arrows
 ) -> Scene:
     """Prepare what is drawn of a walk.
 
     Args:
         plan: what is drawn.
-        recording: the columns that were measured.
         stats: what was measured.
         metrics: made of that; contact that findings void is not known.
         end: ns, log time of the log's last message.
         recorded: arrows of contact states, for a style that draws these.
     """
-    opening = 0 if plan.opening is None else plan.opening
+    recording, opening = stats.recording, 0 if plan.opening is None else plan.opening
     samples, findings = _placed(plan, recording, stats)
     feet = _feet(plan, samples, stats, metrics)
     poses = recording.base.pick(usable_poses(recording.base))
@@ -137,8 +113,9 @@ def _placed(
     # Forces are in the world already, as far as they can be turned.
     links, clock = (None,) * len(points), stats.settings.clock
     frames = replace(plan.frames, points=points, links=links, clock=clock)
-    placed = frames.place(recording.feet, frames.tracks(recording.transforms, recording.base))
-    return placed.samples, tuple(frame_findings(frames, placed))
+    tracks = frames.tracks(recording.transforms, recording.base)
+    samples, counts = frames.place(recording.feet, tracks)
+    return samples, tuple(transform_findings(frames, counts))
 
 
 def _feet(
@@ -176,39 +153,47 @@ def _links(plan: ConversionPlan, recording: Recording, opening: int) -> list[Lin
 
 def annotations_between(
     scene: Scene, start: int, end: int
-) -> tuple[AnnotationColumns, DrawnCounts]:
-    """Return what is drawn from a log time on and before another, ns."""
-    plan = scene.plan
-    feet = [(foot, foot.between(start, end)) for foot in scene.feet]
+) -> tuple[AnnotationColumns, Counter[str]]:
+    """Return what is drawn from a log time on and before another, ns.
+
+    Returns:
+        annotations, and how many lack something: arrows as in `core/scene/arrows.py`,
+        ``support_unknown`` without a polygon, since contact or contact point of some foot is
+        unknown, ``support_unweighed`` with a polygon, but a vertical force unknown.
+    """
+    plan, opening = scene.plan, scene.opening
+    feet = [(foot, _rows(foot.samples.log_time, start, end)) for foot in scene.feet]
     with_force = [each for each in feet if each[0].has_force]
     if scene.recorded is None:
         drawn = [_arrows(scene, *each) for each in with_force]
     else:
         own = picked(scene.recorded, _rows(scene.recorded.log_time, start, end))
-        drawn = [([own], ArrowCounts())]
+        drawn = [([own], Counter[str]())]
     rows = _rows(scene.poses.log_time, start, end)
     poses = picked(scene.poses, rows)
     opens = rows.start == 0 < rows.stop
-    support = _support(scene, poses, opens=opens) if plan.draws_support else []
-    hips, transforms = plan.description.hips, base_transforms(poses)
-    opening = scene.opening if opens else None
+    support = _support(scene, poses, opens=opens) if plan.draws_support else None
+    transforms, legs = base_transforms(poses), []
+    if opens:
+        transforms = transforms_from_opening(transforms, opening)
+    if plan.description.hips is not None:
+        lines = leg_lines(poses, scene.feet, plan.description.hips)
+        legs = [from_opening(lines, opening) if opens else lines]
     columns = AnnotationColumns(
-        transforms if opening is None else from_opening(transforms, opening),
+        transforms,
         [arrows for of_foot, _ in drawn for arrows in of_foot],
         [
-            *(foot_loads(*each, plan.body_weight_n, scene.opening) for each in feet),
+            *(foot_loads(*each, plan.body_weight_n, opening) for each in feet),
             picked(scene.silences, _rows(scene.silences.log_time, start, end)),
         ],
-        support,
+        [] if support is None else [support],
         [foot_labels(*each) for each in with_force],
-        [] if hips is None else [leg_lines(poses, scene.feet, hips, opening)],
+        legs,
         [each.pick(_rows(each.log_time, start, end)) for each in scene.links],
     )
-    counts = DrawnCounts(
-        sum((counts for _, counts in drawn), ArrowCounts()),
-        sum(each.unknown for each in support),
-        sum(each.unweighed for each in support),
-    )
+    counts = sum((skipped for _, skipped in drawn), Counter[str]())
+    if support is not None:
+        counts += Counter(support_unknown=support.unknown, support_unweighed=support.unweighed)
     return columns, counts
 
 
@@ -218,38 +203,40 @@ def _rows(log_time: Ints, start: int, end: int) -> slice:
     return slice(first, behind)
 
 
-def _arrows(scene: Scene, foot: DrawnFoot, rows: slice) -> tuple[list[Arrows], ArrowCounts]:
+def _arrows(scene: Scene, foot: DrawnFoot, rows: slice) -> tuple[list[Arrows], Counter[str]]:
     """Return the arrows of samples that touch, and the removals of all others."""
-    touching = foot.touching[rows]
+    plan, touching = scene.plan, foot.touching[rows]
     samples = foot.samples.pick(rows.start + np.flatnonzero(touching))
     samples = replace(
         samples,
         force=samples.force.astype(np.float64),
         normal=samples.normal.astype(np.float64),
     )
-    drawn, skipped = scene.plan.style.compute(
-        ArrowInput(
+    if plan.style.along_force:
+        drawn, skipped = force_arrows(
             samples,
-            None,
-            foot.force_in_world,
-            scene.plan.body_weight_n,
-            scene.plan.arrow_scale,
+            force_in_world=foot.force_in_world,
+            body_weight_n=plan.body_weight_n,
+            scale=plan.arrow_scale,
         )
-    )
-    removed = removals(foot.samples.pick(rows.start + np.flatnonzero(~touching)))
-    return [drawn, removed], skipped
+    else:
+        drawn, skipped = pressure_arrows(samples, plan.arrow_scale)
+    return [drawn, removals(foot.samples.pick(rows.start + np.flatnonzero(~touching)))], skipped
 
 
-def _support(scene: Scene, poses: Odometry, *, opens: bool) -> list[SupportScene]:
+def _support(scene: Scene, poses: Odometry, *, opens: bool) -> SupportScene:
     """Return what the robot stands on at poses, and at the log's first time.
 
     At poses before every foot has sent a message nothing is known: what follows at once stands at
-    the log's first time instead.
+    the log's first time instead, as the first of all poses does.
     """
-    plan, feet, opening = scene.plan, scene.feet, scene.opening
-    com_offset_m = plan.selection.robot.com_offset_m or (0.0, 0.0, 0.0)
-    known = (poses.log_time >= scene.known_from) & (poses.log_time > opening)
-    later = support_scene(poses.pick(known), feet, com_offset_m)
-    if not opens:
-        return [later]
-    return [opening_support(poses, feet, opening, scene.known_from, com_offset_m), later]
+    opening, known_from = scene.opening, scene.known_from
+    first = [0] if opens and poses.log_time[0] - opening <= NEAR_NS else []
+    known = np.flatnonzero((poses.log_time >= known_from) & (poses.log_time > opening))
+    poses = poses.pick(np.array([*first, *known], np.int64))
+    log_time, stamp, looked_up = poses.log_time.copy(), poses.time.copy(), poses.log_time.copy()
+    log_time[: len(first)] = stamp[: len(first)] = opening
+    looked_up[: len(first)] = np.maximum(looked_up[: len(first)], known_from)
+    com_offset_m = scene.plan.selection.robot.com_offset_m or (0.0, 0.0, 0.0)
+    support = support_scene(replace(poses, log_time=looked_up), scene.feet, com_offset_m)
+    return replace(support, log_time=log_time, stamp=stamp)

@@ -6,16 +6,17 @@ order of time, which is how viewers read a file. A file that was cut off in a tr
 recorded messages.
 """
 
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import closing
 from typing import BinaryIO
 
 from mcap import records
 
-from dogbot_logtool.conversion.annotate import DrawnCounts, Scene
+from dogbot_logtool.conversion.annotate import Scene
 from dogbot_logtool.conversion.copying import CopiedSpan
 from dogbot_logtool.conversion.writing import SpanWriter, time_spans
-from dogbot_logtool.core.scene.arrows import ArrowCounts, Arrows, no_arrows
+from dogbot_logtool.core.scene.arrows import Arrows, no_arrows
 from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
@@ -46,7 +47,7 @@ class AnnotatedLog:
         self._log, self._options = log, options
         self._writer = McapWriter(file, profile)
         self._arrows = GrowingColumns[Arrows]()
-        self._arrow_counts = ArrowCounts()
+        self._arrow_counts = Counter[str]()
         if options.copy:
             copied = {n: c for n, c in log.channels.items() if n not in left_out}
             schemas = {c.schema.id: c.schema for c in copied.values() if c.schema is not None}
@@ -77,7 +78,7 @@ class AnnotatedLog:
         annotations: Annotations,
         progress: OnProgress | None = None,
         start: Start | None = None,
-    ) -> DrawnCounts:
+    ) -> Counter[str]:
         """Write everything that is drawn of the walk.
 
         Args:
@@ -91,7 +92,7 @@ class AnnotatedLog:
         if plan.description.urdf is not None and plan.opening is not None:
             message = annotations.robot_description(plan.description.urdf, plan.opening)
             self._writer.add_chunk(finish_chunk(message, plan.options.compression or "zstd"))
-        counts, spans = DrawnCounts(self._arrow_counts), time_spans(scene)
+        counts, spans = self._arrow_counts.copy(), time_spans(scene)
         work = SpanWriter(scene, annotations)
         with closing(in_order(work, self._log, spans, plan.options.jobs, start)) as results:
             for number, result in enumerate(results, 1):

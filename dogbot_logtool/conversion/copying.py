@@ -1,12 +1,13 @@
 """What is made of recorded messages while they are read: copies, byte for byte, and arrows."""
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from fnmatch import fnmatchcase
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import concatenated
-from dogbot_logtool.core.scene.arrows import ArrowCounts, Arrows, classic_arrows, no_arrows
+from dogbot_logtool.core.scene.arrows import Arrows, classic_arrows, no_arrows
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
@@ -16,7 +17,7 @@ from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Batch, Channel, LoadedChunk, Log, Messages
 from dogbot_logtool.reader.messages.contact_messages import read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.writer.chunks import (
     Compression,
     FinishedChunk,
@@ -35,7 +36,7 @@ class CopiedSpan:
     chunks: tuple[FinishedChunk, ...]
     arrows: Arrows
     """Of contact states as they are recorded, for a style that draws these."""
-    counts: ArrowCounts
+    counts: Counter[str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,8 +60,8 @@ class Copier:
         chunks = copied_chunks(log, kept, self.compression) if self.copies else ()
         return CopiedSpan(tuple(chunks), arrows, counts)
 
-    def _arrows(self, batch: Batch) -> tuple[Arrows, ArrowCounts]:
-        found, counts = [no_arrows()], ArrowCounts()
+    def _arrows(self, batch: Batch) -> tuple[Arrows, Counter[str]]:
+        found, counts = [no_arrows()], Counter[str]()
         if self.drawn:
             for decoded in read_contacts(batch.in_time_order(), self.drawn, self.feet):
                 if decoded.reduced.contacts is not None:

@@ -7,21 +7,21 @@ from typing import Final
 from dogbot_logtool.conversion.copying import channels_left_out, copy_findings
 from dogbot_logtool.core.checks.sensors import sensor_findings
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, ArrowStyle
 from dogbot_logtool.core.settings import body_weight_n
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.world_frames import WorldFrames
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.robot.frames.world_frames import WorldFrames, follow_frames
-from dogbot_logtool.robot.probe import Probe, frame_names, usable_clock
-from dogbot_logtool.robot.probe_findings import probe_findings
+from dogbot_logtool.robot.places import sensor_points
 from dogbot_logtool.robot.robot_model.description import RobotDescription, robot_description
-from dogbot_logtool.robot.sensors import LearntSensors
+from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.time_span import time_limits
-from dogbot_logtool.robot.topics.selection import Selection
 from dogbot_logtool.writer.encodings.registry import ENCODINGS, OutputEncoding
 
 _MOST_FEET: Final = 16
@@ -55,55 +55,48 @@ class ConversionPlan:
 
 
 def make_plan(
-    log: Log, selection: Selection, probe: Probe, learnt: LearntSensors, options: ConvertOptions
+    log: Log, selection: Selection, walk: Stats, options: ConvertOptions
 ) -> ConversionPlan:
     """Decide what to do.
 
     Args:
         log: the log.
         selection: its topics.
-        probe: what was seen of its frames.
-        learnt: how the feet's sensors read.
+        walk: what was measured.
         options: what the user asks for.
 
     Raises:
         CallError: the log has no such time; the file of the robot cannot be read.
     """
     style, encoding = ARROW_STYLES[options.style], ENCODINGS[options.encoding]
-    robot = selection.robot
-    findings = [*selection.findings, *probe_findings(selection, probe)]
-    world, base = frame_names(robot, probe)
-    wrench_frame = _wrench_frame(probe, robot.wrench_frame)
+    robot, settings, frames = selection.robot, walk.settings, walk.frames
+    findings = [*selection.findings]
     known_weight_n = body_weight_n(robot.mass_kg)
-    weight_n = known_weight_n or learnt.estimated_weight_n
-    findings.extend(sensor_findings([foot.name for foot in robot.feet], learnt.feet, weight_n))
-    draws_support = _can_draw_support(selection, probe, findings)
-    frames = follow_frames(
-        selection,
-        probe,
-        world,
-        base,
-        usable_clock(selection, probe),
-        turn_forces=wrench_frame is WrenchFrame.LINK,
-        place_sensors=True,
-    )
+    weight_n = known_weight_n or settings.estimated_weight_n
+    sensors = [settings.sensor(row) for row in range(len(robot.feet))]
+    findings.extend(sensor_findings([foot.name for foot in robot.feet], sensors, weight_n))
+    draws_support = _can_draw_support(selection, walk, findings)
+    turns = settings.wrench_frame is WrenchFrame.LINK
+    links = frames.links if turns else (None,) * len(robot.feet)
+    placed = frames.follow(settings, links, sensor_points(selection, frames))
     # A scale of the robot's file has colours of its own.
     scale_n = known_weight_n if robot.newtons_per_metre is not None else weight_n
-    findings.extend(_arrow_findings(selection, style, frames, wrench_frame, scale_n))
+    findings.extend(_arrow_findings(selection, style, placed, settings.wrench_frame, scale_n))
     left_out = channels_left_out(log, options)
     findings.extend(copy_findings(log, options, left_out))
     start_time, _ = time_limits(log, options.start, options.end)
-    description = robot_description(log, selection, probe, base, options.urdf, copy=options.copy)
+    base = frames.base
+    description = robot_description(log, selection, frames, base, options.urdf, copy=options.copy)
     findings.extend(description.findings)
     return ConversionPlan(
         selection=selection,
         options=options,
         style=style,
         encoding=encoding,
-        world_frame=world,
+        world_frame=frames.world,
         base_frame=base,
-        write_tf=writes_tf(selection, probe, options, (world, base), left_out, findings),
-        frames=frames,
+        write_tf=writes_tf(selection, frames, options, left_out, findings),
+        frames=placed,
         body_weight_n=known_weight_n,
         arrow_scale=arrow_scale(robot.newtons_per_metre, weight_n, description.height_m),
         draws_support=draws_support,
@@ -135,9 +128,9 @@ def _arrow_findings(
         weight_n: N, by which arrows may be coloured; None: not known.
     """
     yield from _without_points(selection, frames)
-    if style.needs_directions and wrench_frame is not WrenchFrame.WORLD:
+    if style.along_force and wrench_frame is not WrenchFrame.WORLD:
         yield from _magnitude_only(selection, frames)
-    if style.coloured_by_weight and not weight_n:
+    if style.along_force and not weight_n:
         text = "the robot's mass is unknown: arrows are coloured by newtons (give it with --mass)"
         yield Finding("MASS_UNKNOWN", text)
     if style.needs_contact_states:
@@ -156,11 +149,6 @@ def refuse_unknown_names(options: ConvertOptions) -> None:
     ):
         if name not in known:
             raise CallError(f"there is no {kind} {name!r}; known: {', '.join(known)}")
-
-
-def _wrench_frame(probe: Probe, given: str) -> WrenchFrame:
-    """Return the frame of the recorded wrenches: the given one, else that the probe found."""
-    return probe.wrench_frame.frame if given == "auto" else WrenchFrame(given)
 
 
 def _without_points(selection: Selection, frames: WorldFrames | None) -> Iterator[Finding]:
@@ -212,16 +200,15 @@ def _without_states(selection: Selection, style: ArrowStyle) -> list[Finding]:
 
 def writes_tf(
     selection: Selection,
-    probe: Probe,
+    frames: KnownFrames,
     options: ConvertOptions,
-    frames: tuple[str, str],
     left_out: frozenset[int],
     findings: list[Finding],
 ) -> bool:
     """Tell whether `/tf` is written; a finding says why not."""
     if not selection.has_base or options.tf == "never":
         return False
-    world, base = frames
+    world, base = frames.world, frames.base
     may_repeat = options.tf == "always"
     from_transforms = selection.base is not None and selection.base.source.is_transform
     if from_transforms and not may_repeat and _copies(selection.odometry, options, left_out):
@@ -229,7 +216,7 @@ def writes_tf(
         findings.append(Finding("TF_NOT_WRITTEN", text))
         return False
     # The same transform twice is harmless; only another parent breaks the tree.
-    others = probe.parents.get(base, frozenset()) - {world}
+    others = frames.parents.get(base, frozenset()) - {world}
     if others and not may_repeat and _copies(selection.transforms, options, left_out):
         findings.append(_second_parent(base, sorted(others)))
         return False
@@ -249,7 +236,7 @@ def _second_parent(base: str, parents: list[str]) -> Finding:
     return Finding("TF_NOT_WRITTEN", text, cases=("other_parent",))
 
 
-def _can_draw_support(selection: Selection, probe: Probe, findings: list[Finding]) -> bool:
+def _can_draw_support(selection: Selection, walk: Stats, findings: list[Finding]) -> bool:
     """Tell whether the log has what support needs; a finding says what it lacks."""
     robot = selection.robot
     why_not = ""
@@ -262,7 +249,8 @@ def _can_draw_support(selection: Selection, probe: Probe, findings: list[Finding
     if why_not:
         findings.append(Finding("NO_SUPPORT_DRAWN", f"/support is not written: {why_not}"))
         return False
-    idle = [foot.name for number, foot in enumerate(robot.feet) if number not in probe.touching]
+    pairs = zip(robot.feet, walk.recording.feet, strict=True)
+    idle = [foot.name for foot, samples in pairs if not samples.in_contact.any()]
     if idle:
         text = f"no contact was seen of {', '.join(idle)}: /support has no polygon"
         findings.append(Finding("NO_SUPPORT_DRAWN", text))

@@ -11,7 +11,6 @@ from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import file_name
 from dogbot_logtool.provenance import PROVENANCE
 from dogbot_logtool.reader.containers.log import Log, Loss, lost_messages
-from dogbot_logtool.robot.topics.annotated import annotations_left_out
 from dogbot_logtool.writer.mcap_writer import metadata_record
 
 _LONGEST_NUMBER: Final = 18
@@ -84,7 +83,7 @@ def _loss(log: Log, losses: Sequence[Loss]) -> dict[str, object]:
 
 
 def _earlier(log: Log) -> Sequence[Mapping[str, str]]:
-    annotations = annotations_left_out(log)
+    annotations = log.annotations
     return annotations.records if annotations else ()
 
 

@@ -1,11 +1,12 @@
 """The annotated log: the recorded messages first, then what is drawn of the walk, span by span."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import field
 
 import numpy as np
 
-from dogbot_logtool.conversion.annotate import DrawnCounts, Scene, annotations_between
+from dogbot_logtool.conversion.annotate import Scene, annotations_between
 from dogbot_logtool.conversion.plan import ConversionPlan
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.scene.styles import LIFETIME_S
@@ -35,7 +36,7 @@ class WrittenSpan:
     """The annotations of a span of log time as chunks of the output."""
 
     chunks: tuple[FinishedChunk, ...]
-    counts: DrawnCounts
+    counts: Counter[str]
 
 
 def time_spans(scene: Scene) -> list[TimeSpan]:

@@ -19,7 +19,7 @@ Flags = NDArray[np.bool_]
 Bytes = NDArray[np.uint8]
 
 
-def norms(vectors: Floats) -> Floats:
+def norms(vectors: Floats | Float32s) -> Floats:
     """Euclidean lengths.
 
     Squares by multiplication and sums left to right, so that the result equals
@@ -31,7 +31,7 @@ def norms(vectors: Floats) -> Floats:
     Returns:
         (n,), the same unit. Overflow gives inf, NaN stays NaN.
     """
-    x, y, z = vectors[:, 0], vectors[:, 1], vectors[:, 2]
+    x, y, z = (column.astype(np.float64, copy=False) for column in vectors.T)
     with np.errstate(over="ignore", invalid="ignore"):
         length: Floats = np.sqrt(x * x + y * y + z * z)
     return length

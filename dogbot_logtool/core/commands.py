@@ -6,6 +6,7 @@ until the next, but not beyond a time-out.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -18,7 +19,6 @@ from dogbot_logtool.core.metrics import Commands, Tracking, Turning
 from dogbot_logtool.core.records import Number
 from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.core.vectors import Integral, VectorHistory
-from dogbot_logtool.dataclass import dataclass
 
 TRACKING_HZ: Final = 50.0
 """Commanded and measured velocity are compared so often."""
@@ -138,20 +138,21 @@ def follow_commands(
     axes, velocity = _in_axes(history, held, time, window, measured, forward_axis)
     command = _command(held, velocity)
     longest = timespans.hold_window(holds, time, half + max(_DELAYS_NS), half)
-    opposed = [
-        name
-        for axis, name in enumerate(AXES)
-        if (axes or axis == 2)
-        and longest.sum() / TRACKING_HZ >= _FEWEST_WINDOWS * window / 1e9
-        and _is_opposed(command, axis, time[longest], measured[longest, axis], window)
-    ]
+    opposed = []
+    if longest.sum() / TRACKING_HZ >= _FEWEST_WINDOWS * window / 1e9:
+        late = [command.mean(time[longest] - delay, window) for delay in _DELAYS_NS]
+        opposed = [
+            name
+            for axis, name in enumerate(AXES)
+            if (axes or axis == 2)
+            and all(_oppose(measured[longest, axis], each[:, axis]) for each in late)
+        ]
     still = np.abs(velocity) <= ZERO
     ahead = (np.abs(velocity[:, 0]) >= STRAIGHT_MPS) & still[:, 1:].all(axis=1)
-    spans = {
-        "straight": [timespans.merge(held[ahead])] if axes else [],
-        "in place": [timespans.merge(held[still.all(axis=1)]), stepping],
-    }
-    drifts = {name: _drift(time, measured, each, half) for name, each in spans.items() if each}
+    spans = {"in place": [timespans.merge(held[still.all(axis=1)]), stepping]}
+    if axes:
+        spans = {"straight": [timespans.merge(held[ahead])]} | spans
+    drifts = {name: _drift(time, measured, each, half) for name, each in spans.items()}
     return CommandTrack(
         history=history,
         axes=axes,
@@ -208,44 +209,26 @@ def _in_axes(
     Returns:
         The axes, see `CommandTrack`, and (n, 3) velocities in the robot's own.
     """
-    in_world = not _WORLD_FRAMES.isdisjoint(name.strip("/") for name in history.frames)
     turn_rad = FORWARD_ANGLES[forward_axis]
+    if not _WORLD_FRAMES.isdisjoint(name.strip("/") for name in history.frames):
+        return None, history.vector
+    if turn_rad == 0.0:
+        return "forward", history.vector
     forward, left = along_heading(history.vector, np.full(len(history.time), turn_rad))
-    readings = {
-        "forward": history.vector,
-        "body": np.stack([forward, left, history.vector[:, 2]], axis=1),
-    }
-    if in_world or turn_rad == 0.0:
-        return None if in_world else "forward", readings["forward"]
+    turned = np.stack([forward, left, history.vector[:, 2]], axis=1)
+    readings = {"forward": history.vector, "body": turned}
     means = {key: _command(held, each).mean(time, window_ns) for key, each in readings.items()}
-    errors = {key: _rms((measured - each)[:, :2]) for key, each in means.items()}
-    better, worse = sorted(errors, key=lambda key: errors[key])
-    told = errors[better] <= _CLEARLY * errors[worse] or not means[worse][:, :2].any()
+    squares = {key: ((measured - each)[:, :2] ** 2).sum() for key, each in means.items()}
+    better, worse = sorted(readings, key=squares.__getitem__)
+    told = squares[better] <= _CLEARLY**2 * squares[worse] or not means[worse][:, :2].any()
     return better if told else None, readings[better]
 
 
-def _rms(vectors: Floats) -> float:
-    """Return the root mean square length of vectors, (n, 2); 0 of none."""
-    return float(np.sqrt((vectors * vectors).sum(axis=1).mean())) if len(vectors) else 0.0
-
-
-def _is_opposed(command: Integral, axis: int, time: Ints, measured: Floats, window_ns: int) -> bool:
-    """Tell whether the base does the opposite of the command, however late it follows.
-
-    Args:
-        command: to be averaged.
-        axis: column of the velocities.
-        time: (n,) ns, with a command for long enough.
-        measured: (n,) m/s or rad/s.
-        window_ns: ns that is averaged over.
-    """
-    for delay in _DELAYS_NS:
-        commanded = command.mean(time - delay, window_ns)[:, axis]
-        if min(measured.std(), commanded.std()) < _LEAST_CHANGE:
-            return False
-        if float(np.corrcoef(measured, commanded)[0, 1]) > OPPOSED:
-            return False
-    return True
+def _oppose(measured: Floats, commanded: Floats) -> bool:
+    """Tell whether what is measured, (n,), does the opposite of what is commanded, (n,)."""
+    if min(measured.std(), commanded.std()) < _LEAST_CHANGE:
+        return False
+    return float(np.corrcoef(measured, commanded)[0, 1]) <= OPPOSED
 
 
 def _drift(time: Ints, measured: Floats, spans: list[Ints], half_ns: int) -> Floats | None:

@@ -1,11 +1,11 @@
 """The polygon of feet on the ground, seen from above: margin and centre of pressure."""
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats
-from dogbot_logtool.dataclass import dataclass
 
 NEAR_NS: Final = 60_000_000
 """ns: a foot's row further from an instant than this does not tell where it is then."""
@@ -64,22 +64,17 @@ def hulls(points: Floats) -> Hulls:
     return Hulls(point, along, edge, area)
 
 
-def margin_in_hull(points: Floats, body: Floats) -> Floats:
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")
+def margin_in(hull: Hulls, body: Floats) -> Floats:
     """Return the signed distance of a point to the edge of the convex hull of some others.
 
     Args:
-        points: (n, feet, 2) m; NaN where a foot is not down.
+        hull: of n times.
         body: (n, 2) m.
 
     Returns:
         (n,) m, positive inside, NaN where the points span no area.
     """
-    return margin_in(hulls(points), body)
-
-
-@np.errstate(over="ignore", invalid="ignore", divide="ignore")
-def margin_in(hull: Hulls, body: Floats) -> Floats:
-    """See `margin_in_hull`."""
     along, to = hull.along, (body.T[:, None] - hull.point)[:, :, None]
     inside = (~hull.edge | (_cross(along, to) >= 0.0)).all(axis=(0, 1))
     share = (along * to).sum(axis=0) / (along * along).sum(axis=0)

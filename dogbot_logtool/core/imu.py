@@ -8,29 +8,28 @@ which unit it reads, is told by gravity.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Ints, all_finite, distinct
+from dogbot_logtool.core.arrays import Floats, Ints, all_finite
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.stance_samples import PARTS
 from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
 from dogbot_logtool.core.metrics import Imu
 from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.vectors import Integral, VectorHistory
-from dogbot_logtool.dataclass import dataclass
 
 STANDING_WINDOW_S: Final = 0.5
 """s, what means are over in a log without strides."""
 SPARSE_NS: Final = 1_000_000_000
 """ns; readings further apart than this tell no acceleration."""
-LEAST_S: Final = 2.0
-"""s that all that is compared must be known for."""
+FEWEST: Final = round(2.0 * CELL_RATE_HZ)
+"""Instants, of 2 s, at which all that is compared must be known."""
 _CELL_NS: Final = round(1e9 / CELL_RATE_HZ)
 _SPEED_NS: Final = 50_000_000
 """ns before and after: the base's speed is its way over this time."""
@@ -69,7 +68,7 @@ class Reading(StrEnum):
     WITHOUT_GRAVITY = "without gravity"
     NOTHING = "nothing"
     OTHER_SCALE = "another scale"
-    UNCLEAR = "not what attitude and gravity say"
+    UNCLEAR = "unclear"
 
 
 _COMPARABLE: Final = frozenset({Reading.SOUND, Reading.IN_G, Reading.WITHOUT_GRAVITY})
@@ -138,13 +137,9 @@ class ImuComparison:
 
     def metrics(self) -> Imu:
         """Return what the accelerometer says of forces and poses."""
-        return Imu(
-            topic=self.topic,
-            known_s=self.known_s,
-            accelerometer_mps2=self.mounting.mean_mps2,
-            tilt_rad=self.mounting.tilt_rad,
-            forces_over_accelerometer=None if self.forces is None else self.forces.ratio,
-        )
+        ratio = None if self.forces is None else self.forces.ratio
+        seat = self.mounting
+        return Imu(self.topic, self.known_s, seat.mean_mps2, seat.tilt_rad, ratio)
 
 
 def compare_imu(
@@ -179,17 +174,17 @@ def compare_imu(
     rows = np.flatnonzero(all_finite(angles))
     if len(rows) < 2:
         return None
-    at, attitude = sensed.time[rows], from_roll_pitch_yaw(angles[rows])
-    body = sensed.vector[rows]
+    at, attitude, body = sensed.time[rows], from_roll_pitch_yaw(angles[rows]), sensed.vector[rows]
     if mounting is not None:
         body = rotate(np.array([mounting]), body)
     half = round((period_s or STANDING_WINDOW_S) * 5e8)
-    masks = timespans.merge(np.concatenate([jumps, fallen]))
-    known = timespans.intersect([_spoken(at, sensed.gap_ns), base.known])
-    known = timespans.subtract(known, masks)
+    silent = np.flatnonzero(np.diff(at) > min(sensed.gap_ns, SPARSE_NS))
+    gaps = np.stack([at[silent], at[silent + 1]], axis=1)
+    known = timespans.intersect([at[[0, -1]][None, :], base.known])
+    known = timespans.subtract(known, timespans.merge(np.concatenate([gaps, jumps, fallen])))
     time = timespans.ticks(known, _CELL_NS)
     time = time[timespans.hold_window(known, time, half + _SPEED_NS, half + _SPEED_NS)]
-    if len(time) < LEAST_S * CELL_RATE_HZ:
+    if len(time) < FEWEST:
         return None
     poses = _acceleration(base, time, half)
     up = rotate(conjugate(attitude), np.broadcast_to([0.0, 0.0, GRAVITY_MPS2], body.shape))
@@ -200,28 +195,13 @@ def compare_imu(
     if seat.reading in _COMPARABLE:
         level = rotate(attitude, rotate(np.array([seat.turn]), body))
         level *= GRAVITY_MPS2 if seat.reading is Reading.IN_G else 1.0
-        world = _integral(at, level)
-        turn_rad = find_turn(world.mean(time, 2 * half)[:, :2], poses[:, :2])
-        lacks_mps2 = GRAVITY_MPS2 if seat.reading is Reading.WITHOUT_GRAVITY else 0.0
+        level[:, 2] += GRAVITY_MPS2 if seat.reading is Reading.WITHOUT_GRAVITY else 0.0
+        world, horizontal = _integral(at, level), poses[:, :2]
+        turn_rad = find_turn(world.mean(time, 2 * half)[:, :2], horizontal)
         if mass_kg is not None:
-            forces = _compare_forces(
-                feet, mass_kg, world, lacks_mps2, time, half, poses[:, :2], strides
-            )
-    return ImuComparison(
-        topic=sensed.topic,
-        mounting_recorded=mounting is not None,
-        known_s=len(time) / CELL_RATE_HZ,
-        mounting=seat,
-        turned_rad=turn_rad,
-        forces=forces,
-    )
-
-
-def _spoken(time: Ints, gap_ns: float) -> Ints:
-    """(k, 2) ns, the time between readings without gaps."""
-    silent = np.flatnonzero(np.diff(time) > min(gap_ns, SPARSE_NS))
-    gaps = np.stack([time[silent], time[silent + 1]], axis=1)
-    return timespans.subtract(time[[0, -1]][None, :], gaps)
+            forces = _compare_forces(feet, mass_kg, world, time, half, horizontal, strides)
+    seconds = len(time) / CELL_RATE_HZ
+    return ImuComparison(sensed.topic, mounting is not None, seconds, seat, turn_rad, forces)
 
 
 def _integral(time: Ints, values: Floats) -> Integral:
@@ -291,11 +271,9 @@ def find_turn(first: Floats, second: Floats) -> float | None:
         rad about the vertical, to the left, where they are one acceleration in two directions; None
         where they are not, or either hardly accelerates.
     """
-    if not len(first):
-        return None
     one, other = (each[:, 0] + 1j * each[:, 1] for each in (first, second))
     sizes = [float((np.abs(each) ** 2).sum()) for each in (one, other)]
-    if min(sizes) < len(one) * MOVES_MPS2**2:
+    if not len(first) or min(sizes) < len(one) * MOVES_MPS2**2:
         return None
     product = complex(np.vdot(other, one))
     angle = float(np.angle(product))
@@ -307,7 +285,6 @@ def _compare_forces(
     feet: Sequence[FootHistory],
     mass_kg: float,
     world: Integral,
-    lacks_mps2: float,
     time: Ints,
     half_ns: int,
     poses: Floats,
@@ -318,8 +295,7 @@ def _compare_forces(
     Args:
         feet: histories of all feet.
         mass_kg: of the robot.
-        world: of the levelled accelerometer, m/s along the world's axes.
-        lacks_mps2: gravity that is not in its readings.
+        world: of the levelled accelerometer, gravity included, m/s along the world's axes.
         time: (n,) ns, 25 a second: means over the window about them are known.
         half_ns: half of the window, which is a stride.
         poses: (n, 2) m/s^2, means of the base's horizontal acceleration from poses.
@@ -331,25 +307,26 @@ def _compare_forces(
     known = timespans.intersect([strides, *(foot.vertical_known for foot in feet)])
     rows = timespans.hold_window(known, time, half_ns, half_ns)
     time, poses = time[rows], poses[rows]
-    if len(time) < LEAST_S * CELL_RATE_HZ:
+    if len(time) < FEWEST:
         return None
-    expected = mass_kg * (float(world.mean(time, 2 * half_ns)[:, 2].mean()) + lacks_mps2)
-    cells = time + _CELL_NS // 2
-    wanted = mass_kg * (world.mean(cells, _CELL_NS // 2 * 2)[:, 2] + lacks_mps2)
-    is_common, odd_foot = odd_scale(
-        mean_impulses(feet, "vertical_impulse", cells, _CELL_NS // 2), wanted, mass_kg
-    )
+    expected = mass_kg * float(world.mean(time, 2 * half_ns)[:, 2].mean())
+    cells, half_cell = time + _CELL_NS // 2, _CELL_NS // 2
+    wanted = mass_kg * world.mean(cells, 2 * half_cell)[:, 2]
+    by_cell = mean_impulses(feet, "vertical_impulse", cells, half_cell)
+    is_common, odd_foot = odd_scale(by_cell, wanted, mass_kg)
     vertical, magnitude = (
         float(mean_impulses(feet, impulse, time, half_ns).sum(axis=1).mean())
         for impulse in ("vertical_impulse", "force_impulse")
     )
-    sideways, told = _horizontal_impulses(feet)
-    held = timespans.hold_window(told, time, half_ns, half_ns)
-    pushed = sideways.mean(time[held], 2 * half_ns) / mass_kg
+    pushed = np.zeros((len(time), 2))
+    for foot in loaded:
+        standing = foot.down & np.isfinite(foot.track.vertical_force)
+        force = np.where(standing[:, None], foot.track.horizontal_force, 0.0)
+        pushed += _integral(foot.track.time, force).mean(time, 2 * half_ns) / mass_kg
     return ForceComparison(
         ratio=vertical / expected,
         magnitude_ratio=magnitude / expected,
-        turned_rad=find_turn(pushed, poses[held]),
+        turned_rad=find_turn(pushed, poses),
         is_common=is_common,
         odd_foot=odd_foot,
     )
@@ -390,30 +367,3 @@ def odd_scale(
 
 def _rms(values: Floats) -> float:
     return float(np.sqrt((values * values).mean()))
-
-
-def _horizontal_impulses(feet: Sequence[FootHistory]) -> tuple[Integral, Ints]:
-    """Add up the horizontal forces of all feet, from the parts of their stances.
-
-    Returns:
-        N s along the world's x and y, and the time in which they are known, (k, 2) ns.
-    """
-    known = timespans.intersect([foot.known for foot in feet])
-    origin = min(int(foot.stances.touchdown[0]) for foot in feet if len(foot.stances.touchdown))
-    curves = []
-    for foot in feet:
-        stances, forces = foot.stances, foot.stance_forces[:, :2]
-        told = np.isfinite(forces).all(axis=(1, 2))
-        spans = np.stack([stances.touchdown, stances.liftoff], axis=1)
-        known = timespans.subtract(known, timespans.merge(spans[~told]))
-        begin, end = (spans[told] - origin).T
-        knots = np.linspace(begin, end, PARTS + 1, axis=1)
-        each = np.zeros((len(knots), PARTS + 1, 2))
-        each[:, 1:] = forces[told].transpose(0, 2, 1) * np.diff(knots)[:, :, None] / 1e9
-        total = np.cumsum(each.reshape(-1, 2), axis=0)
-        curves.append((np.append(0.0, knots), np.concatenate([np.zeros((1, 2)), total])))
-    time = distinct(np.concatenate([knots for knots, _ in curves]))
-    total = np.zeros((len(time), 2))
-    for knots, sums in curves:
-        total += np.stack([np.interp(time, knots, along) for along in sums.T], axis=1)
-    return Integral(origin, time, total), known

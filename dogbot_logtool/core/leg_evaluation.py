@@ -11,7 +11,7 @@ from dogbot_logtool.core.base.foot_path import FootPath
 from dogbot_logtool.core.corrections.clock import ClockDifference, too_far_apart
 from dogbot_logtool.core.frames.transforms import TransformBuffer
 from dogbot_logtool.core.gait.feet import FootSteps
-from dogbot_logtool.core.gait.support import typical_period_s
+from dogbot_logtool.core.gait.strides import typical_period_s
 from dogbot_logtool.core.legs.joints import JointTable, JointTrack, joint_tracks
 from dogbot_logtool.core.legs.legs import LegFigures, LegFoot, joint_curve, summed_work
 from dogbot_logtool.core.legs.paths import LegSettings, foot_path

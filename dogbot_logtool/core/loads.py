@@ -1,8 +1,7 @@
 """How the load is shared, whether it adds up to the weight, and what faults of sensors do to it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from enum import StrEnum
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -12,7 +11,6 @@ from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.leg_position import LegPosition
-from dogbot_logtool.dataclass import dataclass
 
 NEAR_ZERO: Final = 1e-9
 WEIGHT_TOLERANCE: Final = 0.05
@@ -38,13 +36,6 @@ CARRIED: Final = 0.05
 STUCK: Final = 0.99
 """Share of neighbouring loaded samples that are equal in a sensor that is stuck."""
 STUCK_SAMPLES: Final = 40
-
-
-class WeightSource(StrEnum):
-    """The origin of the weight that forces are compared with."""
-
-    MASS = "mass"
-    ESTIMATED = "estimated"
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,20 +77,44 @@ class WalkLoads:
         Hardly below 1, and little above it. None where vertical forces are known, or a foot's is
         missing.
         """
-        told = self.complete and self.over_strides and self.mean_vertical_n is None
+        return self._size_over_weight if self.mean_vertical_n is None else None
+
+    @property
+    def _size_over_weight(self) -> float | None:
+        told = self.complete and self.over_strides and self.body_weight_n
         if not told or not self.body_weight_n or self.mean_magnitude_n is None:
             return None
         return self.mean_magnitude_n / self.body_weight_n
 
     @property
-    def weight_refuted(self) -> bool:
-        """Whether forces miss the weight by over `REFUTED`, so that it is doubtful."""
+    def refuted(self) -> tuple[str, ...]:
+        """What forces that miss the weight refute, as the cases of the finding that says so.
+
+        ``direction``: the ratio misses 1; but the load on a foot that is never seen to touch may be
+        missing. ``shares``: likewise, or the sum of |F| is below the weight, or far above it.
+        ``vertical``: the feet's vertical force is so far below the weight that it is another one.
+        ``weight``: the mass is wrong, so that nothing rests on it; ``assumed``: that of a guessed
+        robot. ``units``: the sum of |F| is so far from the weight that forces are not in N.
+        """
         ratio, magnitude = self.vertical_impulse_over_weight, self.magnitude_over_weight
-        if magnitude is not None:
-            return abs(magnitude - 1.0) > REFUTED
-        if ratio is None:
-            return False
-        return ratio > 1.0 + REFUTED or (ratio < 1.0 - REFUTED and self.complete)
+        size = self._size_over_weight
+        tolerance = REFUTED if self.mass_is_assumed else WEIGHT_TOLERANCE
+        off = abs(ratio - 1.0) if ratio is not None and (self.complete or ratio > 1.0) else 0.0
+        least = 1.0 - max(tolerance, FALLS_SHORT)
+        misses = magnitude is not None and not least <= magnitude <= 1.0 + REFUTED
+        weight = off > REFUTED or (magnitude is not None and abs(magnitude - 1.0) > REFUTED)
+        units = size is not None and not NOT_THE_WEIGHT <= size <= 1.0 / NOT_THE_WEIGHT
+        is_little = off > tolerance and (ratio or 0.0) < NOT_THE_WEIGHT
+        downwards = ratio is None and (self.mean_vertical_n or 0.0) < 0.0
+        cases = {
+            "direction": off > tolerance,
+            "shares": off > tolerance or misses,
+            "vertical": is_little or downwards or units,
+            "weight": weight,
+            "assumed": weight and self.mass_is_assumed,
+            "units": units,
+        }
+        return tuple(case for case, holds in cases.items() if holds)
 
     @property
     def weight_n(self) -> float | None:
@@ -108,53 +123,16 @@ class WalkLoads:
         None where neither is known, or where all feet's forces miss the weight by over `REFUTED`.
         """
         if self.body_weight_n is not None:
-            return None if self.weight_refuted else self.body_weight_n
+            return None if "weight" in self.refuted else self.body_weight_n
         estimated = self.mean_vertical_n if self.over_strides and self.complete else None
         return estimated if estimated is not None and estimated > NEAR_ZERO else None
 
     @property
-    def weight_source(self) -> WeightSource | None:
-        """The origin of that weight."""
+    def weight_source(self) -> str | None:
+        """The origin of that weight, ``mass`` or ``estimated``."""
         if self.weight_n is None:
             return None
-        return WeightSource.ESTIMATED if self.body_weight_n is None else WeightSource.MASS
-
-    @property
-    def direction_refuted(self) -> bool:
-        """Whether the ratio misses 1 by so much that the direction of the forces is doubtful.
-
-        The load on a foot that is never seen to touch may be missing instead.
-        """
-        ratio = self.vertical_impulse_over_weight
-        if ratio is None or not (self.complete or ratio > 1.0):
-            return False
-        return abs(ratio - 1.0) > self._tolerance
-
-    @property
-    def magnitude_misses_weight(self) -> bool:
-        """Whether the sum of |F| is below the weight, or far above it: a wrong mass or sensor."""
-        magnitude = self.magnitude_over_weight
-        if magnitude is None:
-            return False
-        return magnitude < 1.0 - max(self._tolerance, FALLS_SHORT) or magnitude > 1.0 + REFUTED
-
-    @property
-    def other_units(self) -> bool:
-        """Whether the sum of |F| is so far from the weight that forces are not in N."""
-        if not (self.complete and self.over_strides and self.body_weight_n):
-            return False
-        if self.mean_magnitude_n is None:
-            return False
-        magnitude = self.mean_magnitude_n / self.body_weight_n
-        return not NOT_THE_WEIGHT <= magnitude <= 1.0 / NOT_THE_WEIGHT
-
-    @property
-    def vertical_refuted(self) -> bool:
-        """Whether the feet's vertical force is so far below the weight that it is another one."""
-        ratio = self.vertical_impulse_over_weight
-        if ratio is None:
-            return self.mean_vertical_n is not None and self.mean_vertical_n < 0.0
-        return self.direction_refuted and ratio < NOT_THE_WEIGHT
+        return "estimated" if self.body_weight_n is None else "mass"
 
     @property
     def may_be_tilted(self) -> bool:
@@ -163,19 +141,9 @@ class WalkLoads:
         if not vertical or magnitude is None or magnitude <= (1.0 + LEANS) * vertical:
             return False
         ratio = self.vertical_impulse_over_weight
-        if ratio is None or self.weight_source is not WeightSource.MASS:
+        if ratio is None or self.weight_source != "mass":
             return True
         return abs(magnitude / vertical * ratio - 1.0) < abs(ratio - 1.0) + CLEARLY
-
-    @property
-    def misses_weight(self) -> bool:
-        """Whether the feet's vertical impulse is not the weight: a wrong frame, sensor or mass."""
-        ratio = self.vertical_impulse_over_weight
-        return ratio is not None and abs(ratio - 1.0) > WEIGHT_TOLERANCE
-
-    @property
-    def _tolerance(self) -> float:
-        return REFUTED if self.mass_is_assumed else WEIGHT_TOLERANCE
 
 
 def vertical_is_known(foot: FootHistory) -> bool:
@@ -248,39 +216,34 @@ def loads_of(
         within: (w, 2) ns, a segment; its strides are given. None: the whole log.
         mass_is_assumed: whether the weight is that of a robot that was only guessed.
     """
-    vertical = _vertical_of_all(feet)
-    strides = timespans.no_spans() if strides is None else strides
-    spans = whole_strides(strides, feet, vertical=vertical)
+    loaded = [foot for foot in feet if len(foot.in_contact)]
+    vertical = bool(loaded) and all(vertical_is_known(foot) for foot in loaded)
+    spans = timespans.no_spans()
+    if strides is not None:
+        spans = whole_strides(strides, feet, vertical=vertical)
     over_strides = len(spans) > 0
     if not over_strides:
         spans = _known_to_all(feet, vertical=vertical)
         spans = spans if within is None else timespans.intersect([spans, within])
     seconds = timespans.total(spans) / 1e9
     magnitude = [foot.track.force_within(spans) for foot in feet]
-    upward = [foot.track.vertical_within(spans) for foot in feet] if vertical else None
+    upward = [foot.track.vertical_within(spans) for foot in feet]
     has_forces = all(foot.has_force for foot in feet)
-    told = vertical or has_forces
-    shared = magnitude if upward is None else upward
+    shared = upward if vertical else magnitude
     # A part of a stride counts one foot's stance and another's swing.
     in_part = not over_strides and any(len(foot.stances.touchdown) > 1 for foot in feet)
     shares = abs(sum(shared)) >= NEAR_ZERO and has_forces
     return WalkLoads(
         known_s=seconds,
         over_strides=over_strides,
-        complete=all(len(foot.in_contact) for foot in feet),
-        mean_vertical_n=sum(upward) / seconds if upward and seconds else None,
-        mean_magnitude_n=sum(magnitude) / seconds if told and seconds else None,
+        complete=len(loaded) == len(feet),
+        mean_vertical_n=sum(upward) / seconds if vertical and seconds else None,
+        mean_magnitude_n=sum(magnitude) / seconds if (vertical or has_forces) and seconds else None,
         body_weight_n=body_weight_n,
         mass_is_assumed=mass_is_assumed,
         share_of=("vertical_impulse" if vertical else "force_impulse") if shares else None,
         shares=tuple(each / sum(shared) for each in shared) if shares and not in_part else None,
     )
-
-
-def _vertical_of_all(feet: Sequence[FootHistory]) -> bool:
-    """Tell whether some foot is loaded, and the vertical force of every loaded one is known."""
-    loaded = [foot for foot in feet if len(foot.in_contact)]
-    return bool(loaded) and all(vertical_is_known(foot) for foot in loaded)
 
 
 def _known_to_all(feet: Sequence[FootHistory], *, vertical: bool) -> Ints:
@@ -307,12 +270,9 @@ def symmetry_index_percent(left: float | None, right: float | None) -> float | N
     Source: Robinson, Herzog and Nigg 1987, J. Manipulative Physiol. Ther. 10:172.
     None where a side is not known or the denominator is near 0.
     """
-    if left is None or right is None:
+    if left is None or right is None or abs(right + left) < 2.0 * NEAR_ZERO:
         return None
-    half = (right + left) / 2.0
-    if abs(half) < NEAR_ZERO:
-        return None
-    return 100.0 * (right - left) / half
+    return 100.0 * (right - left) / ((right + left) / 2.0)
 
 
 def dead_feet(feet: Sequence[FootHistory], loads: WalkLoads) -> tuple[bool, ...]:
@@ -328,23 +288,19 @@ def dead_feet(feet: Sequence[FootHistory], loads: WalkLoads) -> tuple[bool, ...]
     )
 
 
-def _is_constant(foot: FootHistory) -> bool:
-    """Tell whether a foot's force never varies while it is loaded."""
-    enough = foot.loaded >= STUCK_SAMPLES
-    return enough and foot.repeated >= STUCK * (foot.loaded - len(foot.stances.touchdown))
-
-
-def _varies(foot: FootHistory) -> bool:
-    """Tell whether a foot is loaded at times, with forces that vary."""
-    return foot.loaded > 0 and not _is_constant(foot)
-
-
 def is_stuck(foot: FootHistory, others: Sequence[FootHistory]) -> bool:
     """Tell whether a sensor shows one constant value under load while other feet's vary.
 
     Where no force varies the robot stands still, in a simulator without noise.
     """
-    return _is_constant(foot) and any(_varies(other) for other in others)
+    varies = (each.loaded > 0 and not _is_constant(each) for each in others)
+    return _is_constant(foot) and any(varies)
+
+
+def _is_constant(foot: FootHistory) -> bool:
+    """Tell whether a foot's force never varies while it is loaded."""
+    enough = foot.loaded >= STUCK_SAMPLES
+    return enough and foot.repeated >= STUCK * (foot.loaded - len(foot.stances.touchdown))
 
 
 CELL_RATE_HZ: Final = 25.0
@@ -379,21 +335,12 @@ def has_lone_spikes(stances: Stances) -> Flags:
     of many stances, a fault comes at random.
     """
     phase = stances.figures.spike_phase
-    spiked = np.isfinite(phase)
-    sorted_phase = np.sort(phase[spiked])
-    near = np.searchsorted(sorted_phase, phase + SAME_PHASE, side="right")
-    near -= np.searchsorted(sorted_phase, phase - SAME_PHASE, side="left")
+    ordered = np.sort(phase[np.isfinite(phase)])
+    near = np.searchsorted(ordered, phase + SAME_PHASE, side="right")
+    near -= np.searchsorted(ordered, phase - SAME_PHASE, side="left")
     recurring = near >= max(FEWEST_IMPACTS, RECURS * int(stances.whole.sum()))
-    lone: Flags = spiked & ~recurring
+    lone: Flags = np.isfinite(phase) & ~recurring
     return lone
-
-
-def without_spikes(stances: Stances) -> Stances:
-    """Return the stances with the peaks that they have without lone spikes."""
-    lone, figures = has_lone_spikes(stances), stances.figures
-    peak = np.where(lone, figures.calm_peak_n, figures.peak_n)
-    vertical = np.where(lone, figures.calm_peak_vertical_n, figures.peak_vertical_n)
-    return replace(stances, figures=figures._replace(peak_n=peak, peak_vertical_n=vertical))
 
 
 LARGEST_FOOT_M: Final = 0.3
@@ -410,7 +357,5 @@ def slip_m(contact_way_m: Floats, rolling_m: float | None) -> Floats:
         contact_way_m: (n,) m, way of the contact point; NaN where there is none.
         rolling_m: m, way of the contact point of a foot that does not slip; None: not known.
     """
-    if rolling_m is None:
-        return np.full_like(contact_way_m, np.nan)
-    slip: Floats = np.maximum(contact_way_m - rolling_m, 0.0)
+    slip: Floats = np.maximum(contact_way_m - (np.nan if rolling_m is None else rolling_m), 0.0)
     return slip

@@ -7,12 +7,11 @@ for each segment.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Annotated, Final
 
 from dogbot_logtool.core import records
 from dogbot_logtool.core.records import Count, Number, Numbers, Of, Shape, Spread, Text
-from dogbot_logtool.dataclass import dataclass
 
 SCHEMA_VERSION: Final = 3
 """Grows with every change of meaning."""
@@ -46,6 +45,13 @@ NEEDS: Final[Mapping[str, str]] = {
     "stamps": "no header stamps",
 }
 """What a log may lack, and the sentence that says so; of several the first is told."""
+
+
+_PHASED: Final = ("feet", "strides", "phases", "leg positions")
+_FOUR: Final = ("feet", "four feet", "strides", "phases", "leg positions")
+_VERTICAL: Final = ("contact", "force", "vertical force")
+_PRESSED: Final = ("feet", "base", "points", "force", "vertical force", "all feet")
+_SWUNG: Final = ("strides", "base", "foot frame")
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,11 +178,9 @@ class Phase:
 class LimbPhase:
     """Hind against fore feet, a side."""
 
-    left: Annotated[Number, Of("cycles", "feet", "four feet", "strides", "phases", "leg positions")]
+    left: Annotated[Number, Of("cycles", *_FOUR)]
     """Share of the stride by which the left hind footfall precedes the left fore one."""
-    right: Annotated[
-        Number, Of("cycles", "feet", "four feet", "strides", "phases", "leg positions")
-    ]
+    right: Annotated[Number, Of("cycles", *_FOUR)]
     """The same on the right."""
 
 
@@ -194,24 +198,22 @@ class SupportSet:
 class Gait:
     """Coordination of the feet over a span."""
 
-    name: Annotated[Text, Of("", "feet", "strides", "phases", "leg positions")]
+    name: Annotated[Text, Of("", *_PHASED)]
     """Class of the gait by its phases (walk, amble, trot, pace, gallop, canter, half-bound, bound,
     pronk; run and hop of two feet; tripod, tetrapod and wave of six): the nearest one, if the
     phases deviate by at most 0.1 cycles and every R exceeds 0.8; else irregular. stand: all feet
     are down for longer than 1 s and than a stride."""
-    confidence: Annotated[Number, Of("", "feet", "strides", "phases", "leg positions")]
+    confidence: Annotated[Number, Of("", *_PHASED)]
     """(1 - class_distance / 0.2) x lowest R of the phases x min(1, strides / 3), 0 to 1; 1 for a
     stand. High from 0.8, fair from 0.5, low below."""
-    sequence: Annotated[Text, Of("", "feet", "strides", "phases", "leg positions")]
+    sequence: Annotated[Text, Of("", *_PHASED)]
     """Order of the feet, where the class leaves it open: lateral or diagonal in a walk, rotary or
     transverse in a gallop."""
-    nearest_name: Annotated[Text, Of("", "feet", "strides", "phases", "leg positions")]
+    nearest_name: Annotated[Text, Of("", *_PHASED)]
     """Class whose phases are nearest, whether it fits or not."""
-    class_distance: Annotated[Number, Of("cycles", "feet", "strides", "phases", "leg positions")]
+    class_distance: Annotated[Number, Of("cycles", *_PHASED)]
     """Largest deviation of the phases from what defines the nearest class."""
-    diagonality: Annotated[
-        Number, Of("cycles", "feet", "four feet", "strides", "phases", "leg positions")
-    ]
+    diagonality: Annotated[Number, Of("cycles", *_FOUR)]
     """Share of the stride by which a hind footfall precedes the fore one of its side, mean of both
     sides on the circle (Cartmill, Lemelin and Schmitt 2002)."""
     limb_phase: LimbPhase
@@ -272,21 +274,21 @@ class Foot:
     stride_length_from: Annotated[Text, Of("", "strides", "places", "straight")]
     """What it is measured by: points, foot_frame or base (the base's way, equal where the robot
     goes straight)."""
-    step_length_m: Annotated[Spread, Of("m", "strides", "base", "foot frame", "leg positions")]
+    step_length_m: Annotated[Spread, Of("m", *_SWUNG, "leg positions")]
     """Distance ahead of the opposite foot's footfall, along the foot's swing."""
-    step_width_m: Annotated[Spread, Of("m", "strides", "base", "foot frame", "leg positions")]
+    step_width_m: Annotated[Spread, Of("m", *_SWUNG, "leg positions")]
     """The same across it."""
-    clearance_m: Annotated[Spread, Of("m", "strides", "base", "foot frame")]
+    clearance_m: Annotated[Spread, Of("m", *_SWUNG)]
     """Highest point of a swing above the straight line between the foot's places in the middle of
     the stances before and after."""
-    swing_length_m: Annotated[Spread, Of("m", "strides", "base", "foot frame")]
+    swing_length_m: Annotated[Spread, Of("m", *_SWUNG)]
     """Horizontal distance of the foot's places in the stances before and after a swing."""
-    touchdown_down_mps: Annotated[Spread, Of("m/s", "strides", "base", "foot frame", "leg rate")]
+    touchdown_down_mps: Annotated[Spread, Of("m/s", *_SWUNG, "leg rate")]
     """Downward velocity of the foot one contact sample before touchdown: slope there of the
     parabola that fits its places of the 30 ms before."""
-    touchdown_along_mps: Annotated[Spread, Of("m/s", "strides", "base", "foot frame", "leg rate")]
+    touchdown_along_mps: Annotated[Spread, Of("m/s", *_SWUNG, "leg rate")]
     """Horizontal speed of the foot, likewise."""
-    height_over_stride_m: Annotated[Shape, Of("m", "strides", "base", "foot frame")]
+    height_over_stride_m: Annotated[Shape, Of("m", *_SWUNG)]
     """Height of the foot above the line of its clearance over the gait cycle."""
     contact_travel_m: Annotated[Spread, Of("m", "contact", "points", "strides")]
     """Horizontal distance of the contact points at 10 % and 90 % of a stance, rolling included."""
@@ -309,43 +311,27 @@ class Foot:
     """peak_force_n over the body weight."""
     mean_force_n: Annotated[Spread, Of("N", "contact", "force", "strides")]
     """Mean |F| of a stance."""
-    peak_vertical_force_n: Annotated[
-        Spread, Of("N", "contact", "force", "vertical force", "strides")
-    ]
+    peak_vertical_force_n: Annotated[Spread, Of("N", *_VERTICAL, "strides")]
     """Largest vertical force of a stance, upwards in the world; lone spikes are left out."""
-    peak_vertical_force_bw: Annotated[
-        Spread, Of("BW", "contact", "force", "vertical force", "weight", "strides")
-    ]
+    peak_vertical_force_bw: Annotated[Spread, Of("BW", *_VERTICAL, "weight", "strides")]
     """peak_vertical_force_n over the body weight."""
-    mean_vertical_force_n: Annotated[
-        Spread, Of("N", "contact", "force", "vertical force", "strides")
-    ]
+    mean_vertical_force_n: Annotated[Spread, Of("N", *_VERTICAL, "strides")]
     """Mean vertical force of a stance."""
-    vertical_impulse_ns: Annotated[Number, Of("N s", "contact", "force", "vertical force")]
+    vertical_impulse_ns: Annotated[Number, Of("N s", *_VERTICAL)]
     """Integral of the vertical force over all time known."""
-    braking_impulse_ns: Annotated[
-        Spread, Of("N s", "contact", "force", "vertical force", "base", "strides")
-    ]
+    braking_impulse_ns: Annotated[Spread, Of("N s", *_VERTICAL, "base", "strides")]
     """Size of a stance's impulse against the base's forward axis at mid-stance."""
-    propulsive_impulse_ns: Annotated[
-        Spread, Of("N s", "contact", "force", "vertical force", "base", "strides")
-    ]
+    propulsive_impulse_ns: Annotated[Spread, Of("N s", *_VERTICAL, "base", "strides")]
     """Impulse of a stance along the base's forward axis at mid-stance."""
     loading_rate_nps: Annotated[Spread, Of("N/s", "contact", "force", "strides")]
     """Slope of |F| from 20 % to 80 % of the rise to the first peak of a stance."""
     impact_ratio: Annotated[Spread, Of("", "contact", "force", "strides")]
     """Highest |F| in the first 50 ms of a stance over the median |F| of the stance."""
-    friction_use: Annotated[
-        Spread, Of("", "contact", "force", "vertical force", "normals", "strides")
-    ]
+    friction_use: Annotated[Spread, Of("", *_VERTICAL, "normals", "strides")]
     """Tangential over normal force, 95th percentile of a stance."""
-    vertical_over_stride_n: Annotated[
-        Shape, Of("N", "contact", "force", "vertical force", "strides")
-    ]
+    vertical_over_stride_n: Annotated[Shape, Of("N", *_VERTICAL, "strides")]
     """Vertical force over the gait cycle: means of 25 parts of a stance, 0 in swing."""
-    forward_over_stride_n: Annotated[
-        Shape, Of("N", "contact", "force", "vertical force", "base", "strides")
-    ]
+    forward_over_stride_n: Annotated[Shape, Of("N", *_VERTICAL, "base", "strides")]
     """Force along the base's forward axis at mid-stance, likewise."""
 
 
@@ -411,14 +397,10 @@ class Stability:
     unknown_fraction: Annotated[Number, Of("", "feet", "base", "points", "all feet")]
     """Share of all time in which the base, or whether and where a foot stands, is not known. The
     rest of the time is stable."""
-    centre_of_pressure_forward_m: Annotated[
-        Spread, Of("m", "feet", "base", "points", "force", "vertical force", "all feet")
-    ]
+    centre_of_pressure_forward_m: Annotated[Spread, Of("m", *_PRESSED)]
     """Centre of pressure ahead of the base's origin: mean of the contact points, weighted by
     vertical force."""
-    centre_of_pressure_left_m: Annotated[
-        Spread, Of("m", "feet", "base", "points", "force", "vertical force", "all feet")
-    ]
+    centre_of_pressure_left_m: Annotated[Spread, Of("m", *_PRESSED)]
     """The same to the left of the base's origin."""
 
 

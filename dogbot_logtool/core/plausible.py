@@ -1,11 +1,11 @@
 """Bounds beyond which a recorded number is no measurement, whatever robot it is of.
 
-They are far beyond what any robot reaches, and low enough that no figure made of numbers within
+They are far beyond what any robot reaches, and low enough that no metric made of numbers within
 them overflows.
 """
 
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final, TypeVar
 
 import numpy as np
 
@@ -24,6 +24,7 @@ IMPLAUSIBLE: Final = (
 """The name of their number."""
 STRONGEST_N: Final = 1e9
 """A hundred times the thrust of the largest rockets."""
+Columns = TypeVar("Columns", bound=Any)
 
 
 def beyond(vectors: Floats, limit: float) -> Flags:
@@ -41,39 +42,28 @@ def beyond(vectors: Floats, limit: float) -> Flags:
 
 def plausible_odometry(odometry: Odometry) -> tuple[Odometry, int]:
     """Take poses and velocities that no robot reaches for NaN; count the messages with one."""
-    far = beyond(odometry.position, FARTHEST_M)
-    fast = beyond(odometry.linear_velocity, FASTEST) | beyond(odometry.angular_velocity, FASTEST)
-    implausible = far | fast
-    if not implausible.any():
-        return odometry, 0
-    plausible = replace(
-        odometry,
-        position=_without(odometry.position, far),
-        linear_velocity=_without(odometry.linear_velocity, fast),
-        angular_velocity=_without(odometry.angular_velocity, fast),
-    )
-    return plausible, int(implausible.sum())
+    fastest = {"linear_velocity": FASTEST, "angular_velocity": FASTEST}
+    return _plausible(odometry, {"position": FARTHEST_M} | fastest)
 
 
 def plausible_samples(samples: Samples) -> tuple[Samples, int]:
     """Take forces and contact points that no robot reaches for NaN; count the samples with one."""
-    strong = beyond(samples.force, STRONGEST_N)
-    far = beyond(samples.position, FARTHEST_M)
-    implausible = strong | far
-    if not implausible.any():
-        return samples, 0
-    plausible = replace(
-        samples,
-        force=_without(samples.force, strong),
-        position=_without(samples.position, far),
-    )
-    return plausible, int(implausible.sum())
+    return _plausible(samples, {"force": STRONGEST_N, "position": FARTHEST_M})
 
 
 def plausible_translations(translation: Floats) -> Floats:
     """Take translations that no robot reaches for NaN; (n, 3) m."""
-    return _without(translation, beyond(translation, FARTHEST_M))
+    return np.where(beyond(translation, FARTHEST_M)[:, None], np.nan, translation)
 
 
-def _without(vectors: Floats, rows: Flags) -> Floats:
-    return np.where(rows[:, None], np.nan, vectors)
+def _plausible(columns: Columns, limits: dict[str, float]) -> tuple[Columns, int]:
+    """Take the rows of columns, by their names, that are beyond a limit for NaN; count them."""
+    far = {name: beyond(getattr(columns, name), limit) for name, limit in limits.items()}
+    changed = {
+        name: np.where(rows[:, None], np.nan, getattr(columns, name))
+        for name, rows in far.items()
+        if rows.any()
+    }
+    if not changed:
+        return columns, 0
+    return replace(columns, **changed), int(np.any(list(far.values()), axis=0).sum())

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import field
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.base.foot_path import FootPath
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import Stamped
@@ -39,9 +38,6 @@ class Recording:
 
     feet: tuple[Samples, ...] = ()
     """Contact samples of each foot, as recorded."""
-    places: tuple[FootPath | None, ...] = ()
-    """Of each foot in the base's axes, where its messages tell that; None: they do not. Empty: no
-    foot's do."""
     planned: tuple[Samples, ...] = ()
     """The same as a plan in the log has them."""
     links: Mapping[int, frozenset[str]] = field(default_factory=dict)

@@ -116,10 +116,12 @@ def _field(name: str, hint: Any) -> Field:  # noqa: ANN401 - any annotation
 
 
 def definitions(record: Any) -> dict[str, str]:  # noqa: ANN401 - any record
-    """Read the strings below the fields of a record and its bases from the source."""
+    """Read the strings below the fields of a record, or of an enumeration, from the source."""
     found: dict[str, str] = {}
-    for each in reversed(record.__mro__[:-1]):
-        found |= _definitions_in(each.__module__).get(each.__name__, {})
+    package = record.__module__.partition(".")[0]
+    for each in reversed(record.__mro__):
+        if each.__module__.startswith(package):
+            found |= _definitions_in(each.__module__).get(each.__name__, {})
     return found
 
 
@@ -134,7 +136,7 @@ def _strings_below(body: Sequence[ast.stmt]) -> Iterator[tuple[str, str]]:
     for line, below in pairwise(body):
         match line, below:
             case (
-                ast.AnnAssign(target=ast.Name(id=name)),
+                ast.AnnAssign(target=ast.Name(id=name)) | ast.Assign(targets=[ast.Name(id=name)]),
                 ast.Expr(value=ast.Constant(value=str(words))),
             ):
                 yield name, " ".join(words.split())

@@ -5,7 +5,7 @@ from typing import Final
 
 from dogbot_logtool.core.contact.contact_rule import FootSensor, Thresholds, contact_rule
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.corrections.sensor import SensorLevel
+from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.dataclass import dataclass
@@ -28,10 +28,21 @@ class FootSettings:
     leg_position: LegPosition | None = None
     has_force: bool = True
     """Whether its sensor tells a force, not only whether the foot touches."""
-    sensor: FootSensor | None = None
-    """How its sensor reads; None: exactly zero in swing."""
+    has_flags: bool = False
+    """Whether contact flags of its messages decide contact, whatever the force."""
+    lists_contacts: bool = False
+    """Whether its messages say what touches, so that no force ends a contact."""
+    only_presses: bool = False
+    """Whether its sensor has one axis, along which a foot can only press."""
+    in_base: bool = False
+    """Whether its positions are in the base's frame."""
     silent_in_swing: bool = False
     """Whether its sensor sends no messages while the foot is in the air."""
+    offset_n: tuple[float, float, float] | None = None
+    """N, what its sensor reads without load; None: not given. Also where it is from."""
+    offset_from: Origin = "option"
+    sensor: FootSensor | None = None
+    """How its sensor reads; None: to be learnt from its samples."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,8 +68,18 @@ class StatsSettings:
     thresholds: Thresholds = field(default_factory=Thresholds)
     contact_on_counts: float | None = None
     """Threshold of raw sensors without a scale; the reader has applied it."""
+    takes_offsets: bool = True
+    """Whether offsets that are not given are estimated from the samples."""
+    world_frame: str | None = None
+    """The robot's; None: the odometry's. Also `base_frame`."""
+    base_frame: str | None = None
+    static_channels: frozenset[int] = frozenset()
+    """Channels whose transforms hold for ever."""
+    promised_frame: WrenchFrame | None = None
+    """Frame of the forces by the types of the messages; None: these do not tell."""
     wrench_frame: WrenchFrame = WrenchFrame.UNKNOWN
-    """Frame of the forces in `Samples`; samples that are `in_world` are in the world anyway."""
+    """Frame of the forces in `Samples`; samples that are `in_world` are in the world anyway.
+    Unknown in what `analyse` is given: the promised one, else by evidence."""
     wrench_frame_is_inferred: bool = False
     """Whether that is the world's only since the recorded forces may be in it."""
     time_source: TimeSource | None = None
@@ -73,6 +94,10 @@ class StatsSettings:
     command_topic: str = ""
     """Topic of velocity commands; empty: there are none. Likewise `imu_topic`."""
     imu_topic: str = ""
+    silent_from: int | None = None
+    """ns, log time from which silence of sensors that are silent in swing counts; None: from the
+    first contact. Also `silent_until`; None: to the last contact."""
+    silent_until: int | None = None
     imu_mounting: tuple[float, float, float, float] | None = None
     """x, y, z, w: the accelerometer's frame in the base's, from recorded transforms; None: not
     recorded, and taken to be the base's."""

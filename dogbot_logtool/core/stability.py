@@ -1,6 +1,7 @@
 """Does the robot stand safely on the feet that are down? Support polygon, margins, pressure."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -15,7 +16,6 @@ from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.hulls import NEAR_NS, Hulls, centre_of_pressure, hulls, margin_in
 from dogbot_logtool.core.metrics import Stability
 from dogbot_logtool.core.rotations import along_heading
-from dogbot_logtool.dataclass import dataclass
 
 FEWEST_FEET: Final = 3
 """Feet that span a polygon."""
@@ -77,12 +77,15 @@ def stability(
         com_offset_m: m, the centre of mass from the base's frame, in its axes.
         within: (w, 2) ns, a part of the log; None: all of it.
     """
-    extent = _extent(feet, base) if within is None else within
-    known = timespans.intersect([_common_time(feet, base), extent])
+    if within is None:
+        times = [each for foot in feet for each in (foot.start, foot.end) if each is not None]
+        times += [int(each) for each in base.time[[0, -1]]] if len(base.time) else []
+        within = np.array([[min(times), max(times)]] if times else [], np.int64).reshape(-1, 2)
+    known = timespans.intersect([base.known, *(foot.known for foot in feet), within])
     found = _instants(feet, base, known, forward_axis, com_offset_m)
     if found is None:
         return None
-    known_share = timespans.total(known) / max(timespans.total(extent), 1)
+    known_share = timespans.total(known) / max(timespans.total(within), 1)
     unstable, placed = found.polygon & (found.margin < 0.0), found.placed
     margins = aggregate(found.margin)
     undefined = known_share * float((placed & ~found.polygon).mean())
@@ -111,7 +114,8 @@ def margins(
     Returns:
         (n,) ns and (n,) m, NaN where there is no polygon, or some foot's place is not known.
     """
-    found = _instants(feet, base, _common_time(feet, base), "+x", com_offset_m)
+    known = timespans.intersect([base.known, *(foot.known for foot in feet)])
+    found = _instants(feet, base, known, "+x", com_offset_m)
     return (np.empty(0, np.int64), np.empty(0)) if found is None else (found.time, found.margin)
 
 
@@ -125,18 +129,6 @@ def _unstable(instants: Ints, margin: Floats) -> Unstable:
     rows = np.searchsorted(instants, spans)
     least = [margin[first:last].min() for first, last in rows.tolist()]
     return Unstable(spans, np.array(least, np.float64))
-
-
-def _common_time(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
-    """(k, 2) ns, the time in which the base and the contact of every foot are known."""
-    return timespans.intersect([base.known, *(foot.known for foot in feet)])
-
-
-def _extent(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
-    """(1, 2) ns, from the first to the last message of any foot or the base; (0, 2) without any."""
-    times = [each for foot in feet for each in (foot.start, foot.end) if each is not None]
-    times += [int(each) for each in (*base.time[:1], *base.time[-1:])]
-    return np.array([[min(times), max(times)]] if times else [], np.int64).reshape(-1, 2)
 
 
 def instants_of(foot: FootHistory, known: Ints) -> Ints:
@@ -264,12 +256,11 @@ def footprints(foot: FootHistory) -> GroundPoints:
 
     Stances without any are left out. The times are those of touchdown.
     """
-    stances = foot.stances
+    touchdown, liftoff = foot.stances.touchdown, foot.stances.liftoff
     time, point = foot.track.contact_points
-    first = np.searchsorted(time, stances.touchdown)
-    within = np.flatnonzero(first < len(time))
-    within = within[time[first[within]] < stances.liftoff[within]]
-    return GroundPoints(stances.touchdown[within], point[first[within], :2])
+    first = np.searchsorted(time, touchdown)
+    seen = first < np.searchsorted(time, liftoff)
+    return GroundPoints(touchdown[seen], point[first[seen], :2])
 
 
 def pressure_path(feet: Sequence[FootHistory]) -> GroundPoints:

@@ -1,77 +1,176 @@
 """All that is measured of a walk: what checks read, and metrics and drawings are made of."""
 
+from dataclasses import field
 from typing import TYPE_CHECKING
 
+from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.falls import Tipping
+from dogbot_logtool.core.base.frozen import Frozen
+from dogbot_logtool.core.base.jumps import PoseJumps
+from dogbot_logtool.core.base.motion import BaseTrack
+from dogbot_logtool.core.base.moving_ground import MovingGround
 from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.base.witness import Witness
+from dogbot_logtool.core.consistency.worlds import Worlds
+from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import ClockDifference
+from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.segments import Segment
-from dogbot_logtool.core.gait.support import Support
+from dogbot_logtool.core.gait.strides import typical_period_s
+from dogbot_logtool.core.gait.support import Standing, Support
+from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.loads import WalkLoads
-from dogbot_logtool.core.masked_walk import MaskedWalk
-from dogbot_logtool.core.metrics import Stability
+from dogbot_logtool.core.metrics import Base, Stability
 from dogbot_logtool.core.planned import PlannedFoot
 from dogbot_logtool.core.quality.quality import TopicQuality
+from dogbot_logtool.core.recording import Recording
+from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.stability import Unstable
+from dogbot_logtool.core.world_frames import PlacedCounts, WorldFrames
 from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands import CommandTrack
+    from dogbot_logtool.core.consistency.heave import Delay
     from dogbot_logtool.core.imu import ImuComparison
     from dogbot_logtool.core.legs.legs import LegFigures
     from dogbot_logtool.core.vectors import VectorHistory
 
 
 @dataclass(frozen=True, slots=True)
-class Stats(MaskedWalk):
-    """All that is measured of one log, before anything is set to null."""
+class Stats:
+    """All that is measured of one log, before anything is set to null.
 
-    origin: int
-    """ns on the clock used: the earliest time of any used message; what times are counted from."""
-    end: int
-    """ns, the latest."""
-    reference: int
-    """The foot that phases are measured against: left fore, or the first that has strides."""
-    corners: tuple[int, int, int, int] | None
-    """Which foot is front left, front right, back left, back right; None: no quadruped, or
-    not known."""
-    swapped: tuple[tuple[int, int], ...]
-    """Left and right feet of the pairs that touch on the other side each; `pairs` of how many."""
-    pairs: int
+    Masks come first: what was measured with them follows.
+    """
+
+    recording: Recording
+    """The columns as they are measured: corrected."""
+    settings: StatsSettings
+    frames: KnownFrames
+    turned: tuple[WorldFrames, PlacedCounts] | None
+    """How forces and positions were turned into the world; None: none was to be."""
     base_history: BaseHistory
-    """As recorded, jumps and all."""
+    """As recorded, jumps and all, but for time that is masked."""
     leaning_rad: float | None
     """rad, how far the base seems to lean while the robot walks: its poses are left out; None: it
     does not."""
-    tipping: Tipping | None
-    """The robot is tipping when the recording ends."""
-    segments: tuple[Segment, ...]
-    main: Segment | None
-    """The longest segment: its class is the log's."""
-    support: Support | None
-    loads: WalkLoads
-    stability: Stability | None
-    unstable: Unstable | None
     topics: tuple[TopicQuality, ...]
-    overlap_s: float
-    """s, time known to all feet that have messages and to the base."""
-    contact_without_pose_s: tuple[float, ...]
-    """s a foot, time in contact further than 0.1 s from every pose."""
     clocks: tuple[ClockDifference, ...]
     """How far topics' clocks are from that of the feet; nothing on log time."""
-    all_silent: Ints
-    """(s, 2) ns, spans in which no foot's sensor sends anything, though the odometry does."""
     beside: "tuple[VectorHistory, ...]"
     """Records of commands and accelerometer."""
-    command_track: "CommandTrack | None"
+    records: tuple[FootHistory, ...]
+    """Of each foot, without what its sensor cannot have measured."""
+    poses: BaseHistory
+    """Poses without jumps."""
+    jumps: PoseJumps
+    frozen: Frozen | None
+    """Time in which one pose is repeated although the robot walks on; masked. None: there is
+    none."""
+    witness: Witness | None
+    """The base's motion by its feet; None: their places are not known."""
+    ground: MovingGround | None
+    """How the ground moves; None: it rests."""
+    placed_poses: BaseHistory
+    """Poses among the contact points: with jumps, if these jump with the odometry."""
+    track: BaseTrack
+    base: Base | None
+    """Motion of the base in the whole log."""
+    fallen: Ints
+    """(f, 2) ns, spans in which the robot lies."""
+    standing: Standing
+    feet: tuple[FootSteps, ...]
+    """Steps of each foot."""
+    clocks_apart: frozenset[str]
+    """Topics whose clocks are too far from the others' for figures of both."""
+    base_delay: "Delay | None"
+    """By how much the base comes after the forces that drive it; None: not known, or little."""
+    worlds: Worlds | None
+    """Position of the base among the feet; None without contact points."""
+    push: float | None
+    """Share of the weight by which the feet push the robot on over whole stances; None: not
+    known."""
+    rise_m: float
+    """m, how far the base rises steadily over the contact points while it walks."""
+    vertical_known: bool
+    loads: WalkLoads
+    """Of all feet over whole strides."""
+
+    origin: int = 0
+    """ns on the clock used: the earliest time of any used message; what times are counted from."""
+    end: int = 0
+    """ns, the latest."""
+    reference: int = 0
+    """The foot that phases are measured against: left fore, or the first that has strides."""
+    corners: tuple[int, int, int, int] | None = None
+    """Which foot is front left, front right, back left, back right; None: no quadruped, or
+    not known."""
+    swapped: tuple[tuple[int, int], ...] = ()
+    """Left and right feet of the pairs that touch on the other side each; `pairs` of how many."""
+    pairs: int = 0
+    tipping: Tipping | None = None
+    """The robot is tipping when the recording ends."""
+    segments: tuple[Segment, ...] = ()
+    main: Segment | None = None
+    """The longest segment: its class is the log's."""
+    support: Support | None = None
+    stability: Stability | None = None
+    unstable: Unstable | None = None
+    overlap_s: float = 0.0
+    """s, time known to all feet that have messages and to the base."""
+    contact_without_pose_s: tuple[float, ...] = ()
+    """s a foot, time in contact further than 0.1 s from every pose."""
+    all_silent: Ints = field(default_factory=timespans.no_spans)
+    """(s, 2) ns, spans in which no foot's sensor sends anything, though the odometry does."""
+    command_track: "CommandTrack | None" = None
     """Commanded and measured velocity; None without commands."""
-    imu: "ImuComparison | None"
+    imu: "ImuComparison | None" = None
     """Comparison of the base's accelerometer with forces and poses; None without one."""
     legs: "LegFigures | None" = None
     """None where the log tells nothing of its legs."""
+    plan_apart: str = ""
+    """Topic of a plan that is on another clock than the feet, and not compared; empty: none is."""
     planned: tuple[PlannedFoot | None, ...] = ()
     """How each foot follows its plan; None without one; empty: the log has no plan beside."""
+
+    @property
+    def base_clock_is_apart(self) -> bool:
+        """Whether the odometry's clock is too far from that of the feet."""
+        return self.settings.odometry_topic in self.clocks_apart
+
+    @property
+    def feet_clocks_are_apart(self) -> bool:
+        """Whether the clock of a foot is too far from that of the others."""
+        return any(foot.topic in self.clocks_apart for foot in self.settings.feet)
+
+    @property
+    def worlds_differ(self) -> bool:
+        """Whether contact points and base are not in one world."""
+        return self.worlds is not None and not self.worlds.agree
+
+    @property
+    def base_is_apart(self) -> bool:
+        """Whether the base is on another clock than the feet, or in another world."""
+        return self.base_clock_is_apart or self.worlds_differ
+
+    @property
+    def loses_way(self) -> bool:
+        """Whether the base drifts so far among the contact points that speeds are not known."""
+        path_m = 0.0 if self.base is None else self.base.path_length_m or 0.0
+        return self.worlds is not None and self.worlds.lose_way(path_m)
+
+    @property
+    def period_s(self) -> float | None:
+        """The usual stride, s; None: there are none."""
+        return typical_period_s([each.stances for each in self.records])
+
+    @property
+    def contacts_known(self) -> bool:
+        """Whether the contacts of all feet are known, on one clock."""
+        known = all(foot.contact_known or foot.record.start is None for foot in self.feet)
+        return known and not self.feet_clocks_are_apart
 
     def seconds(self, time: Ints) -> list[float]:
         """Return times as seconds since the origin, to the nanosecond."""

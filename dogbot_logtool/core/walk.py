@@ -2,13 +2,13 @@
 
     stats = analyse(recording, StatsSettings(feet, mass_kg=19.2))
 
-The order is the same for every log: corrections (`corrected.py`), masks (`masked_walk.py`), what is
+The order is the same for every log: corrections (`corrected.py`), masks (`masks.py`), what is
 measured here. Checks (`checks/`) then look for reasons to doubt it; `walk_metrics/` makes records
 of it, and sets to null what the findings void.
 """
 
-from collections.abc import Sequence
-from dataclasses import fields
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,19 +24,14 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected, clocks_of_joints, correct
 from dogbot_logtool.core.gait.segments import (
     Segment,
-    any_strides,
     find_segments,
-    gait_input,
     main_segment,
+    reference_foot,
 )
+from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.leg_position import quadruped
-from dogbot_logtool.core.masked_walk import (
-    MaskedWalk,
-    loads_in,
-    mask_walk,
-    stability_in,
-    support_in,
-)
+from dogbot_logtool.core.masks import loads_in, mask_walk, stability_in, support_in
+from dogbot_logtool.core.planned import follow_plan
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.statistics import Stats
@@ -48,60 +43,88 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.legs.paths import LegSettings
     from dogbot_logtool.core.vectors import VectorHistory
 
+FindLegs = Callable[[Recording, Corrected], "tuple[LegSettings, TransformBuffer] | None"]
+"""Says where a recording tells of legs, with their frames that transforms move; None: it does
+not."""
+
 
 def analyse(
     recording: Recording,
     settings: StatsSettings,
-    legs: "tuple[LegSettings, TransformBuffer] | None" = None,
+    find_legs: FindLegs | None = None,
+    planned: StatsSettings | None = None,
 ) -> Stats:
     """Measure all that a recording tells of its walk.
 
     Args:
-        recording: its columns, with forces above the sensors' offsets and in the world.
-        settings: what decides the metrics.
-        legs: where the recording tells of legs, and their frames that transforms move; None: it
-            does not.
+        recording: its columns, as recorded.
+        settings: what is known before they are looked at.
+        find_legs: finds the legs; None: nothing tells of them.
+        planned: settings of the feet as a plan in the log has them; None: there is no plan.
     """
     corrected = correct(recording, settings)
-    walk = mask_walk(corrected)
+    walk = _measured(mask_walk(corrected), corrected)
+    legs = find_legs(recording, corrected) if find_legs else None
+    if legs is not None:
+        walk = _with_legs(walk, recording, corrected, *legs)
+    if planned is not None:
+        of_plan = replace(
+            recording, feet=recording.planned, links={}, commands=None, accelerations=None
+        )
+        walk = _with_plan(walk, mask_walk(correct(of_plan, planned)))
+    return walk
+
+
+def _measured(walk: Stats, corrected: Corrected) -> Stats:
+    """Measure a walk of which the masks are known."""
     settings, records, feet = walk.settings, walk.records, walk.feet
     supported = support_in(walk)
-    gait = gait_input(feet, walk.standing, supported)
-    segments = find_segments(gait) if feet and not walk.feet_clocks_are_apart else ()
+    segments: tuple[Segment, ...] = ()
+    if feet and not walk.feet_clocks_are_apart:
+        segments = find_segments(feet, walk.standing, supported)
     origin, end = _extent(records, walk.poses)
     positions = [foot.leg_position for foot in settings.feet]
     forward_rad = FORWARD_ANGLES[settings.forward_axis]
     swapped, pairs = swapped_pairs(walk.placed_poses, records, positions, forward_rad)
     stable, unstable = stability_in(walk)
-    stats = Stats(
-        **{each.name: getattr(walk, each.name) for each in fields(walk)},
+    # In segments with strides the robot steps.
+    steps = [each.spans for each in segments if each.strides]
+    stepping = timespans.merge(np.concatenate([timespans.no_spans(), *steps]))
+    return replace(
+        walk,
         origin=origin,
         end=end,
-        reference=gait.reference,
+        reference=reference_foot(feet),
         corners=quadruped(positions),
         swapped=swapped,
         pairs=pairs,
-        base_history=walk.recorded_poses,
-        leaning_rad=corrected.leaning_rad,
-        tipping=find_tipping(walk.recorded_poses, settings.forward_axis),
+        tipping=find_tipping(walk.base_history, settings.forward_axis),
         segments=segments,
         main=main_segment(segments),
         support=supported,
         loads=loads_in(walk),
         stability=stable,
         unstable=unstable,
-        topics=corrected.topics,
         overlap_s=timespans.total(_overlap(records, walk.poses)) / 1e9,
         contact_without_pose_s=tuple(
             walk.poses.unplaced(record.in_contact) / 1e9 for record in records
         ),
-        clocks=corrected.clocks,
         all_silent=all_silent(records, walk.poses),
-        beside=tuple(each for each in (corrected.commands, corrected.inertial) if each),
-        command_track=_command_track(walk, corrected.commands, segments),
+        command_track=_command_track(walk, corrected.commands, stepping),
         imu=_imu(walk, corrected.inertial),
     )
-    return stats if legs is None else _with_legs(stats, recording, corrected, *legs)
+
+
+def _with_plan(walk: Stats, planned: Stats) -> Stats:
+    """Add how the feet follow their plan, if that is on the same clock."""
+    clocks = [each.settings.clock for each in (walk, planned)]
+    plan = {foot.name: foot for foot in planned.feet}
+    if clocks[0] is not clocks[1]:
+        return replace(walk, plan_apart=min(foot.topic for foot in planned.feet))
+    found = tuple(
+        follow_plan(foot, plan[foot.name]) if foot.name in plan else None for foot in walk.feet
+    )
+    return replace(walk, planned=found)
 
 
 def _overlap(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
@@ -113,26 +136,19 @@ def _overlap(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
 
 
 def _command_track(
-    walk: MaskedWalk, commands: "VectorHistory | None", segments: Sequence[Segment]
+    walk: Stats, commands: "VectorHistory | None", stepping: Ints
 ) -> "CommandTrack | None":
     """Compare commands with the base's velocity over time, in logs that have any."""
     if commands is None:
         return None
     from dogbot_logtool.core.commands import follow_commands  # noqa: PLC0415
 
-    # In segments with strides the robot steps.
-    steps = [each.spans for each in segments if each.strides]
-    return follow_commands(
-        commands,
-        walk.track.history,
-        walk.jumps.spans,
-        walk.settings.forward_axis,
-        timespans.merge(np.concatenate([timespans.no_spans(), *steps])),
-        walk.period_s,
-    )
+    axis, jumps = walk.settings.forward_axis, walk.jumps.spans
+    poses = walk.track.history
+    return follow_commands(commands, poses, jumps, axis, stepping, walk.period_s)
 
 
-def _imu(walk: MaskedWalk, inertial: "VectorHistory | None") -> "ImuComparison | None":
+def _imu(walk: Stats, inertial: "VectorHistory | None") -> "ImuComparison | None":
     """Compare accelerometer, forces and poses, in logs that have all of them."""
     if inertial is None:
         return None

@@ -20,7 +20,7 @@ from dogbot_logtool.reader.growing import LARGEST_IN_MEMORY, GrowingColumns
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
 from dogbot_logtool.reader.messages.transforms import is_static
 from dogbot_logtool.reader.messages.vectors import ReadVectors
-from dogbot_logtool.reader.part import Lags, Part, read_part
+from dogbot_logtool.reader.part import Lags, Part, Stamps, read_part
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.reader.workers import Start, in_order
 
@@ -156,12 +156,15 @@ class _Joined:
         for part in parts:
             counts.update({channel: len(times) for channel, times in part.log_times.items()})
             malformed.update(part.malformed)
-        topics, out_of_order = _topics(log, parts)
+        feet = self._all_feet()
+        planned = tuple(_of_foot(foot, each) for foot, each in enumerate(self._planned))
+        base = in_time_order(self._base.finish(no_odometry()))
+        topics, out_of_order = _topics(log, parts, (*feet, *planned, base))
         recording = Recording(
-            feet=self._all_feet(),
-            planned=tuple(_of_foot(foot, each) for foot, each in enumerate(self._planned)),
+            feet=feet,
+            planned=planned,
             links=_merged(part.links for part in parts),
-            base=in_time_order(self._base.finish(no_odometry())),
+            base=base,
             world_frames=tuple(sorted({name for part in parts for name in part.world_frames})),
             base_frames=tuple(sorted({name for part in parts for name in part.base_frames})),
             transforms=concatenate_transforms(
@@ -184,13 +187,12 @@ class _Joined:
         nothing = Lags(np.empty(0, np.int64))
         lags = [columns.finish(nothing).lag for columns in self._lags]
         step = np.concatenate([nothing.lag, *(part.step for part in self._parts)])
-        timed = np.concatenate([nothing.lag, *(lag[lag != UNTIMED] for lag in lags)])
-        left_after = left_after_ns(timed, step)
-        found = []
-        for foot, (columns, lag) in enumerate(zip(self._feet, lags, strict=True)):
-            left = None if left_after is None else lag > left_after
-            found.append(_of_foot(foot, columns, left))
-        return tuple(found)
+        left_after = left_after_ns(lags, step)
+        left = [None if left_after is None else lag > left_after for lag in lags]
+        del lags
+        return tuple(
+            _of_foot(foot, *each) for foot, each in enumerate(zip(self._feet, left, strict=True))
+        )
 
 
 def _of_foot(foot: int, columns: GrowingColumns[Samples], left: Flags | None = None) -> Samples:
@@ -206,7 +208,7 @@ def _of_foot(foot: int, columns: GrowingColumns[Samples], left: Flags | None = N
     return in_time_order(samples if left is None else without_contact(samples, left))
 
 
-def left_after_ns(lag: Ints, step: Ints) -> int | None:
+def left_after_ns(lags: Sequence[Ints], step: Ints) -> int | None:
     """Return the lag, ns, beyond which a foot has left the ground; None where that is not known.
 
     While a foot stands, each physics step has a contact. So the newest step of a message lies as
@@ -214,11 +216,12 @@ def left_after_ns(lag: Ints, step: Ints) -> int | None:
     reasons, as with a simulation that runs ahead of its sensors, a lag tells nothing.
 
     Args:
-        lag: (n,) ns, of messages that tell a step.
+        lags: (n,) ns, of each foot's messages; `UNTIMED` of those that tell no step.
         step: (k,) ns, between neighbouring steps of one message; none: messages hold one each.
     """
     if not len(step):
         return None
+    lag = np.concatenate([each[each != UNTIMED] for each in lags])
     usual, half_a_step = float(median_of(lag)), float(median_of(step)) / 2.0
     regular = np.abs(lag - usual) < half_a_step
     return round(usual + half_a_step) if regular.mean() >= _REGULAR else None
@@ -261,8 +264,13 @@ def _all_vectors(parts: Sequence[ReadVectors | None]) -> VectorTopic | None:
     return VectorTopic(in_time_order(concatenated([part.samples for part in read])), tuple(frames))
 
 
-def _topics(log: Log, parts: Sequence[Part]) -> tuple[dict[str, Times], int]:
-    """Return the times of all topics, and how many messages stand behind later ones."""
+def _topics(
+    log: Log, parts: Sequence[Part], read: Sequence[Samples | Odometry]
+) -> tuple[dict[str, Times], int]:
+    """Return the times of all topics, and how many messages stand behind later ones.
+
+    Those of what is read of a topic take no memory of their own.
+    """
     times: dict[str, list[Ints]] = {}
     backwards = 0
     for channel in sorted({number for part in parts for number in part.log_times}):
@@ -274,12 +282,18 @@ def _topics(log: Log, parts: Sequence[Part]) -> tuple[dict[str, Times], int]:
     for topic, columns in times.items():
         stamped = [part.stamps[topic] for part in parts if topic in part.stamps]
         if stamped:
-            sent = concatenated(stamped)
-            order = np.argsort(sent.log_time, kind="stable")
-            found[topic] = Times(sent.log_time[order], sent.stamp[order])
+            sent = in_time_order(concatenated(stamped))
+            same = next((each for each in read if _has_times(each, sent)), sent)
+            found[topic] = Times(same.log_time, same.stamp)
         else:
             found[topic] = Times(np.sort(np.concatenate(columns), kind="stable"), None)
     return found, backwards
+
+
+def _has_times(read: Samples | Odometry, sent: Stamps) -> bool:
+    """Tell whether what was read of a topic has the times of some messages."""
+    equal = np.array_equal(read.log_time, sent.log_time)
+    return equal and np.array_equal(read.stamp, sent.stamp)
 
 
 def _merged(parts: Iterable[Mapping[Key, set[str]]]) -> dict[Key, frozenset[str]]:

@@ -100,7 +100,7 @@ def _result(pool: "Executor", future: "Future[Result]") -> Result:
     from concurrent.futures import wait  # noqa: PLC0415 - see above
 
     while not wait([future], _LOOK_EVERY_S).done:
-        if not all(process.is_alive() for process in _processes(pool)):
+        if not all(process.is_alive() for process in processes_of(pool)):
             kill_processes(pool)
     return future.result()
 
@@ -111,7 +111,7 @@ def kill_processes(pool: "Executor") -> None:
     `shutdown` alone waits until they have done what they have begun.
     """
     # Python 3.14 has a method for this.
-    for process in _processes(pool):
+    for process in processes_of(pool):
         process.kill()
     # One that ended while it sent a result leaves a part of it: with our own end of the pipe
     # closed, the pool's thread does not wait for the rest.
@@ -119,7 +119,7 @@ def kill_processes(pool: "Executor") -> None:
         pool._result_queue._writer.close()  # type: ignore[attr-defined]  # noqa: SLF001
 
 
-def _processes(pool: "Executor") -> "list[BaseProcess]":
+def processes_of(pool: "Executor") -> "list[BaseProcess]":
     """Return the processes of a pool; a pool of threads has none, nor has one that has ended."""
     return list((getattr(pool, "_processes", None) or {}).values())
 

@@ -1,7 +1,7 @@
 """Results as plain data: `--json` of every command but those that compare."""
 
-from dataclasses import asdict, replace
-from typing import Any
+from dataclasses import replace
+from typing import Any, Final
 
 from dogbot_logtool import __version__
 from dogbot_logtool.core.events.event import STEPS
@@ -89,6 +89,10 @@ def _is_detail(field: Field) -> bool:
     return field.is_detail
 
 
+_SKIPPED: Final = ("not_finite", "no_position", "no_direction", "overflow")
+"""Why samples have no arrow, see `core/scene/arrows.py`."""
+
+
 def conversion_json(done: Conversion) -> dict[str, Any]:
     """Return what was done as plain values."""
     return {
@@ -106,7 +110,7 @@ def conversion_json(done: Conversion) -> dict[str, Any]:
         "frames": {"world": done.world_frame, "base": done.base_frame},
         "messages": {"read": done.messages, "copied": done.copied},
         "annotations": dict(done.annotations),
-        "skipped": {**asdict(done.counts.arrows), "bad_poses": done.bad_poses},
+        "skipped": {why: done.counts[why] for why in _SKIPPED} | {"bad_poses": done.bad_poses},
         "findings": [finding_json(each) for each in done.findings],
         "damage": damage_json(done.damage),
     }

@@ -48,7 +48,7 @@ def foot_strides(stats: Stats, row: int, void: Sequence[str] = ()) -> Mapping[st
         "swing_s": strides.swing_s,
         "duty_factor": strides.duty_factor,
         "length_m": foot.length_m,
-        "peak_force_n": figures.peak_n[strides.stance],
+        "peak_force_n": figures.peak_force_n[strides.stance],
         "vertical_impulse_ns": figures.vertical_impulse_ns[strides.stance],
         "slip_m": foot.slip_m[strides.stance],
     }

@@ -6,7 +6,6 @@ import pickle
 import pkgutil
 import re
 import time
-import uuid
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
@@ -18,7 +17,7 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, ExtraMissingError, LogtoolError
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.run.executor import AHEAD, ExecutorRunner, RunLost
-from dogbot_logtool.run.runner import Failure, Progress, Result, Work, attempt, throttled
+from dogbot_logtool.run.runner import Failure, Progress, Result, Work, attempt
 
 try:
     import distributed
@@ -66,9 +65,6 @@ class ClusterRunner(ExecutorRunner[Result]):
         self._name = scheduler
         self._client = _connected(scheduler)
         self._executor = self._client.get_executor(pure=False)
-        self._topic = f"dogbot-logtool-{uuid.uuid4().hex}"
-        self._news: dict[int, tuple[int, int]] = {}
-        self._client.subscribe_topic(self._topic, self._receive)
         self._workers: set[str] = set()
         self._last_look = self._workers_seen = time.monotonic()
         self._lost = False
@@ -123,9 +119,9 @@ class ClusterRunner(ExecutorRunner[Result]):
     def _present(self) -> set[str]:
         return set(self._client.scheduler_info(n_workers=-1)["workers"])
 
-    def submit(self, number: int, work: Work[Result], item: object) -> "Future[Result | Failure]":
+    def submit(self, work: Work[Result], item: object) -> "Future[Result | Failure]":
         """See `ExecutorRunner.submit`."""
-        call = pickle.dumps(_Call((__version__, self._topic, number, work, item)))
+        call = pickle.dumps(_Call((__version__, work, item)))
         try:
             future: Future[Result | Failure] = self._executor.submit(pickle.loads, call)
         except (OSError, RuntimeError) as error:
@@ -139,9 +135,6 @@ class ClusterRunner(ExecutorRunner[Result]):
 
     def look(self, progress: Progress) -> None:
         """See `ExecutorRunner.look`."""
-        while self._news:
-            number, (done, total) = self._news.popitem()
-            progress.update(number, done, total)
         now = time.monotonic()
         if self._lost or self._client.status != "running":
             raise self._run_lost()
@@ -164,10 +157,6 @@ class ClusterRunner(ExecutorRunner[Result]):
 
     def _run_lost(self) -> RunLost:
         return RunLost(f"was not done: the scheduler {self._name} was lost")
-
-    def _receive(self, event: tuple[float, Any]) -> None:
-        number, done, total = event[1]
-        self._news[number] = done, total
 
     def explain(self, error: Exception) -> str:
         """See `ExecutorRunner.explain`."""
@@ -233,13 +222,8 @@ class _Call:
         return _attempt, self.arguments
 
 
-def _attempt(
-    version: str, topic: str, number: int, work: Work[Result], item: object
-) -> Result | Failure:
+def _attempt(version: str, work: Work[Result], item: object) -> Result | Failure:
     """Work on an item; runs on a worker."""
     if version != __version__:
         return Failure(f"the worker has dogbot-logtool {__version__}, not {version}", 1)
-    worker = distributed.get_worker()
-    return attempt(
-        work, item, throttled(lambda done, total: worker.log_event(topic, (number, done, total)))
-    )
+    return attempt(work, item, None)

@@ -4,6 +4,7 @@ from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
 from dataclasses import field
+from itertools import islice
 from queue import Empty, SimpleQueue
 from typing import Any, ClassVar, Final, Generic
 
@@ -58,7 +59,7 @@ class ExecutorRunner(Runner[Result]):
     """Errors that need no second try unless several items were lost together."""
 
     @abstractmethod
-    def submit(self, number: int, work: Work[Result], item: object) -> "Future[Result | Failure]":
+    def submit(self, work: Work[Result], item: object) -> "Future[Result | Failure]":
         """Hand out an item.
 
         Raises:
@@ -67,7 +68,7 @@ class ExecutorRunner(Runner[Result]):
 
     @abstractmethod
     def look(self, progress: Progress) -> None:
-        """Pass on how items get on; called several times a second.
+        """Look after the workers; called several times a second.
 
         Raises:
             RunLost: nothing more will be done.
@@ -92,7 +93,7 @@ class ExecutorRunner(Runner[Result]):
         while state.wanted < state.count:
             try:
                 for number in self._next(state, ahead, progress):
-                    future = self.submit(number, work, items[number])
+                    future = self.submit(work, items[number])
                     state.under_way[future] = number
                     future.add_done_callback(state.done.put)
                 self._collect(state, progress)
@@ -105,6 +106,8 @@ class ExecutorRunner(Runner[Result]):
 
     def _next(self, state: _Items[Result], ahead: int, progress: Progress) -> list[int]:
         """Return the items to begin now: several, or one that is tried alone."""
+        if state.tried_alone.intersection(islice(state.under_way.values(), 1)):
+            return []
         if not state.suspects:
             state.several_lost = False
             first = state.begun

@@ -1,13 +1,9 @@
-"""Many logs on this machine: pools of the standard library.
+"""Many logs on this machine: a pool of the standard library.
 
-Each worker is a pool of one process: where that dies it is known what it worked on, and the others
-go on. They are forked where that can be, from a process that has loaded the command and runs no
-other thread: locks that threads hold do not survive a fork. So a process that takes the place of a
-dead one is spawned. The progress that they share has no lock, which one of them could take with it
-when it dies.
-
-Workers end when the lifeline does, a pipe that nothing is written to: its other end is closed when
-this runner is closed, or by the system when this process ends, however that happens.
+Workers are forked where that can be, from a process that has loaded the command and runs no other
+thread: locks that threads hold do not survive a fork. So workers that take the place of dead ones
+are spawned. Each ends with this process, however that ends, and first removes what it has begun to
+write.
 """
 
 import gc
@@ -20,14 +16,12 @@ import threading
 import time
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
-from contextlib import contextmanager, suppress
-from functools import partial
-from multiprocessing.connection import Connection
-from multiprocessing.context import BaseContext
-from typing import Any, Final
+from contextlib import contextmanager
+from multiprocessing.connection import wait
+from typing import Final
 
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.reader.workers import kill_processes
+from dogbot_logtool.reader.workers import kill_processes, processes_of
 from dogbot_logtool.run.executor import ExecutorRunner
 from dogbot_logtool.run.runner import Failure, Progress, Result, Work, attempt
 from dogbot_logtool.signals import (
@@ -38,62 +32,12 @@ from dogbot_logtool.signals import (
     raise_stopped,
 )
 
-_SPAWN: Final = multiprocessing.get_context("spawn")
 _CLEAN_UP_S: Final = 5.0
 """Time for a worker to remove what it has begun to write."""
 _END_S: Final = 8.0
-"""Time for a worker to end: one that was stopped, or that got no memory for it, never does."""
-
-
-class _Worker:
-    """One process, and another one where it has died."""
-
-    def __init__(self, lifeline: Connection, held: Connection, *, forks: bool) -> None:
-        """Set up.
-
-        Args:
-            lifeline: ends with this process.
-            held: its other end, which a forked process must not hold open.
-            forks: whether to begin with a copy of this process.
-        """
-        self._lifeline = lifeline
-        self._progress: Any = _SPAWN.RawArray("q", 2)
-        """Bytes done and in all; no lock, since a process may die with it."""
-        if forks:
-            self._pool = self._opened(multiprocessing.get_context("fork"), held)
-            self._pool.submit(_nothing)  # A pool starts its process with its first item.
-        else:
-            self._pool = self._opened(_SPAWN)
-
-    def _opened(self, context: BaseContext, *held: Connection) -> ProcessPoolExecutor:
-        return ProcessPoolExecutor(
-            1, context, initializer=_begin, initargs=(self._lifeline, self._progress, *held)
-        )
-
-    def submit(self, work: Work[Result], item: object) -> "Future[Result | Failure]":
-        """Hand the process an item."""
-        self._progress[:] = 0, 0
-        try:
-            return self._pool.submit(_attempt, work, item)
-        except BrokenExecutor:
-            self._pool.shutdown()
-            self._pool = self._opened(_SPAWN)
-            return self._pool.submit(_attempt, work, item)
-
-    def progress(self) -> tuple[int, int]:
-        """Return bytes done and in all of its item; 0 of 0 if nothing was reported."""
-        done, total = self._progress
-        return done, total
-
-    def close(self) -> None:
-        """Wait for the end of the process."""
-        # A pool whose thread could not be started has none to wait for.
-        with suppress(RuntimeError):
-            self._pool.shutdown(cancel_futures=True)
-
-    def kill(self) -> None:
-        """End the process at once, if it has not ended yet."""
-        kill_processes(self._pool)
+"""Time for workers to end: one that was stopped, or that got no memory for it, never does."""
+_MOST_LOOKS: Final = 8
+"""Looks at a pool with a dead worker before its other workers are ended."""
 
 
 class ProcessRunner(ExecutorRunner[Result]):
@@ -109,34 +53,38 @@ class ProcessRunner(ExecutorRunner[Result]):
         """
         self.jobs = jobs
         self.capacity = workers
-        # A signal that reaches all processes must not end what is started here.
-        with held_back(), _started(workers):
-            ends, self._lifeline = _SPAWN.Pipe(duplex=False)
-            forks = _can_fork() and threading.active_count() == 1
-            if forks and load is not None:
-                importlib.import_module(load)
-            self._workers = [_Worker(ends, self._lifeline, forks=forks) for _ in range(workers)]
-        self._idle = list(self._workers)
-        self._busy: dict[int, _Worker] = {}
+        self._looks = 0
+        forks = _can_fork() and threading.active_count() == 1
+        if forks and load is not None:
+            importlib.import_module(load)
+        self._pool = self._opened("fork" if forks else "spawn")
 
-    def submit(self, number: int, work: Work[Result], item: object) -> "Future[Result | Failure]":
+    def _opened(self, start: str) -> ProcessPoolExecutor:
+        context = multiprocessing.get_context(start)
+        return ProcessPoolExecutor(self.capacity, context, initializer=_begin)
+
+    def submit(self, work: Work[Result], item: object) -> "Future[Result | Failure]":
         """See `ExecutorRunner.submit`."""
-        worker = self._idle.pop()
+        # A signal that reaches all processes must not end what is started here.
         with held_back(), _started(self.capacity):
-            future = worker.submit(work, item)
-        self._busy[number] = worker
-        future.add_done_callback(partial(self._freed, number))
-        return future
-
-    def _freed(self, number: int, _future: "Future[Result | Failure]") -> None:
-        self._idle.append(self._busy.pop(number))
+            try:
+                return self._pool.submit(_attempt, work, item)
+            except BrokenExecutor:
+                self._pool.shutdown()
+                self._looks = 0
+                self._pool = self._opened("spawn")
+                return self._pool.submit(_attempt, work, item)
 
     def look(self, progress: Progress) -> None:
-        """See `ExecutorRunner.look`."""
-        for number, worker in list(self._busy.items()):
-            done, total = worker.progress()
-            if total:
-                progress.update(number, done, total)
+        """See `ExecutorRunner.look`.
+
+        A worker that dies while it sends leaves a part of a result, for whose rest the pool waits
+        for ever; a pool that notices the death has no processes any more.
+        """
+        del progress
+        self._looks += any(not each.is_alive() for each in processes_of(self._pool))
+        if self._looks > _MOST_LOOKS:
+            kill_processes(self._pool)
 
     def explain(self, error: Exception) -> str:
         """See `ExecutorRunner.explain`."""
@@ -146,19 +94,15 @@ class ProcessRunner(ExecutorRunner[Result]):
 
     def close(self) -> None:
         """End the processes, which first remove what they have begun to write."""
-        # A signal that breaks into the wait for a pool's thread could leave it waiting for ever.
         with held_back():
-            self._lifeline.close()
-            last_resort = threading.Timer(_END_S, self._kill)
-            with suppress(RuntimeError):
-                last_resort.start()
-            for worker in self._workers:
-                worker.close()
-            last_resort.cancel()
-
-    def _kill(self) -> None:
-        for worker in self._workers:
-            worker.kill()
+            processes = processes_of(self._pool)
+            for process in processes:
+                process.terminate()
+            end = time.monotonic() + _END_S
+            for process in processes:
+                process.join(max(end - time.monotonic(), 0.0))
+            kill_processes(self._pool)
+            self._pool.shutdown(cancel_futures=True)
 
 
 def _can_fork() -> bool:
@@ -183,29 +127,19 @@ def _started(workers: int) -> Iterator[None]:
         ) from error
 
 
-_progress: Any = None
-"""The progress of this process if it is a worker: bytes done and in all."""
-
-
-def _nothing() -> None:
-    """Do nothing."""
-
-
-def _begin(lifeline: Connection, progress: Any, *held: Connection) -> None:  # noqa: ANN401 - ctypes has no public name for it
+def _begin() -> None:
     """Begin a worker."""
-    global _progress  # noqa: PLW0603 - there is no other way to reach a function of a pool
-    _progress = progress
     leave_to_parent()
-    for end in held:
-        end.close()
     gc.freeze()
     raise_again_if_lost()
-    threading.Thread(target=_end_with, args=(lifeline,), daemon=True).start()
+    threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
-def _end_with(lifeline: Connection) -> None:
-    with suppress(EOFError, OSError):
-        lifeline.recv_bytes()
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is None:
+        return
+    wait([parent.sentinel])
     if hasattr(signal, "pthread_kill"):
         # Unlike other ways, this wakes it where it waits for a disk or a store.
         signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGTERM)
@@ -221,12 +155,8 @@ def _attempt(work: Work[Result], item: object) -> Result | Failure:
     # would print it, or take it for a result.
     try:
         signal.signal(signal.SIGTERM, raise_stopped)
-        outcome = attempt(work, item, _report_progress)
+        outcome = attempt(work, item, None)
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
     except Stopped as stopped:
         os._exit(stopped.exit_code)
     return outcome
-
-
-def _report_progress(done: int, total: int) -> None:
-    _progress[:] = done, total

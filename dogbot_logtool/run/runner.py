@@ -94,7 +94,7 @@ class SerialRunner(Runner[Result]):
     ) -> Iterator[Result | Failure]:
         """See `Runner.run`."""
         for number, item in enumerate(items):
-            on_progress = _callback_for(progress, number)
+            on_progress = _throttled(progress, number)
             outcome: Result | Failure
             try:
                 # A bug met with a single log is better seen with its traceback.
@@ -108,11 +108,7 @@ class SerialRunner(Runner[Result]):
             yield outcome
 
 
-def _callback_for(progress: Progress, number: int) -> OnProgress:
-    return throttled(lambda done, total: progress.update(number, done, total))
-
-
-def attempt(work: Work[Result], item: object, on_progress: OnProgress) -> Result | Failure:
+def attempt(work: Work[Result], item: object, on_progress: OnProgress | None) -> Result | Failure:
     """Work on an item; every error becomes an outcome.
 
     If a store still fails after several requests, the item is begun anew once.
@@ -133,8 +129,8 @@ def attempt(work: Work[Result], item: object, on_progress: OnProgress) -> Result
     raise AssertionError
 
 
-def throttled(on_progress: OnProgress) -> OnProgress:
-    """Return a callback that calls another one at most five times a second."""
+def _throttled(progress: Progress, number: int) -> OnProgress:
+    """Return a callback that passes an item's progress on at most five times a second."""
     last = 0.0
 
     def update(done: int, total: int) -> None:
@@ -142,7 +138,7 @@ def throttled(on_progress: OnProgress) -> OnProgress:
         now = time.monotonic()
         if now - last > _PROGRESS_EVERY_S:
             last = now
-            on_progress(done, total)
+            progress.update(number, done, total)
 
     return update
 

@@ -20,7 +20,7 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import foot_history
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.corrections.sensor import SensorLevel
-from dogbot_logtool.core.hulls import margin_in_hull
+from dogbot_logtool.core.hulls import hulls, margin_in
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.core.scene.support_scene import margin_colour
 from dogbot_logtool.core.stability import feet_down
@@ -28,7 +28,7 @@ from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.reader.messages.contact_messages import read_contacts
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.results import Conversion
-from dogbot_logtool.robot.topics.selection import select_topics
+from dogbot_logtool.robot.selection import select_topics
 from tests.measured import measured_contact
 from tests.oracles import walks
 from tests.oracles.annotated_file import Written, annotations, arrows, read_written
@@ -207,7 +207,7 @@ def test_support_is_what_message_by_message_listening_gives(
             height = sum(point[2] for point in points) / len(points)
             (place,) = message.projection
             np.testing.assert_allclose(place, (*pose.numbers[:2], height), atol=1e-12)
-    assert conversion.counts.support_unknown == unknown
+    assert conversion.counts["support_unknown"] == unknown
 
 
 def assert_outline(message: Shown, points: list[Vector], body: Vector) -> None:
@@ -244,7 +244,7 @@ def test_margins_are_those_of_stats_at_the_same_times(folder: Path, log: Path) -
     )
     feet, base = recorded(log)
     points, _ = feet_down(time, feet)
-    margins = margin_in_hull(points[:, :, :2], base.position_at(time)[:, :2])
+    margins = margin_in(hulls(points[:, :, :2]), base.position_at(time)[:, :2])
     edges = np.concatenate([(f.stances.touchdown, f.stances.liftoff) for f in feet], axis=None)
     settled = np.abs(time[:, None] - edges).min(axis=1) > 25 * MS
     settled &= time - time[0] > NEAR_MS * MS

@@ -238,47 +238,6 @@ def test_a_log_of_which_all_is_ignored_is_a_wrong_call(
 
 
 @pytest.mark.parametrize(
-    ("pattern", "fits"),
-    [
-        ("/a", True),
-        ("/nothing", False),
-        ("pose.pose.position.x", True),
-        ("/odom:pose.*", True),
-        ("/odom:twist.twist.nothing", False),
-        ("header", True),
-        ("publish_time", True),
-        ("metadata:dogbot_logtool", True),
-        ("/a:x", True),
-        ("/other:x", False),
-    ],
-)
-def test_a_pattern_that_fits_nothing_is_said(tmp_path: Path, pattern: str, *, fits: bool) -> None:
-    """Also where all messages are equal, so that none is decoded."""
-    files = logs(tmp_path, with_metadata(OURS), with_metadata(OURS))
-    warning = () if fits else (f"--ignore {pattern!r} fits nothing in either file",)
-    assert compare(*files, CompareOptions(ignore=(pattern,))).warnings == warning
-    if "/" in pattern[:1] and ":" not in pattern:
-        wanted = CompareOptions(topics=("/odom", pattern))
-        warned = compare(*files, wanted).warnings
-        assert warned == tuple(each.replace("--ignore", "--topics") for each in warning)
-    rules = toml(tmp_path, f'[some]\natol = 1\nfields = ["{pattern}"]')
-    if not fits:
-        warned = compare(*files, CompareOptions(tolerances=rules)).warnings
-        assert warned == (f"tolerance [some] {pattern!r} fits nothing in either file",)
-
-
-def test_a_pattern_that_fits_nothing_in_json_is_said(tmp_path: Path) -> None:
-    patterns = ("feet.front_left.slip_m", "*.period_s", "tool.version", "nothing", "feet.back*")
-    result = compare_documents(tmp_path, FIGURES, FIGURES, ignore=patterns)
-    assert result.warnings == (
-        "--ignore 'nothing' fits nothing in either file",
-        "--ignore 'feet.back*' fits nothing in either file",
-    )
-    result = compare_documents(tmp_path, FIGURES, FIGURES, topics=("feet", "feet.front_left"))
-    assert result.warnings == ()
-
-
-@pytest.mark.parametrize(
     "text", ['{"a": 1, "a": 1}', '{"b": [{"a": 1, "c": 2, "a": 3}]}', '[{"a": 0, "a": 0}]']
 )
 def test_a_key_that_stands_twice_is_no_json(tmp_path: Path, text: str) -> None:
@@ -338,11 +297,10 @@ def test_warnings_go_to_stderr_and_change_no_exit_code(tmp_path: Path) -> None:
     path, link = tmp_path / "one.json", tmp_path / "link.json"
     path.write_text(json.dumps(FIGURES), encoding="utf-8")
     link.symlink_to(path)
-    done = run(path, link, "--ignore", "nothing\x1b[31m")
+    done = run(path, link)
     assert done.returncode == 0
     assert done.stdout.startswith("same: ")
     assert done.stderr.splitlines() == [
         f"warning: {path} and {link} are the same file, so nothing can differ",
-        "warning: --ignore 'nothing\\x1b[31m' fits nothing in either file",
     ]
     assert json.loads(run(path, link, "--json").stdout)["warnings"]

@@ -8,46 +8,42 @@ from typing import Any
 
 import pytest
 
+from dogbot_logtool.commands.stats import measure_log
 from dogbot_logtool.conversion.plan import ConversionPlan, make_plan, refuse_unknown_names
-from dogbot_logtool.core.frames.wrench_frame import WrenchFrame, WrenchFrameEvidence
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.known_frames import known_frames
+from dogbot_logtool.core.recording import Recording
+from dogbot_logtool.core.settings import StatsSettings
+from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.finding import Severity
 from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.robot.probe import Probe
-from dogbot_logtool.robot.probe_findings import probe_findings
-from dogbot_logtool.robot.sensors import learn_sensors
-from dogbot_logtool.robot.topics.selection import Selection, select_topics
+from dogbot_logtool.robot.selection import Selection
 from tests.paths import SAMPLE_LOGS
-from tests.probes import probe_log
-
-UNKNOWN = WrenchFrameEvidence(WrenchFrame.UNKNOWN)
 
 
 @cache
-def looked_at(path: Path) -> tuple[Selection, Probe]:
-    """Return what a look into a log shows."""
+def measured(path: Path) -> tuple[Selection, Stats]:
+    """Return what is known of a log once it is measured."""
     log = open_log(path)
-    selection = select_topics(log, MeasureOptions())
-    probe = probe_log(log, selection, with_soles=True)
+    found = measure_log(log, MeasureOptions())
     log.close()
-    return selection, probe
+    return found.selection, found.measurement.stats
 
 
 class Case:
-    """A sample log with its selection and evidence, to be varied."""
+    """A sample log with its selection and walk, to be varied."""
 
     def __init__(self, path: Path) -> None:
         self.log = open_log(path)
-        self.selection, self.probe = looked_at(path)
+        self.selection, self.walk = measured(path)
 
     def plan(self, **options: Any) -> ConversionPlan:
         wanted = ConvertOptions(**options)
-        learnt = learn_sensors(self.selection, self.probe)
-        return make_plan(self.log, self.selection, self.probe, learnt, wanted)
+        return make_plan(self.log, self.selection, self.walk, wanted)
 
-    def see(self, **probe: Any) -> None:
-        self.probe = replace(self.probe, **probe)
+    def see(self, **frames: Any) -> None:
+        self.walk = replace(self.walk, frames=replace(self.walk.frames, **frames))
 
     def know(self, **robot: Any) -> None:
         self.selection = replace(self.selection, robot=replace(self.selection.robot, **robot))
@@ -71,12 +67,6 @@ def codes(plan: ConversionPlan) -> set[str]:
     return {finding.code for finding in plan.findings}
 
 
-def test_frames_are_the_robot_s(trot: Case) -> None:
-    trot.see(world_frames=("odom",), base_frames=("trunk",))
-    plan = trot.plan()
-    assert (plan.world_frame, plan.base_frame) == ("world", "base_link")
-
-
 @pytest.mark.parametrize(
     ("recorded", "used"),
     [
@@ -88,12 +78,13 @@ def test_frames_are_the_robot_s(trot: Case) -> None:
     ],
 )
 def test_frames_are_the_log_s_where_the_robot_has_none(
-    trot: Case, recorded: tuple[tuple[str, ...], tuple[str, ...]], used: tuple[str, str]
+    recorded: tuple[tuple[str, ...], tuple[str, ...]], used: tuple[str, str]
 ) -> None:
-    trot.know(world_frame=None, base_frame=None)
-    trot.see(world_frames=recorded[0], base_frames=recorded[1])
-    plan = trot.plan()
-    assert (plan.world_frame, plan.base_frame) == used
+    recording = Recording(world_frames=recorded[0], base_frames=recorded[1])
+    frames = known_frames(recording, StatsSettings(()))
+    assert (frames.world, frames.base) == used
+    frames = known_frames(recording, StatsSettings((), world_frame="a", base_frame="b"))
+    assert (frames.world, frames.base) == ("a", "b")
 
 
 @pytest.mark.parametrize("tf", ["auto", "always", "never"])
@@ -107,25 +98,13 @@ def test_a_second_parent(trot: Case, tf: str, parents: set[str], *, copy: bool) 
     assert ("TF_NOT_WRITTEN" in codes(plan)) == (tf == "auto" and harm)
 
 
-@pytest.mark.parametrize(
-    ("option", "seen", "in_world"),
-    [
-        ("auto", WrenchFrame.WORLD, True),
-        ("auto", WrenchFrame.LINK, False),
-        ("auto", WrenchFrame.UNKNOWN, False),
-        ("world", WrenchFrame.LINK, True),
-        ("link", WrenchFrame.WORLD, False),
-    ],
-)
-def test_the_wrench_frame(trot: Case, option: str, seen: WrenchFrame, *, in_world: bool) -> None:
-    trot.see(wrench_frame=WrenchFrameEvidence(seen))
-    trot.know(wrench_frame=option)
+@pytest.mark.parametrize("seen", WrenchFrame)
+def test_the_wrench_frame(trot: Case, seen: WrenchFrame) -> None:
+    trot.walk = replace(trot.walk, settings=replace(trot.walk.settings, wrench_frame=seen))
     plan = trot.plan(style="force")
     turns = plan.frames is not None and any(plan.frames.links)
-    assert turns == (WrenchFrame.LINK in {option, seen} and not in_world)
-    assert ("NOT_DRAWN" in codes(plan)) == (not in_world and not turns)
-    (finding,) = (each for each in plan.findings if each.code == "WRENCH_FRAME")
-    assert (finding.severity is Severity.WARNING) == (seen is WrenchFrame.UNKNOWN)
+    assert turns == (seen is WrenchFrame.LINK)
+    assert ("NOT_DRAWN" in codes(plan)) == (seen is WrenchFrame.UNKNOWN)
     assert "NOT_DRAWN" not in codes(trot.plan(style="pressure"))
 
 
@@ -164,17 +143,3 @@ def test_the_output_begins_where_its_messages_do(walk: Case) -> None:
 def test_without_odometry_there_is_no_transform(trot: Case) -> None:
     trot.selection = replace(trot.selection, odometry=())
     assert not trot.plan(tf="always").write_tf
-
-
-def test_findings_are_told_by_what_was_seen(trot: Case) -> None:
-    trot.see(
-        zero_stamps=frozenset({"/dogbot/odom"}),
-        slashed_frames=("/map",),
-        world_frames=("a", "b"),
-        wrench_frame=UNKNOWN,
-    )
-    found = list(probe_findings(trot.selection, trot.probe))
-    assert {each.code for each in found} == {"BAD_STAMPS", "FRAME_NAMES", "WRENCH_FRAME"}
-    assert any(each.code == "BAD_STAMPS" and "/dogbot/odom" in each.text for each in found)
-    assert any(each.code == "FRAME_NAMES" and "/map" in each.text for each in found)
-    assert all(each.severity is Severity.WARNING for each in found)

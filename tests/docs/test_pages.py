@@ -20,7 +20,7 @@ from tests.truth.log_file import write_log
 from tests.truth.sensed import pushed, with_imu
 from tests.truth.walking import Walk
 
-_CODE = re.compile(r'\bFinding\(\s*"([A-Z_]+)"')
+_CODE = re.compile(r'\b(?:Finding|found)\(\s*"([A-Z_]+)"')
 _CAPITALS = re.compile(r'"([A-Z]{2,}(?:_[A-Z]+)+)"')
 
 

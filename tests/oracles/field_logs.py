@@ -1,6 +1,6 @@
 """Logs whose feet are fields of messages of types that nobody knows."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, Final
@@ -28,6 +28,9 @@ DEFINITIONS: Final = {
     "odd_msgs/msg/Soles": "".join(f"float32 {cell}\n" for cell in CELLS),
     "odd_msgs/msg/Pad": "string name\nfloat64 load\n",
     "odd_msgs/msg/Pads": "odd_msgs/Pad[] pads\n",
+    "odd_msgs/msg/Limb": "string name\ngeometry_msgs/Vector3 grf\nfloat64[3] q\n",
+    "odd_msgs/msg/Limbs": "geometry_msgs/Pose base_pose\nodd_msgs/Limb[] legs\n",
+    "odd_msgs/msg/Tips": "string[] name\ngeometry_msgs/Wrench[] wrench\n",
     "odd_msgs/msg/Leg": "string name\nint16 counts\ngeometry_msgs/Vector3 force\nfloat32[] cells\n",
     "odd_msgs/msg/State": (
         "std_msgs/Header header\nodd_msgs/Leg[] legs\nfloat64[4] loads\nuint8[] flags\n"
@@ -100,6 +103,40 @@ def six_feet_in_two(folder: Path) -> tuple[Path, Path]:
         own = [entry for entry in entries if entry.topic.split("/")[2][-1] in struts]
         walks.write_mcap(path, walk, own)
     return paths
+
+
+def labelled(path: Path, labels: Sequence[str], topic: str, *, kind: str = "Tips") -> None:
+    """Write limbs that walk in turns, called by strings in the elements or beside the array."""
+    walk = odd_walk()
+    turn = walk.make("geometry_msgs/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0)
+    origin = walk.vector((0.0, 0.0, 0.5), "geometry_msgs/Point")
+    pose = walk.make("geometry_msgs/Pose", position=origin, orientation=turn)
+    entries = []
+    for sample in range(round(DURATION_S * RATE_HZ)):
+        loads = [load_n(sample / RATE_HZ, foot) for foot in range(len(labels))]
+        fields: dict[str, Any] = {"name": list(labels)}
+        fields["wrench"] = [walk.wrench((0, 0, load)) for load in loads]
+        if kind == "Limbs":
+            legs = [
+                walk.make("odd_msgs/Limb", name=name, grf=walk.vector((0, 0, load)), q=np.zeros(3))
+                for name, load in zip(labels, loads, strict=True)
+            ]
+            fields = {"base_pose": pose, "legs": legs}
+        time = START_NS + round(sample * 1e9 / RATE_HZ)
+        entries.append(_entry(walk, topic, f"odd_msgs/msg/{kind}", time, fields))
+    walks.write_mcap(path, walk, entries)
+
+
+def switches(path: Path, legs: int) -> None:
+    """Write contact switches of numbered legs."""
+    walk, kind = odd_walk(), "std_msgs/msg/Bool"
+    entries = []
+    for sample in range(round(DURATION_S * RATE_HZ)):
+        time = START_NS + round(sample * 1e9 / RATE_HZ)
+        for leg in range(legs):
+            down = {"data": is_down(sample / RATE_HZ, leg)}
+            entries.append(_entry(walk, f"/leg_{leg + 1}/foot_contact", kind, time, down))
+    walks.write_mcap(path, walk, entries)
 
 
 def load_cell(path: Path, rows: int) -> Path:

@@ -47,8 +47,10 @@ def odometry(recording: Recording) -> Odometry:
 def stats_settings(recording: Recording, **changes: object) -> StatsSettings:
     """Return settings that are true of the recording, but for what is changed."""
     robot = recording.robot
+    lists = recording.kind != "wrench"
     feet = tuple(
-        FootSettings(name, robot.topic(row), _position(name)) for row, name in enumerate(robot.feet)
+        FootSettings(name, robot.topic(row), _position(name), lists_contacts=lists)
+        for row, name in enumerate(robot.feet)
     )
     known: dict[str, object] = {
         "mass_kg": robot.mass_kg,

@@ -12,7 +12,6 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 
 from dogbot_logtool.comparison.fields import Findings, Tree, compare_fields
-from dogbot_logtool.comparison.logs.field_names import ALWAYS, message_fields, tree_names
 from dogbot_logtool.comparison.logs.messages import MessageSweep
 from dogbot_logtool.comparison.logs.topics import Topic, find_topics
 from dogbot_logtool.comparison.logs.windows import (
@@ -30,7 +29,7 @@ from dogbot_logtool.comparison.outcome import (
     Kind,
     Tally,
 )
-from dogbot_logtool.comparison.tolerances import FieldRules, Rules, nothing_left
+from dogbot_logtool.comparison.tolerances import FieldRules, Rules, fits, nothing_left
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.reader.containers.log import Extra, Log, Loss
 from dogbot_logtool.reader.containers.loss import Damage
@@ -72,10 +71,7 @@ def _compare(
     if rules.topics and not topics:
         raise CallError(f"--topics: neither file has a topic like {', '.join(rules.topics)}")
     tallies = [topic.tally for topic in topics]
-    if (
-        not (rules.topics or rules.fit(rules.ignore, RECORDS))
-        and expected.container == actual.container
-    ):
+    if not (rules.topics or fits(rules.ignore, RECORDS)) and expected.container == actual.container:
         tallies.append(_compare_records(expected, actual, rules, differences))
 
     tracks = (
@@ -91,8 +87,6 @@ def _compare(
             found.extend(block.losses)
     if not any(losses):
         _refuse_ignoring_all(tallies, rules)
-    for log in (expected, actual) if rules.unmatched else ():
-        _note_names(log, rules)
     return Comparison(
         expected.source.path,
         actual.source.path,
@@ -101,7 +95,6 @@ def _compare(
         differences.kept,
         differences.count,
         [*_damage(expected, losses[0]), *_damage(actual, losses[1])],
-        rules.warnings(),
     )
 
 
@@ -118,19 +111,6 @@ def _refuse_ignoring_all(tallies: Sequence[Tally], rules: Rules) -> None:
     )
     if rules.ignore and not found:
         raise nothing_left(rules, "topic")
-
-
-def _note_names(log: Log, rules: Rules) -> None:
-    """Note which globs fit what a log has, whether or not it was compared or had to be decoded."""
-    records = FieldRules(rules)
-    for name in tree_names(records_tree(log)):
-        records.note(name)
-    for channel in log.channels.values():
-        fields, names = FieldRules(rules, channel.topic), message_fields(channel)
-        for name in (*ALWAYS, *(names or ())):
-            fields.note(name)
-        if names is None:
-            fields.note_unknown()
 
 
 def _topic_numbers(topics: Sequence[Topic], *, is_expected: bool) -> Mapping[int, int]:

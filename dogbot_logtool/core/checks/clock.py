@@ -5,116 +5,99 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.checks.wording import counted
-from dogbot_logtool.core.consistency.heave import Delay
-from dogbot_logtool.core.corrections.clock import ClockDifference, TimeSource
-from dogbot_logtool.core.quality.quality import TopicQuality
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, found
 
 FAR_S: Final = 10.0
 """s: stamps further from log time are on another clock, not only delayed."""
 OTHER_SPEED_PPM: Final = 1e4
 """Millionths by which a clock may run faster or slower than log time."""
+_ODD_TIMES: Final = (
+    ("BAD_STAMPS", "zero_stamps", "with a zero header stamp"),
+    ("BAD_STAMPS", "stamps_ahead", "with a header stamp later than those that follow"),
+    ("BAD_STAMPS", "backward_stamps", "with a header stamp that goes backwards"),
+    ("BAD_STAMPS", "duplicate_stamps", "with the header stamp of the one before"),
+    ("OUT_OF_ORDER", "backward_log_times", "logged out of order"),
+    ("OUT_OF_ORDER", "duplicate_log_times", "with the log time of the one before"),
+)
+"""Code, count among a topic's timing, and what is counted."""
 
 
 def clock_set(stats: Stats) -> Iterator[Finding]:
     """Yield why stamps are not used, and where the clock was set."""
-    settings = stats.settings
+    settings, where = stats.settings, "settings.time_source"
     if settings.time_source_reason:
-        text = f"{settings.time_source_reason}: everything is measured on log time"
-        yield Finding("LOG_TIME_USED", text, "settings.time_source")
+        yield found("LOG_TIME_USED", where, why=settings.time_source_reason)
     on_log_time = settings.clock is TimeSource.LOG
-    steps = {step: topic.topic for topic in stats.topics for step in topic.clock_steps}
+    steps = {step: each.topic for each in stats.topics for step in each.clock_steps}
     for step, topic in steps.items():
-        back = "back" if step.by_ns < 0 else "forward"
         at = f" at {stats.seconds(np.array([step.after]))[0]:.2f} s" if on_log_time else ""
-        text = f"{topic}: its clock was set {back} by {abs(step.by_ns) / 1e9:.2f} s{at}"
-        yield Finding("CLOCK_SET", text, "settings.time_source")
+        way, seconds = "back" if step.by_ns < 0 else "forward", abs(step.by_ns) / 1e9
+        yield found("CLOCK_SET", where, topic=topic, way=way, seconds=seconds, at=at)
 
 
 def clocks_differ(stats: Stats) -> Iterator[Finding]:
     """Yield topics whose clocks differ from that of the feet, by stamps or by physics."""
+    base_topic, delay = stats.settings.odometry_topic, stats.base_delay
     for each in stats.clocks:
-        if each.is_apart:
-            yield _clock(stats, each)
-    if stats.base_delay is not None:
-        yield _heave(stats.settings.odometry_topic, stats.base_delay)
-
-
-def _clock(stats: Stats, difference: ClockDifference) -> Finding:
-    topic = difference.topic
-    where = "behind" if difference.behind_s > 0.0 else "ahead of"
-    text = (
-        f"{topic}: its clock is {abs(difference.behind_s):.3f} s {where} that of the feet "
-        f"(header stamps against log time, +- {difference.jitter_s:.3f} s)"
-    )
-    if abs(difference.drift_s) > max(difference.jitter_s, 0.5 * abs(difference.behind_s)):
-        text += f", drifting by {difference.drift_s:+.3f} s over the log"
-    if topic not in stats.clocks_apart:
-        text += "; that is little of a stride"
-        return Finding("CLOCK_OFFSET", text, topic, cases=("little",))
-    case = "base" if topic == stats.settings.odometry_topic else "feet"
-    return Finding("CLOCK_OFFSET", text, topic, cases=(case,))
-
-
-def _heave(topic: str, delay: Delay) -> Finding:
-    where = "after" if delay.delay_s > 0.0 else "before"
-    text = (
-        f"{topic}: the base goes up and down {abs(delay.delay_s):.3f} s {where} the feet's forces "
-        f"drive it ({delay.low_s:+.2f} to {delay.high_s:+.2f} s, correlation "
-        f"{delay.correlation:.2f}), whatever the stamps say"
-    )
-    return Finding("CLOCK_OFFSET", text, topic, cases=("base",))
+        if not each.is_apart:
+            continue
+        case = "base" if each.topic == base_topic else "feet"
+        steady_s = max(each.jitter_s, 0.5 * abs(each.behind_s))
+        drifts = f", drifting by {each.drift_s:+.3f} s over the log"
+        yield found(
+            "CLOCK_OFFSET",
+            each.topic,
+            case if each.topic in stats.clocks_apart else "little",
+            topic=each.topic,
+            behind=abs(each.behind_s),
+            way="behind" if each.behind_s > 0.0 else "ahead of",
+            jitter=each.jitter_s,
+            drifts=drifts if abs(each.drift_s) > steady_s else "",
+        )
+    if delay is not None:
+        yield found(
+            "CLOCK_OFFSET",
+            base_topic,
+            "base",
+            say="heave",
+            topic=base_topic,
+            delay=abs(delay.delay_s),
+            way="after" if delay.delay_s > 0.0 else "before",
+            low=delay.low_s,
+            high=delay.high_s,
+            correlation=delay.correlation,
+        )
 
 
 def feet_silent(stats: Stats) -> Iterator[Finding]:
     """Yield time in which no foot tells anything, though the odometry does."""
-    if not len(stats.all_silent):
-        return
-    starts = stats.seconds(stats.all_silent[:, 0])
-    lengths = (stats.all_silent[:, 1] - stats.all_silent[:, 0]) / 1e9
-    times = counted(len(starts), "time")
-    text = (
-        f"all feet are silent at once, {times}, first at {starts[0]:.2f} s, {lengths.sum():.2f} s "
-        "in all, while the odometry goes on"
-    )
-    yield Finding("ALL_FEET_SILENT", text, "feet")
+    silent = stats.all_silent
+    if len(silent):
+        first, seconds = stats.seconds(silent[:, 0])[0], np.diff(silent).sum() / 1e9
+        yield found("ALL_FEET_SILENT", "feet", times=len(silent), first=first, seconds=seconds)
 
 
 def topics_timed(stats: Stats) -> Iterator[Finding]:
     """Yield what is odd in the timing of topics; commands may pause while no one steers."""
-    for topic in stats.topics:
-        if topic.gaps and topic.topic != stats.settings.command_topic:
-            gaps = counted(topic.gaps, "gap")
-            text = f"{topic.topic}: {gaps}, {topic.gaps_total_s:.2f} s in all, the longest "
-            yield Finding("GAPS", f"{text}{topic.longest_gap_s:.2f} s", topic.topic)
-        yield from _stamps(topic)
-        yield from _against_log_time(topic)
-
-
-def _stamps(topic: TopicQuality) -> Iterator[Finding]:
-    """Yield how many of a topic's times are bad, by kind."""
-    for code, count, what in (
-        ("BAD_STAMPS", topic.zero_stamps, "with a zero header stamp"),
-        ("BAD_STAMPS", topic.stamps_ahead, "with a header stamp later than those that follow"),
-        ("BAD_STAMPS", topic.backward_stamps, "with a header stamp that goes backwards"),
-        ("BAD_STAMPS", topic.duplicate_stamps, "with the header stamp of the one before"),
-        ("OUT_OF_ORDER", topic.backward_log_times, "logged out of order"),
-        ("OUT_OF_ORDER", topic.duplicate_log_times, "with the log time of the one before"),
-    ):
-        if count:
-            messages = counted(topic.messages, "message")
-            yield Finding(code, f"{topic.topic}: {count} of {messages} {what}", topic.topic)
-
-
-def _against_log_time(topic: TopicQuality) -> Iterator[Finding]:
-    name, offset_s, drift_ppm = topic.topic, topic.offset_median_s, topic.offset_drift_ppm
-    if offset_s is not None and abs(offset_s) > FAR_S:
-        where = "before" if offset_s > 0.0 else "after"
-        text = f"{name}: its stamps lie {abs(offset_s):.1f} s {where} log time"
-        yield Finding("CLOCK_OFFSET", text, name, cases=("little",))
-    if drift_ppm is not None and abs(drift_ppm) > OTHER_SPEED_PPM:
-        rate = 1.0 / (1.0 + drift_ppm / 1e6)
-        text = f"{name}: its stamps run at {rate:.2f} times the speed of log time"
-        yield Finding("CLOCK_OFFSET", text, name, cases=("little",))
+    for each in stats.topics:
+        topic, offset_s, drift_ppm = each.topic, each.offset_median_s, each.offset_drift_ppm
+        if each.gaps and topic != stats.settings.command_topic:
+            seconds, longest = each.gaps_total_s, each.longest_gap_s
+            yield found(
+                "GAPS", topic, topic=topic, gaps=each.gaps, seconds=seconds, longest=longest
+            )
+        for code, field, what in _ODD_TIMES:
+            if count := getattr(each, field):
+                yield found(
+                    code, topic, topic=topic, count=count, messages=each.messages, what=what
+                )
+        if offset_s is not None and abs(offset_s) > FAR_S:
+            way, seconds = "before" if offset_s > 0.0 else "after", abs(offset_s)
+            yield found(
+                "CLOCK_OFFSET", topic, "little", say="far", topic=topic, seconds=seconds, way=way
+            )
+        if drift_ppm is not None and abs(drift_ppm) > OTHER_SPEED_PPM:
+            rate = 1.0 / (1.0 + drift_ppm / 1e6)
+            yield found("CLOCK_OFFSET", topic, "little", say="speed", topic=topic, rate=rate)

@@ -4,7 +4,7 @@ A check reads what was measured and changes nothing; what its findings void is s
 afterwards, in one place (`voids.py`).
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from typing import Final
 
 from dogbot_logtool.core.checks import (
@@ -20,7 +20,7 @@ from dogbot_logtool.core.checks import (
     sensors,
 )
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.finding import Finding, Severity
+from dogbot_logtool.finding import Finding
 
 Check = Callable[[Stats], Iterator[Finding]]
 
@@ -74,32 +74,19 @@ CHECKS: Final[tuple[Check, ...]] = (
     legs.joint_clocks,
     legs.joint_work,
     commands.refused,
-    commands.command_axes,
-    commands.on_log_time,
-    commands.no_command,
-    imu.scale,
+    commands.followed,
     imu.mounting,
-    imu.forces_odd,
-    imu.forces_turned,
+    imu.forces,
 )
 """In order of the subjects; findings are sorted by consequence."""
-MOST_FIRST: Final = 3
-"""Findings that a report begins with."""
 
 
 def findings_of(stats: Stats) -> tuple[Finding, ...]:
     """Make all checks, and return what they find: what is of most consequence first."""
-    found = [finding for check in CHECKS for finding in check(stats)]
-    return tuple(sorted(found, key=consequence))
+    made = [finding for check in CHECKS for finding in check(stats)]
+    return tuple(sorted(made, key=_consequence))
 
 
-def consequence(finding: Finding) -> tuple[int, float]:
+def _consequence(finding: Finding) -> tuple[int, float]:
     """Return the key that sorts findings: what makes most metrics doubtful comes first."""
     return finding.severity, float("inf") if finding.rank is None else finding.rank
-
-
-def first_of(findings: Sequence[Finding]) -> list[Finding]:
-    """Return what to look at first: of errors and ranked findings, those of most consequence."""
-    grave = [each for each in findings if each.rank or each.severity is Severity.ERROR]
-    by_code = {each.code: each for each in sorted(grave, key=consequence, reverse=True)}
-    return list(by_code.values())[::-1][:MOST_FIRST]

@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, median_of
 from dogbot_logtool.core.gait.feet import FootSteps
-from dogbot_logtool.core.gait.segments import any_strides
+from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.loads import mean_impulses
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.statistics import Stats

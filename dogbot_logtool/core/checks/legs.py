@@ -8,7 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import median_of
 from dogbot_logtool.core.checks.loads import direction_is_doubtful
-from dogbot_logtool.core.gait.support import typical_period_s
+from dogbot_logtool.core.gait.strides import typical_period_s
 from dogbot_logtool.core.leg_evaluation import paired
 from dogbot_logtool.core.legs.doubts import LegSigns, contradiction, leg_signs, shortfall
 from dogbot_logtool.core.legs.legs import LegFigures

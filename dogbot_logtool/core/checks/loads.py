@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 from typing import Final
 
-from dogbot_logtool.core.loads import is_stuck
+from dogbot_logtool.core.loads import WEIGHT_TOLERANCE, is_stuck
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, found
 
 WHOLE_TOLERANCE: Final = 0.05
 """By how much the ratio may miss a whole number of summed physics steps, relative to it."""
@@ -25,8 +25,7 @@ def no_force(stats: Stats) -> Iterator[Finding]:
         others = [each.record for each in stats.feet if each is not foot]
         touches = len(foot.stances.touchdown) > 0
         if touches and not foot.record.has_force and not is_stuck(foot.record, others):
-            text = f"the sensor of {foot.name} tells contact, not force"
-            yield Finding("NO_FORCE", text, f"feet.{foot.name}.peak_force_n")
+            yield found("NO_FORCE", f"feet.{foot.name}.peak_force_n", foot=foot.name)
 
 
 def mass_unknown(stats: Stats) -> Iterator[Finding]:
@@ -34,86 +33,48 @@ def mass_unknown(stats: Stats) -> Iterator[Finding]:
     if stats.settings.mass_kg is not None:
         return
     weight_n, thresholds_n = stats.loads.weight_n, stats.settings.estimated_weight_n
-    words = ["the robot's mass is not known: "]
-    if weight_n is None:
-        words.append("nothing is given in body weights")
-    else:
-        words.append(
-            f"its weight is taken as {weight_n:.4g} N, the mean vertical force of all feet over "
-            "whole strides; impulse over weight is not given"
-        )
+    thresholds = ""
     if thresholds_n is not None:
-        words.append(
-            f"; contact thresholds rest on {thresholds_n:.3g} N, the mean sum of the feet's loads"
-        )
-    yield Finding("MASS_UNKNOWN", "".join(words), _RATIO)
+        rest = f"{thresholds_n:.3g} N, the mean sum of the feet's loads"
+        thresholds = f"; contact thresholds rest on {rest}"
+    say = "plain" if weight_n is None else "estimated"
+    yield found("MASS_UNKNOWN", _RATIO, say=say, weight=weight_n, thresholds=thresholds)
 
 
 def impulse_is_not_weight(stats: Stats) -> Iterator[Finding]:
     """Yield that the feet's forces do not add up to the weight, and what that refutes."""
-    loads = stats.loads
-    cases = _refuted(stats)
-    magnitude, ratio = loads.magnitude_over_weight, loads.vertical_impulse_over_weight
-    if magnitude is not None and loads.magnitude_misses_weight:
-        text = f"the mean sum of the feet's |F| is {magnitude:.2f} of the weight: "
-        text += _likely_cause(stats, magnitude)
-        yield Finding("IMPULSE_IS_NOT_WEIGHT", text, _RATIO, cases=cases)
-    if ratio is None and loads.vertical_refuted:
-        text = (
-            f"the feet's vertical forces add up to {loads.mean_vertical_n:.4g} N, downwards: the "
-            "wrenches are in another frame, or those of the feet on the ground"
-        )
-        yield Finding("IMPULSE_IS_NOT_WEIGHT", text, _RATIO, cases=cases)
-    if ratio is not None and loads.misses_weight:
-        text = f"the feet's vertical impulse is {ratio:.2f} of the weight: "
-        text += _likely_cause(stats, ratio)
-        yield Finding("IMPULSE_IS_NOT_WEIGHT", text, _RATIO, cases=cases)
-
-
-def _refuted(stats: Stats) -> tuple[str, ...]:
-    """Return the cases of what forces that miss the weight refute."""
-    loads = stats.loads
-    cases = {
-        "direction": loads.direction_refuted,
-        "shares": loads.direction_refuted or loads.magnitude_misses_weight,
-        "vertical": loads.vertical_refuted or loads.other_units,
-        "weight": loads.weight_refuted,
-        "assumed": loads.weight_refuted and stats.settings.mass_is_assumed,
-        "units": loads.other_units,
-    }
-    return tuple(case for case, holds in cases.items() if holds)
+    loads, code = stats.loads, "IMPULSE_IS_NOT_WEIGHT"
+    cases, ratio = loads.refuted, loads.vertical_impulse_over_weight
+    magnitude = loads.magnitude_over_weight
+    if magnitude is not None and "shares" in cases:
+        cause = _likely_cause(stats, magnitude)
+        yield found(code, _RATIO, *cases, say="magnitude", ratio=magnitude, cause=cause)
+    if ratio is None and (loads.mean_vertical_n or 0.0) < 0.0:
+        yield found(code, _RATIO, *cases, say="downwards", newtons=loads.mean_vertical_n)
+    if ratio is not None and abs(ratio - 1.0) > WEIGHT_TOLERANCE:
+        yield found(code, _RATIO, *cases, ratio=ratio, cause=_likely_cause(stats, ratio))
 
 
 def forces_lean(stats: Stats) -> Iterator[Finding]:
     """Yield that forces may be in the frames of legs that swing."""
     loads = stats.loads
     if _may_lean(stats):
-        text = (
-            f"the sum of |F| is {loads.mean_magnitude_n:.4g} N, that of vertical forces "
-            f"{loads.mean_vertical_n:.4g} N: these lean, and nothing tells a push along the "
-            "ground from wrenches in the frames of swinging legs"
-        )
-        yield Finding("DIRECTION_UNKNOWN", text, "feet")
+        magnitude, vertical = loads.mean_magnitude_n, loads.mean_vertical_n
+        yield found("DIRECTION_UNKNOWN", "feet", magnitude=magnitude, vertical=vertical)
 
 
 def forces_push(stats: Stats) -> Iterator[Finding]:
     """Yield that the forces along the ground do not add up to nothing."""
     push = _refuted_push(stats)
     if push is not None:
-        text = (
-            f"over whole stances, the feet push the robot {'on' if push > 0.0 else 'back'} "
-            f"with {abs(push):.0%} of its weight, and it does not change its speed so: the "
-            "wrenches are in another frame than transforms or evidence say, or something pulls at "
-            "the robot"
-        )
-        yield Finding("DIRECTION_UNKNOWN", text, "feet")
+        way = "on" if push > 0.0 else "back"
+        yield found("DIRECTION_UNKNOWN", "feet", say="push", way=way, share=abs(push))
 
 
 def direction_is_doubtful(stats: Stats) -> bool:
     """Tell whether the feet's forces are refuted, or their direction is."""
-    loads = stats.loads
-    refuted = loads.direction_refuted or loads.vertical_refuted or loads.other_units
-    return refuted or _may_lean(stats) or _refuted_push(stats) is not None
+    refuted = {"direction", "vertical", "units"}.intersection(stats.loads.refuted)
+    return bool(refuted) or _may_lean(stats) or _refuted_push(stats) is not None
 
 
 def _may_lean(stats: Stats) -> bool:
@@ -125,7 +86,7 @@ def _refuted_push(stats: Stats) -> float | None:
     push, base = stats.push, stats.base
     if push is None or base is None or not base.duration_s:
         return None
-    if stats.loads.direction_refuted or _may_lean(stats):
+    if "direction" in stats.loads.refuted or _may_lean(stats):
         return None
     speeds = abs(base.forward_speed_mps or 0.0) / (GRAVITY_MPS2 * base.duration_s)
     return push if abs(push) > MOST_PUSH + 2.0 * speeds else None
@@ -142,5 +103,10 @@ def _likely_cause(stats: Stats, ratio: float) -> str:
         return f"the load on {' and '.join(silent)} is missing"
     if 2 <= steps <= MOST_STEPS and abs(ratio - steps) <= WHOLE_TOLERANCE * steps:
         return f"{steps} physics steps seem to be added up in each message, or the mass is wrong"
-    origin = "assumed for the guessed robot" if stats.settings.mass_is_assumed else "given"
+    origin = origin_of_mass(stats)
     return f"the feet carry {ratio * mass_kg:.3g} kg, and the mass {origin} is {mass_kg:.4g} kg"
+
+
+def origin_of_mass(stats: Stats) -> str:
+    """Return words for where the robot's mass is from."""
+    return "assumed for the guessed robot" if stats.settings.mass_is_assumed else "given"

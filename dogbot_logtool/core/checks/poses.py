@@ -11,7 +11,7 @@ from dogbot_logtool.core.base.comparison import Comparison, compare, compare_twi
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.witness import stride_windows
 from dogbot_logtool.core.checks.wording import counted
-from dogbot_logtool.core.gait.segments import any_strides
+from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 

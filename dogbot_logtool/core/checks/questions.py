@@ -1,18 +1,17 @@
-"""Checks of a recording before it is trusted, and those that were not possible.
+"""Questions about a recording before it is trusted, and those that it does not answer.
 
-Which findings a check fails with stands in ``findings.toml``.
+Which findings a question fails with stands in ``findings.toml``.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
+from dataclasses import dataclass
 from enum import StrEnum
-from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.imu import Reading
 from dogbot_logtool.core.loads import vertical_is_known
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, Severity
 
 
@@ -29,7 +28,7 @@ class Outcome(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """One thing that a figure rests on."""
+    """One thing that a metric rests on."""
 
     name: str
     """The condition in a few words."""
@@ -38,120 +37,80 @@ class Check:
     """Why it failed, could not be made or does not apply."""
 
 
-Reason = Callable[[Stats], str]
-"""A sentence; empty where there is no such reason."""
-
-
-@dataclass(frozen=True, slots=True)
-class CheckKind:
-    """A check, and when it cannot be made."""
-
-    name: str
-    """As findings name it."""
-    lack: Reason
-    """Data that the log lacks, so that it does not apply."""
-    obstacle: Reason
-    """Why it cannot be made although it applies."""
-
-
 def checks_of(stats: Stats, findings: Iterable[Finding]) -> tuple[Check, ...]:
     """Return all checks with what came of them.
 
     Args:
-        stats: all figures.
-        findings: about the figures, and about the log.
+        stats: all that is measured.
+        findings: about that, and about the log.
     """
     said = [each for each in findings if each.severity is not Severity.NOTE]
-    return tuple(_check(kind, stats, said) for kind in KINDS)
+    made = []
+    for name, lack, obstacle in _questions(stats):
+        against = [each.text for each in said if name in each.fails]
+        outcome, reason = Outcome.PASSED, ""
+        if against:
+            outcome, reason = Outcome.FAILED, against[0]
+        elif lack:
+            outcome, reason = Outcome.DOES_NOT_APPLY, lack
+        elif obstacle:
+            outcome, reason = Outcome.NOT_MADE, obstacle
+        made.append(Check(name, outcome, reason))
+    return tuple(made)
 
 
-def _check(kind: CheckKind, stats: Stats, said: list[Finding]) -> Check:
-    against = [each.text for each in said if kind.name in each.fails]
-    if against:
-        return Check(kind.name, Outcome.FAILED, against[0])
-    if lack := kind.lack(stats):
-        return Check(kind.name, Outcome.DOES_NOT_APPLY, lack)
-    if obstacle := kind.obstacle(stats):
-        return Check(kind.name, Outcome.NOT_MADE, obstacle)
-    return Check(kind.name, Outcome.PASSED)
-
-
-def _nothing(_: Stats) -> str:
-    return ""
-
-
-def _no_feet(stats: Stats) -> str:
-    seen = any(foot.record.start is not None for foot in stats.feet)
-    return "" if seen else "the log has no usable messages of feet"
-
-
-def _no_poses(stats: Stats) -> str:
-    return "" if len(stats.base_history.time) else "the log has no usable poses"
-
-
-def _no_feet_or_poses(stats: Stats) -> str:
-    return _no_feet(stats) or _no_poses(stats)
-
-
-def _used_topics(stats: Stats) -> set[str]:
-    topics = {foot.topic for foot in stats.feet if foot.record.start is not None}
-    return topics if _no_poses(stats) else topics | {stats.settings.odometry_topic}
-
-
-def _no_stamps(stats: Stats) -> str:
-    used = [topic for topic in stats.topics if topic.topic in _used_topics(stats)]
-    missing = [topic.topic for topic in used if topic.zero_stamps is None]
-    return f"messages of {', '.join(missing)} have no header stamps" if missing else ""
-
-
-def _no_two_clocks(stats: Stats) -> str:
-    if len(_used_topics(stats)) < 2:
-        return "there is only one topic"
-    used = [topic for topic in stats.topics if topic.topic in _used_topics(stats)]
-    if used and all(topic.offset_median_s == 0.0 for topic in used):
-        return "log times are the header stamps"
-    return _no_stamps(stats)
-
-
-def _clocks_not_compared(stats: Stats) -> str:
-    missing = _used_topics(stats) - {each.topic for each in stats.clocks}
-    topics = ", ".join(sorted(missing))
-    return f"too little time with header stamps in common: {topics}" if missing else ""
-
-
-def _no_two_worlds(stats: Stats) -> str:
-    pointed = any(np.isfinite(foot.record.track.point).any() for foot in stats.feet)
-    return _no_poses(stats) or ("" if pointed else "the sensors report no contact points")
-
-
-def _worlds_not_compared(stats: Stats) -> str:
-    short = "two feet are not seen to touch near poses for a second each"
-    return "" if stats.worlds is not None else short
-
-
-def _no_forces(stats: Stats) -> str:
-    known = any(foot.record.has_force for foot in stats.feet)
-    return "" if known else "the sensors report no forces"
-
-
-def _unloaded_not_seen(stats: Stats) -> str:
-    """Say why zero is assumed where it cannot be seen that unloaded sensors read zero."""
-    levels = [
-        stats.settings.sensor(row).level
-        for row, foot in enumerate(stats.feet)
-        if foot.record.has_force
+def _questions(stats: Stats) -> tuple[tuple[str, str, str], ...]:
+    """Return each question, what the log lacks for it, and why else it cannot be answered."""
+    records = [foot.record for foot in stats.feet]
+    levels = [stats.settings.sensor(row).level for row in range(len(records))]
+    assumed = [
+        level.reason
+        for level, record in zip(levels, records, strict=True)
+        if record.has_force and level.reason
     ]
-    return next((level.reason for level in levels if level.reason), "")
+    seen, posed = any(each.start is not None for each in records), len(stats.base_history.time)
+    pointed = any(np.isfinite(each.track.point).any() for each in records)
+    no_feet = "" if seen else "the log has no usable messages of feet"
+    no_poses = "" if posed else "the log has no usable poses"
+    no_points = "" if pointed else "the sensors report no contact points"
+    forced = any(each.has_force for each in records)
+    no_forces = "" if forced else "the sensors report no forces"
+    far = "two feet are not seen to touch near poses for a second each"
+    no_worlds = "" if stats.worlds else far
+    no_legs = "" if stats.legs else "nothing tells of the legs"
+    odd_legs = [leg.reason for leg in stats.legs.feet if leg.reason] if stats.legs else []
+    no_stamps, one_clock, few_stamps = _clocks(stats)
+    return (
+        ("every foot's sensor works", no_feet, ""),
+        ("what sensors read without load is known", no_forces, "".join(assumed[:1])),
+        ("the base's poses are sound", no_poses, ""),
+        ("header stamps are sound", no_stamps, ""),
+        ("all topics have one clock", one_clock, few_stamps),
+        ("no topic is silent for long", "", ""),
+        ("contacts are where the base is", no_poses or no_points, no_worlds),
+        ("the base moves as the feet step", no_feet or no_poses, ""),
+        ("the feet carry the weight", no_forces, _weight_not_compared(stats)),
+        ("nothing contradicts the accelerometer", *_accelerometer(stats, no_poses)),
+        ("the legs move as the feet step", no_legs, "".join(odd_legs[:1])),
+    )
 
 
-def _no_legs(stats: Stats) -> str:
-    return "" if stats.legs is not None else "nothing tells of the legs"
-
-
-def _legs_not_compared(stats: Stats) -> str:
-    """Say why legs could not be compared with contacts."""
-    reasons = [leg.reason for leg in stats.legs.feet if leg.reason] if stats.legs else []
-    return reasons[0] if reasons else ""
+def _clocks(stats: Stats) -> tuple[str, str, str]:
+    """Say that there are no stamps, no two clocks, or too few stamps to compare clocks."""
+    topics = {foot.topic for foot in stats.feet if foot.record.start is not None}
+    if len(stats.base_history.time):
+        topics.add(stats.settings.odometry_topic)
+    used = [topic for topic in stats.topics if topic.topic in topics]
+    bare = ", ".join(topic.topic for topic in used if topic.zero_stamps is None)
+    apart = ", ".join(sorted(topics - {each.topic for each in stats.clocks}))
+    no_stamps = f"messages of {bare} have no header stamps" if bare else ""
+    one_clock = no_stamps
+    if len(topics) < 2:
+        one_clock = "there is only one topic"
+    elif used and all(topic.offset_median_s == 0.0 for topic in used):
+        one_clock = "log times are the header stamps"
+    few_stamps = f"too little time with header stamps in common: {apart}" if apart else ""
+    return no_stamps, one_clock, few_stamps
 
 
 def _weight_not_compared(stats: Stats) -> str:
@@ -164,33 +123,12 @@ def _weight_not_compared(stats: Stats) -> str:
     return "the vertical load of every foot is not known for long enough"
 
 
-def _no_imu(stats: Stats) -> str:
+def _accelerometer(stats: Stats, no_poses: str) -> tuple[str, str]:
     if not stats.settings.imu_topic:
-        return "the log has no accelerometer of the base"
-    return (
-        "all accelerations are zero"
-        if stats.imu and stats.imu.mounting.reading is Reading.NOTHING
-        else _no_poses(stats)
-    )
-
-
-def _imu_not_compared(stats: Stats) -> str:
+        return "the log has no accelerometer of the base", ""
     if stats.imu is None:
-        return "accelerometer and poses are not known together for 2 s"
+        return no_poses, "accelerometer and poses are not known together for 2 s"
+    reading = stats.imu.mounting.reading
     unsure = "the accelerometer does not follow the base's attitude"
-    return unsure if stats.imu.mounting.reading is Reading.UNCLEAR else ""
-
-
-KINDS: Final = (
-    CheckKind("every foot's sensor works", _no_feet, _nothing),
-    CheckKind("what sensors read without load is known", _no_forces, _unloaded_not_seen),
-    CheckKind("the base's poses are sound", _no_poses, _nothing),
-    CheckKind("header stamps are sound", _no_stamps, _nothing),
-    CheckKind("all topics have one clock", _no_two_clocks, _clocks_not_compared),
-    CheckKind("no topic is silent for long", _nothing, _nothing),
-    CheckKind("contacts are where the base is", _no_two_worlds, _worlds_not_compared),
-    CheckKind("the base moves as the feet step", _no_feet_or_poses, _nothing),
-    CheckKind("the feet carry the weight", _no_forces, _weight_not_compared),
-    CheckKind("nothing contradicts the accelerometer", _no_imu, _imu_not_compared),
-    CheckKind("the legs move as the feet step", _no_legs, _legs_not_compared),
-)
+    lack = "all accelerations are zero" if reading is Reading.NOTHING else no_poses
+    return lack, unsure if reading is Reading.UNCLEAR else ""

@@ -1,6 +1,5 @@
 """Words that several findings share."""
 
+from dogbot_logtool.finding import counted
 
-def counted(number: int, thing: str) -> str:
-    """Return a number with its noun, in the plural where it is not one."""
-    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
+__all__ = ["counted"]

@@ -6,7 +6,7 @@ Lost messages are silence too. One is shorter than any swing of the foot; one of
 a drop-out, unless it is no longer than the flight of every stride.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -24,6 +24,11 @@ _SPACING_NS: Final = 40_000_000
 """Samples without contact are told this far apart; more than 50 ms would be a gap."""
 _LONG_INTERVALS: Final = 6.0
 """Silences longer than so many intervals are swings nearly always, not lost messages."""
+_BURST: Final = 0.5
+"""Messages that are logged in less than this part of the time between their stamps come in
+bursts."""
+_USUAL_INTERVAL_NS: Final = 10_000_000
+"""ns, assumed of a sensor that sent hardly any message."""
 _FEWEST_SILENCES: Final = 3
 _PART_OF_SWING: Final = 0.5
 """A swing is at least this part of the usual swing."""
@@ -65,42 +70,59 @@ class _Silences:
 
 def with_swings(
     feet: Sequence[Samples],
-    intervals: Mapping[int, int],
-    clock: TimeSource,
+    silent: Iterable[int],
     log_start: int | None,
     log_end: int | None,
 ) -> tuple[Samples, ...]:
     """Insert samples without contact into the silences of feet that are silent in swing.
 
     The first sample without contact stands one interval after the last contact, and the last one
-    interval before the next, where an always-speaking sensor would have said so. Both clocks are
-    interpolated.
+    interval before the next, where an always-speaking sensor would have said so. Header stamps and
+    log times are interpolated. Silences are seen on the log's clock, on that of the stamps where
+    messages are logged in bursts.
 
     Args:
         feet: samples of each foot, in the order of the log.
-        intervals: ns between messages in contact, of the feet that are silent in swing; the others
-            stay as they are.
-        clock: of the silences: header stamps where messages are logged in bursts.
+        silent: the feet that are silent in swing; the others stay as they are.
         log_start: ns, log time from which silence counts; None: from the first contact.
         log_end: ns, log time up to which it counts; None: up to the last contact.
 
     Returns:
         the samples and the inserted ones of each foot, in order.
     """
+    silent = [foot for foot in silent if len(feet[foot].log_time)]
+    if not silent:
+        return tuple(feet)
+    clock = _clock_of_silences([feet[foot] for foot in silent])
     times = [clock.of(samples) for samples in feet]
-    usual = {foot: _usual(times[foot], interval) for foot, interval in intervals.items()}
+    usual = {foot: _usual(times[foot]) for foot in silent}
     dropouts = _dropouts(times, usual)
     return tuple(
         _swinging(samples, clock, usual[foot], dropouts, log_start, log_end)
-        if foot in usual and len(samples.log_time)
+        if foot in usual
         else samples
         for foot, samples in enumerate(feet)
     )
 
 
-def _usual(time: Ints, interval: int) -> _Silences:
+def _clock_of_silences(feet: Sequence[Samples]) -> TimeSource:
+    """Return the log's clock, or header stamps where messages are logged in bursts."""
+    log, stamp = (
+        np.concatenate([np.diff(source.of(samples)) for samples in feet])
+        for source in (TimeSource.LOG, TimeSource.HEADER)
+    )
+    apart = stamp > 0
+    if not apart.any() or median_of(log[apart]) >= _BURST * median_of(stamp[apart]):
+        return TimeSource.LOG
+    return TimeSource.HEADER
+
+
+def _usual(time: Ints) -> _Silences:
     """Learn how long the swings and stances of a foot usually are, from its times, (n,) ns."""
-    step, silences = np.diff(time), _Silences(interval)
+    step = np.diff(time)
+    known = step[step > 0]
+    interval = int(median_of(known)) if len(known) else _USUAL_INTERVAL_NS
+    silences = _Silences(interval)
     long = step[(step > silences.long) & (step <= LONGEST_SWING_NS)]
     if len(long) < _FEWEST_SILENCES:
         return silences

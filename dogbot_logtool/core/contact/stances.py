@@ -1,5 +1,6 @@
 """One stance, reduced to the figures that are reported of it."""
 
+from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final, NamedTuple
 
@@ -19,7 +20,6 @@ from dogbot_logtool.core.arrays import (
 )
 from dogbot_logtool.core.contact.contact_way import contact_ways, ways_under_load
 from dogbot_logtool.core.contact.stance_samples import StanceSamples
-from dogbot_logtool.dataclass import dataclass
 
 IMPACT_S: Final = 0.050
 """The impact is looked for in the first 50 ms of a stance."""
@@ -39,7 +39,7 @@ FEWEST_FOR_SPIKES: Final = 5
 
 
 class Cut(IntEnum):
-    """Why a stance or stride is left out of the figures; `WHOLE`: it is not."""
+    """Why a stance or stride is left out of the metrics; `WHOLE`: it is not."""
 
     WHOLE = 0
     LOG_START = 1
@@ -47,16 +47,14 @@ class Cut(IntEnum):
     GAP = 3
     STANDING = 4
     FALL = 5
-    OUTSIDE = 6
-    """It is outside the part of the log that is measured."""
 
 
 class StanceFigures(NamedTuple):
     """Figures of k stances, (k,) each; NaN where one cannot be known."""
 
-    peak_n: Floats
+    peak_force_n: Floats
     """N, highest |F|."""
-    mean_n: Floats
+    mean_force_n: Floats
     """N, mean of |F| over the samples."""
     spikes: Floats
     """Number of samples that stand alone, far above all others of the stance; see `_spikes`."""
@@ -65,8 +63,8 @@ class StanceFigures(NamedTuple):
     calm_peak_n: Floats
     """N, highest |F| of the other samples; also `calm_peak_vertical_n`, of the vertical force."""
     calm_peak_vertical_n: Floats
-    peak_vertical_n: Floats
-    mean_vertical_n: Floats
+    peak_vertical_force_n: Floats
+    mean_vertical_force_n: Floats
     vertical_impulse_ns: Floats
     """N s, trapezoid from the last sample before touchdown to the first after lift-off."""
     loading_rate_nps: Floats
@@ -144,14 +142,14 @@ def reduce_stances(samples: StanceSamples) -> StanceFigures:
     impact_end = np.minimum(first_where(samples.time > IMPACT_S, begin), end)
     impact = highest(force, begin, impact_end)
     return StanceFigures(
-        peak_n=peak,
-        mean_n=mean,
+        peak_force_n=peak,
+        mean_force_n=mean,
         spikes=np.bincount(samples.stance[spikes], minlength=len(begin)).astype(np.float64),
         spike_phase=phase,
         calm_peak_n=highest(np.where(spike, -np.inf, force), begin, end),
         calm_peak_vertical_n=highest(np.where(spike, -np.inf, vertical), begin, end),
-        peak_vertical_n=highest(vertical, begin, end),
-        mean_vertical_n=sums(vertical, begin, end) / (end - begin),
+        peak_vertical_force_n=highest(vertical, begin, end),
+        mean_vertical_force_n=sums(vertical, begin, end) / (end - begin),
         vertical_impulse_ns=trapezoids(vertical, samples.time, samples.first),
         loading_rate_nps=_loading_rates(samples, peak),
         impact_ratio=np.where(median > 0.0, impact / median, np.nan),

@@ -6,6 +6,7 @@ Impulses are running totals over every sample, so that they can be asked for bet
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, all_finite, norms
 from dogbot_logtool.core.contact.contacts import Samples
@@ -23,13 +24,13 @@ class FootTrack:
 
     time: Ints
     """(n,) ns, strictly increasing."""
-    row: Ints
+    row: NDArray[np.int32]
     """(n,) the sample of the recording that each is."""
     log_time: Ints
     """(n,) ns, when it was recorded."""
     force: Floats
     """(n,) N, |F|."""
-    vertical_force: Floats
+    vertical_force: Floats | Float32s
     """(n,) N; 0 without contact, NaN where its direction is not known."""
     horizontal_force: Floats | Float32s
     """(n, 2) N, along the world's x and y where the direction is known."""
@@ -97,17 +98,18 @@ def foot_track(
     Returns:
         the track, its samples, and how many of those given have no such force.
     """
-    time, force = clock.of(samples), norms(samples.force.astype(np.float64, copy=False))
+    time, force = clock.of(samples), norms(samples.force)
     usable = np.isfinite(force)
     not_finite = len(usable) - int(usable.sum())
     if clock is TimeSource.HEADER:
         usable &= time != 0
     usable[usable] = advancing(time[usable])
-    row = np.flatnonzero(usable)
+    row = np.flatnonzero(usable).astype(np.int32)
     if len(row) < len(usable):
         samples, time, force = samples.pick(usable), time[usable], force[usable]
     known = samples.in_world | force_in_world | (force == 0.0)
-    vertical = np.where(known, samples.force[:, 2].astype(np.float64), np.nan)
+    vertical = samples.force[:, 2].copy()
+    vertical[~known] = np.nan
     steps = np.diff(time)
     gap = steps > steady_gap_ns(steps)
     rows = np.flatnonzero(all_finite(samples.position))
@@ -134,10 +136,10 @@ def foot_track(
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def _running_total(steps: Ints, value: Floats, gap: Flags) -> Floats:
+def _running_total(steps: Ints, value: Floats | Float32s, gap: Flags) -> Floats:
     """(n,) integral of a value up to each row; what is not known adds nothing, nor does a gap."""
     total = np.zeros(len(value))
-    part = value[1:] + value[:-1]
+    part = np.add(value[1:], value[:-1], dtype=np.float64)
     part *= steps / 2e9
     part[gap | np.isnan(part)] = 0.0
     np.cumsum(part, out=total[1:])

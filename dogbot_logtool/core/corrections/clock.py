@@ -288,10 +288,13 @@ def why_unusable(checks: Sequence[StampCheck]) -> str:
         checks: of all topics that are measured.
     """
     stamped = [check for check in checks if check.messages]
+    zero = {check.topic for check in stamped if 2 * check.zeros > check.messages}
+    if zero:
+        everywhere = zero == {check.topic for check in stamped}
+        of = "" if everywhere else f" of {', '.join(sorted(zero))}"
+        return f"header stamps{of} are zero"
     for check in stamped:
         most = max(FEWEST, MOST_BAD_SHARE * check.messages)
-        if 2 * check.zeros > check.messages:
-            return f"header stamps of {check.topic} are zero"
         if not check.steps and check.bad > most:
             what = "are zero" if check.zeros == check.bad else "are zero or go backwards"
             if not check.zeros:

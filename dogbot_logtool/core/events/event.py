@@ -1,58 +1,50 @@
 """One event, and what annotated logs say of events and gaits."""
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from enum import IntEnum, StrEnum
 from typing import Final, NamedTuple
-
-from dogbot_logtool.dataclass import dataclass
 
 
 class EventType(StrEnum):
     """Type of an event; of events at one time the first of these comes first."""
 
     FALL = "fall"
+    """descent from standing to lying, until the robot lies no more"""
     TIPPING = "tipping"
+    """roll or pitch leaves its usual range and the recording ends"""
     CARRIED = "carried"
+    """no foot is down for longer than a leap takes, and the base is as high as it stands, or higher
+    (value: by how much)"""
     STUMBLE = "stumble"
+    """a foot in mid-swing touches something and swings on (value: part of the swing before it)"""
     SLIP = "slip"
+    """the contact point of a loaded foot goes three times as far as in the foot's other stances and
+    5 mm more, or three times as far as `settings.foot_rolling_m`; or, within 60 ms and on a single
+    contact point, twice as far as in those and 5 mm more (value: how much further)"""
     EARLY_CONTACT = "early_contact"
+    """a swing ends before 0.7 of the foot's usual swing and the foot stays down (value: how much
+    too early)"""
     MARGIN_BELOW_ZERO = "margin_below_zero"
+    """the base's projection leaves the support polygon by more than 1 cm for at least 80 ms (value:
+    least margin)"""
     GAIT_CHANGE = "gait_change"
+    """the class or the stride period changes for at least two strides, or a stand begins or ends
+    (value: new stride frequency)"""
     POSE_JUMP = "pose_jump"
+    """a step of the pose that the base's speed does not explain"""
     SENSOR_FAULT = "sensor_fault"
+    """what findings call stuck, dead, saturated or a lone spike"""
     GAP = "gap"
+    """silence of a foot's sensor or of the odometry that ends what is known"""
     TOUCHDOWN = "touchdown"
+    """a foot comes down"""
     LIFT_OFF = "lift_off"
+    """a foot leaves the ground"""
 
 
 STEPS = frozenset({EventType.TOUCHDOWN, EventType.LIFT_OFF})
 """Events of every stride, which call for no look."""
-
-MEANINGS: Final[Mapping[EventType, str]] = {
-    EventType.FALL: "descent from standing to lying, until the robot lies no more",
-    EventType.TIPPING: "roll or pitch leaves its usual range and the recording ends",
-    EventType.CARRIED: "no foot is down for longer than a leap takes, and the base is as high as "
-    "it stands, or higher (value: by how much)",
-    EventType.STUMBLE: "a foot in mid-swing touches something and swings on (value: part of the "
-    "swing before it)",
-    EventType.SLIP: "the contact point of a loaded foot goes three times as far as in the foot's "
-    "other stances and 5 mm more, or three times as far as `settings.foot_rolling_m`; or, within "
-    "60 ms and on a single contact point, twice as far as in those and 5 mm more (value: how much "
-    "further)",
-    EventType.EARLY_CONTACT: "a swing ends before 0.7 of the foot's usual swing and the foot stays "
-    "down (value: how much too early)",
-    EventType.MARGIN_BELOW_ZERO: "the base's projection leaves the support polygon by more than "
-    "1 cm for at least 80 ms (value: least margin)",
-    EventType.GAIT_CHANGE: "the class or the stride period changes for at least two strides, or a "
-    "stand begins or ends (value: new stride frequency)",
-    EventType.POSE_JUMP: "a step of the pose that the base's speed does not explain",
-    EventType.SENSOR_FAULT: "what findings call stuck, dead, saturated or a lone spike",
-    EventType.GAP: "silence of a foot's sensor or of the odometry that ends what is known",
-    EventType.TOUCHDOWN: "a foot comes down",
-    EventType.LIFT_OFF: "a foot leaves the ground",
-}
-"""Descriptions of events by type."""
 
 
 class Event(NamedTuple):

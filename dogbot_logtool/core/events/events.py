@@ -10,25 +10,75 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, norms, percentiles_of
 from dogbot_logtool.core.base.jumps import SMALLEST_JUMP_M
 from dogbot_logtool.core.checks.sensors import foot_is_saturated
-from dogbot_logtool.core.contact.stances import Cut
+from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.events.event import Event, EventType
 from dogbot_logtool.core.gait.classes import IRREGULAR, STAND
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.segments import LASTING, PERIOD_CHANGE, Segment
-from dogbot_logtool.core.loads import LARGEST_FOOT_M, has_lone_spikes, is_stuck
+from dogbot_logtool.core.loads import LARGEST_FOOT_M, is_stuck
 from dogbot_logtool.core.statistics import Stats
 
 MARGIN_M: Final = 0.01
 """m below zero that a margin must reach: contact points and poses are not known better."""
 LASTING_S: Final = 0.08
 """s, two instants, that it must stay below zero."""
-BESIDE_S: Final = 1.0
-"""s before and after it is carried in which a robot shows how high it stands."""
+BESIDE_NS: Final = 1_000_000_000
+"""ns before and after it is carried in which a robot shows how high it stands."""
 LOWER_M: Final = 0.02
 """m below that height from which a robot without contact lies on its body."""
+AT_LIMIT: Final = 0.99
+"""Share of the highest force from which a stance of a saturated sensor is cut off."""
+SLIP_M: Final = 0.005
+"""m that a slip is at least longer than the way of a foot that does not slip."""
+TIMES: Final = 2.0
+"""So many times that way, too."""
+FEWEST: Final = 5
+"""Stances of a segment that say which way is usual."""
+FAR_OUT: Final = 8.0
+"""Times the distance from the lower quartile to the median that a slip is above the median: the
+lower half of the ways has no slips in it."""
+AT_ONCE: Final = 0.7
+"""Share of a slip that is in its quick way, if it is over at once."""
+QUICK_TIMES: Final = 1.0
+"""Times the usual quick way that a quick slip is longer than that."""
+EARLY: Final = 0.7
+"""Share of the usual swing below which a swing ends early."""
+BOUNCE: Final = 0.2
+"""Share of the usual swing below which a swing is a bounce, at touchdown or lift-off."""
+SHORT_STANCE: Final = 0.5
+"""Share of the usual stance below which a contact is no step."""
+STRIDE_GOES_ON: Final = 1.4
+"""Times the usual swing that two swings and a contact between them last at most, if they are one
+swing in which the foot hits something."""
+SAMPLES: Final = 2.0
+"""Sampling intervals by which a swing must be too short."""
+NEIGHBOURS: Final = 5
+"""Swings before, and after, that say what is usual."""
+FEWEST_SWINGS: Final = 3
+_RANK: Final = {kind: rank for rank, kind in enumerate(EventType)}
 
 
-def spans(stats: Stats) -> Iterator[Event]:
+def find_events(stats: Stats) -> tuple[Event, ...]:
+    """Return all events of a log, in the order of time."""
+    found = [*_spans(stats), *_carried(stats), *gait_changes(stats.segments), *_margins(stats)]
+    walks = [segment for segment in stats.segments if segment.strides]
+    for row, foot in enumerate(stats.feet):
+        found += scuffs(row, foot, walks)
+        early = list(early_touchdowns(row, foot, walks))
+        stumbles = [each.onset for each in early if each.type is EventType.STUMBLE]
+        found += early
+        found += slips(row, foot, walks, stats.settings.foot_rolling_m, stumbles)
+        found += _sensor_faults(stats, row)
+        found += (Event(time, 0, EventType.TOUCHDOWN, row) for time in foot.touchdown.tolist())
+        found += (Event(time, 0, EventType.LIFT_OFF, row) for time in foot.liftoff.tolist())
+    return tuple(sorted(found, key=_order))
+
+
+def _order(event: Event) -> tuple[int, int, int]:
+    return event.onset, _RANK[event.type], -1 if event.foot is None else event.foot
+
+
+def _spans(stats: Stats) -> Iterator[Event]:
     """Yield falls, tipping, jumps of the pose and gaps: what is known as spans already.
 
     A fall lasts from the beginning of the descent until the robot lies no more; a jump from the
@@ -36,48 +86,41 @@ def spans(stats: Stats) -> Iterator[Event]:
     """
     for start, end in stats.fallen.tolist():
         yield Event(start, end - start, EventType.FALL, code="FALL")
-    found = stats.tipping
+    found, poses = stats.tipping, stats.base_history
     if found is not None and not len(stats.fallen):
-        lasts = int(stats.base_history.time[-1]) - found.since
+        lasts = int(poses.time[-1]) - found.since
         yield Event(found.since, lasts, EventType.TIPPING, None, found.last_rad, "rad", "FALL")
     sizes, turns = norms(stats.jumps.size_m).tolist(), stats.jumps.turn_rad.tolist()
     for (start, end), size, turn in zip(stats.jumps.spans.tolist(), sizes, turns, strict=True):
         value, unit = (size, "m") if size > SMALLEST_JUMP_M else (abs(turn), "rad")
         yield Event(start, end - start, EventType.POSE_JUMP, None, value, unit, "POSE_JUMP")
-    gaps = [
-        (row, timespans.subtract(foot.record.gaps, foot.record.stopped))
-        for row, foot in enumerate(stats.feet)
-    ]
-    for foot, silent in [(None, stats.base_history.gaps), *gaps]:
+    gaps: list[tuple[int | None, Ints]] = [(None, poses.gaps)]
+    for row, foot in enumerate(stats.feet):
+        gaps.append((row, timespans.subtract(foot.record.gaps, foot.record.stopped)))
+    for who, silent in gaps:
         for start, end in silent.tolist():
-            lasts = end - start
-            yield Event(start, lasts, EventType.GAP, foot, lasts / 1e9, "s", "GAPS")
+            seconds = (end - start) / 1e9
+            yield Event(start, end - start, EventType.GAP, who, seconds, "s", "GAPS")
 
 
-def carried(stats: Stats) -> Iterator[Event]:
+def _carried(stats: Stats) -> Iterator[Event]:
     """Yield when no foot is down, and the base is as high as while it stands, or higher."""
     lifted = [each.spans for each in stats.segments if each.is_lifted]
-    spans = timespans.merge(np.concatenate(lifted)) if lifted else timespans.no_spans()
-    for start, end in spans.tolist():
-        rises_m = _rise_m(stats, start, end)
-        if rises_m is not None and rises_m > -LOWER_M:
+    down = [foot.record.in_contact for foot in stats.feet if len(foot.record.in_contact)]
+    if not lifted or not down:
+        return
+    time, z = stats.base_history.time, stats.base_history.position[:, 2]
+    stands = timespans.covers(timespans.merge(np.concatenate(down)), time)
+    for start, end in timespans.merge(np.concatenate(lifted)).tolist():
+        inside = (time >= start) & (time < end)
+        near = (time >= start - BESIDE_NS) & (time < end + BESIDE_NS)
+        beside = stands & near & ~inside
+        jumps = timespans.touches(stats.jumps.spans, np.array([start]), np.array([end])).any()
+        if jumps or not beside.any() or not inside.any():
+            continue
+        rises_m = float(median_of(z[inside]) - median_of(z[beside]))
+        if rises_m > -LOWER_M:
             yield Event(start, end - start, EventType.CARRIED, None, rises_m, "m")
-
-
-def _rise_m(stats: Stats, start: int, end: int) -> float | None:
-    """Return how much higher the base is in a span than beside it; None: it is not known."""
-    base, beside = stats.base_history, round(BESIDE_S * 1e9)
-    feet = [foot.record.in_contact for foot in stats.feet if len(foot.record.in_contact)]
-    if not feet or timespans.touches(stats.jumps.spans, *np.array([[start], [end]])).any():
-        return None
-    down = timespans.covers(timespans.merge(np.concatenate(feet)), base.time)
-    near = (base.time >= start - beside) & (base.time < end + beside)
-    inside = (base.time >= start) & (base.time < end)
-    stands = down & near & ~inside
-    if not stands.any() or not inside.any():
-        return None
-    z = base.position[:, 2]
-    return float(median_of(z[inside]) - median_of(z[stands]))
 
 
 def gait_changes(segments: Sequence[Segment]) -> Iterator[Event]:
@@ -130,7 +173,7 @@ def _faster_or_slower(before: Segment, after: Segment) -> bool:
     return abs(1.0 / then - 1.0 / first) > PERIOD_CHANGE / first
 
 
-def margins_below_zero(stats: Stats) -> Iterator[Event]:
+def _margins(stats: Stats) -> Iterator[Event]:
     """Yield the times in which the base's projection is clearly outside the support polygon.
 
     After a jump of the pose it is not known where the base is among the feet; a robot that lies
@@ -142,168 +185,99 @@ def margins_below_zero(stats: Stats) -> Iterator[Event]:
     below, least = stats.unstable.spans, stats.unstable.least_margin_m
     counts = (below[:, 1] - below[:, 0] >= LASTING_S * 1e9) & (least < -MARGIN_M)
     counts &= (below[:, 0] < jump) & ~timespans.covers(stats.fallen, below[:, 0])
-    for row in np.flatnonzero(counts).tolist():
-        start, end = below[row].tolist()
-        value = float(least[row])
+    for (start, end), value in zip(below[counts].tolist(), least[counts].tolist(), strict=True):
         yield Event(start, end - start, EventType.MARGIN_BELOW_ZERO, None, value, "m")
 
 
-AT_LIMIT: Final = 0.99
-"""Share of the highest force from which a stance of a saturated sensor is cut off."""
-
-
-def sensor_faults(stats: Stats) -> Iterator[Event]:
+def _sensor_faults(stats: Stats, row: int) -> Iterator[Event]:
     """Yield what findings call a fault of a foot's sensor, with the time that shows it."""
-    for row, foot in enumerate(stats.feet):
-        others = [other.record for other in stats.feet if other is not foot]
-        record, stances = foot.record, foot.record.stances
-        stuck = is_stuck(record, others)
-        never = foot.is_dead and not len(record.stopped)
-        if never and record.start is not None and record.end is not None:
-            yield _fault(record.start, record.end, row, "DEAD")
-        if stuck:
-            yield _fault(int(stances.touchdown[0]), int(stances.liftoff[-1]), row, "STUCK")
-        for start, end in () if stuck else record.stopped.tolist():
-            yield _fault(start, end, row, "STOPPED")
-        if foot_is_saturated(stats, row) and np.isfinite(stances.figures.peak_n).any():
-            limit = float(np.nanmax(stances.figures.peak_n))
-            cut_off = np.flatnonzero(stances.figures.peak_n >= AT_LIMIT * limit)
-            times = int(stances.touchdown[cut_off[0]]), int(stances.liftoff[cut_off[-1]])
-            yield _fault(*times, row, "SATURATED", limit)
-        yield from _spikes(row, foot)
 
+    def fault(start: int, end: int, code: str, newtons: float | None = None) -> Event:
+        unit = "" if newtons is None else "N"
+        return Event(start, end - start, EventType.SENSOR_FAULT, row, newtons, unit, code)
 
-def _spikes(row: int, foot: FootSteps) -> Iterator[Event]:
-    """Yield the stances with lone spikes, at the highest of them."""
-    stances = foot.record.stances
-    for stance in np.flatnonzero(has_lone_spikes(foot.stances) & foot.stances.whole).tolist():
-        share = float(foot.stances.figures.spike_phase[stance])
-        onset = int(stances.touchdown[stance])
-        at = onset + round(share * (int(stances.liftoff[stance]) - onset))
-        yield _fault(at, at, row, "SPIKES", float(stances.figures.peak_n[stance]))
-
-
-def _fault(start: int, end: int, foot: int, code: str, newtons: float | None = None) -> Event:
-    unit = "" if newtons is None else "N"
-    return Event(start, end - start, EventType.SENSOR_FAULT, foot, newtons, unit, code)
-
-
-SLIP_M: Final = 0.005
-"""m that a slip is at least longer than the way of a foot that does not slip."""
-TIMES: Final = 2.0
-"""So many times that way, too."""
-FEWEST: Final = 5
-"""Stances of a segment that say which way is usual."""
-FAR_OUT: Final = 8.0
-"""Times the distance from the lower quartile to the median that a slip is above the median: the
-lower half of the ways has no slips in it."""
-AT_ONCE: Final = 0.7
-"""Share of a slip that is in its quick way, if it is over at once."""
-QUICK_TIMES: Final = 1.0
-"""Times the usual quick way that a quick slip is longer than that."""
+    foot = stats.feet[row]
+    record, stances, figures = foot.record, foot.record.stances, foot.record.stances.figures
+    if foot.is_dead and not len(record.stopped):
+        yield fault(record.start or 0, record.end or 0, "DEAD")
+    if is_stuck(record, [other.record for other in stats.feet if other is not foot]):
+        yield fault(int(stances.touchdown[0]), int(stances.liftoff[-1]), "STUCK")
+    else:
+        yield from (fault(start, end, "STOPPED") for start, end in record.stopped.tolist())
+    if foot_is_saturated(stats, row) and np.isfinite(figures.peak_force_n).any():
+        limit = float(np.nanmax(figures.peak_force_n))
+        first, last = np.flatnonzero(figures.peak_force_n >= AT_LIMIT * limit)[[0, -1]].tolist()
+        yield fault(int(stances.touchdown[first]), int(stances.liftoff[last]), "SATURATED", limit)
+    for stance in np.flatnonzero(foot.has_spikes & foot.stances.whole).tolist():
+        onset, end = int(stances.touchdown[stance]), int(stances.liftoff[stance])
+        at = onset + round(float(figures.spike_phase[stance]) * (end - onset))
+        yield fault(at, at, "SPIKES", float(figures.peak_force_n[stance]))
 
 
 def slips(
     foot: int,
-    figures: FootSteps,
-    walks: list[Segment],
+    steps: FootSteps,
+    walks: Sequence[Segment],
     rolling_m: float | None,
-    stumbles: frozenset[int],
+    stumbles: Sequence[int],
 ) -> Iterator[Event]:
     """Yield the stances in which a foot slips.
 
     Args:
         foot: its index.
-        figures: its stances.
+        steps: its stances.
         walks: segments with strides.
         rolling_m: m, way of the contact point of a foot that does not slip; None: not known.
         stumbles: ns, touchdowns of contacts that are no steps.
     """
-    stances, known = figures.stances, figures.stances.figures
-    steps = stances.whole & ~np.isin(stances.touchdown, list(stumbles))
+    stances, known = steps.stances, steps.stances.figures
+    counts = stances.whole & ~np.isin(stances.touchdown, stumbles)
     way, quick = (
-        np.where(steps, each, np.nan) for each in (known.loaded_reach_m, known.quick_way_m)
+        np.where(counts, each, np.nan) for each in (known.loaded_reach_m, known.quick_way_m)
     )
-    usual = _usual_m(figures, way, walks, TIMES)
-    allowed = np.where(np.isnan(usual) & _is_far(way, rolling_m), rolling_m or 0.0, usual)
-    excess = way - allowed
-    quick_excess = quick - _usual_m(figures, quick, walks, QUICK_TIMES)
+    is_far = way > LARGEST_FOOT_M
+    if rolling_m is not None:
+        is_far = way - rolling_m > max(SLIP_M, TIMES * rolling_m)
+    usual = _usual_m(stances, way, walks, TIMES)
+    excess = way - np.where(np.isnan(usual) & is_far, rolling_m or 0.0, usual)
+    quick_excess = quick - _usual_m(stances, quick, walks, QUICK_TIMES)
     # Of a slip that is over at once, the quick way tells the time best, noise or not.
     at_once = quick_excess >= np.where(np.isnan(excess), 0.0, AT_ONCE * excess)
     metres = np.where(np.isnan(excess), quick_excess, excess)
+    begins_s = np.where(at_once, known.quick_begins_s, known.reach_begins_s)
+    ends_s = np.where(at_once, known.quick_ends_s, known.reach_ends_s)
     for row in np.flatnonzero(np.isfinite(metres)).tolist():
-        times = known.reach_begins_s[row], known.reach_ends_s[row]
-        if at_once[row]:
-            times = known.quick_begins_s[row], known.quick_ends_s[row]
-        begins, ends = _times(figures, row, *times)
+        begins, ends = int(stances.touchdown[row]), int(stances.liftoff[row])
+        # Where samples are few it is the whole stance.
+        if np.isfinite(begins_s[row] + ends_s[row]):
+            ends = begins + round(float(ends_s[row]) * 1e9)
+            begins += round(float(begins_s[row]) * 1e9)
         unknown = rolling_m is None and np.isnan(usual[row]) and np.isfinite(excess[row])
         code = "SLIPS" if unknown else ""
         yield Event(begins, ends - begins, EventType.SLIP, foot, float(metres[row]), "m", code)
 
 
-def _is_far(way: Floats, rolling_m: float | None) -> Flags:
-    """(stances,) tell which ways are too long for any foot that does not slip."""
-    if rolling_m is None:
-        return np.asarray(way > LARGEST_FOOT_M)
-    return np.asarray(way - rolling_m > max(SLIP_M, TIMES * rolling_m))
-
-
-def _usual_m(figures: FootSteps, way: Floats, walks: list[Segment], times: float) -> Floats:
+def _usual_m(stances: Stances, way: Floats, walks: Sequence[Segment], times: float) -> Floats:
     """(stances,) m, the usual way in the segment of stances that are unlike it; else NaN.
 
     Args:
-        figures: the foot's stances.
+        stances: of a foot.
         way: (stances,) m; NaN where it does not count.
         walks: segments with strides.
         times: the usual way by which a way that is unlike it is longer.
     """
-    touchdown = figures.stances.touchdown
     usual = np.full(len(way), np.nan)
     for segment in walks:
-        rows = (touchdown >= segment.start) & (touchdown < segment.end) & np.isfinite(way)
-        if rows.sum() < FEWEST:
-            continue
-        low, median = percentiles_of(way[rows], (25.0, 50.0))
-        far = max(FAR_OUT * (median - low), times * median, SLIP_M)
-        usual[rows & (way - median > far)] = median
+        rows = (stances.touchdown >= segment.start) & (stances.touchdown < segment.end)
+        rows &= np.isfinite(way)
+        if rows.sum() >= FEWEST:
+            low, median = percentiles_of(way[rows], (25.0, 50.0))
+            far = max(FAR_OUT * (median - low), times * median, SLIP_M)
+            usual[rows & (way - median > far)] = median
     return usual
 
 
-def _times(figures: FootSteps, row: int, begins_s: float, ends_s: float) -> tuple[int, int]:
-    """Return when a stance's contact point moves, ns; the whole stance where samples are few."""
-    touchdown, liftoff = int(figures.stances.touchdown[row]), int(figures.stances.liftoff[row])
-    if not np.isfinite(begins_s + ends_s):
-        return touchdown, liftoff
-    return touchdown + round(float(begins_s) * 1e9), touchdown + round(float(ends_s) * 1e9)
-
-
-EARLY: Final = 0.7
-"""Share of the usual swing below which a swing ends early."""
-BOUNCE: Final = 0.2
-"""Share of the usual swing below which a swing is a bounce, at touchdown or lift-off."""
-SHORT_STANCE: Final = 0.5
-"""Share of the usual stance below which a contact is no step."""
-STRIDE_GOES_ON: Final = 1.4
-"""Times the usual swing that two swings and a contact between them last at most, if they are one
-swing in which the foot hits something."""
-SAMPLES: Final = 2.0
-"""Sampling intervals by which a swing must be too short."""
-NEIGHBOURS: Final = 5
-"""Swings before, and after, that say what is usual."""
-FEWEST_SWINGS: Final = 3
-
-
-def step_events(feet: tuple[FootSteps, ...]) -> Iterator[Event]:
-    """Yield all touchdowns and lift-offs that were seen."""
-    for row, foot in enumerate(feet):
-        for times, kind in (
-            (foot.touchdown, EventType.TOUCHDOWN),
-            (foot.liftoff, EventType.LIFT_OFF),
-        ):
-            yield from (Event(time, 0, kind, row) for time in times.tolist())
-
-
-def early_touchdowns(foot: int, figures: FootSteps, walks: list[Segment]) -> Iterator[Event]:
+def early_touchdowns(foot: int, steps: FootSteps, walks: Sequence[Segment]) -> Iterator[Event]:
     """Yield the touchdowns of a foot that come well before its usual swing is over.
 
     The foot hits something in mid-swing and swings on: a stumble. Or it stays on the ground: an
@@ -311,29 +285,28 @@ def early_touchdowns(foot: int, figures: FootSteps, walks: list[Segment]) -> Ite
 
     Args:
         foot: its index.
-        figures: its stances and strides.
+        steps: its stances and strides.
         walks: segments with strides; elsewhere no swing is usual.
     """
-    stances = figures.stances
-    if len(stances.touchdown) < FEWEST_SWINGS + 2:
+    stances, stance = steps.stances, steps.stances.duration_s
+    if len(stance) < FEWEST_SWINGS + 2:
         return
-    swing, stance = _swings_s(figures), stances.duration_s
+    swing = _swings_s(stances, steps.record.gaps)
     usual_swing = _usual(swing, np.minimum)
     usual_stance = _usual(np.where(stances.whole, stance, np.nan), np.maximum)
     short = stance < SHORT_STANCE * usual_stance
     early = (swing > BOUNCE * usual_swing) & (swing < EARLY * usual_swing) & stances.whole
     # Feet that are told rarely seem to touch down early by up to two samples.
-    early &= usual_swing - swing > SAMPLES * (figures.record.median_interval_s or 0.0)
+    early &= usual_swing - swing > SAMPLES * (steps.record.median_interval_s or 0.0)
     # After a contact that is no step, a short swing is the rest of the swing before it.
     early[1:] &= ~short[:-1]
     early &= _inside(walks, stances.touchdown)
     rest = np.append(swing[1:], np.nan)
     whole_swing = swing + stance + rest
     goes_on = (rest > BOUNCE * usual_swing) & (whole_swing < STRIDE_GOES_ON * usual_swing)
-    stumbles, lands = early & short & goes_on, early & ~short
-    for row in np.flatnonzero(stumbles | lands).tolist():
+    for row in np.flatnonzero(early & (goes_on | ~short)).tolist():
         onset, lasts = int(stances.touchdown[row]), round(stance[row] * 1e9)
-        if stumbles[row]:
+        if short[row]:
             done = float(swing[row] / whole_swing[row])
             yield Event(onset, lasts, EventType.STUMBLE, foot, done, "swing")
         else:
@@ -341,9 +314,9 @@ def early_touchdowns(foot: int, figures: FootSteps, walks: list[Segment]) -> Ite
             yield Event(onset, 0, EventType.EARLY_CONTACT, foot, by_s, "s")
 
 
-def scuffs(foot: int, figures: FootSteps, walks: list[Segment]) -> Iterator[Event]:
+def scuffs(foot: int, steps: FootSteps, walks: Sequence[Segment]) -> Iterator[Event]:
     """Yield touches of the ground in mid-swing that are too short and light to be stances."""
-    spans, stances = figures.record.scuffs, figures.stances
+    spans, stances = steps.record.scuffs, steps.stances
     inside = _inside(walks, spans[:, 0])
     for onset, end in spans[inside].tolist():
         after = int(np.searchsorted(stances.touchdown, onset))
@@ -353,15 +326,13 @@ def scuffs(foot: int, figures: FootSteps, walks: list[Segment]) -> Iterator[Even
             yield Event(onset, end - onset, EventType.STUMBLE, foot, done, "swing")
 
 
-def _swings_s(figures: FootSteps) -> Floats:
+def _swings_s(stances: Stances, gaps: Ints) -> Floats:
     """(stances,) s, swing before each stance; NaN where it was not seen from end to end."""
-    stances, gaps = figures.stances, figures.record.gaps
     swing = np.full(len(stances.touchdown), np.nan)
     swing[1:] = (stances.touchdown[1:] - stances.liftoff[:-1]) / 1e9
-    swing[np.isin(stances.touchdown, gaps[:, 1])] = np.nan
     broken = stances.cut != Cut.WHOLE
+    swing[broken | np.isin(stances.touchdown, gaps[:, 1])] = np.nan
     swing[1:][broken[:-1]] = np.nan
-    swing[broken] = np.nan
     return swing
 
 
@@ -382,47 +353,14 @@ def _usual(values: Floats, of: np.ufunc) -> Floats:
 def _medians(windows: Floats) -> Floats:
     """(n,) the median of what each row, (n, w), knows; NaN of fewer than `FEWEST_SWINGS`."""
     known = np.isfinite(windows).sum(axis=1)
-    ordered, rows = np.sort(windows, axis=1), np.arange(len(windows))
     # NaN is sorted to the end.
+    ordered, rows = np.sort(windows, axis=1), np.arange(len(windows))
     middle = ordered[rows, np.maximum(known - 1, 0) // 2] + ordered[rows, known // 2]
     return np.where(known < FEWEST_SWINGS, np.nan, middle / 2.0)
 
 
-def _inside(segments: list[Segment], time: Ints) -> Flags:
+def _inside(segments: Sequence[Segment], time: Ints) -> Flags:
     inside = np.zeros(len(time), np.bool_)
     for each in segments:
         inside |= (time > each.start) & (time <= each.end)
     return inside
-
-
-_RANK: Final = {kind: rank for rank, kind in enumerate(EventType)}
-
-
-def find_events(stats: Stats) -> tuple[Event, ...]:
-    """Return all events of a log, in the order of time."""
-    found = [
-        *spans(stats),
-        *carried(stats),
-        *gait_changes(stats.segments),
-        *margins_below_zero(stats),
-        *sensor_faults(stats),
-        *step_events(stats.feet),
-        *_odd_steps(stats),
-    ]
-    return tuple(sorted(found, key=_order))
-
-
-def _odd_steps(stats: Stats) -> Iterator[Event]:
-    """Yield stumbles, early contacts and slips."""
-    walks = [segment for segment in stats.segments if segment.strides]
-    for row, foot in enumerate(stats.feet):
-        early = list(early_touchdowns(row, foot, walks))
-        stumbles = frozenset(each.onset for each in early if each.type is EventType.STUMBLE)
-        yield from early
-        yield from scuffs(row, foot, walks)
-        yield from slips(row, foot, walks, stats.settings.foot_rolling_m, stumbles)
-
-
-def _order(event: Event) -> tuple[int, int, int]:
-    foot = -1 if event.foot is None else event.foot
-    return event.onset, _RANK[event.type], foot

@@ -16,7 +16,6 @@ from dogbot_logtool.core.events.event import (
     Level,
 )
 from dogbot_logtool.core.events.events import find_events
-from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.statistics import Stats
 
 _LEVELS: Final = {
@@ -34,29 +33,26 @@ def event_messages(stats: Stats) -> tuple[EventMessage, ...]:
 
 
 def _message(event: Event, names: list[str]) -> EventMessage:
-    source = "robot" if event.foot is None else names[event.foot]
+    is_change = event.type is EventType.GAIT_CHANGE
     # Log panels show the source beside the text.
-    parts = [event.type.replace("_", " ")]
-    if event.type is EventType.GAIT_CHANGE:
-        parts.append(event.code.replace(">", " to "))
-    if event.value is not None:
-        parts.append(f"{event.value:.3g} {event.unit}")
-    if event.duration and event.unit != "s":
-        parts.append(f"for {event.duration / 1e9:.3f} s")
-    if event.code and event.type is not EventType.GAIT_CHANGE:
-        parts.append(event.code)
-    level = _LEVELS.get(event.type, Level.WARNING)
+    parts = [
+        event.type.replace("_", " "),
+        event.code.replace(">", " to ") if is_change else "",
+        "" if event.value is None else f"{event.value:.3g} {event.unit}",
+        f"for {event.duration / 1e9:.3f} s" if event.duration and event.unit != "s" else "",
+        "" if is_change else event.code,
+    ]
     details = {
         "type": str(event.type),
-        "foot": "" if event.foot is None else source,
+        "foot": "" if event.foot is None else names[event.foot],
         "value": "" if event.value is None else f"{event.value:.9g}",
         "unit": event.unit,
         "code": event.code,
     }
     return EventMessage(
         event.onset,
-        level,
-        source,
+        _LEVELS.get(event.type, Level.WARNING),
+        "robot" if event.foot is None else names[event.foot],
         ", ".join(filter(None, parts)),
         end=event.onset + event.duration,
         is_step=event.type in STEPS,
@@ -67,26 +63,18 @@ def _message(event: Event, names: list[str]) -> EventMessage:
 def gait_states(stats: Stats) -> tuple[GaitState, ...]:
     """Return the gait where it begins, and that it is unknown where a segment ends."""
     states: list[GaitState] = []
-    nothing = (float("nan"),) * len(stats.feet)
+    nan = float("nan")
     for segment, after in zip_longest(stats.segments, stats.segments[1:]):
-        states.append(_state(segment))
+        rate, duty = (
+            nan if each is None else each
+            for each in (segment.stride_frequency_hz, segment.duty_factor)
+        )
+        phases = tuple(nan if phase is None else phase.mean for phase in segment.phases)
+        name = segment.gait.name or UNKNOWN
+        states.append(GaitState(segment.start, name, rate, duty, phases))
         if after is None or after.start > segment.end:
-            states.append(GaitState(segment.end, UNKNOWN, nothing[0], nothing[0], nothing))
+            states.append(GaitState(segment.end, UNKNOWN, nan, nan, (nan,) * len(stats.feet)))
     return tuple(states) if stats.feet else ()
-
-
-def _state(segment: Segment) -> GaitState:
-    return GaitState(
-        segment.start,
-        segment.gait.name or UNKNOWN,
-        _or_nan(segment.stride_frequency_hz),
-        _or_nan(segment.duty_factor),
-        tuple(_or_nan(None if phase is None else phase.mean) for phase in segment.phases),
-    )
-
-
-def _or_nan(value: float | None) -> float:
-    return float("nan") if value is None else value
 
 
 def to_log_time(stats: Stats, time: Ints, start: int, end: int) -> Ints:

@@ -5,6 +5,7 @@ are down for more than half of the stride is a trot all the same).
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import combinations
 from typing import Final
 
@@ -12,30 +13,12 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, wrapped
 from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.dataclass import dataclass
 
 TOLERANCE: Final = 0.1
 """Cycles by which phases may differ from those of a class."""
 BIPED: Final = 2
 QUADRUPED: Final = 4
 HEXAPOD: Final = 6
-CLASS_NAMES: Final = (
-    "walk",
-    "amble",
-    "trot",
-    "pace",
-    "gallop",
-    "canter",
-    "half-bound",
-    "bound",
-    "pronk",
-    "run",
-    "hop",
-    "tripod",
-    "tetrapod",
-    "wave",
-)
-"""Classes that a gait of two, four or six feet may have."""
 ALTERNATES: Final = 0.1
 """Cycles by which the steps of two feet may be uneven before that counts as a deviation."""
 
@@ -53,26 +36,21 @@ def class_distances(phases: Floats, duty_factor: Floats | None = None) -> dict[s
         of feet. Of two classes at the same distance the first one counts.
     """
     duty = np.ones(len(phases)) if duty_factor is None else duty_factor
-    feet = phases.shape[1]
-    if feet == BIPED:
-        return _of_two_feet(phases, duty)
-    if feet == QUADRUPED:
-        return _of_four_feet(phases, duty)
-    if feet == HEXAPOD:
-        return _of_six_feet(phases)
+    match phases.shape[1]:
+        case 2:
+            return _of_two_feet(phases, duty)
+        case 4:
+            return _of_four_feet(phases, duty)
+        case 6:
+            return _of_six_feet(phases)
     return {}
 
 
 def _of_two_feet(phases: Floats, duty: Floats) -> dict[str, Floats]:
     """Alternating (walk above, run below a duty factor of one half) or together (hop)."""
     step = apart(phases[:, 0], phases[:, 1])
-    uneven = np.clip(0.5 - step - ALTERNATES, 0.0, None)
-    below, above = _worst(0.5 - duty), _worst(duty - 0.5)
-    return {
-        "walk": uneven + below,
-        "run": uneven + above,
-        "hop": step,
-    }
+    uneven = _worst(0.5 - step - ALTERNATES)
+    return {"walk": uneven + _worst(0.5 - duty), "run": uneven + _worst(duty - 0.5), "hop": step}
 
 
 def _of_four_feet(phases: Floats, duty: Floats) -> dict[str, Floats]:
@@ -97,21 +75,19 @@ def _of_four_feet(phases: Floats, duty: Floats) -> dict[str, Floats]:
     fore, hind = apart(front_left, front_right), apart(back_left, back_right)
     lag = apart(halfway(front_left, front_right), halfway(back_left, back_right))
     uneven = _worst(0.5 - fore, 0.5 - hind)
-    below, above = _worst(0.5 - duty), _worst(duty - 0.5)
-    from_pace = _from_pace(phases)
+    diagonal = halfway(front_left - back_left, front_right - back_right)
+    from_pace = apart(diagonal, np.zeros(len(phases)))
     walk = _worst(uneven, _separate(from_pace), _separate(0.5 - from_pace))
     closest = np.min([apart(one, other) for one, other in combinations(phases.T, 2)], axis=0)
+    one_lead = _canter(back_left, back_right, front_left, front_right)
     return {
-        "walk": walk + below,
-        "amble": walk + above,
+        "walk": walk + _worst(0.5 - duty),
+        "amble": walk + _worst(duty - 0.5),
         "trot": _worst(uneven, 0.5 - from_pace),
         "pace": _worst(uneven, from_pace),
-        "gallop": _worst(_separate(closest), _separate(lag), _one_after_other(fore, hind)),
-        "canter": np.minimum(
-            _canter(back_left, back_right, front_left, front_right),
-            _canter(back_right, back_left, front_right, front_left),
-        ),
-        "half-bound": _worst(hind, _separate(fore), _separate(lag), _one_after_other(fore)),
+        "gallop": _worst(_separate(closest), _separate(lag), fore - _SPLIT, hind - _SPLIT),
+        "canter": np.minimum(one_lead, _canter(back_right, back_left, front_right, front_left)),
+        "half-bound": _worst(hind, _separate(fore), _separate(lag), fore - _SPLIT),
         "bound": _worst(fore, hind, _separate(lag)),
         "pronk": _worst(fore, hind, lag),
     }
@@ -130,18 +106,8 @@ def _separate(distance: Floats) -> Floats:
 
 
 _SPLIT: Final = 0.3
-"""Cycles up to which the feet of a pair follow each other in a gallop or a canter."""
-
-
-def _one_after_other(*splits: Floats) -> Floats:
-    """Deviation of pairs whose feet are so far apart that they are evenly spaced."""
-    return _worst(*(split - _SPLIT for split in splits))
-
-
-def _from_pace(phases: Floats) -> Floats:
-    """(n,) distance of the diagonality from 0, cycles."""
-    front_left, front_right, back_left, back_right = phases.T
-    return apart(halfway(front_left - back_left, front_right - back_right), np.zeros(len(phases)))
+"""Cycles up to which the feet of a pair follow each other in a gallop or a canter; further apart
+they are evenly spaced."""
 
 
 def _canter(first: Floats, mate: Floats, diagonal: Floats, last: Floats) -> Floats:
@@ -155,12 +121,8 @@ def _canter(first: Floats, mate: Floats, diagonal: Floats, last: Floats) -> Floa
     """
     together = halfway(mate, diagonal)
     before, after = wrapped(together - first), wrapped(last - together)
-    return _worst(
-        apart(mate, diagonal),
-        _separate(before),
-        _separate(after),
-        _one_after_other(before, after),
-    )
+    separate = _worst(_separate(before), _separate(after))
+    return _worst(apart(mate, diagonal), separate, before - _SPLIT, after - _SPLIT)
 
 
 def _of_six_feet(phases: Floats) -> dict[str, Floats]:
@@ -173,17 +135,14 @@ def _of_six_feet(phases: Floats) -> dict[str, Floats]:
     Waves run from back to front, or from front to back.
     """
     third = 1.0 / 3.0
+    waves = {
+        "tripod": [(0.5, 0.5)],
+        "tetrapod": [(lag, side) for lag in (third, -third) for side in (0.0, third, -third)],
+        "wave": [(0.5 * third, 0.5), (-0.5 * third, 0.5)],
+    }
     return {
-        "tripod": _from_wave(phases, 0.5, 0.5),
-        "tetrapod": np.min(
-            [
-                _from_wave(phases, lag, side)
-                for lag in (third, -third)
-                for side in (0.0, third, -third)
-            ],
-            axis=0,
-        ),
-        "wave": np.minimum(_from_wave(phases, 1.0 / 6.0, 0.5), _from_wave(phases, -1.0 / 6.0, 0.5)),
+        name: np.min([_from_wave(phases, *each) for each in lags], axis=0)
+        for name, lags in waves.items()
     }
 
 

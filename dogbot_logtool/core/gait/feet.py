@@ -1,8 +1,8 @@
 """A foot's steps over a whole log, and its metrics over the log or a part of it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import Final
+from dataclasses import dataclass, replace
+from typing import Any, Final
 
 import numpy as np
 
@@ -24,105 +24,45 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.places import stance_places
 from dogbot_logtool.core.contact.stance_samples import PARTS
 from dogbot_logtool.core.contact.stances import Cut, Stances
-from dogbot_logtool.core.gait.strides import (
-    Strides,
-    cut_by_fall,
-    cut_by_standing,
-    cut_outside,
-    strides_of,
-)
-from dogbot_logtool.core.gait.support import Standing, steps_apart
+from dogbot_logtool.core.gait.strides import Strides, strides_of, walked_stances
+from dogbot_logtool.core.gait.support import Standing
 from dogbot_logtool.core.leg_position import LegPosition
-from dogbot_logtool.core.loads import has_lone_spikes, slip_m, vertical_impulse_ns, without_spikes
+from dogbot_logtool.core.loads import has_lone_spikes, slip_m, vertical_impulse_ns
 from dogbot_logtool.core.metrics import Foot
 from dogbot_logtool.core.records import Curve, Numbers, Shape, unknown
 from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.core.settings import StatsSettings
-from dogbot_logtool.dataclass import dataclass
 
 CYCLE_POINTS: Final = 51
 """Points of a curve over a stride: 0, 2, ... 100 %."""
 QUARTILES: Final = (25.0, 50.0, 75.0)
+FEWEST_STANCES: Final = 8
+"""Stances of all feet from which it is told how far they push the robot on."""
+FIGURES: Final = (
+    "peak_force_n",
+    "mean_force_n",
+    "peak_vertical_force_n",
+    "mean_vertical_force_n",
+    "loading_rate_nps",
+    "impact_ratio",
+    "contact_travel_m",
+    "friction_use",
+)
+"""Metrics of a foot that are figures of its stances."""
 
 
 @dataclass(frozen=True, slots=True)
 class CycleCurve:
-    """A force over the gait cycle, (n,) each."""
+    """A quantity over the gait cycle, (n,) each."""
 
     percent: Floats
     """% of the stride."""
     lower: Floats
-    """N, lower quartile over strides; also `median` and `upper`."""
+    """Lower quartile over strides; also `median` and `upper`."""
     median: Floats
     upper: Floats
     number: int
     """Strides."""
-
-
-@dataclass(frozen=True, slots=True)
-class ForeAftImpulses:
-    """Fore-aft impulses of a foot's stances, along the base's forward axis at mid-stance."""
-
-    braking: Floats
-    """(n,) N s, at least 0: what slows the robot; NaN where direction or heading is not known."""
-    propulsive: Floats
-    """(n,) N s, at least 0: what drives it forward."""
-
-
-def forward_forces(foot: FootHistory, heading: Floats) -> Floats:
-    """(stances, PARTS) N, mean force along a heading, (stances,) rad, in each part of a stance."""
-    x, y = foot.stance_forces[:, 0], foot.stance_forces[:, 1]
-    forward: Floats = x * np.cos(heading)[:, None] + y * np.sin(heading)[:, None]
-    return forward
-
-
-def stance_headings(stances: Stances, base: BaseHistory, forward_axis: str) -> Floats:
-    """(stances,) rad, where the base's forward axis points in the middle of each stance."""
-    middle = stances.touchdown + (stances.liftoff - stances.touchdown) // 2
-    heading: Floats = base.angles_at(middle)[:, 2] + FORWARD_ANGLES[forward_axis]
-    return heading
-
-
-def fore_aft_impulses(foot: FootHistory, heading: Floats) -> ForeAftImpulses:
-    """Integrate the braking and the propulsive part of the force over each stance.
-
-    Each sample counts by its own sign.
-
-    Args:
-        foot: its history.
-        heading: (stances,) rad; see `stance_headings`.
-    """
-    track, stances = foot.track, foot.stances
-    braking, propulsive = np.full((2, len(heading)), np.nan)
-    known = np.isfinite(heading) & np.isfinite(foot.stance_forces).all(axis=(1, 2))
-    if not known.any():
-        return ForeAftImpulses(braking, propulsive)
-    before = np.maximum(np.searchsorted(track.time, stances.touchdown[known]) - 1, 0)
-    # A foot that stopped to speak in a stance has no sample at its end.
-    behind = np.minimum(np.searchsorted(track.time, stances.liftoff[known]) + 1, len(track.time))
-    rows, stance, first = rows_of_runs(before, behind)
-    force = track.horizontal_force[rows].astype(np.float64)
-    along, _ = along_heading(force, heading[known][stance])
-    time = (track.time[rows] - track.time[0]) / 1e9
-    braking[known] = -trapezoids(np.minimum(along, 0.0), time, first)
-    propulsive[known] = trapezoids(np.maximum(along, 0.0), time, first)
-    return ForeAftImpulses(braking, propulsive)
-
-
-def stride_curve(force: Floats, strides: Strides) -> CycleCurve | None:
-    """Return the usual force over a stride, 0 in its swing; None where none is known.
-
-    Args:
-        force: (n, PARTS) N, mean force in each part of each of the foot's stances.
-        strides: of the same foot.
-    """
-    of_strides = force[strides.stance]
-    rows = np.flatnonzero(np.isfinite(of_strides).all(axis=1))
-    phase: Floats = np.arange(CYCLE_POINTS) / float(CYCLE_POINTS - 1)
-    stance_phase = phase[None, :] / strides.duty_factor[rows][:, None]
-    part = np.minimum((stance_phase * PARTS).astype(np.int64), PARTS - 1)
-    known = np.where(stance_phase < 1.0, np.take_along_axis(of_strides[rows], part, axis=1), 0.0)
-    return cycle_curve(phase * 100.0, known)
 
 
 def cycle_curve(percent: Floats, values: Floats) -> CycleCurve | None:
@@ -141,8 +81,50 @@ def curve_of(curve: CycleCurve | None) -> Shape:
     return Curve(*(tuple(each.tolist()) for each in parts))
 
 
-FEWEST_STANCES: Final = 8
-"""Stances of all feet from which it is told how far they push the robot on."""
+def stride_curve(force: Floats, strides: Strides) -> CycleCurve | None:
+    """Return the usual force over a stride, 0 in its swing; None where none is known.
+
+    Args:
+        force: (n, PARTS) N, mean force in each part of each of the foot's stances.
+        strides: of the same foot.
+    """
+    of_strides = force[strides.stance]
+    rows = np.flatnonzero(np.isfinite(of_strides).all(axis=1))
+    phase: Floats = np.arange(CYCLE_POINTS) / float(CYCLE_POINTS - 1)
+    stance_phase = phase[None, :] / strides.duty_factor[rows][:, None]
+    part = np.minimum((stance_phase * PARTS).astype(np.int64), PARTS - 1)
+    known = np.where(stance_phase < 1.0, np.take_along_axis(of_strides[rows], part, axis=1), 0.0)
+    return cycle_curve(phase * 100.0, known)
+
+
+def fore_aft_impulses(foot: FootHistory, heading: Floats) -> tuple[Floats, Floats]:
+    """Integrate the braking and the propulsive part of the force over each stance.
+
+    Each sample counts by its own sign.
+
+    Args:
+        foot: its history.
+        heading: (stances,) rad, of the robot's forward axis in the middle of each stance.
+
+    Returns:
+        (stances,) N s, at least 0, what slows the robot, and what drives it forward; NaN where
+        direction or heading is not known.
+    """
+    track, stances = foot.track, foot.stances
+    braking, propulsive = np.full((2, len(heading)), np.nan)
+    known = np.isfinite(heading) & np.isfinite(foot.stance_forces).all(axis=(1, 2))
+    if not known.any():
+        return braking, propulsive
+    before = np.maximum(np.searchsorted(track.time, stances.touchdown[known]) - 1, 0)
+    # A foot that stopped to speak in a stance has no sample at its end.
+    behind = np.minimum(np.searchsorted(track.time, stances.liftoff[known]) + 1, len(track.time))
+    rows, stance, first = rows_of_runs(before, behind)
+    force = track.horizontal_force[rows].astype(np.float64)
+    along, _ = along_heading(force, heading[known][stance])
+    time = (track.time[rows] - track.time[0]) / 1e9
+    braking[known] = -trapezoids(np.minimum(along, 0.0), time, first)
+    propulsive[known] = trapezoids(np.maximum(along, 0.0), time, first)
+    return braking, propulsive
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,12 +162,17 @@ class FootSteps:
     """Whether its sensor tells contact, and nothing refutes it."""
     has_spikes: Flags
     """(stances,) which have lone spikes."""
-    vertical: Floats
-    """(stances, PARTS) N, mean vertical force in each part of each stance; NaN: not known."""
     forward: Floats
-    """(stances, PARTS) N, the same along the base's forward axis."""
-    fore_aft: ForeAftImpulses
-    """N s, along that axis, in each stance."""
+    """(stances, PARTS) N, mean force along the base's forward axis in each part of each stance."""
+    braking_ns: Floats
+    """(stances,) N s, see `fore_aft_impulses`; also `propulsive_ns`. NaN where a spike may be as
+    large as all that brakes."""
+    propulsive_ns: Floats
+
+    @property
+    def vertical(self) -> Floats:
+        """(stances, PARTS) N, mean vertical force in each part of each stance; NaN: not known."""
+        return self.record.stance_forces[:, 2]
 
     @property
     def spikes(self) -> int:
@@ -218,7 +205,7 @@ def foot_steps(
     """Find the steps of a foot.
 
     Args:
-        settings: what decides the figures.
+        settings: what decides the metrics.
         row: of the foot.
         record: its stances and track.
         base: poses.
@@ -229,17 +216,30 @@ def foot_steps(
         is_dead: whether its sensor never reports a contact, and nothing says that it is lifted.
     """
     foot, rolling_m = settings.feet[row], settings.foot_rolling_m
-    stances = without_spikes(cut_by_fall(record.stances, fallen))
-    stances = cut_by_standing(stances, steps_apart(standing.without_steps, stances))
+    stances = walked_stances(record.stances, fallen, standing.without_steps)
+    lone, figures = has_lone_spikes(stances), stances.figures
+    figures = figures._replace(
+        peak_force_n=np.where(lone, figures.calm_peak_n, figures.peak_force_n),
+        peak_vertical_force_n=np.where(
+            lone, figures.calm_peak_vertical_n, figures.peak_vertical_force_n
+        ),
+    )
+    stances = replace(stances, figures=figures)
     strides, discarded = strides_of(stances, record.gaps, fallen)
-    heading = stance_headings(record.stances, base, settings.forward_axis)
+    middle = stances.touchdown + (stances.liftoff - stances.touchdown) // 2
+    heading = base.angles_at(middle)[:, 2] + FORWARD_ANGLES[settings.forward_axis]
+    x, y = record.stance_forces[:, 0], record.stance_forces[:, 1]
+    spiked = figures.spikes > 0.0
+    braking, propulsive = (
+        np.where(spiked, np.nan, each) for each in fore_aft_impulses(record, heading)
+    )
     at, place = stance_places(record) if path is None else places_on_path(path, stances)
     if ground is not None:
         place = place - ground.way_at(at)
     length, length_from = own_lengths(place, strides), "points"
     if not np.isfinite(length).any():
         length, length_from = straight_lengths(base, strides), "base"
-    slip = slip_m(stances.figures.contact_travel_m, rolling_m)
+    slip = slip_m(figures.contact_travel_m, rolling_m)
     # A sensor that is taken to read zero without load, on a robot that moves without steps.
     is_refuted = bool(settings.sensor(row).level.reason and len(standing.moving))
     return FootSteps(
@@ -256,14 +256,14 @@ def foot_steps(
         length_from=length_from,
         base_way_m=stride_lengths(base, strides.touchdown, strides.end),
         slip_m=slip,
-        slip_largest_m=slip_m(stances.figures.contact_reach_m, rolling_m),
+        slip_largest_m=slip_m(figures.contact_reach_m, rolling_m),
         slip_from="points" if np.isfinite(slip[stances.whole]).any() else None,
         is_dead=is_dead,
         contact_known=record.start is not None and not (is_dead or is_refuted),
-        has_spikes=has_lone_spikes(stances),
-        vertical=record.stance_forces[:, 2],
-        forward=forward_forces(record, heading),
-        fore_aft=fore_aft_impulses(record, heading),
+        has_spikes=lone,
+        forward=x * np.cos(heading)[:, None] + y * np.sin(heading)[:, None],
+        braking_ns=braking,
+        propulsive_ns=propulsive,
     )
 
 
@@ -307,45 +307,41 @@ def foot_metrics(
         within: (w, 2) ns, a part of the log; its stances and strides are those with their middle in
             it. None: all of it.
     """
-    stances, strides, record, lengths = foot.stances, foot.strides, foot.record, foot.length_m
+    stances, strides, whole = foot.stances, foot.strides, foot.stances.whole
+    lengths = foot.length_m
     if within is not None:
         lengths = lengths[strides.rows_within(within)]
-        stances, strides = cut_outside(stances, within), strides.within(within)
-    whole, figures = stances.whole, stances.figures
-    slip = aggregate(foot.slip_m[whole])
-    # A spike of a leaning force is as large as all that brakes.
-    clean = whole & ~(figures.spikes > 0)
-    length = aggregate(lengths)
+        strides = strides.within(within)
+        middle = stances.touchdown + (stances.liftoff - stances.touchdown) // 2
+        whole = whole & timespans.covers(within, middle)
     per_weight = np.nan if weight_n is None else 1.0 / weight_n
+    columns = {key: getattr(stances.figures, key) for key in FIGURES}
+    columns |= {
+        "stance_s": stances.duration_s,
+        "slip_m": foot.slip_m,
+        "slip_largest_m": foot.slip_largest_m,
+        "peak_force_bw": columns["peak_force_n"] * per_weight,
+        "peak_vertical_force_bw": columns["peak_vertical_force_n"] * per_weight,
+        "braking_impulse_ns": foot.braking_ns,
+        "propulsive_impulse_ns": foot.propulsive_ns,
+    }
+    of_stances = {key: aggregate(values[whole]) for key, values in columns.items()}
+    length, slips = aggregate(lengths), of_stances["slip_m"] or foot.slip_from == "foot_frame"
     return replace(
         unknown(Foot),
-        contact_fraction=record.contact_fraction(within),
+        **dict[str, Any](of_stances),
+        contact_fraction=foot.record.contact_fraction(within),
         strides=len(strides.stance),
-        stance_s=aggregate(stances.duration_s[whole]),
         swing_s=aggregate(strides.swing_s),
         stride_period_s=aggregate(strides.period_s),
         duty_factor=aggregate(strides.duty_factor),
         stride_frequency_hz=strides.frequency_hz,
         stride_length_m=length,
         stride_length_from=None if length is None else foot.length_from,
-        contact_travel_m=aggregate(figures.contact_travel_m[whole]),
-        slip_m=slip,
-        slip_largest_m=aggregate(foot.slip_largest_m[whole]),
-        slip_from=foot.slip_from if slip or foot.slip_from == "foot_frame" else None,
+        slip_from=foot.slip_from if slips else None,
         touchdown_s=_seconds(foot.touchdown, origin, within),
         lift_off_s=_seconds(foot.liftoff, origin, within),
-        peak_force_n=aggregate(figures.peak_n[whole]),
-        peak_force_bw=aggregate(figures.peak_n[whole] * per_weight),
-        mean_force_n=aggregate(figures.mean_n[whole]),
-        peak_vertical_force_n=aggregate(figures.peak_vertical_n[whole]),
-        peak_vertical_force_bw=aggregate(figures.peak_vertical_n[whole] * per_weight),
-        mean_vertical_force_n=aggregate(figures.mean_vertical_n[whole]),
-        vertical_impulse_ns=vertical_impulse_ns(record, within),
-        braking_impulse_ns=aggregate(foot.fore_aft.braking[clean]),
-        propulsive_impulse_ns=aggregate(foot.fore_aft.propulsive[clean]),
-        loading_rate_nps=aggregate(figures.loading_rate_nps[whole]),
-        impact_ratio=aggregate(figures.impact_ratio[whole]),
-        friction_use=aggregate(figures.friction_use[whole]),
+        vertical_impulse_ns=vertical_impulse_ns(foot.record, within),
         vertical_over_stride_n=curve_of(stride_curve(foot.vertical, strides)),
         forward_over_stride_n=curve_of(stride_curve(foot.forward, strides)),
     )
@@ -369,16 +365,12 @@ def net_push(feet: Sequence[FootSteps]) -> float | None:
     Returns:
         None where the direction of forces is not known, or few stances tell.
     """
-    parts = [_impulses(foot) for foot in feet]
-    pushed, carried = np.concatenate([np.empty((2, 0)), *parts], axis=1)
+    parts = [np.empty((2, 0))]
+    for foot in feet:
+        both = np.stack([foot.forward.mean(axis=1), foot.vertical.mean(axis=1)])
+        both *= foot.stances.duration_s
+        parts.append(both[:, foot.stances.whole & np.isfinite(both).all(axis=0)])
+    pushed, carried = np.concatenate(parts, axis=1)
     if len(carried) < FEWEST_STANCES or carried.sum() <= 0.0:
         return None
     return float(pushed.sum() / carried.sum())
-
-
-def _impulses(foot: FootSteps) -> Floats:
-    """(2, k) N s, along the forward axis and upwards, of the whole stances that tell both."""
-    duration = foot.stances.duration_s
-    both = np.stack([each.mean(axis=1) * duration for each in (foot.forward, foot.vertical)])
-    known: Floats = both[:, foot.stances.whole & np.isfinite(both).all(axis=0)]
-    return known

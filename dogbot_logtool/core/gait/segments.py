@@ -1,14 +1,14 @@
 """When does the gait change? The time line, cut where class or stride period changes lastingly."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import CircularMean, Ints, circular_mean, median_of, picked
-from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.arrays import CircularMean, Floats, Ints, circular_mean, median_of, picked
 from dogbot_logtool.core.gait.classes import (
     STAND,
     TOLERANCE,
@@ -20,16 +20,9 @@ from dogbot_logtool.core.gait.classes import (
     phases_in,
 )
 from dogbot_logtool.core.gait.feet import FootSteps
-from dogbot_logtool.core.gait.strides import (
-    Strides,
-    cut_by_fall,
-    cut_by_standing,
-    no_strides,
-    strides_of,
-)
-from dogbot_logtool.core.gait.support import Standing, Support, steps_apart
+from dogbot_logtool.core.gait.strides import Strides
+from dogbot_logtool.core.gait.support import Standing, Support
 from dogbot_logtool.core.leg_position import legs_in_order
-from dogbot_logtool.dataclass import dataclass
 
 LASTING: Final = 2
 """Strides in a row that must agree before the gait counts as another one."""
@@ -41,6 +34,8 @@ BORDER: Final = 0.5 * TOLERANCE
 """So does one that another class fits better, up to this distance."""
 LONGEST_TRANSITION: Final = 4
 """Strides; more of them between two gaits are a segment of their own, however irregular."""
+_NONE: Final = -1
+"""No class: irregular, or unknown."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,43 +66,21 @@ class Segment:
     """ns, from and to: strides of another kind, too few to be a gait; not part of it."""
 
     @property
-    def duty_below_half(self) -> bool | None:
-        """Whether the duty factor is below one half; None where it is not known."""
-        return None if self.duty_factor is None else self.duty_factor < 0.5
-
-    @property
     def spans(self) -> Ints:
         """(n, 2) ns, without its interruptions."""
         edges = [self.start, *(edge for span in self.interruptions for edge in span), self.end]
         return np.array(edges, np.int64).reshape(-1, 2)
 
 
-@dataclass(frozen=True, slots=True)
-class FootEvents:
-    """The strides of one foot that segments are made of."""
-
-    strides: Strides
-    touchdown: Ints
-    """(n,) ns, touchdowns that were seen, in whole strides or not."""
+def reference_foot(feet: Sequence[FootSteps]) -> int:
+    """Return the foot that phases are measured against: left fore, or the first with strides."""
+    order = legs_in_order([foot.leg_position for foot in feet]) or range(len(feet))
+    return next((row for row in order if len(feet[row].strides.stance)), 0)
 
 
-@dataclass(frozen=True, slots=True)
-class GaitInput:
-    """The strides that the gait is made of."""
-
-    feet: tuple[FootEvents, ...]
-    reference: int
-    """The foot that phases are measured against: left fore, or the first one with strides."""
-    hind_reference: int | None
-    """Left hind, that papers often use; None: not known, or without strides."""
-    order: tuple[int, ...] | None
-    """The feet as `class_distances` wants them; None leaves the class unknown."""
-    standing: Standing
-    support: Support | None
-    """None: it is never known of all feet at once whether they are down."""
-
-
-def find_segments(gait: GaitInput) -> tuple[Segment, ...]:
+def find_segments(
+    feet: Sequence[FootSteps], standing: Standing, support: Support | None
+) -> tuple[Segment, ...]:
     """Cut the time line into segments of one gait each.
 
     A reference stride carries the class that its phases and duty factor are nearest to. The line
@@ -115,39 +88,40 @@ def find_segments(gait: GaitInput) -> tuple[Segment, ...]:
     by more than `PERIOD_CHANGE`, and where the robot stands. A single odd stride does not cut.
     The strides of a transition belong to neither of its neighbours.
 
+    Args:
+        feet: steps of all feet.
+        standing: spans that are no part of a stride.
+        support: which feet are down; None: it is never known of all feet at once.
+
     Returns:
         segments in order of time, stands among them.
     """
-    strides = gait.feet[gait.reference].strides
-    apart = gait.standing.without_steps
-    steps = ~timespans.touches(apart, strides.touchdown, strides.end)
-    walked = picked(strides, steps)
+    strides, apart = feet[reference_foot(feet)].strides, standing.without_steps
+    walked = picked(strides, ~timespans.touches(apart, strides.touchdown, strides.end))
     stood = np.searchsorted(apart[:, 0], walked.touchdown)
-    runs = _runs(_kinds(gait, walked), stood)
-    found = [_segment(gait, _spans_of(walked, parts)) for parts in runs]
-    nothing = (None,) * len(gait.feet)
-    stand = GaitClass(STAND, None, STAND, 0.0)
-    still, moving, lifted = (spans.tolist() for spans in gait.standing)
-    found += [Segment(start, end, stand, 0, nothing) for start, end in still]
-    found += [
-        Segment(start, end, UNKNOWN_GAIT, 0, nothing, moves_without_steps=True)
-        for start, end in moving
-    ]
-    found += [
-        Segment(start, end, UNKNOWN_GAIT, 0, nothing, is_lifted=True) for start, end in lifted
-    ]
+    kinds = _kinds(feet, walked)
+    found = []
+    for first, last in pairwise([0, *(np.flatnonzero(np.diff(stood)) + 1).tolist(), len(stood)]):
+        for parts in _runs(kinds, first, last) if last > first else ():
+            spans = [(walked.touchdown[begin], walked.end[end - 1]) for begin, end in parts]
+            found.append(_segment(feet, support, np.array(spans, np.int64)))
+    nothing, stand = (None,) * len(feet), GaitClass(STAND, None, STAND, 0.0)
+    for start, end in standing.still.tolist():
+        found.append(Segment(start, end, stand, 0, nothing))
+    for start, end in standing.moving.tolist():
+        found.append(Segment(start, end, UNKNOWN_GAIT, 0, nothing, moves_without_steps=True))
+    for start, end in standing.lifted.tolist():
+        found.append(Segment(start, end, UNKNOWN_GAIT, 0, nothing, is_lifted=True))
     return tuple(sorted(found, key=lambda segment: segment.start))
 
 
-def transition_strides(segments: Sequence[Segment], strides: Strides) -> int:
-    """Return the number of reference strides that belong to no segment."""
-    return len(strides.stance) - sum(segment.strides for segment in segments)
+def main_segment(segments: Sequence[Segment]) -> Segment | None:
+    """Return the longest segment; its class is the log's. None without segments."""
+    return max(segments, key=lambda segment: segment.end - segment.start, default=None)
 
 
-_NONE: Final = -1
-"""No class: irregular, or unknown."""
-_Parts = tuple[tuple[int, int], ...]
-"""First stride, and stride after the last, of each part of a run that others interrupt."""
+_Run = tuple[int, int]
+"""First stride, and stride after the last."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,70 +137,76 @@ class _Kinds:
     named: bool
     """Whether gaits of so many feet have names."""
 
-    def usual(self, run: tuple[int, int]) -> float:
+    def usual(self, run: _Run) -> float:
         """Return the median period of a run, ns."""
-        return float(median_of(self.period[run[0] : run[1]]))
+        return float(median_of(self.period[slice(*run)]))
 
-    def alike(self, one: tuple[int, int], other: tuple[int, int]) -> bool:
+    def alike(self, one: _Run, other: _Run) -> bool:
         """Tell whether two runs are of one gait."""
-        same = self.label[one[0]] == self.label[other[0]]
         usual = self.usual(one)
-        return bool(same) and abs(usual - self.usual(other)) <= PERIOD_CHANGE * usual
+        near = abs(usual - self.usual(other)) <= PERIOD_CHANGE * usual
+        return near and bool(self.label[one[0]] == self.label[other[0]])
 
-    def is_brief(self, one: tuple[int, int], other: tuple[int, int]) -> bool:
+    def is_brief(self, one: _Run, other: _Run) -> bool:
         """Tell whether too little lies between two runs of one gait for another one."""
         between = float(self.period[one[1] : other[0]].sum())
         least = LASTING * (1.0 - PERIOD_CHANGE) * self.usual(one)
         return self.alike(one, other) and between < least
 
 
-def _kinds(gait: GaitInput, walked: Strides) -> _Kinds:
+def _kinds(feet: Sequence[FootSteps], walked: Strides) -> _Kinds:
     """Return the class and the period of each stride."""
     period = walked.end - walked.touchdown
-    none = np.full(len(period), _NONE)
-    phases = [phases_by_stride(walked, gait.feet[foot].touchdown) for foot in gait.order or ()]
-    if not phases or not len(period):
-        return _Kinds(none, none, period, named=False)
-    classes = class_distances(np.stack(phases, axis=1), walked.duty_factor)
+    order = legs_in_order([foot.leg_position for foot in feet]) or ()
+    classes: dict[str, Floats] = {}
+    if order and len(period):
+        phases = [phases_by_stride(walked, feet[foot].touchdown) for foot in order]
+        classes = class_distances(np.stack(phases, axis=1), walked.duty_factor)
     if not classes:
+        none = np.full(len(period), _NONE)
         return _Kinds(none, none, period, named=False)
     distance = np.nan_to_num(np.stack(list(classes.values()), axis=1), nan=np.inf)
     fits = np.where(distance.min(axis=1) <= TOLERANCE, distance.argmin(axis=1), _NONE)
-    label = fits.tolist()
+    label = fits.copy()
     for row in range(1, len(label)):
         before = label[row - 1]
         limit = DRIFT if label[row] == _NONE else BORDER
-        if before not in {_NONE, label[row]} and distance[row, before] <= limit:
+        if before != _NONE and distance[row, before] <= limit:
             label[row] = before
-    return _Kinds(fits, np.array(label), period, named=True)
+    return _Kinds(fits, label, period, named=True)
 
 
-def _runs(kinds: _Kinds, stood: Ints) -> list[_Parts]:
-    """Return the runs of one gait each.
+def _runs(kinds: _Kinds, first: int, last: int) -> list[list[_Run]]:
+    """Return the runs of one gait each among some strides, in parts where others interrupt one."""
+    settled = _settled(kinds, first, last)
+    if not settled:
+        return [[(first, last)]]
+    # What is too long for a transition is a run, too.
+    edges = [first, *(edge for run in settled for edge in run), last]
+    between = zip(edges[::2], edges[1::2], strict=True)
+    unsettled = [(start, end) for start, end in between if end - start > LONGEST_TRANSITION]
+    joined: list[list[_Run]] = []
+    for run in sorted([*settled, *unsettled]):
+        # One touchdown too many splits a stride into two short ones, which agree with each other.
+        same = next((parts for parts in joined if kinds.is_brief(parts[-1], run)), None)
+        if same is None:
+            joined.append([run])
+            continue
+        del joined[joined.index(same) + 1 :]
+        same.append(run)
+    return joined
 
-    Args:
-        kinds: of n strides.
-        stood: (n,) how often the robot has stood before each.
-    """
-    edges = [0, *(np.flatnonzero(np.diff(stood)) + 1).tolist(), len(stood)]
-    runs: list[_Parts] = []
-    for first, last in pairwise(edges):
-        if first < last:
-            settled = _settled(kinds, first, last)
-            runs += _joined(kinds, _with_unsettled(settled, first, last))
-    return runs
 
-
-def _settled(kinds: _Kinds, first: int, last: int) -> list[tuple[int, int]]:
-    """Return the runs of at least `LASTING` strides of one kind, first to last (exclusive)."""
+def _settled(kinds: _Kinds, first: int, last: int) -> list[_Run]:
+    """Return the runs of at least `LASTING` strides of one kind."""
     label, period = kinds.label[first:last], kinds.period[first:last]
     shorter, longer = np.minimum(period[1:], period[:-1]), np.maximum(period[1:], period[:-1])
     cut = (label[1:] != label[:-1]) | (longer > (1.0 + PERIOD_CHANGE) * shorter)
-    settled: list[tuple[int, int]] = []
+    settled: list[_Run] = []
     for begin, end in pairwise([first, *(np.flatnonzero(cut) + first + 1).tolist(), last]):
         # What only drifts from the class at the end of a run is no part of it.
         own = np.flatnonzero(kinds.fits[begin:end] == kinds.label[begin])
-        run = (begin, begin + int(own[-1]) + 1) if len(own) else (begin, begin)
+        run = (begin, begin + int(own.max(initial=-1)) + 1)
         if run[1] - run[0] < LASTING:
             continue
         if settled and kinds.alike(settled[-1], run):
@@ -239,124 +219,34 @@ def _settled(kinds: _Kinds, first: int, last: int) -> list[tuple[int, int]]:
     ]
 
 
-def _joined(kinds: _Kinds, runs: Sequence[tuple[int, int]]) -> list[_Parts]:
-    """Join runs of one gait around others that last less than `LASTING` strides of that gait.
-
-    One touchdown too many splits a stride into two short ones, which agree with each other.
-    """
-    joined: list[_Parts] = []
-    for run in runs:
-        same = [row for row, before in enumerate(joined) if kinds.is_brief(before[-1], run)]
-        parts = (*joined[same[0]], run) if same else (run,)
-        joined[same[0] if same else len(joined) :] = [parts]
-    return joined
-
-
-def _with_unsettled(
-    settled: Sequence[tuple[int, int]], first: int, last: int
-) -> list[tuple[int, int]]:
-    """Add what is too long for a transition, or is all that there is."""
-    if not settled:
-        return [(first, last)]
-    edges = [first, *(edge for run in settled for edge in run), last]
-    rest = [
-        (start, end)
-        for start, end in zip(edges[::2], edges[1::2], strict=True)
-        if end - start > LONGEST_TRANSITION
-    ]
-    return sorted([*settled, *rest])
-
-
-def _spans_of(walked: Strides, parts: _Parts) -> Ints:
-    """(n, 2) ns, the time of some parts of a run."""
-    return np.array(
-        [(walked.touchdown[first], walked.end[last - 1]) for first, last in parts], np.int64
-    )
-
-
-def _segment(gait: GaitInput, spans: Ints) -> Segment:
+def _segment(feet: Sequence[FootSteps], support: Support | None, spans: Ints) -> Segment:
     """Describe the gait in some spans, (n, 2) ns."""
-    feet = gait.feet
-    strides = feet[gait.reference].strides.within(spans)
-    phases = _phases(feet, gait.reference, spans)
-    duty = [
-        float(inside.duty_factor.mean())
-        for foot in feet
-        if len((inside := foot.strides.within(spans)).stance)
-    ]
+    positions = [foot.leg_position for foot in feet]
+    reference, within = reference_foot(feet), [foot.strides.within(spans) for foot in feet]
+    phases = _phases(feet, within[reference])
+    duty = [float(each.duty_factor.mean()) for each in within if len(each.stance)]
     duty_factor = float(np.mean(duty)) if duty else None
-    flight = gait.support.flight_within(spans) if gait.support else None
-    known = [phases[foot] for foot in gait.order or ()]
+    flight = support.flight_within(spans) if support else None
+    known = [each for foot in legs_in_order(positions) or () if (each := phases[foot])]
     named = UNKNOWN_GAIT
-    if known and all(known):
-        named = classify(
-            [phase.mean for phase in known if phase],
-            [phase.consistency for phase in known if phase],
-            duty_factor,
-            flight,
-        )
-    hind = gait.hind_reference
+    if known and len(known) == len(feet):
+        means = [phase.mean for phase in known]
+        named = classify(means, [phase.consistency for phase in known], duty_factor, flight)
+    left_hind = [row for row, each in enumerate(positions) if each == ("back", "left")]
+    hind = [within[row] for row in left_hind if len(feet[row].strides.stance)]
     return Segment(
         start=int(spans[0, 0]),
         end=int(spans[-1, 1]),
         gait=named,
-        strides=len(strides.stance),
+        strides=len(within[reference].stance),
         phases=phases,
-        hind_phases=_phases(feet, hind, spans) if hind is not None else None,
+        hind_phases=_phases(feet, hind[0]) if hind else None,
         duty_factor=duty_factor,
-        stride_frequency_hz=strides.frequency_hz,
+        stride_frequency_hz=within[reference].frequency_hz,
         flight_fraction=flight,
         interruptions=tuple(pairwise(spans.ravel().tolist()))[1::2],
     )
 
 
-def _phases(
-    feet: Sequence[FootEvents], reference: int, spans: Ints
-) -> tuple[CircularMean | None, ...]:
-    strides = feet[reference].strides.within(spans)
+def _phases(feet: Sequence[FootSteps], strides: Strides) -> tuple[CircularMean | None, ...]:
     return tuple(circular_mean(phases_in(strides, foot.touchdown)) for foot in feet)
-
-
-def main_segment(segments: Sequence[Segment]) -> Segment | None:
-    """Return the longest segment; its class is the log's. None without segments."""
-    return max(segments, key=lambda segment: segment.end - segment.start, default=None)
-
-
-def any_strides(records: Sequence[FootHistory], fallen: Ints, standing: Ints) -> Ints:
-    """(s, 2) ns, the strides of the first foot that has any.
-
-    Args:
-        records: of all feet.
-        fallen: (f, 2) ns, spans in which the robot lies.
-        standing: (s, 2) ns, spans without steps, as far as they are known.
-    """
-    for record in records:
-        stances = cut_by_fall(record.stances, fallen)
-        stances = cut_by_standing(stances, steps_apart(standing, stances))
-        strides, _ = strides_of(stances, record.gaps, fallen)
-        if len(strides.stance):
-            return strides.spans
-    return timespans.no_spans()
-
-
-def reference_strides(feet: Sequence[FootSteps]) -> Strides:
-    """Return the whole strides of the first foot that has any."""
-    return next((foot.strides for foot in feet if len(foot.strides.stance)), no_strides())
-
-
-def gait_input(
-    feet: Sequence[FootSteps], standing: Standing, supported: Support | None
-) -> GaitInput:
-    """Choose the feet that phases are measured against."""
-    leg_positions = [foot.leg_position for foot in feet]
-    order = legs_in_order(leg_positions)
-    walking = [row for row in order or range(len(feet)) if len(feet[row].strides.stance)]
-    hind = leg_positions.index(("back", "left")) if ("back", "left") in leg_positions else None
-    return GaitInput(
-        feet=tuple(FootEvents(foot.strides, foot.touchdown) for foot in feet),
-        reference=walking[0] if walking else 0,
-        hind_reference=hind if hind in walking else None,
-        order=order,
-        standing=standing,
-        support=supported,
-    )

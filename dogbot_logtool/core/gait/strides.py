@@ -1,15 +1,15 @@
 """Strides: from each touchdown of a foot to its next one."""
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.contact.stances import Cut, Stances
-from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, picked
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.contact.stances import LONGEST_STANCE_S, Cut, Stances
 
 REASONS: Final[Mapping[int, str]] = {
     Cut.LOG_START: "log_start",
@@ -19,6 +19,8 @@ REASONS: Final[Mapping[int, str]] = {
     Cut.FALL: "fall",
 }
 """Names of what cuts a stride, for reports."""
+LONG_FOR_FOOT: Final = 3.0
+"""Times a foot's median stance from which a long stance is no step."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,17 +39,17 @@ class Strides:
     @property
     def stance_s(self) -> Floats:
         """(n,) s, lift-off minus touchdown."""
-        return _seconds(self.liftoff - self.touchdown)
+        return np.asarray((self.liftoff - self.touchdown) / 1e9)
 
     @property
     def swing_s(self) -> Floats:
         """(n,) s, next touchdown minus lift-off."""
-        return _seconds(self.end - self.liftoff)
+        return np.asarray((self.end - self.liftoff) / 1e9)
 
     @property
     def period_s(self) -> Floats:
         """(n,) s, next touchdown minus touchdown."""
-        return _seconds(self.end - self.touchdown)
+        return np.asarray((self.end - self.touchdown) / 1e9)
 
     @property
     def duty_factor(self) -> Floats:
@@ -57,9 +59,7 @@ class Strides:
     @property
     def frequency_hz(self) -> float | None:
         """(touchdowns - 1) / (last - first touchdown) over unbroken runs, 1/s; None without."""
-        if len(self.touchdown) == 0:
-            return None
-        return len(self.touchdown) / float(self.period_s.sum())
+        return len(self.end) / float(self.period_s.sum()) if len(self.end) else None
 
     @property
     def spans(self) -> Ints:
@@ -72,43 +72,29 @@ class Strides:
 
     def within(self, spans: Ints) -> "Strides":
         """Return the strides whose middle lies in one of the spans."""
-        rows = self.rows_within(spans)
-        return Strides(self.stance[rows], self.touchdown[rows], self.liftoff[rows], self.end[rows])
+        return picked(self, self.rows_within(spans))
 
 
-def no_strides() -> Strides:
-    """Return none."""
-    none = np.empty(0, np.int64)
-    return Strides(none, none, none, none)
+def walked_stances(stances: Stances, fallen: Ints, standing: Ints) -> Stances:
+    """Mark the stances that are no steps: those of a fall, and those in which the robot stands.
 
-
-def cut_by_fall(stances: Stances, fallen: Ints) -> Stances:
-    """Mark the stances that a fall cuts; what a fallen robot's feet do is not walking.
+    The latter reach into a stand, or are much longer than the foot's others (the stand of a robot
+    with a foot in the air, or with a foot that is not known).
 
     Args:
         stances: of one foot.
         fallen: (f, 2) ns, spans in which the robot lies.
+        standing: (s, 2) ns, spans without steps.
     """
-    cut = stances.cut.copy()
-    cut[timespans.touches(fallen, stances.touchdown, stances.liftoff) & stances.whole] = Cut.FALL
+    cut, times = stances.cut.copy(), (stances.touchdown, stances.liftoff)
+    cut[stances.whole & timespans.touches(fallen, *times)] = Cut.FALL
+    whole = cut == Cut.WHOLE
+    stands = timespans.touches(standing, *times)
+    if whole.any():
+        usual = float(median_of(stances.duration_s[whole]))
+        stands |= stances.duration_s > max(LONGEST_STANCE_S, LONG_FOR_FOOT * usual)
+    cut[whole & stands] = Cut.STANDING
     return replace(stances, cut=cut)
-
-
-def cut_outside(stances: Stances, within: Ints) -> Stances:
-    """Mark the stances that do not have their middle in some spans, (w, 2) ns."""
-    middle = stances.touchdown + (stances.liftoff - stances.touchdown) // 2
-    inside = timespans.covers(within, middle)
-    return replace(stances, cut=np.where(inside, stances.cut, Cut.OUTSIDE).astype(np.int8))
-
-
-def cut_by_standing(stances: Stances, steps_apart: Flags) -> Stances:
-    """Mark the stances in which the robot stands; they are no part of a stride.
-
-    Args:
-        stances: of one foot.
-        steps_apart: (n,) which of them.
-    """
-    return replace(stances, cut=np.where(steps_apart, Cut.STANDING, stances.cut).astype(np.int8))
 
 
 def strides_of(stances: Stances, gaps: Ints, fallen: Ints) -> tuple[Strides, dict[str, int]]:
@@ -127,14 +113,31 @@ def strides_of(stances: Stances, gaps: Ints, fallen: Ints) -> tuple[Strides, dic
     # The last stance begins a stride whose end the log does not show.
     cut[-1:][cut[-1:] == Cut.WHOLE] = Cut.LOG_END
     for spans, reason in ((gaps, Cut.GAP), (fallen, Cut.FALL)):
-        broken = timespans.touches(spans, begin, end) & (cut[:-1] == Cut.WHOLE)
-        cut[:-1][broken] = reason
+        cut[:-1][timespans.touches(spans, begin, end) & (cut[:-1] == Cut.WHOLE)] = reason
     row = np.flatnonzero(cut == Cut.WHOLE)
-    strides = Strides(row, begin[row], stances.liftoff[row], end[row])
     counts = {name: int((cut == reason).sum()) for reason, name in REASONS.items()}
+    strides = Strides(row, begin[row], stances.liftoff[row], end[row])
     return strides, {name: count for name, count in counts.items() if count}
 
 
-def _seconds(duration: Ints) -> Floats:
-    seconds: Floats = duration / 1e9
-    return seconds
+def typical_period_s(stances: list[Stances]) -> float | None:
+    """Return the median time between touchdowns over all feet, s; None without two of one foot."""
+    seen = [np.diff(each.touchdown[each.cut != Cut.LOG_START]) for each in stances]
+    periods = np.concatenate([np.empty(0), *seen])
+    return float(median_of(periods)) / 1e9 if len(periods) else None
+
+
+def any_strides(records: Sequence[FootHistory], fallen: Ints, standing: Ints) -> Ints:
+    """(s, 2) ns, the strides of the first foot that has any.
+
+    Args:
+        records: of all feet.
+        fallen: (f, 2) ns, spans in which the robot lies.
+        standing: (s, 2) ns, spans without steps, as far as they are known.
+    """
+    for record in records:
+        stances = walked_stances(record.stances, fallen, standing)
+        strides, _ = strides_of(stances, record.gaps, fallen)
+        if len(strides.stance):
+            return strides.spans
+    return timespans.no_spans()

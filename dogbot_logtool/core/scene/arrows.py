@@ -1,11 +1,8 @@
-"""The arrow at a foot for each contact sample; `styles.py` lists the styles.
-
-``classic``   the markers of the live script `arrows_rviz.py`, bit for bit;
-``pressure``  the same picture corrected: newest physics step, all states, straight up;
-``force``     ground-reaction forces, along the force, coloured by body weights.
-"""
+"""The arrow at a foot for each contact sample; `styles.py` lists the styles."""
 
 import math
+from collections import Counter
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -21,7 +18,6 @@ from dogbot_logtool.core.arrays import (
 )
 from dogbot_logtool.core.contact.contacts import Contacts, Samples
 from dogbot_logtool.core.scene.colour import LONGEST_NM, SHORTEST_NM, wavelength_to_rgba
-from dogbot_logtool.dataclass import dataclass
 
 NEWTONS_PER_METRE: Final = 100.0
 """An arrow of one metre is this many newtons, unless the robot's file says otherwise."""
@@ -48,19 +44,19 @@ class ArrowScale:
     """N at the red end of the colour map."""
 
 
-@dataclass(frozen=True, slots=True)
-class ArrowInput:
-    """Samples that a style computes arrows of."""
+def arrow_scale(given: float | None, weight_n: float | None, height_m: float) -> ArrowScale:
+    """Return the scale for a robot.
 
-    samples: Samples
-    """In the world frame as far as the log's frames are known, with swings added for sensors that
-    are silent in swing."""
-    contacts: Contacts | None
-    """The contact states of the same messages; None: their type has none."""
-    force_in_world: bool
-    """Whether all forces are in the world frame."""
-    body_weight_n: float | None
-    scale: ArrowScale
+    Args:
+        given: N per metre of the robot's file; colours are then those of the live script.
+        weight_n: N, the robot's; None: not known.
+        height_m: of the base over the feet: an arrow of one weight is as long.
+    """
+    if given is not None:
+        return ArrowScale(given)
+    if weight_n is None:
+        return ArrowScale()
+    return ArrowScale(weight_n / height_m, FORCE_FULL_SCALE_BW * weight_n)
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,135 +82,66 @@ class Arrows:
     """(n, 4) red, green, blue, alpha in [0, 1]."""
 
 
-@dataclass(frozen=True, slots=True)
-class ArrowCounts:
-    """Samples that could not become an arrow, by reason."""
-
-    not_finite: int = 0
-    """A number that the arrow needs is NaN or infinite: its foot's arrow is removed."""
-    no_position: int = 0
-    """In contact, but the message gives no contact point."""
-    no_direction: int = 0
-    """Only the magnitude is known and the message gives no contact normal."""
-    overflow: int = 0
-    """`classic`: a finite force component whose square overflows (the live script raised)."""
-
-    def __add__(self, other: "ArrowCounts") -> "ArrowCounts":
-        return ArrowCounts(
-            self.not_finite + other.not_finite,
-            self.no_position + other.no_position,
-            self.no_direction + other.no_direction,
-            self.overflow + other.overflow,
-        )
-
-
 def no_arrows() -> Arrows:
-    """Return no arrows, for messages that lack what an arrow needs."""
-    none = np.empty(0, np.int64)
-    return Arrows(
-        foot=none,
-        log_time=none,
-        stamp=none,
-        shown=np.empty(0, np.bool_),
-        position=np.empty((0, 3)),
-        orientation=np.empty((0, 4)),
-        length=np.empty(0),
-        colour=np.empty((0, 4), np.float32),
-    )
+    """Return no arrows."""
+    none, vectors = np.empty(0, np.int64), np.empty((0, 4))
+    colour = vectors.astype(np.float32)
+    return Arrows(none, none, none, none > 0, vectors[:, :3], vectors, vectors[:, 0], colour)
 
 
 def removals(samples: Samples) -> Arrows:
     """Return the removal of the arrows of samples without contact."""
-    count = len(samples.log_time)
-    unused = np.empty((0, 4))
-    return Arrows(
-        foot=samples.foot,
-        log_time=samples.log_time,
-        stamp=samples.time,
-        shown=np.zeros(count, np.bool_),
-        position=unused,
-        orientation=unused,
-        length=unused[:, 0],
-        colour=unused.astype(np.float32),
-    )
+    shown, unused = np.zeros(len(samples.log_time), np.bool_), np.empty((0, 4))
+    times = samples.foot, samples.log_time, samples.time
+    return Arrows(*times, shown, unused, unused, unused[:, 0], unused.astype(np.float32))
 
 
-def classic_arrows(contacts: Contacts) -> tuple[Arrows, ArrowCounts]:
+def classic_arrows(contacts: Contacts) -> tuple[Arrows, Counter[str]]:
     """Compute the markers of `arrows_rviz.py`.
 
     Force and point are the first state's first, whatever step or body they belong to. Without
     contact nothing is written. What is not finite is copied. Where the script raised (a first
-    state without contact points; a square that overflows) nothing is written either.
+    state without contact points; a finite number whose square overflows) nothing is written either.
+
+    Returns:
+        arrows, and how many samples have none by ``no_position`` and ``overflow``.
     """
-    message, force, position, has_point = _first_states(contacts)
+    message, state = np.unique(contacts.state_message, return_index=True)
+    point_state, point = np.unique(contacts.point_state, return_index=True)
+    has_point = np.isin(state, point_state)
+    force = contacts.total_force[state]
     with np.errstate(over="ignore", invalid="ignore"):
         overflow = (np.isfinite(force) & ~np.isfinite(force * force)).any(axis=1)
     drawn = has_point & ~overflow
-    message, force, position = message[drawn], force[drawn], position[drawn]
-
+    message, state, force = message[drawn], state[drawn], force[drawn]
     length = norms(force) / 100.0
     with np.errstate(invalid="ignore"):
         wavelength = 380.0 + ((length - 0.0) / (CLASSIC_FULL_SCALE - 0.0)) * (750.0 - 380.0)
-    count = len(message)
+    log_time = contacts.log_time[message]
     arrows = Arrows(
         foot=contacts.foot[message],
-        log_time=contacts.log_time[message],
-        stamp=header_time(contacts.stamp[message], contacts.log_time[message]),
-        shown=np.ones(count, np.bool_),
-        position=position,
-        orientation=np.tile(np.array(CLASSIC_TILT), (count, 1)),
+        log_time=log_time,
+        stamp=header_time(contacts.stamp[message], log_time),
+        shown=np.ones(len(message), np.bool_),
+        position=contacts.point[point[np.searchsorted(point_state, state)]],
+        orientation=np.tile(np.array(CLASSIC_TILT), (len(message), 1)),
         length=length,
         colour=wavelength_to_rgba(wavelength),
     )
-    skipped = ArrowCounts(
-        no_position=int((~has_point).sum()), overflow=int((has_point & overflow).sum())
-    )
-    return arrows, skipped
-
-
-def _first_states(contacts: Contacts) -> tuple[Ints, Floats, Floats, Flags]:
-    """Return the first state of every message that has one.
-
-    Returns:
-        message row (m,), its total force (m, 3), its first point (m, 3), whether it has one (m,).
-    """
-    message, state = np.unique(contacts.state_message, return_index=True)
-    states = len(contacts.state_message)
-    first_point = np.full((states, 3), np.nan)
-    has_point = np.zeros(states, np.bool_)
-    point_state, row = np.unique(contacts.point_state, return_index=True)
-    first_point[point_state] = contacts.point[row]
-    has_point[point_state] = True
-    return message, contacts.total_force[state], first_point[state], has_point[state]
-
-
-def arrow_scale(given: float | None, weight_n: float | None, height_m: float) -> ArrowScale:
-    """Return the scale for a robot.
-
-    Args:
-        given: N per metre of the robot's file; colours are then those of the live script.
-        weight_n: N, the robot's; None: not known.
-        height_m: of the base over the feet: an arrow of one weight is as long.
-    """
-    if given is not None:
-        return ArrowScale(given)
-    if weight_n is None:
-        return ArrowScale()
-    return ArrowScale(weight_n / height_m, FORCE_FULL_SCALE_BW * weight_n)
+    skipped = {"no_position": (~has_point).sum(), "overflow": (has_point & overflow).sum()}
+    return arrows, Counter({why: int(count) for why, count in skipped.items()})
 
 
 def pressure_arrows(
     samples: Samples, scale: ArrowScale = ArrowScale()
-) -> tuple[Arrows, ArrowCounts]:
+) -> tuple[Arrows, Counter[str]]:
     """Compute arrows straight up from the mean contact point, as long as the force is large.
 
     No arrow is longer than `LONGEST_M`; so it is with `force_arrows`.
     """
-    magnitude = norms(samples.force)
-    orientation = np.tile(np.array(STRAIGHT_UP), (len(magnitude), 1))
-    colour = _clamped_colour(magnitude / scale.full_scale_n)
-    known = np.ones(len(magnitude), np.bool_)
-    return _arrows(samples, magnitude / scale.newtons_per_metre, orientation, known, colour)
+    count = len(samples.log_time)
+    orientation = np.tile(np.array(STRAIGHT_UP), (count, 1))
+    return _arrows(samples, orientation, np.ones(count, np.bool_), scale, scale.full_scale_n)
 
 
 def force_arrows(
@@ -223,7 +150,7 @@ def force_arrows(
     force_in_world: bool,
     body_weight_n: float | None,
     scale: ArrowScale = ArrowScale(),
-) -> tuple[Arrows, ArrowCounts]:
+) -> tuple[Arrows, Counter[str]]:
     """Compute arrows along the ground-reaction force from the mean contact point.
 
     Args:
@@ -238,18 +165,9 @@ def force_arrows(
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         along_force = samples.force / magnitude[:, None]
     direction = np.where(known[:, None], along_force, samples.normal)
-    loaded = magnitude > 0.0
-    has_direction = all_finite(direction) | ~loaded | ~np.isfinite(magnitude)
-    full_scale = scale.full_scale_n
-    if body_weight_n is not None:
-        full_scale = FORCE_FULL_SCALE_BW * body_weight_n
-    return _arrows(
-        samples,
-        magnitude / scale.newtons_per_metre,
-        turn_x_to(direction),
-        has_direction,
-        _clamped_colour(magnitude / full_scale),
-    )
+    has_direction = all_finite(direction) | ~((magnitude > 0.0) & np.isfinite(magnitude))
+    full_n = FORCE_FULL_SCALE_BW * body_weight_n if body_weight_n else scale.full_scale_n
+    return _arrows(samples, turn_x_to(direction), has_direction, scale, full_n)
 
 
 def turn_x_to(direction: Floats) -> Floats:
@@ -275,34 +193,34 @@ def turn_x_to(direction: Floats) -> Floats:
     return quaternion
 
 
-def _clamped_colour(share: Floats) -> Float32s:
-    """Map [0, 1] to the range of visible light, clamped at its ends; (n, 4)."""
-    with np.errstate(invalid="ignore"):
-        wavelength = SHORTEST_NM + share * (LONGEST_NM - SHORTEST_NM)
-    return wavelength_to_rgba(np.clip(wavelength, SHORTEST_NM, LONGEST_NM))
-
-
 def _arrows(
-    samples: Samples, length: Floats, orientation: Floats, has_direction: Flags, colour: Float32s
-) -> tuple[Arrows, ArrowCounts]:
-    """Return the arrows that can be drawn; every other sample removes its foot's arrow."""
-    touching = samples.in_contact
-    has_position = samples.points > 0
+    samples: Samples, orientation: Floats, has_direction: Flags, scale: ArrowScale, full_n: float
+) -> tuple[Arrows, Counter[str]]:
+    """Return the arrows that can be drawn; every other sample removes its foot's arrow.
+
+    Returns:
+        arrows, and how many samples in contact have none, by ``not_finite``, ``no_position`` and
+        ``no_direction``.
+    """
+    magnitude = norms(samples.force)
+    length = magnitude / scale.newtons_per_metre
+    with np.errstate(invalid="ignore"):
+        wavelength = SHORTEST_NM + magnitude / full_n * (LONGEST_NM - SHORTEST_NM)
+    touching, has_position = samples.in_contact, samples.points > 0
     finite = np.isfinite(length) & (all_finite(samples.position) | ~has_position)
-    shown = touching & finite & has_position & has_direction & (length > 0.0)
-    counts = ArrowCounts(
-        not_finite=int((touching & ~finite).sum()),
-        no_position=int((touching & finite & ~has_position).sum()),
-        no_direction=int((touching & finite & has_position & ~has_direction).sum()),
-    )
+    skipped = {
+        "not_finite": touching & ~finite,
+        "no_position": touching & finite & ~has_position,
+        "no_direction": touching & finite & has_position & ~has_direction,
+    }
     arrows = Arrows(
         foot=samples.foot,
         log_time=samples.log_time,
         stamp=samples.time,
-        shown=shown,
+        shown=touching & finite & has_position & has_direction & (length > 0.0),
         position=samples.position,
         orientation=orientation,
         length=np.minimum(length, LONGEST_M),
-        colour=colour,
+        colour=wavelength_to_rgba(np.clip(wavelength, SHORTEST_NM, LONGEST_NM)),
     )
-    return arrows, counts
+    return arrows, Counter({why: int(rows.sum()) for why, rows in skipped.items()})

@@ -10,8 +10,10 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Float32s, Floats
+from dogbot_logtool.core.arrays import Float32s, Floats
 
+EDGES_NM: Final = np.array([380.0, 440.0, 490.0, 510.0, 580.0, 645.0, 750.0])
+"""nm, between which colours change evenly; an edge belongs to the range below it."""
 SHORTEST_NM: Final = 380.0
 LONGEST_NM: Final = 750.0
 _GAMMA: Final = 0.8
@@ -23,46 +25,30 @@ def wavelength_to_rgba(wavelength_nm: Floats) -> Float32s:
     """Return the colours of wavelengths of light.
 
     Args:
-        wavelength_nm: (n,). Outside [380, 750], and NaN, is black. A bound between two ranges
-            belongs to the lower one.
+        wavelength_nm: (n,). Outside [380, 750], and NaN, is black.
 
     Returns:
         (n, 4) red, green, blue in [0, 1] and alpha 1.
     """
-    w = wavelength_nm
-    rgba = np.zeros((len(w), 4), np.float32)
+    part = np.searchsorted(EDGES_NM, wavelength_nm)
+    part[wavelength_nm == SHORTEST_NM] = 1
+    seen = np.flatnonzero((part > 0) & (part < len(EDGES_NM)))
+    v, part = wavelength_nm[seen], part[seen]
+    low, high = EDGES_NM[part - 1], EDGES_NM[part]
+    rise, fall = (v - low) / (high - low), -(v - high) / (high - low)
+    violet = 0.3 + 0.7 * (v - 380.0) / (440.0 - 380.0)
+    deep_red = 0.3 + 0.7 * (750.0 - v) / (750.0 - 645.0)
+    none, full = np.zeros(len(v)), np.ones(len(v))
+    rgba = np.zeros((len(wavelength_nm), 4), np.float32)
     rgba[:, 3] = 1.0
-    red, green, blue = rgba[:, 0], rgba[:, 1], rgba[:, 2]
-
-    def take(upper_nm: float, lower_nm: float) -> tuple[Flags, Floats]:
-        rows = (w > lower_nm) & (w <= upper_nm)
-        return rows, w[rows]
-
-    rows = (w >= SHORTEST_NM) & (w <= 440.0)
-    v = w[rows]
-    attenuation = 0.3 + 0.7 * (v - 380.0) / (440.0 - 380.0)
-    red[rows] = _gamma((-(v - 440.0) / (440.0 - 380.0)) * attenuation)
-    blue[rows] = _gamma(1.0 * attenuation)
-
-    rows, v = take(490.0, 440.0)
-    green[rows] = _gamma((v - 440.0) / (490.0 - 440.0))
-    blue[rows] = 1.0
-
-    rows, v = take(510.0, 490.0)
-    green[rows] = 1.0
-    blue[rows] = _gamma(-(v - 510.0) / (510.0 - 490.0))
-
-    rows, v = take(580.0, 510.0)
-    red[rows] = _gamma((v - 510.0) / (580.0 - 510.0))
-    green[rows] = 1.0
-
-    rows, v = take(645.0, 580.0)
-    red[rows] = 1.0
-    green[rows] = _gamma(-(v - 645.0) / (645.0 - 580.0))
-
-    rows, v = take(LONGEST_NM, 645.0)
-    attenuation = 0.3 + 0.7 * (750.0 - v) / (750.0 - 645.0)
-    red[rows] = _gamma(1.0 * attenuation)
+    for channel, ranges in enumerate(
+        (
+            (fall * violet, none, none, rise, full, deep_red),
+            (none, rise, full, full, fall, none),
+            (violet, full, fall, none, none, none),
+        )
+    ):
+        rgba[seen, channel] = _gamma(np.choose(part - 1, ranges))
     return rgba
 
 

@@ -4,22 +4,31 @@ What is drawn is what is measured. Each recorded sample has the state that conta
 it; between samples the newest one counts, as a viewer that plays the log has it.
 """
 
+from dataclasses import dataclass, replace
 from enum import IntEnum
-from typing import Final
+from typing import Any, Final, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, median_of
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Floats,
+    Ints,
+    all_finite,
+    concatenated,
+    median_of,
+    picked,
+)
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import SILENCE_NS
 from dogbot_logtool.core.hulls import NEAR_NS
-from dogbot_logtool.dataclass import dataclass
 
 TRAIL: Final = 3
 """Touchdowns of each foot that are shown."""
+Columns = TypeVar("Columns", bound=Any)
 
 
 class LoadState(IntEnum):
@@ -30,8 +39,7 @@ class LoadState(IntEnum):
     UNKNOWN = 2
 
 
-@dataclass(frozen=True, slots=True)
-class FootState:
+class FootState(NamedTuple):
     """One foot at some times."""
 
     known: Flags
@@ -84,11 +92,13 @@ class DrawnFoot:
         known = (row >= 0) & (self.state[row] != LoadState.UNKNOWN) & lasts
         placed = self.placed[row]
         near = (placed >= 0) & (log_time - samples.log_time[placed] <= NEAR_NS)
+        force = samples.force[row].astype(np.float64)
+        is_vertical = samples.in_world[row] | self.force_in_world | ~force.any(axis=1)
         return FootState(
             known,
             known & (self.state[row] == LoadState.STANCE),
             np.where(near[:, None], samples.position[placed], np.nan),
-            self._vertical(row),
+            np.where(is_vertical & self.has_force, force[:, 2], np.nan),
         )
 
     def trail_at(self, log_time: Ints) -> Floats:
@@ -101,17 +111,6 @@ class DrawnFoot:
         # Row -1 stands for those that there are not.
         last: Floats = self.footfall[np.maximum(number - np.arange(1, TRAIL + 1), -1)]
         return last
-
-    def between(self, start: int, end: int) -> slice:
-        """Return the samples from a log time on and before another, ns."""
-        first, behind = np.searchsorted(self.samples.log_time, [start, end]).tolist()
-        return slice(first, behind)
-
-    def _vertical(self, row: Ints) -> Floats:
-        """(n,) N, of some samples; NaN where the direction is not known."""
-        force = self.samples.force[row].astype(np.float64)
-        known = self.samples.in_world[row] | self.force_in_world | ~force.any(axis=1)
-        return np.where(known & self.has_force, force[:, 2], np.nan)
 
 
 def drawn_foot(
@@ -133,49 +132,52 @@ def drawn_foot(
         has_force: whether its sensor tells a force.
         force_in_world: whether all forces are in the world frame.
     """
-    state = np.full(len(samples.log_time), LoadState.UNKNOWN, np.int8)
-    if contact_known and len(record.track.row):
-        state = _states(samples, record)
-    known = state != LoadState.UNKNOWN
-    rows = np.arange(len(state), dtype=np.int32)
+    track, count = record.track, len(samples.log_time)
+    rows = np.arange(count, dtype=np.int32)
+    state = np.full(count, LoadState.UNKNOWN, np.int8)
+    if contact_known and len(track.row):
+        # A sample whose time does not advance is measured with the one before it.
+        last = np.searchsorted(track.row, rows, side="right") - 1
+        told = (last >= 0) & (all_finite(samples.force) | (not record.has_force))
+        told &= ~timespans.covers(record.stopped, track.time)[last]
+        state[told] = np.where(record.down[last[told]], LoadState.STANCE, LoadState.SWING)
+    # A silence follows the samples before a gap, and the last.
+    ends = np.zeros(count, np.bool_)
+    ends[-1:] = True
+    silences = timespans.subtract(record.gaps, record.stopped)
+    before = np.searchsorted(track.time, silences[:, 0], side="right") - 1
+    ends[track.row[before[before >= 0]]] = True
     has_point = (samples.points > 0) & all_finite(samples.position)
-    begins = record.track.row[np.searchsorted(record.track.time, record.stances.touchdown)]
+    begins = track.row[np.searchsorted(track.time, record.stances.touchdown)]
     begins = begins[has_point[begins]]
-    steps = np.diff(record.track.log_time)
+    is_stance = state == LoadState.STANCE
     return DrawnFoot(
         number=number,
         samples=samples,
         state=state,
-        touching=np.where(known, state == LoadState.STANCE, samples.in_contact),
-        ends=_ends(len(state), record),
+        touching=np.where(state == LoadState.UNKNOWN, samples.in_contact, is_stance),
+        ends=ends,
         placed=np.maximum.accumulate(np.where(has_point, rows, -1)),
         touchdown=samples.log_time[begins],
         footfall=np.concatenate([samples.position[begins], np.full((1, 3), np.nan)]),
-        due_ns=round(float(median_of(steps))) if len(steps) else SILENCE_NS,
+        due_ns=round(float(median_of(np.diff(track.log_time))))
+        if len(track.log_time) > 1
+        else SILENCE_NS,
         has_force=has_force,
         force_in_world=force_in_world,
     )
 
 
-def _states(samples: Samples, record: FootHistory) -> NDArray[np.int8]:
-    """(n,) `LoadState` of samples, by contact detection.
+def from_opening(columns: Columns, opening: int) -> Columns:
+    """Return columns whose first row also stands at the log's first time, if it follows at once.
 
-    A sample whose time does not advance is measured with the one before it.
+    Args:
+        columns: with log_time and stamp, ns.
+        opening: ns, log time.
     """
-    count = len(samples.log_time)
-    state = np.full(count, LoadState.UNKNOWN, np.int8)
-    last = np.searchsorted(record.track.row, np.arange(count), side="right") - 1
-    told = (last >= 0) & (all_finite(samples.force) | (not record.has_force))
-    told &= ~timespans.covers(record.stopped, record.track.time)[last]
-    state[told] = np.where(record.down[last[told]], LoadState.STANCE, LoadState.SWING)
-    return state
-
-
-def _ends(count: int, record: FootHistory) -> Flags:
-    """(n,) tell which samples a silence follows: those before a gap, and the last."""
-    ends = np.zeros(count, np.bool_)
-    ends[-1:] = True
-    silences = timespans.subtract(record.gaps, record.stopped)
-    last = np.searchsorted(record.track.time, silences[:, 0], side="right") - 1
-    ends[record.track.row[last[last >= 0]]] = True
-    return ends
+    if not len(columns.log_time) or not 0 < columns.log_time[0] - opening <= NEAR_NS:
+        return columns
+    time = np.array([opening])
+    first = replace(picked(columns, slice(0, 1)), log_time=time, stamp=time)
+    together: Columns = concatenated([first, columns])
+    return together

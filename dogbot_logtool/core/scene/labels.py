@@ -1,5 +1,6 @@
 """Labels beside the feet: their loads in newtons."""
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -7,7 +8,6 @@ import numpy as np
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, norms
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.scene.feet import DrawnFoot
-from dogbot_logtool.dataclass import dataclass
 
 RATE_HZ: Final = 20.0
 """Labels a second: numbers that change faster cannot be read."""
@@ -43,9 +43,8 @@ def foot_labels(foot: DrawnFoot, rows: slice) -> Labels:
         rows: of its samples; the one before them tells whether a tick or a swing begins.
     """
     first = max(rows.start - 1, 0)
-    log_time = foot.samples.log_time[first : rows.stop]
     touching = foot.touching[first : rows.stop]
-    chosen = first_at_each_tick(log_time, RATE_HZ)
+    chosen = first_at_each_tick(foot.samples.log_time[first : rows.stop], RATE_HZ)
     chosen[1:] |= touching[:-1] & ~touching[1:]
     row = first + np.flatnonzero(chosen)
     row = row[row >= rows.start]
@@ -53,11 +52,6 @@ def foot_labels(foot: DrawnFoot, rows: slice) -> Labels:
     force = norms(samples.force.astype(np.float64))
     shown = foot.touching[row] & (samples.points > 0) & (force > 0.0)
     shown &= np.isfinite(force) & all_finite(samples.position)
-    return Labels(
-        foot=np.full(len(row), foot.number),
-        log_time=samples.log_time,
-        stamp=samples.time,
-        shown=shown,
-        position=samples.position - np.array([0.0, 0.0, _BELOW_M]),
-        force=force,
-    )
+    position = samples.position - np.array([0.0, 0.0, _BELOW_M])
+    number = np.full(len(row), foot.number)
+    return Labels(number, samples.log_time, samples.time, shown, position, force)

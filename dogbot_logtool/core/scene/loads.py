@@ -1,14 +1,13 @@
 """How hard each foot presses, for plots and for the gait diagram."""
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, norms
-from dogbot_logtool.core.hulls import NEAR_NS
 from dogbot_logtool.core.quality.quality import steady_gap_ns
-from dogbot_logtool.core.scene.feet import DrawnFoot, LoadState
-from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.core.scene.feet import DrawnFoot, LoadState, from_opening
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,22 +39,18 @@ def foot_loads(foot: DrawnFoot, rows: slice, weight_n: float | None, opening: in
         weight_n: N, the robot's; None: not known.
         opening: ns, log time.
     """
-    chosen = np.arange(rows.start, rows.stop)
-    samples = foot.samples.pick(chosen)
-    log_time, stamp = samples.log_time, samples.time
-    if rows.start == 0 < rows.stop and 0 < log_time[0] - opening <= NEAR_NS:
-        chosen = np.concatenate([[0], chosen])
-        log_time, stamp = (np.concatenate([[opening], each]) for each in (log_time, stamp))
-    force = norms(foot.samples.force[chosen].astype(np.float64))
-    return Loads(
-        foot=np.full(len(chosen), foot.number),
-        log_time=log_time,
-        stamp=stamp,
-        in_contact=foot.touching[chosen],
-        state=foot.state[chosen].astype(np.int64),
+    samples = foot.samples.pick(np.arange(rows.start, rows.stop))
+    force = norms(samples.force.astype(np.float64))
+    loads = Loads(
+        foot=np.full(len(force), foot.number),
+        log_time=samples.log_time,
+        stamp=samples.time,
+        in_contact=foot.touching[rows],
+        state=foot.state[rows].astype(np.int64),
         force=force,
         body_weights=force / (np.nan if weight_n is None else weight_n),
     )
+    return from_opening(loads, opening) if rows.start == 0 else loads
 
 
 def silences(feet: Iterable[DrawnFoot], opening: int, end: int) -> Loads:
@@ -69,31 +64,19 @@ def silences(feet: Iterable[DrawnFoot], opening: int, end: int) -> Loads:
     Returns:
         by log time.
     """
-    rows = sorted(row for foot in feet for row in _silences(foot, opening, end))
-    log_time, stamp, number = np.array(rows, np.int64).reshape(-1, 3).T
+    rows: list[tuple[int, int, int]] = []
+    for foot in feet:
+        log_time, stamp = foot.samples.log_time, foot.samples.time
+        longest, due = steady_gap_ns(np.diff(log_time)), foot.due_ns
+        if not len(log_time) or log_time[0] - opening > longest:
+            rows.append((opening, opening, foot.number))
+        silent = np.flatnonzero(foot.ends)
+        # Messages that cannot be measured may go on, and say so themselves.
+        lasts = np.append(log_time[1:], end)[silent] - log_time[silent]
+        silent = silent[lasts > np.where(silent == len(log_time) - 1, longest, due)]
+        times = zip((log_time[silent] + due).tolist(), (stamp[silent] + due).tolist(), strict=True)
+        rows += [(*each, foot.number) for each in times]
+    log_time, stamp, number = np.array(sorted(rows), np.int64).reshape(-1, 3).T
+    state = np.full(len(rows), LoadState.UNKNOWN, np.int64)
     nothing = np.full(len(rows), np.nan)
-    return Loads(
-        foot=number,
-        log_time=log_time,
-        stamp=stamp,
-        in_contact=np.zeros(len(rows), np.bool_),
-        state=np.full(len(rows), LoadState.UNKNOWN, np.int64),
-        force=nothing,
-        body_weights=nothing,
-    )
-
-
-def _silences(foot: DrawnFoot, opening: int, end: int) -> list[tuple[int, int, int]]:
-    """Return log time, stamp and foot of the rows that say that nothing is known of a foot."""
-    log_time, stamp = foot.samples.log_time, foot.samples.time
-    longest, due = steady_gap_ns(np.diff(log_time)), foot.due_ns
-    silent = np.flatnonzero(foot.ends)
-    # Messages that cannot be measured may go on, and say so themselves.
-    following = np.append(log_time[1:], end)[silent]
-    least = np.where(silent == len(log_time) - 1, longest, due)
-    silent = silent[following - log_time[silent] > least]
-    rows = [
-        (int(log_time[row]) + due, int(stamp[row]) + due, foot.number) for row in silent.tolist()
-    ]
-    late = not len(log_time) or log_time[0] - opening > longest
-    return [(opening, opening, foot.number), *rows] if late else rows
+    return Loads(number, log_time, stamp, nothing > 0.0, state, nothing, nothing)

@@ -1,16 +1,15 @@
-"""The registry of arrow styles: what each needs of a log, how its arrows look, what computes them.
+"""The arrow styles: what each needs of a log, and how its arrows look.
 
-A style is one row here and a function in `arrows.py`. What computes arrows is imported late, so
-that the command line can list the styles at once.
+``classic``   the markers of the live script `arrows_rviz.py`, bit for bit;
+``pressure``  the same picture corrected: newest physics step, all states, straight up;
+``force``     ground-reaction forces, along the force, coloured by body weights.
+
+Without numpy, so that the command line can list them at once.
 """
 
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Final
-
-from dogbot_logtool.dataclass import dataclass
-
-if TYPE_CHECKING:
-    from dogbot_logtool.core.scene.arrows import ArrowCounts, ArrowInput, Arrows
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
 
 DEFAULT_STYLE: Final = "pressure"
 LIFETIME_S: Final = 0.5
@@ -24,67 +23,27 @@ class ArrowStyle:
     name: str
     summary: str
     """Description of the arrows for ``--help``."""
-    compute: Callable[["ArrowInput"], tuple["Arrows", "ArrowCounts"]]
-    """Called for some samples of a foot, or for contact states of one type of messages."""
     needs_contact_states: bool = False
     """Arrows are made of the recorded contact states, not of contact samples."""
-    needs_directions: bool = False
-    """Arrows point along the force: link-frame forces are turned into the world frame, and contact
-    normals are read for forces of which only the magnitude is known."""
-    coloured_by_weight: bool = False
-    """The colour is the force in body weights, where the mass is known."""
+    along_force: bool = False
+    """Arrows point along the force, coloured by body weights where the mass is known: link-frame
+    forces are turned into the world frame, and contact normals are read for forces of which only
+    the magnitude is known."""
     lifetime_s: float = LIFETIME_S
     """0: for ever."""
     shaft_diameter_m: float | None = None
     """None: the robot's."""
 
 
-def _classic(given: "ArrowInput") -> tuple["Arrows", "ArrowCounts"]:
-    from dogbot_logtool.core.scene.arrows import (  # noqa: PLC0415
-        ArrowCounts,
-        classic_arrows,
-        no_arrows,
-    )
-
-    if given.contacts is None:
-        return no_arrows(), ArrowCounts()
-    return classic_arrows(given.contacts)
-
-
-def _pressure(given: "ArrowInput") -> tuple["Arrows", "ArrowCounts"]:
-    from dogbot_logtool.core.scene.arrows import pressure_arrows  # noqa: PLC0415
-
-    return pressure_arrows(given.samples, given.scale)
-
-
-def _force(given: "ArrowInput") -> tuple["Arrows", "ArrowCounts"]:
-    from dogbot_logtool.core.scene.arrows import force_arrows  # noqa: PLC0415
-
-    return force_arrows(
-        given.samples,
-        force_in_world=given.force_in_world,
-        body_weight_n=given.body_weight_n,
-        scale=given.scale,
-    )
-
-
-_STYLES: Final = (
-    ArrowStyle(
-        name="classic",
-        summary="as arrows_rviz.py drew them",
-        compute=_classic,
+ARROW_STYLES: Final[Mapping[str, ArrowStyle]] = {
+    "classic": ArrowStyle(
+        "classic",
+        "as arrows_rviz.py drew them",
         needs_contact_states=True,
         lifetime_s=0.0,
         shaft_diameter_m=0.1,
     ),
-    ArrowStyle(name="pressure", summary="the load straight up", compute=_pressure),
-    ArrowStyle(
-        name="force",
-        summary="the force itself",
-        compute=_force,
-        needs_directions=True,
-        coloured_by_weight=True,
-    ),
-)
-ARROW_STYLES: Final[Mapping[str, ArrowStyle]] = {style.name: style for style in _STYLES}
+    "pressure": ArrowStyle("pressure", "the load straight up"),
+    "force": ArrowStyle("force", "the force itself", along_force=True),
+}
 """By name, in the order of ``--help``."""

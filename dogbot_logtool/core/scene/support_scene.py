@@ -1,28 +1,21 @@
 """The scene of `/support`: support polygon, centre of pressure, ground projection, touchdowns.
 
-Definitions are those of `support_polygon.py`; the state of the feet is that of `feet.py`.
-What is not known is left out. While the contact or the contact point of some foot is unknown, there
-is neither a polygon nor a centre of pressure.
+Definitions are those of `hulls.py`; the state of the feet is that of `feet.py`. What is not known
+is left out. While the contact or the contact point of some foot is unknown, there is neither a
+polygon nor a centre of pressure.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, all_finite
 from dogbot_logtool.core.base.poses import Odometry
-from dogbot_logtool.core.hulls import (
-    NEAR_NS,
-    Hulls,
-    centre_of_pressure,
-    hulls,
-    margin_in,
-)
+from dogbot_logtool.core.hulls import Hulls, centre_of_pressure, hulls, margin_in
 from dogbot_logtool.core.rotations import normalised, rotate
 from dogbot_logtool.core.scene.feet import TRAIL, DrawnFoot
-from dogbot_logtool.dataclass import dataclass
 
 SAFE_MARGIN_M: Final = 0.05
 """m, static margin from which the polygon has the colour of safety."""
@@ -78,15 +71,16 @@ def support_scene(
         feet: all feet of the robot.
         com_offset_m: m, the centre of mass from the base's frame, in its axes.
     """
-    body = _body(poses, com_offset_m)
-    states = [foot.at(poses.log_time) for foot in feet]
-    down = np.stack([state.down for state in states], axis=1)
-    known = np.stack([state.known for state in states], axis=1)
-    point = np.stack([state.point for state in states], axis=1)
-    vertical = np.stack([state.vertical for state in states], axis=1)
-    has_point = np.isfinite(point).all(axis=2)
-    all_known = np.asarray((known & (has_point | ~down)).all(axis=1))
-
+    body = poses.position
+    if any(com_offset_m):
+        offset = np.broadcast_to(np.array(com_offset_m, np.float64), body.shape)
+        body = body + rotate(normalised(poses.orientation), offset)
+    known, down, point, vertical = (
+        np.stack(column, axis=1)
+        for column in zip(*(foot.at(poses.log_time) for foot in feet), strict=True)
+    )
+    has_point = all_finite(point.reshape(-1, 3)).reshape(down.shape)
+    all_known = (known & (has_point | ~down)).all(axis=1)
     points = np.where((down & has_point)[:, :, None], point, np.nan)
     in_use = np.where(all_known[:, None, None], points, np.nan)
     hull = hulls(in_use[:, :, :2])
@@ -94,11 +88,13 @@ def support_scene(
     # A foot that pulls does not move the centre of pressure, as in `stats`.
     load = np.where(down, np.maximum(vertical, 0.0), 0.0)
     weighed = np.isfinite(load).all(axis=1)
-    pressure = centre_of_pressure(in_use, np.where(all_known & weighed, load.T, 0.0).T)
-    touchdowns = np.stack([foot.trail_at(poses.log_time) for foot in feet], axis=1)
-    newest = touchdowns[:, :, 0]
-    touchdowns = touchdowns.reshape(-1, len(feet) * TRAIL, 3)
-    order = _known_first(touchdowns)
+    pressure = centre_of_pressure(in_use, np.where((all_known & weighed)[:, None], load, 0.0))
+    trails = np.stack([foot.trail_at(poses.log_time) for foot in feet], axis=1)
+    # The ground is as high as the feet that stand or, without any, as the newest touchdowns.
+    height = _mean_of_known(points[:, :, 2])
+    height = np.where(np.isnan(height), _mean_of_known(trails[:, :, 0, 2]), height)
+    touchdowns = trails.reshape(-1, len(feet) * TRAIL, 3)
+    order = np.argsort(np.isnan(touchdowns[:, :, 0]), axis=1, kind="stable")
     return SupportScene(
         log_time=poses.log_time,
         stamp=poses.time,
@@ -106,43 +102,12 @@ def support_scene(
         margin=margin,
         colour=margin_colour(margin),
         pressure=_known(pressure),
-        projection=_projection(body, points, newest),
+        projection=_known(np.column_stack([body[:, :2], height])),
         touchdowns=np.take_along_axis(touchdowns, order[:, :, None], axis=1),
         touchdown_feet=order // TRAIL,
         unknown=int((~all_known).sum()),
         unweighed=int((all_known & ~weighed).sum()),
     )
-
-
-def _body(poses: Odometry, com_offset_m: Sequence[float]) -> Floats:
-    """(n, 3) m, the centre of mass, as far as it is known where in the body that is."""
-    if not any(com_offset_m):
-        return poses.position
-    offset = np.broadcast_to(np.array(com_offset_m, np.float64), poses.position.shape)
-    return poses.position + rotate(normalised(poses.orientation), offset)
-
-
-def opening_support(
-    poses: Odometry,
-    feet: Sequence[DrawnFoot],
-    opening: int,
-    known_from: int,
-    com_offset_m: Sequence[float],
-) -> SupportScene:
-    """Return what the robot stands on at its first pose, if near, as of the log's first time.
-
-    Args:
-        poses: of the base, the first of the log.
-        feet: all feet of the robot.
-        opening: ns, log time.
-        known_from: ns, log time from which it is known which feet are down.
-        com_offset_m: m, the centre of mass from the base's frame, in its axes.
-    """
-    near = poses.pick(np.flatnonzero(poses.log_time[:1] - opening <= NEAR_NS))
-    near = replace(near, log_time=np.maximum(near.log_time, known_from))
-    scene = support_scene(near, feet, com_offset_m)
-    time = np.full(len(near.log_time), opening)
-    return replace(scene, log_time=time, stamp=time)
 
 
 def outlines(points: Floats, hull: Hulls) -> Floats:
@@ -159,7 +124,9 @@ def outlines(points: Floats, hull: Hulls) -> Floats:
     # In a row of points along an edge, the next corner is the furthest.
     length = np.where(hull.edge, hull.along[0] ** 2 + hull.along[1] ** 2, -1.0)
     following = length.argmax(axis=1)
-    first = _leftmost(hull.point)
+    # The leftmost point is a corner, of several the one with the least y.
+    x = np.where(np.isnan(hull.point[0]), np.inf, hull.point[0])
+    first = np.where(x == x.min(axis=0), hull.point[1], np.inf).argmin(axis=0)
     row, corner, drawn = np.arange(count), first, hull.edge.any(axis=(0, 1))
     outline = np.full((count, feet + 1, 3), np.nan)
     for index in range(feet + 1):
@@ -170,12 +137,6 @@ def outlines(points: Floats, hull: Hulls) -> Floats:
         drawn = drawn & ~closed if index > 0 else drawn
         drawn = drawn & (corner != first) if index == 1 else drawn
     return outline
-
-
-def _leftmost(point: Floats) -> Ints:
-    """(n,) index of the point with the least x, and of those the one with the least y."""
-    x = np.where(np.isnan(point[0]), np.inf, point[0])
-    return np.asarray(np.where(x == x.min(axis=0), point[1], np.inf).argmin(axis=0))
 
 
 def margin_colour(margin: Floats) -> Float32s:
@@ -196,22 +157,6 @@ def margin_colour(margin: Floats) -> Float32s:
     return np.where(np.isnan(margin)[:, None], np.array(NO_MARGIN), colour).astype(np.float32)
 
 
-def _projection(base: Floats, points: Floats, newest_touchdowns: Floats) -> Floats:
-    """Return the base projected on the ground.
-
-    The height of the ground is the mean height of the contact points in use or, without any, of the
-    newest touchdown of each foot.
-
-    Args:
-        base: (n, 3) m.
-        points: (n, feet, 3) m; NaN where a foot is not down.
-        newest_touchdowns: (n, feet, 3) m; NaN where there is none.
-    """
-    height = _mean_of_known(points[:, :, 2])
-    height = np.where(np.isnan(height), _mean_of_known(newest_touchdowns[:, :, 2]), height)
-    return _known(np.column_stack([base[:, :2], height]))
-
-
 def _known(points: Floats) -> Floats:
     """Return points, (n, 3), with NaN for those of which a number is not finite."""
     return np.where(all_finite(points)[:, None], points, np.nan)
@@ -220,11 +165,5 @@ def _known(points: Floats) -> Floats:
 def _mean_of_known(values: Floats) -> Floats:
     """(n,) mean of each row's numbers; NaN where there is none."""
     known = np.isfinite(values)
-    with np.errstate(invalid="ignore"):
-        mean: Floats = np.where(known, values, 0.0).sum(axis=1) / known.sum(axis=1)
+    mean: Floats = np.where(known, values, 0.0).sum(axis=1) / known.sum(axis=1)
     return mean
-
-
-def _known_first(points: Floats) -> Ints:
-    """(n, k) indices that put the known points, (n, k, 3), at the front of each row."""
-    return np.argsort(np.isnan(points[:, :, 0]), axis=1, kind="stable")

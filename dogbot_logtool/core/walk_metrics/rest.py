@@ -43,7 +43,7 @@ def settings_metrics(stats: Stats, chosen: Chosen) -> Settings:
         clock=settings.clock.value,
         mass_kg=settings.mass_kg,
         body_weight_n=loads.weight_n,
-        weight_source=None if loads.weight_source is None else loads.weight_source.value,
+        weight_source=loads.weight_source,
         forward_axis=settings.forward_axis,
         wrench_frame=settings.wrench_frame.value,
         reference_foot=stats.feet[stats.reference].name if stats.feet else None,

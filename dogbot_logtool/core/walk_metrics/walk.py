@@ -21,7 +21,7 @@ from dogbot_logtool.core.loads import (
     grouped_shares,
     symmetry_index_percent,
 )
-from dogbot_logtool.core.masked_walk import base_in, loads_in, stability_in, support_in
+from dogbot_logtool.core.masks import base_in, loads_in, stability_in, support_in
 from dogbot_logtool.core.metrics import (
     SCHEMA_VERSION,
     Base,

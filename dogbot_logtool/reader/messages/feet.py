@@ -205,23 +205,6 @@ def flagged(row: MessageType, foot: Foot, flag: Floats) -> tuple[Flags, Flags]:
     return known, (flag > foot.field.threshold) != (foot.field.sign == "-")
 
 
-def contact_flags(
-    source: Source, messages: DecodedMessages, feet: Sequence[Foot]
-) -> tuple[Floats, Floats]:
-    """Return the flags and the forces beside them of k feet that messages tell both of.
-
-    Returns:
-        (n, k) 1 in contact, 0 not, NaN not known, and (n, k, 3) N.
-    """
-    flags, forces = [np.empty((0, messages.table.rows))], [np.empty((0, messages.table.rows, 3))]
-    for foot, values in zip(feet, foot_values(source, messages, feet), strict=True):
-        if values is not None and {"flag", "force"} <= values.keys():
-            known, touches = flagged(source.row, foot, values["flag"][:, 0])
-            flags.append(np.where(known, touches, np.nan)[None])
-            forces.append(values["force"][None])
-    return np.concatenate(flags).T, np.concatenate(forces).swapaxes(0, 1)
-
-
 def _of_counts(foot: Foot, counts: Floats, on_counts: float | None) -> Floats | None:
     """(n, 3) N, NaN for a contact whose force is not known; None: nothing is known."""
     load = counts[:, 0] - foot.offset

@@ -40,7 +40,7 @@ from dogbot_logtool.robot.robot_model.robot_of_urdf import (
     find_legs,
     read_robot,
 )
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.selection import Selection
 
 RATE_HZ: Final = 200.0
 """At which legs are looked at, at most."""

@@ -6,6 +6,7 @@ from typing import Final
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.kinematics import Joint
 from dogbot_logtool.core.frames.transforms import TransformBuffer, moving_tracks
+from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.legs.paths import (
     JointPair,
     LegChain,
@@ -16,14 +17,13 @@ from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.wanted import WantedJoints
-from dogbot_logtool.robot.feet.names import name_feet
-from dogbot_logtool.robot.feet.words import ENDS, LETTERS, SIDES, Part, words_of
-from dogbot_logtool.robot.probe import Probe, frame_names
+from dogbot_logtool.robot.names import name_feet
 from dogbot_logtool.robot.robot_model.description import link_of_foot
 from dogbot_logtool.robot.robot_model.joint_motion import joint_channels, joint_names
 from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf
 from dogbot_logtool.robot.robot_model.urdf import said_of_left_out
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.selection import Selection
+from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, Part, words_of
 
 _SOLE: Final = frozenset({"sole", "soles", "footsole"})
 
@@ -40,7 +40,7 @@ def wanted_joints(log: Log) -> tuple[WantedJoints, ...]:
 def find_legs(
     recording: Recording,
     selection: Selection,
-    probe: Probe,
+    probe: KnownFrames,
     clock: TimeSource,
     robot: RobotOfUrdf | None,
 ) -> tuple[LegSettings, TransformBuffer] | None:
@@ -95,7 +95,7 @@ def _moved(chain: LegChain | None) -> list[str]:
 
 
 def _why_not(
-    selection: Selection, probe: Probe, foot: int, lacking: Sequence[str], left_out: int
+    selection: Selection, probe: KnownFrames, foot: int, lacking: Sequence[str], left_out: int
 ) -> str:
     """Say why a foot has no chain."""
     if lacking:
@@ -103,14 +103,14 @@ def _why_not(
     link = selection.robot.feet[foot].frame or probe.links[foot]
     if link is None:
         return "no frame is known to be its own"
-    base = frame_names(selection.robot, probe)[1]
+    base = probe.base
     reason = f"nothing connects its frame {link} with {base}"
     return f"{reason}; {said_of_left_out(left_out)}" if left_out else reason
 
 
 def _chains(
     selection: Selection,
-    probe: Probe,
+    probe: KnownFrames,
     parents: Mapping[str, str],
     joints: Mapping[str, Joint] | None = None,
 ) -> list[LegChain | None]:
@@ -118,13 +118,13 @@ def _chains(
 
     Each does by its own frame, or by one that is named so.
     """
-    feet, base = selection.robot.feet, frame_names(selection.robot, probe)[1]
+    feet, base = selection.robot.feet, probe.base
     named = _named_frames(feet, parents)
     origin = (0.0, 0.0, 0.0)
     chains = []
     for number, foot in enumerate(feet):
         link, like = link_of_foot(selection, probe, number)
-        sole = probe.exact_soles.get(number) or probe.exact_soles.get(like)
+        sole = probe.soles.get(number) or probe.soles.get(like)
         if foot.frame is not None:
             places = [(foot.frame, foot.contact_point_m, any(foot.contact_point_m))]
         elif link is not None and sole is not None:

@@ -13,8 +13,8 @@ from dogbot_logtool.core.frames.transforms import TransformBuffer, chain_of_fram
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import conjugate, multiply, normalised, rotate
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.robot.topics.base import BASES
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.base import BASES
+from dogbot_logtool.robot.selection import Selection
 
 _SENSORS: Final = frozenset(
     {"imu", "camera", "cam", "lidar", "laser", "gps", "gnss", "livox", "velodyne", "ouster"}

@@ -14,7 +14,7 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import advancing
 from dogbot_logtool.core.recording import Recording, has_own_stamps
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.selection import Selection
 
 SAME_SPEED: Final = 0.02
 """Difference of a clock's speed from that of log time that does not matter."""

@@ -1,27 +1,32 @@
-"""The plan of `stats`: what is read of a log, and what decides its figures once it is read."""
+"""The plan of `stats`: which topics are read, and what is known of them before they are."""
 
 from dataclasses import replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
-from dogbot_logtool.core.corrected import on_clock
-from dogbot_logtool.core.corrections.clock import LogClock, TimeSource
+from dogbot_logtool.core.contact.contact_rule import Thresholds
+from dogbot_logtool.core.corrected import Corrected
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.recording import Recording, is_stamped
+from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import FindLegs, analyse
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted, WantedJoints
-from dogbot_logtool.robot.feet.message_feet import planned_feet
-from dogbot_logtool.robot.frames.world_frames import WorldFrames, follow_frames
+from dogbot_logtool.robot.feet import planned_feet
+from dogbot_logtool.robot.measuring.moved_base import with_poses_of_base
+from dogbot_logtool.robot.measuring.one_clock import on_one_clock
 from dogbot_logtool.robot.measuring.side_topics import SideTopics, side_topics
-from dogbot_logtool.robot.probe import Probe, frame_names, probe_recording
-from dogbot_logtool.robot.sensors import LearntSensors, learn_sensors
+from dogbot_logtool.robot.selection import Selection, nothing_to_do, select_topics
 from dogbot_logtool.robot.time_span import time_limits
-from dogbot_logtool.robot.topics.selection import Selection, nothing_to_do, select_topics
+
+if TYPE_CHECKING:
+    from dogbot_logtool.core.frames.transforms import TransformBuffer
+    from dogbot_logtool.core.legs.paths import LegSettings
+    from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf
 
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
 
@@ -36,18 +41,6 @@ class MeasuringPlan:
     side: SideTopics
     """Topics beside feet and base."""
     wanted: Wanted
-
-
-@dataclass(frozen=True, slots=True)
-class LearntSettings:
-    """What the columns of a recording tell of how to measure it."""
-
-    selection: Selection
-    probe: Probe
-    settings: StatsSettings
-    sensors: LearntSensors
-    frames: WorldFrames | None
-    """How the frames of forces are connected to the world; None: no force must be turned."""
 
 
 def make_plan(log: Log, options: MeasureOptions) -> MeasuringPlan:
@@ -85,118 +78,73 @@ def _planned(log: Log, selection: Selection, options: MeasureOptions) -> Selecti
     return select_topics(log, replace(options, foot=None, set={"tare": "none"}, feet=feet))
 
 
-def learn_settings(
-    recording: Recording,
-    selection: Selection,
-    side: SideTopics,
-    options: MeasureOptions,
-    *,
-    with_soles: bool = False,
-) -> LearntSettings:
-    """Learn from the columns of a recording how it is to be measured, or also drawn, with soles.
-
-    Raises:
-        CallError: an option names a foot that the log does not have.
-    """
-    with_soles |= bool(recording.joints or selection.transforms)
-    probe = probe_recording(recording, selection, with_soles=with_soles)
-    selection = selection.without_forces(probe.forceless)
-    mass_is_given = options.mass is not None or selection.robot.is_given("mass_kg")
-    sensors = learn_sensors(selection, probe, mass_is_given=mass_is_given)
-    settings = _settings(recording, selection, probe, sensors, side, mass_is_given=mass_is_given)
-    return LearntSettings(selection, probe, settings, sensors, _frames(selection, probe, settings))
-
-
-def learnt_on_clock(learnt: LearntSettings, clock: LogClock) -> LearntSettings:
-    """Return the settings for the clock that a recording is measured on."""
-    if not clock.reason:
-        return learnt
-    settings = on_clock(learnt.settings, clock)
-    frames = _frames(learnt.selection, learnt.probe, settings)
-    return replace(learnt, settings=settings, frames=frames)
-
-
-def _settings(
-    recording: Recording,
-    selection: Selection,
-    probe: Probe,
-    sensors: LearntSensors,
-    side: SideTopics,
-    *,
-    mass_is_given: bool,
-) -> StatsSettings:
-    robot = selection.robot
-    time_source, reason = _time_source(recording, selection, probe)
+def settings_of(selection: Selection, options: RobotOptions) -> StatsSettings:
+    """Return what is known of a recording before its columns are looked at."""
+    robot, guessed = selection.robot, selection.robot_is_guessed
+    promised = {source.frame for source in selection.sources}
+    mass_is_given = options.mass is not None or robot.is_given("mass_kg")
+    time_source, reason = _time_source(selection)
     return StatsSettings(
-        feet=tuple(
-            FootSettings(
-                foot.name,
-                foot.topic,
-                foot.leg_position,
-                has_force=selection.knows_force(index),
-                sensor=sensors.feet[index],
-                silent_in_swing=index in probe.intervals,
-            )
-            for index, foot in enumerate(robot.feet)
-        ),
+        feet=tuple(_foot(selection, row) for row in range(len(robot.feet))),
         mass_kg=robot.mass_kg,
-        mass_is_assumed=selection.robot_is_guessed and not mass_is_given,
-        estimated_weight_n=sensors.estimated_weight_n,
+        mass_is_assumed=guessed and not mass_is_given,
         forward_axis=robot.forward_axis,
-        forward_axis_is_assumed=selection.robot_is_guessed and not robot.is_given("forward_axis"),
+        forward_axis_is_assumed=guessed and not robot.is_given("forward_axis"),
         com_offset_m=robot.com_offset_m,
         foot_rolling_m=robot.foot_rolling_m,
+        thresholds=Thresholds(
+            robot.contact_on_n,
+            robot.contact_off_n,
+            robot.debounce_s,
+            origin="option" if robot.is_given("contact_on_n") else "robot",
+        ),
         contact_on_counts=robot.contact_on_counts,
+        takes_offsets=robot.tare != "none",
+        world_frame=robot.world_frame,
+        base_frame=robot.base_frame,
+        static_channels=selection.static_transforms,
+        promised_frame=promised.pop() if len(promised) == 1 else None,
         wrench_frame=WrenchFrame.WORLD
         if selection.contact_from
-        else _FRAMES.get(robot.wrench_frame, probe.wrench_frame.frame),
-        wrench_frame_is_inferred=robot.wrench_frame not in _FRAMES
-        and probe.wrench_frame.is_inferred,
+        else _FRAMES.get(robot.wrench_frame, WrenchFrame.UNKNOWN),
         time_source=time_source,
         time_source_reason=reason,
         contact_from=selection.contact_from,
         base_from_legs=selection.base_from_legs,
         odometry_topic=selection.odometry[0].topic if selection.odometry else "",
-        command_topic=side.commands.topic if side.commands else "",
-        imu_topic=side.inertial.topic if side.inertial else "",
-        imu_mounting=_mounting(recording, selection, probe),
     )
 
 
-def _time_source(
-    recording: Recording, selection: Selection, probe: Probe
-) -> tuple[TimeSource | None, str]:
+def _foot(selection: Selection, row: int) -> FootSettings:
+    """Return what is known of a foot."""
+    robot, sources = selection.robot, selection.sources_of(row)
+    foot = robot.feet[row]
+    is_given = robot.is_given(f"tare.{foot.name}")
+    offset = foot.offset_n if is_given or robot.tare != "none" else None
+    lists_contacts = bool(sources) and all(source.lists_contacts for source in sources)
+    return FootSettings(
+        name=foot.name,
+        topic=foot.topic,
+        leg_position=foot.leg_position,
+        has_force=selection.knows_force(row),
+        has_flags=selection.has_flags(row),
+        lists_contacts=lists_contacts or bool(selection.contact_from),
+        only_presses=any(source.is_raw or source.one_axis for source in sources),
+        in_base=any(source.in_base for source in sources),
+        silent_in_swing=any(source.silent_in_swing for source in sources),
+        offset_n=offset,
+        offset_from="option" if is_given or offset is None else "robot",
+    )
+
+
+def _time_source(selection: Selection) -> tuple[TimeSource | None, str]:
     """Return the clock, and why it is log time; None: header stamps, unless they are unusable."""
     if selection.robot.clock:
         return TimeSource(selection.robot.clock), ""
     headless = selection.without_header
-    if headless and not is_stamped(recording):
+    if headless:
         return TimeSource.LOG, f"messages of {headless[0]} have no header"
-    if probe.zero_stamps:
-        used = {channel.topic for channel in (*selection.odometry, *selection.contacts)}
-        of = "" if probe.zero_stamps >= used else f" of {', '.join(sorted(probe.zero_stamps))}"
-        return TimeSource.LOG, f"header stamps{of} are zero"
     return None, ""
-
-
-def _mounting(
-    recording: Recording, selection: Selection, probe: Probe
-) -> tuple[float, float, float, float] | None:
-    """Return how an inertial unit sits on the base, by recorded static transforms.
-
-    Returns:
-        x, y, z, w of its frame in the base's; None: not recorded, or it is the base's.
-    """
-    frames = recording.accelerations.frames if recording.accelerations else ()
-    _, base_frame = frame_names(selection.robot, probe)
-    if len(frames) != 1 or frames[0].lstrip("/") == base_frame or not probe.statics.frames:
-        return None
-    now = np.zeros(1, np.int64)
-    pose = probe.statics.lookup(frames[0].lstrip("/"), base_frame, now, now)
-    if not pose.known[0]:
-        return None
-    x, y, z, w = pose.rotation[0].tolist()
-    return x, y, z, w
 
 
 def _wanted_joints(log: Log) -> tuple[WantedJoints, ...]:
@@ -209,19 +157,54 @@ def _wanted_joints(log: Log) -> tuple[WantedJoints, ...]:
     return wanted_joints(log)
 
 
-def _frames(selection: Selection, probe: Probe, settings: StatsSettings) -> WorldFrames | None:
-    """Return the frames that turn forces into the world, where they need it.
+def measure_recording(
+    log: Log, recording: Recording, plan: MeasuringPlan, options: MeasureOptions
+) -> tuple[Stats, Selection]:
+    """Measure a recording; return also the topics that it is measured by.
 
-    Positions of sensors are left out: the origin of a foot's frame is no contact point, so neither
-    slip nor the support polygon may be measured with it.
+    Raises:
+        CallError: an option names a foot that the log does not have.
     """
-    world, base = frame_names(selection.robot, probe)
-    return follow_frames(
-        selection,
-        probe,
-        world,
-        base,
-        settings.clock,
-        turn_forces=settings.wrench_frame is WrenchFrame.LINK,
-        place_sensors=False,
+    recording, moved = with_poses_of_base(recording, plan.selection)
+    recording, joined = on_one_clock(recording, plan.selection)
+    selection, model = plan.selection, None
+    if recording.joints:
+        from dogbot_logtool.robot.measuring.by_legs import read_model, told_by_legs  # noqa: PLC0415
+
+        found = read_model(log, options.urdf)
+        model = found.robot
+        recording, selection = told_by_legs(recording, selection, found)
+    # Up to the ends of a log that is read whole, silence is known.
+    start, end = plan.wanted.limits
+    settings = replace(
+        settings_of(selection, options),
+        command_topic=plan.side.commands.topic if plan.side.commands else "",
+        imu_topic=plan.side.inertial.topic if plan.side.inertial else "",
+        silent_from=log.start_time if start is None else None,
+        silent_until=log.end_time if end is None else None,
     )
+    if joined and not selection.robot.clock:
+        # Messages without a header have stamps now.
+        settings = replace(settings, time_source=None, time_source_reason="")
+    planned = settings_of(plan.planned, options) if plan.planned else None
+    walk = analyse(recording, settings, _find_legs(selection, model), planned)
+    pairs = enumerate(zip(settings.feet, walk.settings.feet, strict=True))
+    forceless = (row for row, (told, found) in pairs if told.has_force and not found.has_force)
+    selection = selection.without_forces(frozenset(forceless))
+    return walk, replace(selection, findings=(*selection.findings, *moved, *joined))
+
+
+def _find_legs(selection: Selection, model: "RobotOfUrdf | None") -> FindLegs:
+    """Return what finds a recording's legs; nothing is imported for one that tells nothing."""
+
+    def find(
+        recording: Recording, corrected: Corrected
+    ) -> "tuple[LegSettings, TransformBuffer] | None":
+        if not recording.joints and not len(recording.transforms.stamp):
+            return None
+        from dogbot_logtool.robot.measuring.legs import find_legs  # noqa: PLC0415
+
+        clock = corrected.settings.clock
+        return find_legs(recording, selection, corrected.frames, clock, model)
+
+    return find

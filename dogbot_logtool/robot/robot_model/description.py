@@ -8,13 +8,14 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, median_of
 from dogbot_logtool.core.base.ground import nearest_axis
+from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.scene.foot_style import foot_colour
+from dogbot_logtool.core.soles import Point, rounded
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import content
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.robot.probe import Probe
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.robot_model.joint_motion import (
     JointMotion,
@@ -22,9 +23,9 @@ from dogbot_logtool.robot.robot_model.joint_motion import (
     joint_motion,
 )
 from dogbot_logtool.robot.robot_model.primitives import body_size_m, primitive_urdf
-from dogbot_logtool.robot.robot_model.skeleton import ModelFoot, Point, Skeleton, skeleton
+from dogbot_logtool.robot.robot_model.skeleton import ModelFoot, Skeleton, skeleton
 from dogbot_logtool.robot.robot_model.urdf import parse_urdf, said_of_left_out
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.selection import Selection
 
 _LARGEST: Final = 16 << 20
 """Bytes of a URDF that are read."""
@@ -65,7 +66,13 @@ class RobotDescription:
 
 
 def robot_description(
-    log: Log, selection: Selection, probe: Probe, base_frame: str, urdf: Path | None, *, copy: bool
+    log: Log,
+    selection: Selection,
+    probe: KnownFrames,
+    base_frame: str,
+    urdf: Path | None,
+    *,
+    copy: bool,
 ) -> RobotDescription:
     """Choose the robot description.
 
@@ -145,7 +152,7 @@ def read_urdf(file: Path) -> str:
     return text
 
 
-def log_skeleton(selection: Selection, probe: Probe, base_frame: str) -> Skeleton:
+def log_skeleton(selection: Selection, probe: KnownFrames, base_frame: str) -> Skeleton:
     """Return the log's frames below the base."""
     ambiguous = {child for child, parents in probe.parents.items() if len(parents) > 1}
     return skeleton(base_frame, probe.frame_poses, ambiguous, tuple(model_feet(selection, probe)))
@@ -159,8 +166,9 @@ def _hips(shape: RobotShape, feet: int) -> Floats | None:
     return np.array([shape.hips.get(foot, nowhere) for foot in range(feet)])
 
 
-def model_feet(selection: Selection, probe: Probe) -> Iterator[ModelFoot]:
+def model_feet(selection: Selection, probe: KnownFrames) -> Iterator[ModelFoot]:
     """Yield the feet whose frames are known, with the points where they touch the ground."""
+    soles = rounded(probe.soles)
     for number, foot in enumerate(selection.robot.feet):
         if foot.frame is not None:
             frame, point = foot.frame.lstrip("/"), foot.contact_point_m
@@ -168,11 +176,11 @@ def model_feet(selection: Selection, probe: Probe) -> Iterator[ModelFoot]:
             link, like = link_of_foot(selection, probe, number)
             if link is None:
                 continue
-            frame, point = link, probe.soles.get(number, probe.soles.get(like, (0.0, 0.0, 0.0)))
+            frame, point = link, soles.get(number, soles.get(like, (0.0, 0.0, 0.0)))
         yield ModelFoot(foot.name, frame, point, foot_colour(number))
 
 
-def link_of_foot(selection: Selection, probe: Probe, number: int) -> tuple[str | None, int]:
+def link_of_foot(selection: Selection, probe: KnownFrames, number: int) -> tuple[str | None, int]:
     """Return the link of a foot, and the foot that is made like it.
 
     A foot that reports no contact has a link that is named as another's, but for the foot's name.
@@ -188,7 +196,7 @@ def link_of_foot(selection: Selection, probe: Probe, number: int) -> tuple[str |
     return None, number
 
 
-def robot_shape(selection: Selection, probe: Probe) -> RobotShape:
+def robot_shape(selection: Selection, probe: KnownFrames) -> RobotShape:
     """Return what the positions of standing feet, else the mass, tell of a robot's shape."""
     robot, stances = selection.robot, probe.stances
     length = body_size_m(robot.mass_kg)[0]

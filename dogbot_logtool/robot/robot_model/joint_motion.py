@@ -8,13 +8,13 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, header_time
 from dogbot_logtool.core.frames.kinematics import Joint, LinkTransforms, link_poses
+from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
 from dogbot_logtool.reader.decode.fields import text
 from dogbot_logtool.reader.messages.joints import JOINT_TYPES, check_joints, read_joints
 from dogbot_logtool.reader.messages.messages import check_channel, decode_channels
-from dogbot_logtool.robot.probe import Probe
 from dogbot_logtool.robot.robot_model.urdf import parse_urdf, urdf_joints
 
 _MOST_CHANNELS: Final = 16
@@ -66,7 +66,9 @@ class JointMotion:
         return LinkTransforms(*times, link_poses(self.joints, own[rows]))
 
 
-def joint_motion(log: Log, probe: Probe, base: str, description: str | None) -> JointMotion | None:
+def joint_motion(
+    log: Log, probe: KnownFrames, base: str, description: str | None
+) -> JointMotion | None:
     """Return how joint states move the links; None: they do not, or transforms do already.
 
     Args:

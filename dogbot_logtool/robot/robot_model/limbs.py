@@ -14,14 +14,14 @@ from dogbot_logtool.core.frames.transforms import (
     frame_track,
     moving_tracks,
 )
+from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.legs.joints import JointTable
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.robot.probe import Probe, frame_names
 from dogbot_logtool.robot.robot_model.description import log_skeleton, model_feet
 from dogbot_logtool.robot.robot_model.joint_motion import JointMotion
-from dogbot_logtool.robot.topics.selection import Selection
+from dogbot_logtool.robot.selection import Selection
 
 MOST_FRAMES: Final = 64
 """Frames of a robot that are followed."""
@@ -42,7 +42,7 @@ class Limbs:
 def find_limbs(
     recording: Recording,
     selection: Selection,
-    probe: Probe,
+    probe: KnownFrames,
     motion: JointMotion | None,
     clock: TimeSource,
     time: Ints,
@@ -59,7 +59,7 @@ def find_limbs(
         clock: the clock of `time`.
         time: (n,) ns, increasing.
     """
-    _, base = frame_names(selection.robot, probe)
+    base = probe.base
     known = log_skeleton(selection, probe, base)
     legs = {frame for leg in known.legs for frame in leg}
     parents = {name: pose.parent for name, pose in known.frames.items()}

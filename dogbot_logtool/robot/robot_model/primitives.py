@@ -14,7 +14,8 @@ import numpy as np
 
 from dogbot_logtool.core.rotations import roll_pitch_yaw
 from dogbot_logtool.core.scene.foot_style import colour_parts
-from dogbot_logtool.robot.robot_model.skeleton import FramePose, Point, Skeleton
+from dogbot_logtool.core.soles import FramePose, Point
+from dogbot_logtool.robot.robot_model.skeleton import Skeleton
 
 _AXES: Final = {"+x": (1, 0), "-x": (-1, 0), "+y": (0, 1), "-y": (0, -1)}
 _DENSITY: Final = 500.0

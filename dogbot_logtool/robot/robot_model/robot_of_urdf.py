@@ -14,7 +14,6 @@ from dogbot_logtool.core.leg_position import LegPosition, leg_names
 from dogbot_logtool.core.legs.joints import JointLimits
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.robot.feet.words import ENDS, LETTERS, SIDES, Part, words_of
 from dogbot_logtool.robot.robot_model.urdf import (
     finite,
     parse_urdf,
@@ -22,6 +21,7 @@ from dogbot_logtool.robot.robot_model.urdf import (
     urdf_joints,
     urdf_limits,
 )
+from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, Part, words_of
 
 _WORLDS: Final = frozenset({"world", "map", "odom"})
 _HIGHEST: Final = 0.4

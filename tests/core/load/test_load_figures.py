@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from dogbot_logtool.core import timespans
@@ -12,8 +11,6 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.strides import strides_of
 from dogbot_logtool.core.loads import (
     WalkLoads,
-    WeightSource,
-    grouped_shares,
     loads_of,
     symmetry_index_percent,
     whole_strides,
@@ -60,57 +57,9 @@ def test_a_stride_with_a_gap_in_any_foot_is_left_out() -> None:
     assert figures(feet).shares == pytest.approx((0.25,) * 4, abs=0.002)
 
 
-@pytest.mark.parametrize("scale", [0.85, 1.0, 1.15])
-def test_a_mass_that_the_feet_bear_out_gives_body_weights(scale: float) -> None:
-    loads = figures(trot(9.0, scale=scale))
-    assert (loads.weight_n, loads.weight_source) == (WEIGHT_N, WeightSource.MASS)
-    assert loads.vertical_impulse_over_weight == pytest.approx(scale, abs=0.003)
-
-
-@pytest.mark.parametrize("scale", [0.75, 1.25, 3.0])
-def test_a_mass_that_the_feet_refute_gives_none(scale: float) -> None:
-    feet = trot(9.0, scale=scale)
-    assert figures(feet).weight_n is None
-    assert figures(feet).vertical_impulse_over_weight == pytest.approx(scale, abs=0.01)
-    assumed = loads_of(feet, WEIGHT_N, strides(feet[0]), mass_is_assumed=True)
-    assert assumed.weight_refuted
-    assert assumed.mean_vertical_n == pytest.approx(scale * WEIGHT_N, rel=0.003)
-
-
-def test_a_foot_that_is_never_seen_to_touch_does_not_refute_the_mass() -> None:
-    feet = trot(9.0)
-    time = seconds(9.0)
-    feet[3] = foot(time, np.zeros(len(time)))
-    assert figures(feet).weight_n == WEIGHT_N
-    assert figures(feet).vertical_impulse_over_weight == pytest.approx(0.75, abs=0.01)
-    assert figures(feet, None).weight_n is None
-
-
-def test_without_a_mass_the_weight_is_that_of_whole_strides() -> None:
-    loads = figures(trot(9.1), None)
-    assert loads.weight_source is WeightSource.ESTIMATED
-    assert loads.weight_n == pytest.approx(WEIGHT_N, rel=0.003)
-    assert loads.vertical_impulse_over_weight is None
-
-
-def test_forces_of_unknown_direction_tell_no_weight() -> None:
-    time = seconds(9.0)
-    feet = [foot(time, vertical(time, phase), world=False) for phase in TROT]
-    loads = figures(feet, None)
-    assert (loads.weight_n, loads.mean_vertical_n) == (None, None)
-    assert loads.share_of == "force_impulse"
-    assert loads.shares == pytest.approx((0.25,) * 4, abs=0.002)
-
-
 def test_the_index_is_positive_when_the_right_side_has_more() -> None:
     assert symmetry_index_percent(90.0, 110.0) == pytest.approx(20.0)
     assert symmetry_index_percent(110.0, 90.0) == pytest.approx(-20.0)
-
-
-def test_shares_are_added_up_by_place() -> None:
-    places = [("front", "left"), ("front", "right"), ("back", "left"), ("back", "right")]
-    shares = grouped_shares([0.2, 0.3, 0.1, 0.4], places)
-    assert shares == pytest.approx({"fore": 0.5, "hind": 0.5, "left": 0.3, "right": 0.7})
 
 
 @pytest.mark.parametrize(

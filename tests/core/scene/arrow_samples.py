@@ -8,14 +8,12 @@ import numpy as np
 from hypothesis import settings
 from hypothesis import strategies as st
 
-from dogbot_logtool.core.contact.contacts import FOOT_IS_COLLISION1, Contacts, Samples
-from dogbot_logtool.core.scene.arrows import ArrowCounts, Arrows, force_arrows, pressure_arrows
+from dogbot_logtool.core.contact.contacts import FOOT_IS_COLLISION1, Contacts
 
 Vector = tuple[float, float, float]
 
 INF: Final = math.inf
 NAN: Final = math.nan
-BODY_WEIGHT_N: Final = 208.5
 
 generated = settings(max_examples=75, deadline=None)
 
@@ -78,45 +76,7 @@ components: Final = st.one_of(
 points: Final = st.tuples(*[st.floats(-9, 9) | st.sampled_from([NAN, INF])] * 3)
 
 
-@dataclass(frozen=True)
-class DrawnSample:
-    """One sample, in contact with a load of 50 N unless told otherwise."""
-
-    force: Vector = (0, 0, 50)
-    in_contact: bool = True
-    in_world: bool = False
-    points: int = 1
-    position: Vector = (1, 2, 0)
-    normal: Vector = (0, 0, 1)
-    stamp: int = 0
-
-
-LIFTED: Final = DrawnSample((0, 0, 0), False, False, 0, (NAN, NAN, NAN), (NAN, NAN, NAN))  # noqa: FBT003
-
-
-def samples_of(*felt: DrawnSample) -> Samples:
-    count = len(felt)
-    return Samples(
-        foot=np.arange(count) % 4,
-        log_time=np.arange(count) * 10 + 1000,
-        stamp=np.array([one.stamp for one in felt], np.int64),
-        in_contact=np.array([one.in_contact for one in felt], np.bool_),
-        force=vectors([one.force for one in felt]),
-        in_world=np.array([one.in_world for one in felt], np.bool_),
-        points=np.array([one.points for one in felt], np.int64),
-        position=vectors([one.position for one in felt]),
-        normal=vectors([one.normal for one in felt]),
-    )
-
-
 def turned_x(quaternion: object) -> list[float]:
     """Rotate (1, 0, 0) by a unit quaternion x, y, z, w: the first column of its matrix."""
     x, y, z, w = np.asarray(quaternion).tolist()
     return [w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)]
-
-
-def drawn(style: str, *felt: DrawnSample) -> tuple[Arrows, ArrowCounts]:
-    samples = samples_of(*felt)
-    if style == "pressure":
-        return pressure_arrows(samples)
-    return force_arrows(samples, force_in_world=True, body_weight_n=BODY_WEIGHT_N)

@@ -18,12 +18,9 @@ from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.option import part_of
 from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
-from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.robot.topics.selection import select_topics
 from tests.oracles import walks
 from tests.oracles.foot_logs import WRENCH, write_log
-from tests.probes import probe_log
 
 FLAGS_ONLY = ("spot_msgs/msg/FootStateArray", "champ_msgs/msg/ContactsStamped")
 RAW = tuple(kind for kind in walks.KINDS if kind.startswith("unitree"))
@@ -111,14 +108,6 @@ def test_the_result_of_silent_swings_does_not_depend_on_jobs(tmp_path: Path) -> 
         )
         outputs.append(target.read_bytes())
     assert outputs[0] == outputs[1]
-
-
-def test_the_interval_of_a_silent_sensor_is_seen(tmp_path: Path) -> None:
-    log = open_log(walks.write_walk(tmp_path, "ros_gz_interfaces/msg/Contacts", "mcap"))
-    evidence = probe_log(log, select_topics(log, MeasureOptions(robot="generic")))
-    log.close()
-    assert evidence.intervals == dict.fromkeys(range(4), walks.STEP)
-    assert evidence.wrench_frame.frame == "world"
 
 
 @pytest.mark.parametrize("name", ["unitree_go2", "generic"])

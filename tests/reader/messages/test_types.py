@@ -15,7 +15,7 @@ from dogbot_logtool.reader.messages.feet import flagged
 from dogbot_logtool.reader.messages.table import TABLE, rows_of
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.robot.topics.selection import Selection, select_topics
+from dogbot_logtool.robot.selection import Selection, select_topics
 from tests.oracles import state_walks, walks
 
 JOINT_FOOT: Final = "sensor_msgs/msg/JointState"

@@ -114,7 +114,7 @@ def test_figures_agree_with_the_stats() -> None:
     shown = drawings(page(measurement_of(stats, facts), 0))
     for foot in stats.feet:
         force = numbers(trace(shown["loads"], f"{foot.name} |F|")["y"])
-        peak_n = float(foot.record.stances.figures.peak_n.max())
+        peak_n = float(foot.record.stances.figures.peak_force_n.max())
         assert np.nanmax(force) == pytest.approx(peak_n, abs=2e-3)
         touchdowns = numbers(trace(shown["ground"], foot.name)["x"])
         assert len(touchdowns) == len(foot.record.stances.touchdown)

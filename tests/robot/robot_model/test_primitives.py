@@ -6,11 +6,10 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
+from dogbot_logtool.core.soles import FramePose, Point
 from dogbot_logtool.robot.robot_model.primitives import primitive_urdf
 from dogbot_logtool.robot.robot_model.skeleton import (
-    FramePose,
     ModelFoot,
-    Point,
     Skeleton,
     skeleton,
 )

@@ -1,0 +1,227 @@
+"""What a recording tells of its frames, and of the frame of its wrenches."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import field, replace
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import all_finite
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.frames.transforms import TransformBuffer, static_tracks
+from dogbot_logtool.core.frames.wrench_frame import (
+    FramePoint,
+    WrenchFrame,
+    WrenchFrameEvidence,
+    frame_fit,
+    judge_wrench_frame,
+)
+from dogbot_logtool.core.recording import Recording
+from dogbot_logtool.core.rotations import normalised, roll_pitch_yaw
+from dogbot_logtool.core.settings import StatsSettings
+from dogbot_logtool.core.soles import (
+    STANCE_SPREAD_M,
+    FramePose,
+    Point,
+    find_soles,
+    first_poses,
+    rounded,
+)
+from dogbot_logtool.core.world_frames import WorldFrames, follow_frames
+from dogbot_logtool.dataclass import dataclass
+
+DEFAULT_WORLD: Final = "world"
+DEFAULT_BASE: Final = "base_link"
+_ENOUGH_SAMPLES: Final = 10_000
+"""Contact samples of a foot that decide the frame of its wrenches, at most."""
+
+
+@dataclass(frozen=True, slots=True)
+class KnownFrames:
+    """What a recording tells of its frames."""
+
+    world: str
+    """The world's frame: the robot's, else the odometry's, else ROS'. Also `base`."""
+    base: str
+    world_frames: tuple[str, ...]
+    """Header frame ids of the odometry, as recorded, sorted; also `base_frames`, its children."""
+    base_frames: tuple[str, ...]
+    parents: Mapping[str, frozenset[str]]
+    """Parents that the log's own transforms give each frame, without leading slashes."""
+    statics: TransformBuffer
+    """The log's transforms that hold for ever; of each frame the last one does."""
+    slashed_frames: tuple[str, ...]
+    """Frame ids that begin with a slash, which no viewer of today accepts."""
+    links: tuple[str | None, ...]
+    """Link that each foot's collision belongs to, in whose frame its wrenches may be."""
+    frame_poses: Mapping[str, FramePose]
+    """The first pose that was seen of each frame, by name without a leading slash."""
+    wrench_frame: WrenchFrameEvidence = field(
+        default_factory=lambda: WrenchFrameEvidence(WrenchFrame.UNKNOWN)
+    )
+    soles: Mapping[int, Point] = field(default_factory=dict)
+    """m, where feet touch the ground in the frames of their `links`, as far as it is known."""
+    stances: Mapping[int, Point] = field(default_factory=dict)
+    """m, the same in the base's frame: the median while the foot stands."""
+    turned_deg: float = 0.0
+    """Yaw of the base in the world when it was first seen."""
+
+    def follow(
+        self,
+        settings: StatsSettings,
+        links: Sequence[str | None],
+        points: Sequence[FramePoint | None],
+    ) -> WorldFrames | None:
+        """Return how frames of feet hang in the world; see `follow_frames`."""
+        parents = {
+            child: next(iter(names)) for child, names in self.parents.items() if len(names) == 1
+        }
+        names, has_base = (self.world, self.base), bool(settings.odometry_topic)
+        clock = settings.clock
+        return follow_frames(parents, self.statics, links, points, names, clock, has_base=has_base)
+
+
+def known_frames(recording: Recording, settings: StatsSettings) -> KnownFrames:
+    """Return what a recording tells of its frames.
+
+    Args:
+        recording: its columns, as recorded.
+        settings: with the clock that is measured on.
+    """
+    transforms = recording.transforms
+    parents: dict[str, set[str]] = {}
+    names = {*recording.world_frames, *recording.base_frames}
+    for parent, child in transforms.pairs():
+        names |= {parent, child}
+        parents.setdefault(child.lstrip("/"), set()).add(parent.lstrip("/"))
+    frames = KnownFrames(
+        world=settings.world_frame or _frame(recording.world_frames, DEFAULT_WORLD),
+        base=settings.base_frame or _frame(recording.base_frames, DEFAULT_BASE),
+        world_frames=recording.world_frames,
+        base_frames=recording.base_frames,
+        parents={child: frozenset(found) for child, found in sorted(parents.items())},
+        statics=static_tracks(transforms, settings.static_channels),
+        slashed_frames=tuple(sorted(name for name in names if name.startswith("/"))),
+        links=tuple(
+            next(iter(links)) if len(links := recording.links.get(foot, frozenset())) == 1 else None
+            for foot in range(len(settings.feet))
+        ),
+        frame_poses=first_poses(transforms, settings.static_channels),
+    )
+    followed = _followed(settings, frames)
+    tracks = None
+    if followed is not None:
+        tracks = followed.tracks(recording.transforms, recording.base)
+        frames = replace(frames, soles=find_soles(recording.feet, followed, tracks))
+    return replace(
+        frames,
+        wrench_frame=_wrench_frame(recording, settings, followed, tracks),
+        stances=_stances(recording, settings, frames),
+        turned_deg=_turned_deg(recording),
+    )
+
+
+def world_frames(frames: KnownFrames, settings: StatsSettings) -> WorldFrames | None:
+    """Return the frames that turn feet's forces and positions into the world, where needed.
+
+    Positions of sensors are left out: the origin of a foot's frame is no contact point, so neither
+    slip nor the support polygon may be measured with it.
+    """
+    turns = settings.wrench_frame is WrenchFrame.LINK
+    links = frames.links if turns else (None,) * len(frames.links)
+    in_base = FramePoint(frames.base, recorded=True)
+    return frames.follow(
+        settings, links, [in_base if foot.in_base else None for foot in settings.feet]
+    )
+
+
+def imu_mounting(
+    recording: Recording, frames: KnownFrames
+) -> tuple[float, float, float, float] | None:
+    """Return how an inertial unit sits on the base, by recorded static transforms.
+
+    Returns:
+        x, y, z, w of its frame in the base's; None: not recorded, or it is the base's.
+    """
+    named = recording.accelerations.frames if recording.accelerations else ()
+    if len(named) != 1 or named[0].lstrip("/") == frames.base or not frames.statics.frames:
+        return None
+    now = np.zeros(1, np.int64)
+    pose = frames.statics.lookup(named[0].lstrip("/"), frames.base, now, now)
+    if not pose.known[0]:
+        return None
+    x, y, z, w = pose.rotation[0].tolist()
+    return x, y, z, w
+
+
+def _frame(recorded: tuple[str, ...], default: str) -> str:
+    names = [name.lstrip("/") for name in recorded if name.strip("/")]
+    return names[0] if names else default
+
+
+def _wrench_frame(
+    recording: Recording,
+    settings: StatsSettings,
+    followed: WorldFrames | None,
+    tracks: TransformBuffer | None,
+) -> WrenchFrameEvidence:
+    """Decide by what the types of messages promise, else by evidence.
+
+    Args:
+        recording: contact samples.
+        settings: what is known of the feet.
+        followed: how their links hang in the world.
+        tracks: the transforms of these.
+    """
+    if settings.promised_frame is not None:
+        return WrenchFrameEvidence(settings.promised_frame)
+    some, link = [_thinned(samples) for samples in recording.feet], None
+    if followed is not None and tracks is not None:
+        turned, _ = followed.place(some, tracks)
+        pairs = zip(turned, some, strict=True)
+        link = frame_fit(turned, [after.in_world & ~before.in_world for after, before in pairs])
+    return judge_wrench_frame(frame_fit(some), link, settings.body_weight_n)
+
+
+def _thinned(samples: Samples) -> Samples:
+    """Return some samples of a foot, evenly spread, as many as the frame of wrenches needs."""
+    count = len(samples.log_time)
+    return samples.pick(np.arange(0, count, count // _ENOUGH_SAMPLES + 1))
+
+
+def _followed(settings: StatsSettings, frames: KnownFrames) -> WorldFrames | None:
+    """Return how the links of feet hang in the world."""
+    in_base = FramePoint(frames.base, recorded=True)
+    points = [in_base if foot.in_base else None for foot in settings.feet]
+    return frames.follow(settings, frames.links, points)
+
+
+def _turned_deg(recording: Recording) -> float:
+    """Return the yaw of the base's first usable pose; 0 where none was seen."""
+    turns = recording.base.orientation
+    usable = np.flatnonzero(all_finite(turns) & (turns != 0.0).any(axis=1))[:1]
+    if not len(usable):
+        return 0.0
+    return float(np.degrees(roll_pitch_yaw(normalised(turns[usable]))[0, 2]))
+
+
+def _stances(
+    recording: Recording, settings: StatsSettings, frames: KnownFrames
+) -> Mapping[int, Point]:
+    """Return where feet touch the ground in the frame of the base that odometry places."""
+    if not settings.odometry_topic:
+        return {}
+    number = len(settings.feet)
+    followed = WorldFrames(
+        links=(frames.base,) * number,
+        points=(None,) * number,
+        world=frames.world,
+        base=frames.base,
+        odometry_places_base=True,
+        moving={},
+        statics=TransformBuffer(),
+        clock=settings.clock,
+    )
+    in_base = {row for row, foot in enumerate(settings.feet) if foot.in_base}
+    tracks = followed.tracks(recording.transforms, recording.base)
+    return rounded(find_soles(recording.feet, followed, tracks, STANCE_SPREAD_M, in_base))

@@ -1,0 +1,234 @@
+"""The masks of a walk: jumps, falls, stands, clocks and worlds apart, dead sensors."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Floats, Ints
+from dogbot_logtool.core.base.axes import with_forward_axis
+from dogbot_logtool.core.base.falls import fallen_spans
+from dogbot_logtool.core.base.frozen import find_frozen, without_frozen
+from dogbot_logtool.core.base.ground import height_drift_m, height_over_feet
+from dogbot_logtool.core.base.jumps import find_jumps, without_jumps
+from dogbot_logtool.core.base.motion import BaseTrack, base_motion, find_travel
+from dogbot_logtool.core.base.moving_ground import find_moving_ground
+from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.base.witness import feet_witness
+from dogbot_logtool.core.consistency.stopped import without_stopped
+from dogbot_logtool.core.consistency.worlds import placed_poses
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.corrected import Corrected
+from dogbot_logtool.core.corrections.clock import too_far_apart
+from dogbot_logtool.core.gait.feet import foot_steps, net_push
+from dogbot_logtool.core.gait.strides import any_strides, typical_period_s
+from dogbot_logtool.core.gait.support import (
+    Standing,
+    Support,
+    standing_in,
+    support,
+)
+from dogbot_logtool.core.loads import (
+    WalkLoads,
+    dead_feet,
+    is_stuck,
+    loads_of,
+)
+from dogbot_logtool.core.metrics import Base, Stability
+from dogbot_logtool.core.settings import StatsSettings
+from dogbot_logtool.core.stability import Unstable, stability
+from dogbot_logtool.core.statistics import Stats
+
+if TYPE_CHECKING:
+    from dogbot_logtool.core.consistency.heave import Delay
+
+
+def base_in(walk: Stats, within: Ints) -> Base | None:
+    """Return how the base moved in a part of the log."""
+    return base_motion(walk.track, walk.settings.forward_axis, within)
+
+
+def support_in(walk: Stats, within: Ints | None = None) -> Support | None:
+    """Return the support pattern; where one foot's state is not known, none is."""
+    return support(walk.records, within) if walk.contacts_known else None
+
+
+def stability_in(
+    walk: Stats, within: Ints | None = None
+) -> tuple[Stability, Unstable] | tuple[None, None]:
+    """Return the stability, and when the robot is not stable."""
+    if not walk.contacts_known or walk.base_is_apart:
+        return None, None
+    found = stability(
+        walk.records,
+        walk.placed_poses,
+        walk.settings.forward_axis,
+        vertical_known=walk.vertical_known,
+        height_known=bool(np.isfinite(walk.track.height_m).any()),
+        com_offset_m=walk.settings.com_offset_m or (0.0, 0.0, 0.0),
+        within=within,
+    )
+    return found or (None, None)
+
+
+def loads_in(walk: Stats, within: Ints | None = None) -> WalkLoads:
+    """Return the loads of all feet over whole strides of the first foot that has any."""
+    own = [foot.strides for foot in walk.feet if len(foot.strides.stance)]
+    strides = [each if within is None else each.within(within) for each in own[:1]]
+    return loads_of(
+        walk.records,
+        walk.settings.body_weight_n,
+        strides[0].spans if strides else None,
+        within,
+        mass_is_assumed=walk.settings.mass_is_assumed,
+    )
+
+
+def mask_walk(corrected: Corrected) -> Stats:
+    """Find jumps, falls, stands, dead sensors, clocks and worlds that cannot be compared.
+
+    What is measured with these masks is not in the result yet.
+    """
+    settings = corrected.settings
+    period_s = typical_period_s([each.stances for each in corrected.feet])
+    positions = [foot.leg_position for foot in settings.feet]
+    witness = feet_witness(corrected.feet, corrected.places, positions, corrected.base)
+    frozen = find_frozen(corrected.base, corrected.feet, witness, period_s)
+    recorded = without_frozen(corrected.base, frozen.spans) if frozen else corrected.base
+    jumps = find_jumps(recorded)
+    base = without_jumps(recorded, jumps)
+    records = without_stopped(_without_stuck(corrected.feet), base)
+    placed, worlds = placed_poses(records, recorded, base)
+    height = _steadiest_height(records, placed, base)
+    fallen = fallen_spans(recorded, records, height, jumps.spans)
+    weighed = loads_of(
+        records, settings.body_weight_n, any_strides(records, fallen, timespans.no_spans())
+    )
+    dead = tuple(dead_feet(records, weighed))
+    period_s = typical_period_s([each.stances for each in records])
+    apart = too_far_apart(corrected.clocks, period_s)
+    supported = None if any(dead) or _feet_apart(settings, apart) else support(records)
+    standing = _standing(settings, records, supported, base, fallen)
+    strides = any_strides(records, fallen, standing.without_steps)
+    delay = None if apart else _long_delay(records, base, period_s, strides)
+    apart = apart | {settings.odometry_topic} if delay else apart
+    rise_m = height_drift_m(base, height, strides)
+    placed_by_poses = any(path is not None for path in corrected.places)
+    ground = find_moving_ground(records, base, placed_by_poses=placed_by_poses)
+    walked = base if ground is None else ground.on_ground(base)
+    track = BaseTrack(walked, find_travel(walked), height, records, standing.still)
+    guessed = settings.forward_axis
+    motion = base_motion(track, guessed)
+    settings = with_forward_axis(settings, track, motion)
+    if settings.forward_axis != guessed:
+        motion = base_motion(track, settings.forward_axis)
+    feet = tuple(
+        foot_steps(
+            settings,
+            row,
+            record,
+            base,
+            fallen,
+            standing,
+            path=None if path is None else path.in_world(base),
+            ground=ground,
+            is_dead=dead[row],
+        )
+        for row, (record, path) in enumerate(zip(records, corrected.places, strict=True))
+    )
+    return Stats(
+        recording=corrected.recording,
+        settings=settings,
+        frames=corrected.frames,
+        turned=corrected.turned,
+        base_history=recorded,
+        leaning_rad=corrected.leaning_rad,
+        topics=corrected.topics,
+        clocks=corrected.clocks,
+        beside=tuple(each for each in (corrected.commands, corrected.inertial) if each),
+        records=records,
+        poses=base,
+        jumps=jumps,
+        frozen=frozen,
+        witness=witness,
+        ground=ground,
+        placed_poses=placed,
+        track=track,
+        base=motion,
+        fallen=fallen,
+        standing=standing,
+        feet=feet,
+        clocks_apart=apart,
+        base_delay=delay,
+        worlds=worlds,
+        push=net_push(feet),
+        rise_m=rise_m,
+        vertical_known=weighed.share_of == "vertical_impulse",
+        loads=weighed,
+    )
+
+
+def _steadiest_height(
+    records: Sequence[FootHistory], placed: BaseHistory, without: BaseHistory
+) -> Floats:
+    """(n,) m, over the feet: z may be reset in poses of which x and y jump with the feet, or not.
+
+    Args:
+        records: of all feet.
+        placed: poses among the contact points.
+        without: poses without jumps.
+    """
+    height = height_over_feet(placed, records)
+    if placed is without:
+        return height
+    other = height_over_feet(without, records)
+    known = np.isfinite(height) & np.isfinite(other)
+    if not known.any():
+        return height if np.isfinite(height).any() else other
+    return other if np.std(other[known]) < np.std(height[known]) else height
+
+
+def _without_stuck(feet: Sequence[FootHistory]) -> tuple[FootHistory, ...]:
+    """Return histories without the forces of sensors that show one constant force."""
+    return tuple(
+        foot.without_force()
+        if is_stuck(foot, [each for each in feet if each is not foot])
+        else foot
+        for foot in feet
+    )
+
+
+def _feet_apart(settings: StatsSettings, apart: frozenset[str]) -> bool:
+    return any(foot.topic in apart for foot in settings.feet)
+
+
+def _standing(
+    settings: StatsSettings,
+    records: Sequence[FootHistory],
+    supported: Support | None,
+    base: BaseHistory,
+    fallen: Ints,
+) -> Standing:
+    """Find the time in which the robot stands, or moves without steps."""
+    # Sensors that never report a contact say nothing of where the feet are.
+    touching = any(len(each.in_contact) for each in records)
+    sensors = [settings.sensor(row) for row in range(len(records))]
+    return standing_in(
+        supported if touching else None,
+        typical_period_s([each.stances for each in records]),
+        base,
+        fallen,
+        is_steady=bool(sensors) and all(sensor.is_steady for sensor in sensors),
+    )
+
+
+def _long_delay(
+    records: Sequence[FootHistory], base: BaseHistory, period_s: float | None, strides: Ints
+) -> "Delay | None":
+    """Tell by physics whether the base comes late; only of logs with strides and poses."""
+    if not period_s or not len(base.time):
+        return None
+    from dogbot_logtool.core.consistency.heave import long_delay  # noqa: PLC0415
+
+    return long_delay(records, base, period_s, strides)

@@ -1,0 +1,92 @@
+"""How each foot's sensor reads with and without load, learnt from its whole column."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import all_finite, median_of, norms
+from dogbot_logtool.core.contact.contact_rule import FootSensor, contact_rule
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.corrections.clock import usual_interval_s
+from dogbot_logtool.core.corrections.modes import CONSTANT
+from dogbot_logtool.core.corrections.moving_level import follow_level
+from dogbot_logtool.core.corrections.sensor import SensorLevel, estimate_level, zero_level
+from dogbot_logtool.core.corrections.weighed_levels import (
+    turned_levels,
+    weighed_levels,
+    weight_of_levels,
+)
+from dogbot_logtool.core.settings import FootSettings, StatsSettings
+
+
+def with_sensors(settings: StatsSettings, feet: Sequence[Samples]) -> StatsSettings:
+    """Return settings with how each foot's sensor reads, and what counts as contact.
+
+    Args:
+        settings: what is known of the feet.
+        feet: the samples of each, as recorded.
+    """
+    weight = settings.body_weight_n
+    # A mass that is only guessed from the topics tells nothing of levels.
+    trusted = None if settings.mass_is_assumed else weight
+    pairs = zip(settings.feet, feet, strict=True)
+    alone = [_level(foot, samples, takes=settings.takes_offsets) for foot, samples in pairs]
+    levels = weighed_levels(turned_levels(alone, trusted), trusted)
+    estimated = weight_of_levels(levels) if weight is None else None
+    found = []
+    for foot, level in zip(settings.feet, levels, strict=True):
+        rule = contact_rule(level, weight or estimated, settings.thresholds)
+        if foot.has_flags:
+            rule = replace(rule, by_flag=True, backdates=False, unusable="")
+        elif _is_stuck(level) and any(each.loaded_n and not _is_stuck(each) for each in levels):
+            rule = replace(rule, unusable="its sensor reads one constant force while others vary")
+        found.append(replace(foot, sensor=FootSensor(level, rule)))
+    return replace(settings, feet=tuple(found), estimated_weight_n=estimated)
+
+
+def _is_stuck(level: SensorLevel) -> bool:
+    """Tell whether a sensor reads one force throughout."""
+    return level.reason == CONSTANT and bool(level.loaded_n)
+
+
+def _level(foot: FootSettings, samples: Samples, *, takes: bool) -> SensorLevel:
+    """Estimate a foot's level, or take the one that is given.
+
+    Args:
+        foot: what is known of it.
+        samples: as recorded.
+        takes: offsets that are not given are estimated.
+    """
+    if foot.offset_n is None and (level := _zero(foot, samples)) is not None:
+        return level
+    if foot.offset_n is None and takes:
+        level = estimate_level(samples.log_time, samples.force)
+        if level.zero_in_swing or level.reason:
+            return level
+        return follow_level(samples.log_time, samples.force, level)
+    offset = np.array([foot.offset_n or (0.0, 0.0, 0.0)])
+    rest = estimate_level(samples.log_time, samples.force - offset)
+    knots = np.zeros(1, np.int64)
+    return replace(rest, knots=knots, offset=offset, origin=foot.offset_from, reason="")
+
+
+def _zero(foot: FootSettings, samples: Samples) -> SensorLevel | None:
+    """Return the level of a foot whose sensor reads zero in swing; None: it does not."""
+    force = samples.force[all_finite(samples.force)]
+    interval_s = usual_interval_s(samples.log_time)
+    zero = SensorLevel(zero_in_swing=True)
+    if foot.silent_in_swing:
+        # Its samples are those in contact only, and their mean is no mean over strides.
+        level = zero_level(np.concatenate([np.zeros((len(force) + 3, 3)), force]), interval_s)
+        return replace(level or zero, mean_n=None)
+    if not foot.has_force:
+        return replace(zero, interval_s=interval_s)
+    if not len(force):
+        return None
+    level = zero_level(force, interval_s)
+    if level is None and foot.lists_contacts:
+        # A foot that is down throughout: its messages would say if it were not.
+        mean = float(median_of(norms(force)))
+        return replace(zero, loaded_n=mean, mean_n=mean, interval_s=interval_s)
+    return level

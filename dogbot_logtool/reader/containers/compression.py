@@ -1,0 +1,150 @@
+"""Decompression of chunks into memory that is set aside beforehand: nothing can swell."""
+
+import bz2
+from typing import Final
+
+import lz4.block
+import lz4.frame
+import numpy as np
+import xxhash
+import zstandard
+
+from dogbot_logtool.core.arrays import Bytes
+from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
+
+MAX_CHUNK_SIZE: Final = 1 << 30
+_UNSUSPICIOUS_SIZE: Final = 32 << 20
+_MAX_RATIO: Final = 40
+"""Larger chunks than `_UNSUSPICIOUS_SIZE` must not claim to shrink by more than this."""
+
+_LZ4_MAGIC: Final = b"\x04\x22\x4d\x18"
+_LZ4_BLOCK_CHECKSUMS: Final = 0x10
+_CODEC_ERRORS: Final = (
+    zstandard.ZstdError,
+    lz4.block.LZ4BlockError,
+    RuntimeError,
+    OSError,
+    ValueError,
+    EOFError,
+)
+
+
+def check_claimed_size(claimed: int, compressed: int) -> None:
+    """Refuse a chunk whose claimed size cannot be honest, before memory is set aside for it.
+
+    Raises:
+        ChunkDamage: saying what it claims.
+    """
+    if claimed > MAX_CHUNK_SIZE or claimed > max(_UNSUSPICIOUS_SIZE, _MAX_RATIO * compressed):
+        raise ChunkDamage(f"it claims to hold {claimed} bytes in {compressed}")
+
+
+def decompress_into(target: Bytes, data: memoryview, compression: str) -> int:
+    """Decompress a chunk into the target.
+
+    Args:
+        target: (n,) uint8, contiguous, as long as the chunk claims to be.
+        data: the compressed bytes.
+        compression: ``none`` or empty, ``lz4``, ``bz2`` or ``zstd``.
+
+    Returns:
+        the number of bytes that can be trusted: n, or fewer if the data is cut off in a
+        compression whose blocks have checksums of their own.
+
+    Raises:
+        ChunkDamage: the data is damaged, or of another size than claimed.
+    """
+    try:
+        match compression:
+            case "" | "none":
+                size, whole = _copy_into(target, data), True
+            case "zstd":
+                size, whole = _unzstd_into(target, data), True
+            case "lz4":
+                content, whole = _unlz4(data, len(target))
+                size = _copy_into(target, content)
+            case "bz2":
+                decompressor = bz2.BZ2Decompressor()
+                size = _copy_into(target, decompressor.decompress(data, len(target) + 1))
+                whole = decompressor.eof
+            case _:
+                raise ChunkDamage(f"its compression {compression!r} is not known")
+    except _CODEC_ERRORS as error:
+        raise ChunkDamage(f"its {compression} data is damaged ({error})") from error
+    if size > len(target) or (whole and size < len(target)):
+        raise ChunkDamage(f"it claims to hold {len(target)} bytes but does not")
+    return size
+
+
+def _copy_into(target: Bytes, data: bytes | memoryview) -> int:
+    if len(data) <= len(target):
+        target[: len(data)] = np.frombuffer(data, np.uint8)
+    return len(data)
+
+
+def _unzstd_into(target: Bytes, data: memoryview) -> int:
+    with zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True) as stream:
+        size = 0
+        while size < len(target) and (got := stream.readinto(target[size:].data)):
+            size += got
+        return size + len(stream.read(1))
+
+
+def _unlz4(data: memoryview, size: int) -> tuple[bytes, bool]:
+    """Decompress an LZ4 frame.
+
+    Recorders write frames of a single block, which the block decoder takes several times faster
+    than the frame decoder; the frame's content checksum is then verified here. Any other frame
+    goes to the frame decoder.
+
+    Returns:
+        the content, and whether it is all of it.
+
+    Raises:
+        ValueError: the frame is cut off and nothing vouches for its blocks.
+    """
+    block = _single_block(data)
+    if block is None:
+        decompressor = lz4.frame.LZ4FrameDecompressor()
+        content = bytes(decompressor.decompress(data, max_length=size + 1))
+        if not decompressor.eof and len(content) <= size and not _has_block_checksums(data):
+            raise ValueError("it is cut off")
+        return content, decompressor.eof
+    body, checksum = block
+    content = bytes(lz4.block.decompress(body, uncompressed_size=size))
+    if checksum is not None and xxhash.xxh32_intdigest(content) != checksum:
+        raise ValueError("content checksum does not hold")
+    return content, True
+
+
+def _has_block_checksums(data: memoryview) -> bool:
+    return len(data) > 4 and bool(data[4] & _LZ4_BLOCK_CHECKSUMS)
+
+
+def _single_block(data: memoryview) -> tuple[memoryview, int | None] | None:
+    """Return a frame's only compressed block and its content checksum, or None if it has more.
+
+    LZ4 frame format: magic, flags, block descriptor, optional content size (8 bytes) and
+    dictionary id (4), header checksum, then blocks led by their size, a zero size, and the
+    optional checksum of the content.
+    """
+    if len(data) < 15 or bytes(data[:4]) != _LZ4_MAGIC:
+        return None
+    flags = data[4]
+    block_checksums, content_size = flags & _LZ4_BLOCK_CHECKSUMS, flags & 0x08
+    content_checksum, dictionary = flags & 0x04, flags & 0x01
+    start = 7 + (8 if content_size else 0)
+    length = int.from_bytes(data[start : start + 4], "little")
+    end = start + 4 + length
+    tail = 8 if content_checksum else 4
+    if (
+        flags >> 6 != 1
+        or block_checksums
+        or dictionary
+        or not 0 < length < 1 << 31
+        or end + tail != len(data)
+        or any(data[end : end + 4])
+    ):
+        return None
+    checksum = int.from_bytes(data[end + 4 : end + 8], "little") if content_checksum else None
+    return data[start + 4 : end], checksum

@@ -1,0 +1,259 @@
+"""Records in a row, whatever the container: found through an index, or by following their lengths.
+
+An index is only a hint: it is believed when every record that it names is what it says and the
+records tile the bytes, so that nothing is missing. Otherwise the records are followed one after
+another; behind a damaged one the search goes on at the next sound one.
+"""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Final, Protocol
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages, no_messages
+
+_FIRST_WINDOW: Final = 1 << 12
+_LARGEST_WINDOW: Final = 1 << 20
+"""Bytes that are searched at a time. The next sound record is mostly near."""
+_OVERLAP: Final = 1 << 12
+"""Bytes of the next window that a candidate may need to be seen as one."""
+_FIRST_BLOCK: Final = 64
+_LARGEST_BLOCK: Final = 1 << 16
+
+
+class Readable(Protocol):
+    """Bytes by offset: a file, or memory."""
+
+    def read(self, offset: int, size: int, /) -> bytes:
+        """Return up to `size` bytes from `offset`; fewer at the end."""
+
+
+class Memory:
+    """Bytes in memory, read like a file."""
+
+    def __init__(self, data: Bytes) -> None:
+        self._data = data
+
+    def read(self, offset: int, size: int) -> bytes:
+        """See `Readable.read`."""
+        return self._data[offset : offset + size].tobytes()
+
+
+@dataclass(frozen=True, slots=True)
+class Records:
+    """Neighbouring records of all kinds."""
+
+    op: Ints
+    """(n,) kind of the record, 0 where the bytes are no sound record."""
+    offset: Ints
+    """(n,) first byte of the record."""
+    messages: Messages
+    """(n,) Its columns hold for messages; `start` and `end` of the content for all."""
+
+    def __len__(self) -> int:
+        return len(self.op)
+
+    def pick(self, rows: Flags | Ints | slice) -> "Records":
+        """Return the chosen rows."""
+        return Records(self.op[rows], self.offset[rows], self.messages.pick(rows))
+
+
+@dataclass(frozen=True, slots=True)
+class Index:
+    """A chunk's index of its messages, in the order of their offsets."""
+
+    offset: Ints
+    """(n,) of the record in the decompressed chunk."""
+    channel: Ints
+    """(n,) as numbered in the records."""
+    log_time: Ints
+    """(n,) ns."""
+    group: Ints
+    """(n,) which index record named it."""
+    counts: Mapping[int, int]
+    """Messages by channel, as numbered in the records."""
+    complete: bool
+    """Nothing but index records was there."""
+
+
+def merged_index(
+    offset: Ints, log_time: Ints, records: Sequence[tuple[int, int]], *, complete: bool
+) -> Index:
+    """Merge index records.
+
+    Args:
+        offset: (n,) what they name, one record's entries after the other's.
+        log_time: (n,) ns, likewise.
+        records: channel and number of entries of each.
+        complete: nothing but index records was there.
+    """
+    by_channel: Counter[int] = Counter()
+    for number, count in records:
+        by_channel[number] += count
+    channels, counts = np.array(records, np.int64).T
+    order = np.argsort(offset, kind="stable")
+    group = np.repeat(np.arange(len(counts)), counts)[order]
+    return Index(offset[order], channels[group], log_time[order], group, by_channel, complete)
+
+
+class RecordFormat(Protocol):
+    """How a container writes records."""
+
+    message: int
+    """Kind of a message record."""
+
+    def chain(self, data: memoryview, offset: int, end: int, limit: int) -> list[int]:
+        """Follow the records' lengths.
+
+        Returns:
+            the first bytes of up to `limit` records that fit, and where the last one ends.
+        """
+
+    def decode(self, records: Bytes, bounds: Ints) -> Records:
+        """Decode the heads of records.
+
+        Args:
+            records: the bytes.
+            bounds: (n + 1,) what `chain` returned.
+        """
+
+    def heads(self, records: Bytes, offset: Ints) -> Records | None:
+        """Decode the heads of the messages at some offsets, None if any is no message.
+
+        Args:
+            records: the bytes.
+            offset: (n,) ascending, at least one.
+        """
+
+    def candidates(self, window: bytes) -> Iterator[int]:
+        """Yield where in the window a record may begin, ascending."""
+
+    def sound(self, source: Readable, offset: int, end: int) -> bool:
+        """Tell whether a record begins here, beyond reasonable doubt."""
+
+    def resembles(self, records: Bytes, before: int, offset: int, end: int) -> bool:
+        """Tell whether this may be a damaged record's head, by its likeness to an earlier one.
+
+        A few bytes that are no whole head do not resemble one.
+
+        Args:
+            records: the bytes.
+            before: offset of the sound record that ends at `offset`.
+            offset: where the next record should begin.
+            end: where the bytes end.
+        """
+
+
+@dataclass(frozen=True, slots=True)
+class FoundRecords:
+    """The records in a run of bytes, each kind in its order."""
+
+    messages: Records
+    others: Records
+    skipped: Sequence[tuple[int, int]] = ()
+    """Starts and ends of the bytes that are no records."""
+
+
+def next_sound(fmt: RecordFormat, source: Readable, offset: int, end: int) -> int:
+    """Return where the next sound record begins, or the end."""
+    size = _FIRST_WINDOW
+    while offset < end:
+        window = source.read(offset, min(size + _OVERLAP, end - offset))
+        if not window:
+            return end
+        for candidate in fmt.candidates(window):
+            if candidate >= size:
+                break
+            if fmt.sound(source, offset + candidate, end):
+                return offset + candidate
+        offset += size
+        size = min(2 * size, _LARGEST_WINDOW)
+    return end
+
+
+def find_indexed(fmt: RecordFormat, records: Bytes, index: Index) -> FoundRecords | None:
+    """Return the records, or None if the index does not describe them truthfully."""
+    heads = fmt.heads(records, index.offset) if len(index.offset) else concatenate_records([])
+    if heads is None:
+        return None
+    messages = heads.messages
+    if (messages.channel != index.channel).any() or (messages.log_time != index.log_time).any():
+        return None
+    gap_start = np.concatenate([[0], messages.end])
+    gap_end = np.concatenate([heads.offset, [len(records)]])
+    gaps = np.flatnonzero(gap_start != gap_end)
+    if (gap_end[gaps] < gap_start[gaps]).any():
+        return None
+    others: list[Records] = []
+    for start, end in zip(gap_start[gaps].tolist(), gap_end[gaps].tolist(), strict=True):
+        found = find_all(fmt, records, start, end)
+        if found.skipped or len(found.messages):
+            return None
+        others.append(found.others)
+    return FoundRecords(heads, concatenate_records(others))
+
+
+def find_all(fmt: RecordFormat, records: Bytes, start: int, end: int) -> FoundRecords:
+    """Follow the records; behind damage go on at the next sound one.
+
+    Where a record's length leads nowhere, either that length is wrong or the next record's head
+    is. The bytes there decide: if they resemble a head, the record before it is kept; if not, or
+    if a sound record is found inside of it, it is given up as well.
+    """
+    parts: list[Records] = []
+    skipped: list[tuple[int, int]] = []
+    offset, block = start, _FIRST_BLOCK
+    while offset < end:
+        bounds = fmt.chain(records.data, offset, end, block)
+        count = 0
+        if len(bounds) > 1:
+            part = fmt.decode(records, np.array(bounds, np.int64))
+            count = int(np.append(part.op == 0, True).argmax())
+            parts.append(part.pick(slice(count)))
+        offset = bounds[count]
+        if count == block:
+            block = min(2 * block, _LARGEST_BLOCK)
+        elif offset < end:
+            damage = _start_of_damage(fmt, records, offset, end, parts)
+            offset = next_sound(fmt, Memory(records), damage + 1, end)
+            skipped.append((damage, offset))
+            block = _FIRST_BLOCK
+    found = concatenate_records(parts)
+    is_message = found.op == fmt.message
+    return FoundRecords(found.pick(is_message), found.pick(~is_message), skipped)
+
+
+def _start_of_damage(
+    fmt: RecordFormat, records: Bytes, offset: int, end: int, parts: list[Records]
+) -> int:
+    """Return where damage begins, taking back a last record whose length is doubtful."""
+    while parts and not len(parts[-1]):
+        parts.pop()
+    if not parts or parts[-1].messages.end[-1] != offset:
+        return offset
+    before = int(parts[-1].offset[-1])
+    if fmt.resembles(records, before, offset, end):
+        return offset
+    parts[-1] = parts[-1].pick(slice(len(parts[-1]) - 1))
+    return before
+
+
+def blank_messages(start: Ints, end: Ints) -> Messages:
+    """Return a table of which only the offsets are known so far."""
+    channel, log_time, publish_time, sequence = np.zeros((4, len(start)), np.int64)
+    return Messages(channel, log_time, publish_time, sequence, start, end)
+
+
+def concatenate_records(parts: Sequence[Records]) -> Records:
+    """Stack tables of records."""
+    if len(parts) == 1:
+        return parts[0]
+    none = np.empty(0, np.int64)
+    return Records(
+        np.concatenate([none, *(part.op for part in parts)]),
+        np.concatenate([none, *(part.offset for part in parts)]),
+        concatenate_messages([part.messages for part in parts]) if parts else no_messages(),
+    )

@@ -1,0 +1,76 @@
+"""Logs that `convert` has annotated already: the channels that it marked are left out."""
+
+import struct
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from typing import Final
+
+from dogbot_logtool.errors import LogError
+from dogbot_logtool.io.storage import Location, shown
+from dogbot_logtool.provenance import PROVENANCE, is_marked
+from dogbot_logtool.reader.containers.log import EarlierAnnotations, Extra, Log
+from dogbot_logtool.reader.opening import open_joined
+
+_NAME: Final = struct.pack("<I", len(PROVENANCE)) + PROVENANCE.encode()
+_LARGEST_RECORD: Final = 1 << 24
+
+
+def open_recorded(path: Location, others: Sequence[Location] = ()) -> Log:
+    """Open a log without what `convert` may have added to it.
+
+    Args:
+        path: the log.
+        others: further files of the same recording.
+
+    Raises:
+        CallError: there is no such file.
+        LogError: it is no log, or nothing else is in it.
+        StoreError: the store fails.
+    """
+    log = open_joined([path, *others])
+    try:
+        log = without_annotations(log)
+        annotations = log.annotations
+        if annotations is not None and not log.channels:
+            origin = next((r["input"] for r in annotations.records if r.get("input")), "")
+            raise LogError(
+                f"{shown(path)}: holds only annotations, without the messages that were recorded "
+                f"(--no-copy); use the log that it was made from{f', {origin}' if origin else ''}"
+            )
+    except BaseException:
+        log.close()
+        raise
+    log.reopen = partial(open_recorded, path, others)
+    return log
+
+
+def without_annotations(log: Log) -> Log:
+    """Return a log without what `convert` added; the log itself if that is nothing."""
+    made = list(_provenance(log))
+    records = tuple(record for _, record in made)
+    channels = frozenset(n for n, channel in log.channels.items() if is_marked(channel.metadata))
+    if not channels and not records:
+        return log
+    messages = sum(log.counts.get(number, 0) for number in channels)
+    extras = tuple(extra for extra, _ in made)
+    return log.without(EarlierAnnotations(channels, extras, records, messages))
+
+
+def _provenance(log: Log) -> Iterator[tuple[Extra, Mapping[str, str]]]:
+    """Yield the records that tell how the file was made, in the order of the file."""
+    if not log.extras:
+        return
+    # Imported late: a log without such records needs no mcap library.
+    from mcap import records  # noqa: PLC0415
+    from mcap.opcode import Opcode  # noqa: PLC0415
+
+    from dogbot_logtool.reader.containers.mcap.records import RECORD_HEAD, read_extra  # noqa: PLC0415
+
+    for extra in log.extras:
+        if extra.opcode != Opcode.METADATA or extra.size > _LARGEST_RECORD:
+            continue
+        if extra.source.read(extra.offset + RECORD_HEAD.size, len(_NAME)) != _NAME:
+            continue
+        match read_extra(extra):
+            case (_, records.Metadata() as metadata):
+                yield extra, metadata.metadata

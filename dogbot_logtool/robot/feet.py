@@ -1,0 +1,450 @@
+"""Which topics are a robot's feet: by the user's word, by the robot's file, else by names."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import replace
+from itertools import islice
+from typing import Final
+
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.errors import CallError, DefinitionError
+from dogbot_logtool.finding import Finding
+from dogbot_logtool.io.printable import listed, shell_quoted
+from dogbot_logtool.io.storage import shown
+from dogbot_logtool.reader.containers.log import Channel, Log
+from dogbot_logtool.reader.decode.definition import type_text
+from dogbot_logtool.reader.decode.field_path import readable_fields
+from dogbot_logtool.reader.foot import Foot, FootField
+from dogbot_logtool.reader.messages.contact_messages import contact_types, source_of
+from dogbot_logtool.reader.messages.feet import MessageFoot, feet_in
+from dogbot_logtool.reader.messages.message_type import is_named_as_planned
+from dogbot_logtool.reader.messages.messages import definition_of
+from dogbot_logtool.reader.messages.source import FOOT_TYPES, Source
+from dogbot_logtool.robot.first_messages import first_messages
+from dogbot_logtool.robot.names import FootSet, label_names, leg_position, name_feet
+from dogbot_logtool.robot.readable import (
+    most_frequent,
+    require_topic,
+    split_topic,
+    topics_of_type,
+    why_unreadable,
+)
+from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.robot.words import Part, words_of
+
+_MOST_LISTED: Final = 12
+_MOST_COMPARED: Final = 2000
+_LIKELY: Final = ("contact", "force", "grf", "load", "stance", "touch", "wrench")
+"""Parts of names of fields that may be feet."""
+_RARE: Final = 2
+"""States that come less often than this fraction of others are rare."""
+_MOST_OFFERED: Final = 16
+"""Sets of topics of a type that are looked at more closely."""
+_ALTERNATIVES: Final = 3
+"""Sets of topics that are offered beside the most likely one."""
+_ORDER: Final = ("front", "middle", "back", "left", "right")
+_JOINT_FOOT: Final = "sensor_msgs/JointState"
+"""Type of messages of joints and feet; the velocities of the feet are planned contacts."""
+_JOINTS: Final = 12
+"""Joints before the feet."""
+
+
+@dataclass(frozen=True, slots=True)
+class FootOffer:
+    """Topics that may be feet, for the user to decide."""
+
+    text: str
+    """Which topics, and which feet they seem to be."""
+    options: str
+    """Words for a shell that choose the most likely ones: ``--foot left=/left_foot/wrench``."""
+    topics: frozenset[str]
+    """Those of the most likely ones."""
+
+
+# --- by the user's word --------------------------------------------------------------------------
+
+
+def assign_feet(
+    robot: Robot, topics: Mapping[str, str], recorded: AbstractSet[str], *, guessed: bool
+) -> Robot:
+    """Give feet the topics that the user names.
+
+    Args:
+        robot: with the feet of its file.
+        topics: topic by foot, as the user says, with the field where one is named.
+        recorded: topics that the log has.
+        guessed: the user named no robot. Then all feet may be the user's own, if none of the
+            robot's is left over.
+
+    Raises:
+        CallError: the robot has no such foot.
+    """
+    known = {foot.name: foot for foot in robot.feet}
+    unknown = [name for name in topics if name not in known]
+    others = [foot for foot in robot.feet if foot.name not in topics]
+    named = {split_topic(word, recorded)[0] for word in topics.values()}
+    left_over = {foot.topic for foot in others} & recorded - named
+    if known and unknown and (left_over or not guessed):
+        whose = f"{robot.name}{' (guessed from the topics)' if guessed else ''}"
+        raise CallError(
+            f"--foot {unknown[0]}: the robot {whose} has no such foot; it has {', '.join(known)}. "
+            "--robot generic takes feet of any names"
+        )
+    feet = {} if unknown else dict(known)
+    for name, word in topics.items():
+        foot = known.get(name, Foot(name, word, leg_position=leg_position(name)))
+        topic, path = split_topic(word, recorded)
+        # What the robot's file says of the field stays, such as its scale.
+        field = replace(foot.field or FootField(path), path=path) if path else None
+        feet[name] = replace(foot, topic=topic, field=field)
+    return replace(robot, feet=tuple(feet.values()))
+
+
+def check_topics(log: Log, topics: Mapping[str, str]) -> None:
+    """Check that the log has the topics that the user gave feet.
+
+    Raises:
+        CallError: it lacks one, or one is of a wrong type.
+    """
+    types = contact_types(log.channels.values())
+    for name, word in topics.items():
+        topic, path = split_topic(word, log.channels_by_topic)
+        otherwise = "" if path else _fields_text(log, topic)
+        require_topic(log, f"--foot {name}", topic, None if path else types, otherwise)
+
+
+def _fields_text(log: Log, topic: str) -> str:
+    """Return a sentence on the fields of a topic that can be feet; empty: there are none."""
+    for channel in log.channels_by_topic.get(topic, ()):
+        try:
+            fields = list(islice(readable_fields(definition_of(channel)), _MOST_COMPARED))
+        except DefinitionError:
+            continue
+        fields.sort(key=lambda one: not any(word in one[0].lower() for word in _LIKELY))
+        if some := [f"{topic}:{path} ({type_text(kind)})" for path, kind in fields]:
+            return f"A field of its messages can be named: {listed(some, _MOST_LISTED)}"
+    return ""
+
+
+def foot_channels(log: Log, robot: Robot, topic: str) -> list[Channel]:
+    """Return the channels from which a topic's feet can be read.
+
+    Raises:
+        CallError: a field of a foot does not exist, or only some of the feet have one.
+    """
+    feet = robot.feet_of(topic)
+    fields = [foot for foot in feet if foot.field is not None]
+    if fields and len(fields) < len(feet):
+        raise CallError(f"{topic}: all feet of a topic need a field, or none")
+    found: list[Channel] = []
+    because = ""
+    for channel in log.channels_by_topic.get(topic, ()):
+        try:
+            if source_of(channel, feet) and (fields or not why_unreadable(channel)):
+                found.append(channel)
+        except DefinitionError as reason:
+            because = str(reason)
+    if because and not found:
+        names = f"{'foot' if len(feet) == 1 else 'feet'} {listed([foot.name for foot in feet])}"
+        raise CallError(f"{shown(log.source.path)}: {names}, {topic}: {because}")
+    return found
+
+
+# --- by types and names --------------------------------------------------------------------------
+
+
+def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, FootOffer | None]:
+    """Find a robot's feet in a log.
+
+    Args:
+        log: the log.
+        robot: its feet are those of its file or the user; if the log has none of their topics, they
+            are replaced by those found.
+        findings: receives findings.
+
+    Raises:
+        CallError: two feet would be the same in the messages of a topic.
+
+    Returns:
+        the robot with its feet, and other topics that may be feet if none surely are.
+    """
+    types = contact_types(log.channels.values())
+    named = {foot.topic for foot in robot.feet if foot.field is not None}
+    topics = {*topics_of_type(log, types), *named & log.channels_by_topic.keys()}
+    found, offered, told = _feet_by_names(log)
+    if any(foot.topic in topics for foot in robot.feet):
+        feet = tuple(_with_element(log, foot, findings) for foot in robot.feet)
+        _check_feet_differ(log, feet)
+        for foot in feet:
+            if foot.topic not in log.channels_by_topic:
+                text = f"foot {foot.name} has no messages: there is no topic {foot.topic}"
+                findings.append(_missing(text, foot.topic, foot.name))
+        unnamed = _unnamed(found, feet)
+        for foot in unnamed:
+            options = f"--foot {foot.name}={shell_quoted(foot.topic)}"
+            text = f"{foot.topic} is like the feet of {robot.name}, but none of them ({options})"
+            findings.append(Finding("NO_MESSAGES", text, foot.topic))
+        # Their messages are not read, so that what rests on all feet is not known.
+        missing = (replace(foot, topic="", element=None, label="") for foot in unnamed)
+        return replace(robot, feet=(*feet, *missing)), None
+    findings += told
+    if not found and not offered:
+        is_recorded = any(channel.type_name in types for channel in log.channels.values())
+        findings.append(Finding("NO_FEET", _without_feet(sorted(topics), is_recorded=is_recorded)))
+    return replace(robot, feet=found), _offer(offered) if offered and not found else None
+
+
+def _unnamed(found: Sequence[Foot], feet: Sequence[Foot]) -> list[Foot]:
+    """Return the feet that types and names of topics tell beside those that are named."""
+    known = {(foot.topic, foot.element) for foot in feet}
+    if not known < {(foot.topic, foot.element) for foot in found}:
+        return []
+    names = {foot.name for foot in feet}
+    others = [foot for foot in found if foot.topic and (foot.topic, foot.element) not in known]
+    return [] if names.intersection(foot.name for foot in others) else others
+
+
+def _feet_by_names(log: Log) -> tuple[tuple[Foot, ...], Sequence[FootSet], list[Finding]]:
+    """Return the feet that types and names of topics tell, what else may be, and what is said.
+
+    One type of messages may tell of some feet only, and another one of the rest.
+    """
+    offered: list[FootSet] = []
+    part: FootSet | None = None
+    others: tuple[FootSet, ...] = ()
+    for planned, source, topics in _by_source(log):
+        if planned and part is not None:
+            break
+        if source.tells_all_feet:
+            if feet := feet_of_messages(log, most_frequent(log, topics)):
+                return feet, (), [_found(feet)]
+            continue
+        names = name_feet(topics, contacts_only=not source.anything)
+        if names.chosen is not None and not names.chosen.missing:
+            feet = _feet_of(names.chosen)
+            return feet, (), [_found(feet, names.offered)]
+        if part is None and names.chosen is not None:
+            part, others = names.chosen, names.offered
+        offered.extend(names.offered[:_MOST_OFFERED])
+    if part is None:
+        return (), offered, []
+    rest = next((one for one in offered if one.completes(part)), None)
+    feet = (*_feet_of(part), *(_feet_of(rest) if rest is not None else ()))
+    told = [_found(feet, [one for one in others if one is not rest])]
+    for name in part.missing if rest is None else ():
+        text = f"foot {name} has no messages: there is no topic like those of the other feet"
+        told.append(_missing(text, name, name))
+        # A foot that none tells of stays a foot of the robot: what all feet carry is not known.
+        feet = (*feet, Foot(name, "", leg_position=leg_position(name)))
+    return tuple(sorted(feet, key=front_to_back)), offered, told
+
+
+def _by_source(log: Log) -> Iterator[tuple[bool, Source, list[str]]]:
+    """Yield whether messages are planned, their source and topics, the best first.
+
+    Measured ones are better. Of Unitree's states, those with positions come first, unless others
+    are much more frequent.
+    """
+    groups: dict[tuple[int, str], tuple[Source, set[str]]] = {}
+    counts: dict[tuple[int, str], int] = {}
+    for channel in log.channels.values():
+        source = source_of(channel)
+        if source is None or why_unreadable(channel):
+            continue
+        named = source.tells_all_feet and is_named_as_planned(channel.topic)
+        key = source.is_planned(channel.topic) + named, source.type_name
+        groups.setdefault(key, (source, set()))[1].add(channel.topic)
+        counts[key] = max(counts.get(key, 0), log.counts.get(channel.id, 0))
+    raw = {key for key, (source, _) in groups.items() if source.is_raw}
+    most = max((counts[key] for key in raw), default=0)
+    rare = {key for key in raw if _RARE * counts[key] < most}
+    for key in sorted(groups, key=lambda key: (key[0], key in rare, FOOT_TYPES.index(key[1]))):
+        source, topics = groups[key]
+        yield key[0] > 0, source, sorted(topics)
+
+
+def _check_feet_differ(log: Log, feet: Sequence[Foot]) -> None:
+    """Check that no two feet are the same in the messages of a topic.
+
+    Raises:
+        CallError: two are.
+    """
+    seen: dict[tuple[str, str | int | None], str] = {}
+    for foot in feet:
+        own = foot.field.path if foot.field is not None else foot.element
+        sources = _sources(log, foot.topic)
+        if own is None and all(source.tells_all_feet for source in sources):
+            continue
+        other = seen.setdefault((foot.topic, own), foot.name)
+        if other == foot.name:
+            continue
+        text = f"{other} is the same foot in the messages of {foot.topic}"
+        if foot.field is not None:
+            text += "; each needs a field of its own"
+        elif own is None:
+            text = f"{foot.topic} would be the topic of {other}, {foot.name}; a message of type "
+            text += f"{sources[0].type_name} is about one foot"
+        raise CallError(f"{shown(log.source.path)}: --foot {foot.name}: {text}")
+
+
+def _sources(log: Log, topic: str) -> list[Source]:
+    channels = log.channels_by_topic.get(topic, ())
+    return [source for channel in channels if (source := source_of(channel))]
+
+
+def _feet_of(found: FootSet) -> tuple[Foot, ...]:
+    return tuple(Foot(foot.name, foot.topic, leg_position=foot.position) for foot in found.feet)
+
+
+def _missing(text: str, where: str, foot: str) -> Finding:
+    return Finding("NO_MESSAGES", text, where, cases=("foot",), feet=(foot,))
+
+
+def _found(feet: Sequence[Foot], others: Sequence[FootSet] = ()) -> Finding:
+    text = f"feet are found by type and name: {', '.join(f'{f.name} = {f.topic}' for f in feet)}"
+    if others:
+        text += f"; not chosen, but possible: {_alternatives(others)}"
+    return Finding("TOPICS_CHOSEN", text)
+
+
+def _alternatives(sets: Sequence[FootSet]) -> str:
+    return " or ".join(_foot_options(one) for one in sets[:_ALTERNATIVES])
+
+
+def _offer(offered: Sequence[FootSet]) -> FootOffer:
+    first, *others = offered
+    text = ", ".join(f"{foot.name} = {foot.topic}" for foot in first.feet)
+    text += f"; or {_alternatives(others)}" if others else ""
+    if len(others) > _ALTERNATIVES:
+        text += f" or {len(others) - _ALTERNATIVES} other sets of topics"
+    return FootOffer(text, _foot_options(first), first.topics)
+
+
+def _foot_options(feet: FootSet) -> str:
+    """Return the words for a shell that choose these feet."""
+    return " ".join(f"--foot {foot.name}={shell_quoted(foot.topic)}" for foot in feet.feet)
+
+
+def _without_feet(topics: Sequence[str], *, is_recorded: bool) -> str:
+    if not topics:
+        none = "no contact topics can be read" if is_recorded else "there are no contact topics"
+        return f"{none}: no arrows, no gait"
+    text = f"no topic with forces or contacts is named like a foot's: {listed(topics)}"
+    return f"{text}; no arrows, no gait (--foot NAME=TOPIC names one)"
+
+
+def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
+    """Note which element is a foot's, where messages hold all feet and no option says it."""
+    sources = _sources(log, foot.topic)
+    if foot.field is not None or not sources or not sources[0].tells_all_feet:
+        return foot
+    if foot.element is not None and sources[0].legs:
+        return foot
+    positions = (foot.leg_position, leg_position(foot.name))
+    names = (foot.name, *("_".join(position) for position in positions if position))
+    found = feet_of_messages(log, foot.topic)
+    for name in names:
+        for other in found:
+            if foot.label == other.label if foot.label else name == other.name:
+                return replace(foot, element=other.element, label=other.label)
+    if foot.element is None:
+        text = f"which element of {foot.topic} is {foot.name} is not known; the robot's file can"
+        findings.append(Finding("FEET_UNSURE", f"{text} tell", foot.topic))
+    return foot
+
+
+# --- by messages that tell of all feet -----------------------------------------------------------
+
+
+def feet_of_messages(log: Log, topic: str) -> tuple[Foot, ...]:
+    """Return the feet that a topic's messages tell of; none where they are not about feet."""
+    for channel in log.channels_by_topic.get(topic, ()):
+        source = source_of(channel)
+        if source is None or why_unreadable(channel) or not source.tells_all_feet:
+            continue
+        found: Sequence[MessageFoot] = [MessageFoot(name=leg) for leg in source.legs]
+        if not found:
+            seen = [feet_in(source, each) for each in first_messages(log, channel, source.fields)]
+            labelled = {foot.label: foot for feet in seen for foot in feet if foot.label}
+            found = [labelled[label] for label in sorted(labelled)]
+            found = found or max(seen, key=len, default=())
+        if found:
+            return _named_feet(_without_hands(found), topic)
+    return ()
+
+
+def _without_hands(found: Sequence[MessageFoot]) -> Sequence[MessageFoot]:
+    """Leave out hands, wheels, tools ... where other labels say that they are feet."""
+    parts = [{word.part for word in words_of(foot.label)} for foot in found]
+    if not any({Part.FOOT, Part.LEG} & each for each in parts):
+        return found
+    return [
+        foot
+        for foot, each in zip(found, parts, strict=True)
+        if Part.NOT_A_FOOT not in each or {Part.FOOT, Part.LEG} & each
+    ]
+
+
+def _named_feet(found: Sequence[MessageFoot], topic: str) -> tuple[Foot, ...]:
+    labelled = label_names([foot.label for foot in found])
+    names = [foot.name or each.name for foot, each in zip(found, labelled, strict=True)]
+    feet = [
+        Foot(
+            name if names.count(name) == 1 else foot.label or f"{name}_{element + 1}",
+            topic,
+            leg_position=leg_position(name) or each.position,
+            element=element,
+            label=foot.label,
+        )
+        for element, (foot, name, each) in enumerate(zip(found, names, labelled, strict=True))
+    ]
+    return tuple(sorted(feet, key=front_to_back))
+
+
+def front_to_back(foot: Foot) -> tuple[int, int, str]:
+    """Sort feet front to back, left before right."""
+    if foot.leg_position is None:
+        return len(_ORDER), 0, foot.name
+    end, side = ((*_ORDER, each).index(each) for each in foot.leg_position)
+    return end, side, foot.name
+
+
+def is_planned(channel: Channel) -> bool:
+    """Tell whether a channel's messages tell what was planned, not what was measured."""
+    source = source_of(channel)
+    return source is not None and source.is_planned(channel.topic)
+
+
+def planned_feet(log: Log, robot: Robot, contacts: Sequence[Channel]) -> tuple[Foot, ...]:
+    """Return the feet of a robot as a plan in the log tells of them; none: there is no plan.
+
+    Args:
+        log: the log.
+        robot: with the feet that are used.
+        contacts: their channels.
+    """
+    used = {channel.topic for channel in contacts}
+    if any(is_named_as_planned(topic) for topic in used):
+        return ()
+    for channel in contacts:
+        source = source_of(channel, robot.feet_of(channel.topic))
+        if source is not None and source.type_name == _JOINT_FOOT:
+            return tuple(_by_velocity(foot) for foot in robot.feet if foot.element is not None)
+    topics: dict[str, list[str]] = {}
+    for channel in log.channels.values():
+        if channel.topic not in used and is_planned(channel) and not why_unreadable(channel):
+            topics.setdefault(channel.type_name, []).append(channel.topic)
+    own = {channel.type_name for channel in contacts}
+    # A plan of the measurement's own type tells forces in the same way.
+    for _, of_type in sorted(topics.items(), key=lambda each: each[0] not in own):
+        names = {foot.name for foot in robot.feet}
+        found = [f for f in feet_of_messages(log, most_frequent(log, of_type)) if f.name in names]
+        if found:
+            return tuple(found)
+    return ()
+
+
+def _by_velocity(foot: Foot) -> Foot:
+    """Return a foot whose planned contact is the velocity beside its count."""
+    field = FootField(f"velocity[{_JOINTS + (foot.element or 0)}]", kind="contact", threshold=0.5)
+    return replace(foot, element=None, field=field, newtons_per_count=None, offset=0.0)

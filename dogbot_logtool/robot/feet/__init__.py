@@ -1,1 +1,0 @@
-"""Which topics are feet: by the robot's file, by the user's word, or by their names."""

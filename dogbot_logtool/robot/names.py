@@ -1,0 +1,503 @@
+"""Which foot a topic tells of, judged by the names of all topics of its type together.
+
+One name alone misleads: ``rl_controller`` is no left hind leg and the ``front`` of
+``left_foot_front`` is no front leg. So topics are compared with their siblings:
+
+1. Every name is read in all ways that name a leg: as one of four or six legs (`LETTERS`, or an end
+   and a side), as one of two (a side), as one of several that are numbered. The words that name the
+   leg are replaced by a slot; where a name has several such words, as ``/left_leg/left_foot``, the
+   last one is tried first, then others and more of them. The rest of the name is the template.
+2. Names with the same template are siblings: they differ in nothing but the leg. Words that all of
+   them share, such as a robot's or a controller's name, thereby stay in the template.
+3. A set of siblings is dropped if its template says that it is no foot (`PARTS`), or that its
+   topics are several sensors of one foot (``/left_foot/front_{side}``).
+4. The rest are ranked: by the part of the leg that they name, then by what they tell of it
+   (`MERITS`: a measured force before a planned one, one without offset before the raw one).
+   A single best one that is clear is chosen. All others are offered to the user.
+"""
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import combinations, pairwise
+from typing import Final
+
+from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.robot.words import (
+    END_FIRST,
+    ENDS,
+    LETTERS,
+    MERITS,
+    NEUTRAL,
+    ROWS,
+    SIDE_FIRST,
+    SIDES,
+    USABLE,
+    Part,
+    Word,
+    words_of,
+)
+
+_MANY: Final = 3
+"""Legs from which names that say no more than the leg are believed; a robot has four or six."""
+_NUMBERED: Final = 4
+"""Legs from which numbers are believed; two may as well be two sensors of a foot."""
+_ORDER: Final = ("front", "middle", "back", "left", "right")
+_MOST_SLOTS: Final = 4
+"""Words of a name that may name its leg together."""
+_MOST_LEGS: Final = 16
+_MOST_TOPICS: Final = 2000
+"""Topics of a type whose names are compared; no robot has more."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """A name, understood as that of a leg."""
+
+    kind: str
+    """``corners``, ``sides`` or ``numbers``."""
+    scheme: str
+    """Which letters or words name the leg; siblings use the same."""
+    leg: str
+    """Its name."""
+    position: LegPosition | None
+    order: tuple[int, int]
+    """Sorts legs front to back and left before right, or by number."""
+
+
+@dataclass(frozen=True, slots=True)
+class NamedFoot:
+    """A foot and its topic."""
+
+    name: str
+    topic: str
+    position: LegPosition | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class FootSet:
+    """Topics whose names differ only in the leg."""
+
+    feet: tuple[NamedFoot, ...]
+    """In the order front to back, left before right, or of their numbers."""
+    kind: str
+    """``corners``, ``sides`` or ``numbers``."""
+    part: Part
+    words: frozenset[str]
+    """Words that describe the leg, without those that name it."""
+    letters_only: bool = False
+    """Whether the legs are named by two letters, of which ``lf`` may also be a left foot."""
+    doubtful: bool = False
+    """Whether the segment before the leg's names something that is no foot."""
+
+    @property
+    def topics(self) -> frozenset[str]:
+        """The topics."""
+        return frozenset(foot.topic for foot in self.feet)
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Names of legs that such a robot has and this set lacks."""
+        if self.kind != "corners":
+            return ()
+        there = {foot.position for foot in self.feet if foot.position}
+        ends = dict.fromkeys(["front", "back", *(end for end, _ in there)])
+        pairs = [(end, side) for end in ends for side in ("left", "right")]
+        return tuple("_".join(pair) for pair in pairs if pair not in there)
+
+    def completes(self, other: "FootSet") -> bool:
+        """Tell whether these are the very feet that another set lacks, as other messages tell."""
+        usable = self.merit >= USABLE and self.part >= Part.UNKNOWN and not self.doubtful
+        return usable and sorted(foot.name for foot in self.feet) == sorted(other.missing)
+
+    @property
+    def merit(self) -> int:
+        """How good what it tells is for telling a foot's contact."""
+        return sum(MERITS.get(word, 0) for word in self.words)
+
+    def is_clear(self, *, contacts_only: bool) -> bool:
+        """Tell whether it may be taken for the feet without asking.
+
+        Args:
+            contacts_only: its messages tell of contacts, and of nothing else.
+        """
+        if self.merit < USABLE or self.part < Part.UNKNOWN or self.doubtful:
+            return False
+        is_leg = self.part >= Part.LEG
+        if self.kind == "numbers":
+            return is_leg and len(self.feet) >= _NUMBERED
+        if self.kind == "sides":
+            return is_leg or (contacts_only and self.words.isdisjoint({"bumper", "bumpers"}))
+        if len(self.feet) >= _MANY:
+            return True
+        fronts = self.letters_only and {foot.position for foot in self.feet} == {
+            ("front", "left"),
+            ("front", "right"),
+        }
+        return (is_leg or contacts_only) and not fronts
+
+
+@dataclass(frozen=True, slots=True)
+class FootNames:
+    """Feet as the names of topics give them."""
+
+    chosen: FootSet | None = None
+    """None: no set is clearly the feet."""
+    offered: tuple[FootSet, ...] = ()
+    """Sets that may be the feet, the most likely first, without the chosen one."""
+
+
+def leg_position(name: str) -> LegPosition | None:
+    """Return where a leg sits whose name is given, such as ``hind_left`` or ``LF_FOOT``.
+
+    None where the name does not tell, or tells several.
+    """
+    words = words_of(name)
+    letters = {LETTERS[word.text] for word in words if word.text in LETTERS}
+    ends = {ENDS[word.text] for word in words if word.text in ENDS}
+    sides = {SIDES[word.text] for word in words if word.text in SIDES}
+    pairs = letters | {(end, side) for end in ends for side in sides}
+    return next(iter(pairs)) if len(pairs) == 1 else None
+
+
+def name_feet(topics: Iterable[str], *, contacts_only: bool) -> FootNames:
+    """Find the feet among the topics of one message type.
+
+    Args:
+        topics: their names.
+        contacts_only: such messages tell of contacts and of nothing else, so that every topic may
+            be a foot's. Else only those may be whose names say so.
+    """
+    names = {topic: words_of(topic) for topic in sorted(set(topics))[:_MOST_TOPICS]}
+    sets = _without_parts(list(_sibling_sets(names)))
+    possible = [one for one in sets if _may_be_feet(one, contacts_only=contacts_only)]
+    ranked = sorted(possible, key=_rank)
+    clear = [one for one in ranked if one.is_clear(contacts_only=contacts_only)]
+    chosen = None
+    if clear and (len(clear) == 1 or _rank(clear[0]) < _rank(clear[1])):
+        chosen = clear[0]
+    offered = [one for one in ranked if one is not chosen]
+    in_sets = {topic for one in sets for topic in one.topics}
+    rest = {topic: words for topic, words in names.items() if topic not in in_sets}
+    offered.extend(_alone(rest, contacts_only=contacts_only))
+    return FootNames(chosen, tuple(offered))
+
+
+def _rank(one: FootSet) -> tuple[int, int]:
+    return -one.part, -one.merit
+
+
+def _may_be_feet(one: FootSet, *, contacts_only: bool) -> bool:
+    """Tell whether a set is worth offering: forces of any left and right thing are not."""
+    if one.kind == "sides" and one.part == Part.UNKNOWN and not contacts_only:
+        said = one.words - NEUTRAL - MERITS.keys()
+        return not one.doubtful and not any(map(str.isalpha, said))
+    return one.part > Part.NOT_A_FOOT and len(one.feet) <= _MOST_LEGS
+
+
+def _sibling_sets(names: Mapping[str, Sequence[Word]]) -> Iterator[FootSet]:
+    """Yield all sets of at least two siblings."""
+    alike: dict[object, list[str]] = {}
+    for topic, words in names.items():
+        shape = tuple((word.gap, word.slot or word.text) for word in words)
+        alike.setdefault(shape, []).append(topic)
+    for topics in alike.values():
+        columns = list(zip(*(names[topic] for topic in topics), strict=True))
+        varying = [n for n, column in enumerate(columns) if len({w.text for w in column}) > 1]
+        for slots in _slots(varying[-_MOST_SLOTS:], names[topics[0]]):
+            yield from _siblings(topics, names, slots, frozenset(varying) - slots)
+
+
+def _slots(varying: Sequence[int], words: Sequence[Word]) -> Iterator[frozenset[int]]:
+    """Yield the words that may name the leg together.
+
+    If all legs have the same end or the same side, its word may be that of a robot or a controller:
+    it is a leg's only beside the other one, as in ``front_left`` and ``front_right``.
+    """
+    for count in range(1, len(varying) + 1):
+        for chosen in combinations(varying, count):
+            yield frozenset(chosen)
+    for one, other in (pair for at in varying for pair in ((at, at - 1), (at, at + 1))):
+        if 0 <= other < len(words) and other not in varying:
+            told = {words[at].slot.replace("l or r", "side") for at in (one, other)}
+            named = told in ({"end", "side"}, {"number", "side"})
+            if named and words[one].segment == words[other].segment:
+                yield frozenset((one, other))
+
+
+def _siblings(
+    topics: Sequence[str],
+    names: Mapping[str, Sequence[Word]],
+    slots: frozenset[int],
+    others: frozenset[int],
+) -> Iterator[FootSet]:
+    """Yield the sets of topics whose names differ in some words, and not in some others."""
+    found: dict[object, dict[str, list[tuple[Reading, str]]]] = {}
+    for topic in topics:
+        words = names[topic]
+        same = tuple(words[at].text for at in sorted(others))
+        for reading in readings_of(words, slots):
+            legs = found.setdefault((reading.kind, reading.scheme, same), {})
+            legs.setdefault(reading.leg, []).append((reading, topic))
+    for legs in found.values():
+        # Two topics of one leg whose names differ in letter case only: none is the leg's.
+        feet = [entries[0] for entries in legs.values() if len(entries) == 1]
+        if len(feet) > 1:
+            feet.sort(key=lambda entry: entry[0].order)
+            yield _foot_set(feet, names[feet[0][1]], slots)
+
+
+def _foot_set(
+    feet: Sequence[tuple[Reading, str]], words: Sequence[Word], slots: frozenset[int]
+) -> FootSet:
+    """Return siblings as a set; the first one's words stand for all."""
+    near = _describing(words, slots)
+    return FootSet(
+        tuple(NamedFoot(each.leg, topic, each.position) for each, topic in feet),
+        feet[0][0].kind,
+        _part(near, min(words[at].segment for at in slots)),
+        frozenset(word.text for word in near),
+        letters_only=all(words[at].text in LETTERS for at in slots),
+        doubtful=_is_doubtful(words, slots),
+    )
+
+
+def readings_of(words: Sequence[Word], slots: frozenset[int]) -> Iterator[Reading]:
+    """Yield the ways in which some of a name's words can be read as the name of a leg."""
+    if _one_foot(words, slots):
+        return
+    texts = [words[at].text for at in sorted(slots)]
+    if _tells_corner(words, slots):
+        letters = not LETTERS.keys().isdisjoint(texts)
+        for scheme in (SIDE_FIRST, END_FIRST) if letters else (SIDE_FIRST,):
+            if position := _position(texts, scheme):
+                order = _ORDER.index(position[0]), _ORDER.index(position[1])
+                kind = scheme is SIDE_FIRST and letters
+                yield Reading("corners", str(kind), "_".join(position), position, order)
+    if len({SIDES.get(text, text) for text in texts}) == 1 and texts[0] in SIDES:
+        side = SIDES[texts[0]]
+        yield Reading("sides", "", side, None, (_ORDER.index(side), 0))
+    if len(slots) == 1:
+        yield from _numbers(words, min(slots))
+    elif len(slots) == 2:
+        yield from _rows(words, *sorted(slots))
+
+
+def _position(texts: Sequence[str], scheme: Mapping[str, LegPosition]) -> LegPosition | None:
+    """Return the position that all of some words tell; None: they tell none, or several."""
+    pairs = {scheme.get(text) for text in texts if text in LETTERS}
+    ends = {ENDS[text] for text in texts if text in ENDS} | {pair[0] for pair in pairs if pair}
+    sides = {SIDES[text] for text in texts if text in SIDES} | {pair[1] for pair in pairs if pair}
+    known = all(text in LETTERS or text in ENDS or text in SIDES for text in texts)
+    if not known or None in pairs or (len(ends), len(sides)) != (1, 1):
+        return None
+    return ends.pop(), sides.pop()
+
+
+def _tells_corner(words: Sequence[Word], slots: frozenset[int]) -> bool:
+    """Tell whether words name one of four or six legs.
+
+    In ``left_foot_front``, ``left_foot/fl`` and ``front_sensor/left_foot`` they name a sensor of
+    one of two feet.
+    """
+    if not slots:
+        return False
+    first = min(slots)
+    if words[first].text in SIDES and first + 1 < len(words) and words[first + 1].is_leg:
+        return any(word.is_leg for word in words[first + 2 :]) and _tells_corner(
+            words[first + 2 :], frozenset(at - first - 2 for at in slots if at > first + 1)
+        )
+    if any(words[at].text in LETTERS for at in slots):
+        return True
+    ends = [at for at in slots if words[at].text in ENDS]
+    if any(word.text in {"sensor", "sensors"} for at in ends for word in words[at + 1 : at + 2]):
+        return False
+    return bool(ends) and any(words[at].text in SIDES for at in slots)
+
+
+def _numbers(words: Sequence[Word], at: int) -> Iterator[Reading]:
+    """Read a word as the number of a leg, or its letter, or as its row and side: ``bl``."""
+    word = words[at]
+    if word.text in ROWS:
+        row, side = ROWS[word.text]
+        yield _of_row(side, row, "row and side")
+    if word.slot not in {"number", "row"}:
+        return
+    beside = [one for one in words if one.segment == word.segment and one is not word]
+    beside = beside or [one for one in words if one.segment == word.segment - 1][-1:]
+    parts = [one.text for one in beside if one.is_leg]
+    if parts:
+        order = _number(word.text), len(word.text)
+        yield Reading("numbers", word.slot, f"{parts[-1]}_{word.text}", None, order)
+
+
+def _rows(words: Sequence[Word], one: int, other: int) -> Iterator[Reading]:
+    """Read two words as one of two rows of numbered legs: ``l1``, ``left_leg_1``, ``leg1_l``.
+
+    Which end the numbers begin at is not known, so such a leg has no position.
+    """
+    at, side = (one, other) if words[one].slot == "number" else (other, one)
+    between = words[one + 1 : other]
+    if (
+        words[at].slot != "number"
+        or words[side].text not in SIDES
+        or words[at].segment != words[side].segment
+        or len(between) > 1
+        or any(word.part is not Part.LEG for word in between)
+        or _may_number_sensors(words, one, other)
+    ):
+        return
+    before = words[at - 1] if at else None
+    if side > at and before and before.segment == words[at].segment and not before.is_leg:
+        # The number of something else, as in `robot1_left_leg`.
+        return
+    yield _of_row(SIDES[words[side].text], words[at].text, str(side > at))
+
+
+def _may_number_sensors(words: Sequence[Word], one: int, other: int) -> bool:
+    """Tell whether a number may be that of one of a foot's sensors, as in ``left_foot_1``."""
+    inside = {word.part for word in words if word.segment == words[one].segment}
+    is_one_word = other == one + 1 and not words[other].gap
+    return Part.FOOT in inside and Part.LEG not in inside and not is_one_word
+
+
+def _of_row(side: str, row: str, scheme: str) -> Reading:
+    order = _number(row), _ORDER.index(side)
+    return Reading("numbers", f"rows {scheme}", f"{side}_{row}", None, order)
+
+
+def _number(text: str) -> int:
+    return int(text[:9]) if text.isdecimal() else ord(text) - ord("a")
+
+
+def _one_foot(words: Sequence[Word], slots: frozenset[int]) -> bool:
+    """Tell whether the words outside the slots name one foot: its siblings are its sensors."""
+    for at, (one, other) in enumerate(pairwise(words)):
+        if at in slots or at + 1 in slots or one.segment != other.segment:
+            continue
+        named = (one.is_leg and other.is_position) or (other.is_leg and one.is_position)
+        if named and _says_only_leg(words, one.segment, slots):
+            return True
+    return False
+
+
+def _says_only_leg(words: Sequence[Word], segment: int, slots: frozenset[int]) -> bool:
+    """Tell whether a segment is about a leg: ``left_leg_controller`` is not, without a slot."""
+    inside = [at for at, word in enumerate(words) if word.segment == segment]
+    return not slots.isdisjoint(inside) or all(
+        word.is_leg or word.is_position or word.text in NEUTRAL or word.slot == "number"
+        for word in (words[at] for at in inside)
+    )
+
+
+def _describing(words: Sequence[Word], slots: frozenset[int]) -> list[Word]:
+    """Return the words that describe the leg: of its segment, of those after, and just before.
+
+    A segment before counts only if it says nothing else, as ``/foot_sensors/`` and ``/desired/``.
+    """
+    first = words[min(slots)].segment
+    before = [word for word in words if word.segment == first - 1]
+    telling = all(word.part is not None or word.text in NEUTRAL | MERITS.keys() for word in before)
+    outside = [word for at, word in enumerate(words) if at not in slots]
+    return [word for word in outside if word.segment >= first - telling]
+
+
+def _part(near: Sequence[Word], first: int) -> Part:
+    """Return the part of a body that a name is about; words beside the leg's decide first."""
+    for group in ([word for word in near if word.segment >= first], near):
+        parts = [word.part for word in group if word.part is not None]
+        if Part.FOOT in parts:
+            return Part.FOOT
+        if parts:
+            split = not {"upper", "lower"}.isdisjoint(word.text for word in group)
+            return Part.UPPER_LEG if split and Part.LEG in parts else min(parts)
+    return Part.UNKNOWN
+
+
+def _is_doubtful(words: Sequence[Word], slots: frozenset[int]) -> bool:
+    """Tell whether the segment before the leg's names something that is no foot.
+
+    So are the numbers in ``foot_l1`` doubtful: they may be those of the sensors of one foot.
+    """
+    first = words[min(slots)].segment
+    inside = {word.part for word in words if word.segment == first}
+    if len(slots) > 1 and any(words[at].slot == "number" for at in slots):
+        return Part.FOOT in inside and Part.LEG not in inside
+    return any(word.part is Part.NOT_A_FOOT for word in words if word.segment == first - 1)
+
+
+def _without_parts(sets: Sequence[FootSet]) -> list[FootSet]:
+    """Leave out sets that are a part of another; of several of the same topics, keep the first."""
+    order = {"corners": 0, "sides": 1, "numbers": 2}
+    by_size = sorted(sets, key=lambda one: (-len(one.feet), order[one.kind]))
+    holders: dict[str, list[frozenset[str]]] = {}
+    kept = []
+    for one in by_size:
+        topics = one.topics
+        if not any(topics <= other for other in holders.get(one.feet[0].topic, ())):
+            kept.append(one)
+            for topic in topics:
+                holders.setdefault(topic, []).append(topics)
+    return kept
+
+
+def _alone(names: Mapping[str, Sequence[Word]], *, contacts_only: bool) -> list[FootSet]:
+    """Return topics without siblings that may be feet, as one set to offer."""
+    topics = {
+        topic: _lone_name(topic, words)
+        for topic, words in names.items()
+        if _may_be_foot(words, contacts_only=contacts_only)
+    }
+    counts = Counter(topics.values())
+    feet = [
+        NamedFoot(name if counts[name] == 1 else _sanitised(topic), topic)
+        for topic, name in topics.items()
+    ]
+    unique = tuple({foot.name: foot for foot in feet}.values())[:_MOST_LEGS]
+    return [FootSet(unique, "alone", Part.UNKNOWN, frozenset())] if unique else []
+
+
+def _may_be_foot(words: Sequence[Word], *, contacts_only: bool) -> bool:
+    """Tell whether a single topic may be a foot's."""
+    parts = {word.part for word in words}
+    if Part.FOOT in parts:
+        return True
+    if Part.NOT_A_FOOT in parts:
+        return False
+    return contacts_only or (Part.LEG in parts and any(word.is_position for word in words))
+
+
+def label_names(labels: Sequence[str]) -> list[NamedFoot]:
+    """Return feet that messages call by labels, in their order; ``topic`` is the label.
+
+    Labels that differ in the leg only are read together: ``BR_tip`` is a middle leg beside
+    ``AR_tip``, and else a hind one.
+    """
+    found = name_feet(labels, contacts_only=True)
+    for together in (found.chosen, *found.offered):
+        if together and together.kind != "alone" and together.topics == set(labels):
+            by_label = {foot.topic: foot for foot in together.feet}
+            return [by_label[label] for label in labels]
+    return [NamedFoot(foot_name(label), label, leg_position(label)) for label in labels]
+
+
+def foot_name(label: str) -> str:
+    """Return a name for a foot that messages call by a label, such as ``LF_FOOT``."""
+    return _lone_name(label, words_of(label))
+
+
+def _lone_name(topic: str, words: Sequence[Word]) -> str:
+    """Return a name for a foot whose topic has no siblings."""
+    slots = [at for at, word in enumerate(words) if word.slot][-_MOST_SLOTS:]
+    chosen = [frozenset(each) for n in range(1, 5) for each in combinations(slots, n)]
+    found = [reading for each in chosen for reading in readings_of(words, each)]
+    for kind in ("corners", "sides", "numbers"):
+        legs = {each.leg for each in found if each.kind == kind}
+        if len(legs) == 1:
+            return legs.pop()
+    return _sanitised(topic)
+
+
+def _sanitised(topic: str) -> str:
+    return re.sub(r"[^A-Za-z0-9]+", "_", topic).strip("_") or "foot"

@@ -1,0 +1,46 @@
+"""Where feet are whose sensors tell forces but no contact points."""
+
+from collections.abc import Iterable, Mapping
+
+from dogbot_logtool.core.frames.transforms import chain_of_frames
+from dogbot_logtool.core.frames.wrench_frame import FramePoint
+from dogbot_logtool.core.known_frames import KnownFrames
+from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.robot.names import name_feet
+from dogbot_logtool.robot.selection import Selection
+from dogbot_logtool.robot.words import Part
+
+
+def sensor_points(selection: Selection, frames: KnownFrames) -> list[FramePoint | None]:
+    """Return the position of each foot without contact points; None: it has some, or no force.
+
+    It is at the frame of the robot's file or of its messages; where the log's transforms do not
+    place that, at the frame that is named like the leg's foot.
+    """
+    parents = {child: next(iter(each)) for child, each in frames.parents.items() if len(each) == 1}
+    if selection.odometry:
+        parents[frames.base] = frames.world
+    named = _foot_frames(parents)
+    points: list[FramePoint | None] = []
+    for foot, described in enumerate(selection.robot.feet):
+        sources = selection.sources_of(foot)
+        if any(source.in_base for source in sources):
+            points.append(FramePoint(frames.base, recorded=True))
+            continue
+        if not selection.knows_force(foot) or any(source.has_points for source in sources):
+            points.append(None)
+            continue
+        frame = described.frame or frames.links[foot]
+        is_placed = frame and chain_of_frames(parents, frame, frames.world) is not None
+        if described.frame is None and described.leg_position is not None and not is_placed:
+            frame = named.get(described.leg_position, frame)
+        points.append(FramePoint(frame, described.contact_point_m) if frame else None)
+    return points
+
+
+def _foot_frames(frames: Iterable[str]) -> Mapping[LegPosition, str]:
+    """Return the frames that are named like the feet of all legs, by where the leg is."""
+    found = name_feet(frames, contacts_only=False).chosen
+    if found is None or found.part is not Part.FOOT:
+        return {}
+    return {foot.position: foot.topic for foot in found.feet if foot.position}

@@ -1,0 +1,167 @@
+"""One score of fields that may be feet: their names, their rate and what they read.
+
+Each thing that speaks for or against them is a mark: points, and a reason for people.
+"""
+
+from collections.abc import Collection, Iterator, Sequence
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, norms, percentiles_of
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.robot.words import MERITS, Part, words_of
+
+Mark = tuple[int, str]
+"""Points, and the reason; empty: it need not be said."""
+_CONTACT: Final = "contact contacts grf stance touch touches ground"
+CONTACT_WORDS: Final = frozenset(_CONTACT.split())
+_FORCE: Final = (
+    "cell effort force forces fsr ft fz load loadcell loadcells loads pressure torque weight "
+    "wrench wrenches"
+)
+FORCE_WORDS: Final = frozenset(_FORCE.split())
+_OTHER_PART: Final = 4
+"""Points that a name costs which speaks of something else beside a foot."""
+_NEVER: Final = 20
+"""Points of what cannot be feet: nothing can outweigh it."""
+_SLOW_HZ, _FAST_HZ = 5.0, 20.0
+_USUAL_FEET: Final = (2, 4, 6, 8)
+_FEWEST: Final = 8
+"""Samples of a foot from which its values mean something; some are sent on change only."""
+_LARGEST_STATE: Final = 3.0
+"""Whole numbers up to this are states of a contact: open, closed, slipping."""
+_FEWEST_DOWN: Final = 0.8
+"""Share of the time in which at least one foot of a walking robot is down."""
+_SAME: Final = 0.98
+"""Share of the time from which two feet that agree are one signal."""
+_STEADY: Final = 0.25
+"""Largest spread of the sum of all loads, as a share of its mean."""
+_UNSTEADY: Final = 1.5
+"""Each foot's spread is at least so many times that of the sum."""
+_BOTH_WAYS: Final = 0.5
+"""Share of the larger that the smaller of push and pull is, from which a number is no load."""
+_NOT_UNLOADED: Final = 0.5
+"""Share of what each foot reads with load that it reads without, from which numbers are no forces:
+those of air pressure, or of a sensor that was never set to zero."""
+_TENTH: Final = (10.0, 90.0)
+"""Percentiles of what a foot reads without and with load."""
+_ENDS: Final = (2.0, 98.0)
+"""The same of feet that are hardly ever in the air."""
+_ON: Final = 0.2
+"""Share of the way between them from which it is on; with all feet down each bears little."""
+
+
+@dataclass(frozen=True, slots=True)
+class Content:
+    """What the values of feet are: flags, forces, counts."""
+
+    marks: tuple[Mark, ...]
+    is_contact: bool
+    """Whether the values only tell contact, and no force."""
+    thresholds: tuple[float, ...] = ()
+    """Threshold of each foot; empty: values are near zero without load."""
+
+
+def name_marks(names: Collection[str], type_name: str) -> Iterator[Mark]:
+    """Judge names of fields, with their topics, and of the type of their messages."""
+    words = [word for name in names for word in words_of(name)]
+    texts = {word.text for word in (*words, *words_of(type_name))}
+    if any(word.is_leg for word in words):
+        yield 2, "the names speak of feet or legs"
+    yield -cost_of({word.part for word in words}), ""
+    if not texts.isdisjoint(CONTACT_WORDS | FORCE_WORDS):
+        yield 1, "of contact or force"
+    merit = min((MERITS.get(text, 0) for text in texts), default=0)
+    if merit < -1:
+        yield merit, "they are named as planned or set, not measured"
+
+
+def cost_of(parts: Collection[Part | None]) -> int:
+    """Return the points that names cost which speak of hands, wheels, tools ..."""
+    if Part.NOT_A_FOOT not in parts:
+        return 0
+    return _NEVER if {Part.FOOT, Part.LEG}.isdisjoint(parts) else _OTHER_PART
+
+
+def rate_mark(rate_hz: float) -> Mark:
+    """Judge the messages a second."""
+    points = 1 if rate_hz >= _FAST_HZ else -2 if rate_hz < _SLOW_HZ else 0
+    return points, f"{rate_hz:.0f} messages a second"
+
+
+def judge_content(feet: Sequence[Samples]) -> Content | None:
+    """Judge values that were read as forces; None: too few were seen.
+
+    Args:
+        feet: samples of each foot, by log time.
+    """
+    if min((len(each.log_time) for each in feet), default=0) < _FEWEST:
+        return None
+    signed = _side_by_side(feet)
+    values = np.abs(signed)
+    is_contact = bool((values <= _LARGEST_STATE).all() and (values == np.round(values)).all())
+    low, high = percentiles_of(values, _TENTH, axis=0)
+    down = values > 0.0 if is_contact else values > low + _ON * (high - low)
+    marks = [_on_and_off(np.count_nonzero(np.diff(down, axis=0), axis=0)), _in_turns(down)]
+    if not is_contact:
+        marks += [_together(values), _one_way(signed)]
+    thresholds: tuple[float, ...] = ()
+    is_number = not is_contact and not any(each.force[:, :2].any() for each in feet)
+    low, high = percentiles_of(values, _ENDS, axis=0)
+    if is_number and bool((signed > 0.0).all()) and bool((low > _NOT_UNLOADED * high).all()):
+        thresholds = tuple((low + _ON * (high - low)).tolist())
+        marks.append((0, "none reads near zero without load: they tell contact, not newtons"))
+    if sum(points for points, _ in marks) <= 0:
+        marks.append((-_NEVER, "no foot reads so"))
+    return Content((*marks, (1 if len(feet) in _USUAL_FEET else -1, "")), is_contact, thresholds)
+
+
+def _side_by_side(feet: Sequence[Samples]) -> Floats:
+    """Return (n, feet) at the samples of all feet: numbers with their sign, or magnitudes."""
+    time = np.unique(np.concatenate([each.log_time for each in feet]))
+    columns = []
+    for each in feet:
+        before = np.searchsorted(each.log_time, time, side="right") - 1
+        column = norms(each.force) if each.force[:, :2].any() else each.force[:, 2]
+        columns.append(column[np.maximum(before, 0)])
+    return np.stack(columns, axis=1)
+
+
+def _on_and_off(changes: Ints) -> Mark:
+    stepping, total = int(np.count_nonzero(changes > 1)), len(changes)
+    if stepping == total:
+        return 2, f"all {total} go on and off, {int(np.min(changes))} times and more"
+    return (-1 if stepping else -3), f"only {stepping} of {total} go on and off"
+
+
+def _in_turns(down: Flags) -> Mark:
+    feet = down.shape[1]
+    alike = [(down[:, i] == down[:, k]).mean() for i in range(feet) for k in range(i)]
+    some, every = float(down.any(axis=1).mean()), float(down.all(axis=1).mean())
+    if not alike or min(alike) > _SAME:
+        return -2, "all are the same signal"
+    if some >= _FEWEST_DOWN and every < some:
+        return 2, f"in turns: at least one is on {some:.0%} of the time, all at once {every:.0%}"
+    return 0, f"at least one is on {some:.0%} of the time"
+
+
+def _together(values: Floats) -> Mark:
+    total = values.sum(axis=1)
+    mean = float(total.mean())
+    if mean <= 0.0:
+        return 0, ""
+    spread = float(total.std()) / mean
+    own = float(median_of(values.std(axis=0) / np.maximum(values.mean(axis=0), 1e-12)))
+    if spread <= _STEADY and own >= _UNSTEADY * spread:
+        return 3, f"together they stay within {spread:.0%} of {mean:.4g}, as a weight does"
+    return 0, f"their sum varies by {spread:.0%}"
+
+
+def _one_way(signed: Floats) -> Mark:
+    """The ground pushes and does not pull."""
+    low, high = percentiles_of(signed, _TENTH, axis=0)
+    smaller, larger = np.minimum(-low, high), np.maximum(-low, high)
+    both = (low < 0.0) & (high > 0.0) & (smaller > _BOTH_WAYS * larger)
+    return -_NEVER if both.any() else 0, ""

@@ -1,0 +1,410 @@
+"""The choice of a log's topics, and the use of each.
+
+Topics are given by the robot's file or options, or found.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Final, Literal
+
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.errors import DefinitionError
+from dogbot_logtool.finding import Finding
+from dogbot_logtool.io.printable import MOST, listed, printable, shell_joined
+from dogbot_logtool.io.storage import shown
+from dogbot_logtool.options import RobotOptions
+from dogbot_logtool.reader.containers.log import Channel, Log
+from dogbot_logtool.reader.foot import Foot
+from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base
+from dogbot_logtool.reader.messages.contact_messages import (
+    contact_types,
+    source_of,
+    without_flags,
+)
+from dogbot_logtool.reader.messages.feet import FootChannels
+from dogbot_logtool.reader.messages.source import Source
+from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
+from dogbot_logtool.reader.salvage.losses import damage_of
+from dogbot_logtool.reader.wanted import Wanted
+from dogbot_logtool.robot.base import choose_base
+from dogbot_logtool.robot.contact_evidence import RawLevels, compare_flags, with_raw_levels
+from dogbot_logtool.robot.feet import (
+    assign_feet,
+    check_topics,
+    find_feet,
+    foot_channels,
+    is_planned,
+)
+from dogbot_logtool.robot.readable import (
+    own_definition_findings,
+    reasons,
+    split_topic,
+    topics_of_type,
+    unreadable_findings,
+    why_unreadable,
+)
+from dogbot_logtool.robot.robot import GENERIC, Robot, known_robots, load_robot, robot_toml
+from dogbot_logtool.robot.settings import with_settings
+from dogbot_logtool.robot.unknown import (
+    FootCandidates,
+    candidates_finding,
+    find_candidates,
+    split_cells,
+)
+
+_LIKELY_WORDS: Final = ("odom", "contact", "foot", "feet", "force", "wrench", "pose", "leg")
+"""Words in topics and types that may tell of the base or the feet."""
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """The topics of a log that are used."""
+
+    robot: Robot
+    """With the feet that the log has, and their topics."""
+    odometry: tuple[Channel, ...]
+    """The source of the base's poses."""
+    contacts: tuple[Channel, ...]
+    feet_of: Mapping[int, tuple[int, ...]]
+    """Indices of the feet in `robot.feet` by channel id."""
+    transforms: tuple[Channel, ...]
+    """The log's own ``/tf`` and ``/tf_static``."""
+    findings: tuple[Finding, ...]
+    possible_feet: tuple[FootCandidates, ...] = ()
+    """Fields that may be feet, the most likely first, where no topics are; see also `findings`."""
+    forceless: frozenset[int] = frozenset()
+    """Feet whose messages have forces that are always zero."""
+    ignores_flags: bool = False
+    """Whether forces decide contact, since they contradict the contact flags of the messages."""
+    base: Base | None = None
+    """How the base's poses are read; None: there are none."""
+    robot_is_guessed: bool = False
+    """Whether the robot was guessed from the log's topics."""
+    contact_from: Literal["", "joint_torques", "kinematics"] = ""
+    """What contacts are estimated from; empty: sensors tell."""
+    base_from_legs: bool = False
+    """Whether the base's poses are worked out from the legs."""
+
+    @property
+    def has_base(self) -> bool:
+        """Whether there are poses of the base, recorded or worked out."""
+        return bool(self.odometry) or self.base_from_legs
+
+    @property
+    def has_feet(self) -> bool:
+        """Whether there are contacts of feet, recorded or worked out."""
+        return bool(self.contacts) or bool(self.contact_from)
+
+    @property
+    def has_points(self) -> bool:
+        """Whether feet have contact points."""
+        return bool(self.contact_from) or any(source.has_points for source in self.sources)
+
+    @property
+    def without_header(self) -> tuple[str, ...]:
+        """The types of used messages that have no header."""
+        used: list[Source] = [*self.sources]
+        used += [self.base.source] if self.base else []
+        return tuple(source.type_name for source in used if not source.has_header)
+
+    @property
+    def base_name(self) -> str | None:
+        """Name of the base's poses, as ``--odom-topic`` takes it; None: there are none."""
+        if self.base is None or not self.odometry:
+            return None
+        topic, element = self.odometry[0].topic, self.base.element
+        return f"{topic}:{element}" if element else topic
+
+    @property
+    def static_transforms(self) -> frozenset[int]:
+        """Ids of the channels whose transforms hold for ever."""
+        return frozenset(channel.id for channel in self.transforms if is_static(channel))
+
+    @property
+    def sources(self) -> tuple[Source, ...]:
+        """The types of contact messages that are used."""
+        return self._sources(self.contacts)
+
+    def sources_of(self, foot: int) -> tuple[Source, ...]:
+        """Return the types of contact messages that tell of a foot."""
+        return self._sources([c for c in self.contacts if foot in self.feet_of[c.id]])
+
+    def _sources(self, channels: Sequence[Channel]) -> tuple[Source, ...]:
+        """Return the different sources of channels, by type name."""
+        feet = self.robot.feet_of
+        found = [source for c in channels if (source := source_of(c, feet(c.topic)))]
+        different = {id(source): source for source in found}.values()
+        ordered = sorted(different, key=lambda source: source.type_name)
+        return tuple(without_flags(source, ignores=self.ignores_flags) for source in ordered)
+
+    def has_flags(self, foot: int) -> bool:
+        """Tell whether contact flags of the messages decide a foot's contact."""
+        sources = self.sources_of(foot)
+        of_sensors = bool(sources) and all(source.has_flags for source in sources)
+        return of_sensors or bool(self.contact_from)
+
+    def knows_force(self, foot: int) -> bool:
+        """Tell whether a foot's messages give its force in newtons, not only whether it touches."""
+        if self.contact_from:
+            return self.contact_from == "joint_torques"
+        scaled = self.robot.feet[foot].newtons_per_count is not None
+        return foot not in self.forceless and all(
+            source.has_force and (scaled or not source.is_raw) for source in self.sources_of(foot)
+        )
+
+    def without_forces(self, forceless: frozenset[int]) -> "Selection":
+        """Return the selection for a log whose wrenches of some feet are always zero."""
+        if not forceless or self.contact_from:
+            return self
+        names = [self.robot.feet[foot].name for foot in sorted(forceless)]
+        text = f"all wrenches of {listed(names)} are zero: contacts without forces"
+        findings = (*self.findings, Finding("NO_FORCE", text))
+        return replace(self, forceless=forceless, findings=findings)
+
+    def wanted(self) -> Wanted:
+        """Return what is read of base, feet and frames."""
+        return Wanted(
+            self.contacts, self.foot_channels(), self.base, self.odometry, self.transforms
+        )
+
+    def foot_channels(self) -> FootChannels:
+        """Return what reading contacts needs."""
+        return FootChannels(
+            self.robot.feet,
+            self.feet_of,
+            self.robot.contact_on_counts,
+            ignores_flags=self.ignores_flags,
+        )
+
+
+def select_topics(log: Log, options: RobotOptions) -> Selection:
+    """Decide which topics are used for what.
+
+    Raises:
+        CallError: an option names a topic that the log does not have, or one of a wrong type.
+        LogError: an option names a topic that cannot be decoded.
+    """
+    findings: list[Finding] = []
+    if log.annotations is not None and log.annotations.channels:
+        text = f"its {log.annotations.messages:,} annotations are left out"
+        findings.append(Finding("ANNOTATED", f"the log is annotated already: {text}"))
+    named = _with_options(log, _choose_robot(log, options, findings), options)
+    of_feet: list[Finding] = []
+    robot, offer = find_feet(log, named, of_feet)
+    robot = with_settings(robot, options.set)
+    contacts, feet_of = _contacts(log, robot)
+    found = find_candidates(log) if not contacts and offer is None else []
+    possible, cells = split_cells(found)
+    of_robot = {foot.topic for foot in (possible[0].feet if possible else robot.feet)}
+    of_robot = {*offer.topics} if offer is not None else of_robot
+    chosen = choose_base(log, robot, findings, of_robot, is_asked=options.odom_topic is not None)
+    if options.robot is not None and not _shows(log, named, chosen.channels):
+        findings.extend(_without_topics(named))
+    call = _call(log, options, chosen.offered)
+    if offer is not None:
+        command = f"{call} {offer.options}"
+        text = (
+            f"feet may be among the topics, but their names do not tell surely: {offer.text}; "
+            f"no arrows, no gait, until --foot says which they are: {command}"
+        )
+        of_feet.append(Finding("FEET_UNSURE", text, command=command))
+    findings += [*of_feet, *cells]
+    if possible:
+        findings.append(candidates_finding(log, possible, call, chosen.offered))
+    elif offer is None and chosen.offered:
+        findings = [_with_command(each, call) for each in findings]
+    levels = with_raw_levels(log, contacts, feet_of, chosen.robot)
+    findings += _source_findings(contacts, levels)
+    flags = compare_flags(log, contacts, feet_of, levels.robot)
+    findings += flags.findings
+    transforms = [
+        channel
+        for channel in sorted(log.channels.values(), key=lambda channel: channel.topic)
+        if channel.type_name in TRANSFORM_TYPES and not why_unreadable(channel)
+    ]
+    findings += unreadable_findings(log, chosen.channels, contacts)
+    findings += own_definition_findings([*chosen.channels, *contacts, *transforms])
+    return Selection(
+        levels.robot,
+        chosen.channels,
+        tuple(contacts),
+        feet_of,
+        tuple(transforms),
+        tuple(dict.fromkeys(findings)),
+        tuple(possible),
+        ignores_flags=flags.are_useless,
+        base=chosen.base,
+        robot_is_guessed=options.robot is None,
+    )
+
+
+def _choose_robot(log: Log, options: RobotOptions, findings: list[Finding]) -> Robot:
+    """Return the robot that the user names, else the known one whose topics the log has."""
+    if options.robot is not None:
+        robot = load_robot(options.robot)
+    else:
+        # Without parsing its file, whether a known robot may have one of the topics.
+        texts = {name: robot_toml(name) for name in known_robots()}
+        recorded = log.channels_by_topic
+        may = [n for n, toml in texts.items() if n == GENERIC or any(t in toml for t in recorded)]
+        known = [load_robot(name) for name in may]
+        topics = _usable_topics(log)
+        for each in known:
+            if each.feet and all(_has_field(log, foot) for foot in each.feet):
+                topics |= each.topics
+        robot = max(known, key=lambda one: (len(one.topics & topics), one.name == GENERIC))
+        text = f"robot: {robot.name} (guessed from the topics; change with --robot)"
+        findings.append(Finding("ROBOT_GUESSED", text))
+    return robot.with_mass(options.mass)
+
+
+def _usable_topics(log: Log) -> frozenset[str]:
+    """Return the topics with odometry or contacts: a name alone makes no robot known."""
+    return frozenset(topics_of_type(log, {ODOMETRY_TYPE, *contact_types(log.channels.values())}))
+
+
+def _has_field(log: Log, foot: Foot) -> bool:
+    """Tell whether a foot is a field, and the log's messages have it."""
+    for channel in log.channels_by_topic.get(foot.topic, ()) if foot.field else ():
+        try:
+            return source_of(channel, [foot]) is not None
+        except DefinitionError:
+            continue
+    return False
+
+
+def _with_options(log: Log, robot: Robot, options: RobotOptions) -> Robot:
+    if options.odom_topic is not None:
+        robot = replace(robot, odometry_topic=options.odom_topic)
+    if options.feet:
+        robot = replace(robot, feet=options.feet)
+    if options.foot:
+        given, guessed = options.foot, options.robot is None
+        check_topics(log, given)
+        robot = assign_feet(robot, given, _usable_topics(log), guessed=guessed)
+    return robot
+
+
+def _contacts(log: Log, robot: Robot) -> tuple[list[Channel], dict[int, tuple[int, ...]]]:
+    """Return the channels of feet, and which feet each tells of."""
+    contacts: list[Channel] = []
+    feet_of: dict[int, tuple[int, ...]] = {}
+    for topic in dict.fromkeys(foot.topic for foot in robot.feet):
+        feet = tuple(index for index, foot in enumerate(robot.feet) if foot.topic == topic)
+        for channel in foot_channels(log, robot, topic):
+            contacts.append(channel)
+            feet_of[channel.id] = feet
+    return contacts, feet_of
+
+
+def nothing_to_do(log: Log, selection: Selection) -> str:
+    """Return a sentence for a log that has nothing of use: why, or else what it does have."""
+    path = shown(log.source.path)
+    offers = [
+        each
+        for each in selection.findings
+        if each.code == "FEET_UNSURE" or (each.code == "NO_BASE" and "--odom-topic" in each.text)
+    ]
+    for offer in sorted(offers, key=lambda each: each.code):
+        command = offer.command and f"\n  {offer.command}"
+        return f"{path}: nothing is surely the base or a foot; {offer.sentence}{command}"
+    if because := reasons(selection.findings):
+        return f"{path}: has no odometry and no contact messages that can be read: {because}"
+    found = sorted({(c.topic, c.type_name) for c in log.channels.values()}, key=_unlikely)
+    lines = [
+        f"\n  {printable(topic)}  {printable(kind) or '(of no type)'}"
+        for topic, kind in found[:MOST]
+    ]
+    if len(found) > MOST:
+        lines.append(f"\n  and {len(found) - MOST:,} more; `dogbot-logtool info` lists them")
+    damage = f" It is damaged: {damage_of(log, log.losses).text}." if log.losses else ""
+    return (
+        f"{path}: has neither nav_msgs/Odometry nor contact messages such as "
+        "gazebo_msgs/ContactsState that can be used (--odom-topic and --foot name topics)."
+        f"{damage} It has:{''.join(lines) or ' nothing'}"
+    )
+
+
+def _unlikely(topic: tuple[str, str]) -> tuple[bool, tuple[str, str]]:
+    """Return what sorts topics, given with their types: likely ones first, then by name."""
+    name = " ".join(topic).lower()
+    return not any(word in name for word in _LIKELY_WORDS), topic
+
+
+def _shows(log: Log, robot: Robot, base: Sequence[Channel]) -> bool:
+    """Tell whether the log has a topic that the robot's file names, and that can be used."""
+    fields = {foot.topic for foot in robot.feet if foot.field is not None}
+    if not fields.isdisjoint(log.channels_by_topic):
+        return True
+    if base and split_topic(robot.odometry_topic or "", log.channels_by_topic)[0] == base[0].topic:
+        return True
+    return not robot.topics.isdisjoint(_usable_topics(log))
+
+
+def _without_topics(robot: Robot) -> Iterator[Finding]:
+    """Say that the robot that the user named does not show in the log."""
+    if robot.topics:
+        text = (
+            f"the log has none of the topics of the robot {robot.name!r}: feet and odometry are "
+            "looked for by type and name, but its mass, axes and frames are used; check --robot"
+        )
+        yield Finding("ROBOT_GUESSED", text, cases=("absent",))
+
+
+def _call(log: Log, options: RobotOptions, base: str) -> str:
+    """Return a call of `stats` with the user's options, and with a base that is offered."""
+    words = ["dogbot-logtool", "stats", *log.words]
+    named = options.odom_topic or base
+    words += ["--robot", options.robot] if options.robot is not None else []
+    words += ["--odom-topic", named] if named else []
+    words += ["--mass", f"{options.mass:g}"] if options.mass is not None else []
+    for option, pairs in (("--foot", options.foot), ("--set", options.set)):
+        for name, text in (pairs or {}).items():
+            words += [option, f"{name}={text}"]
+    return shell_joined(words)
+
+
+def _with_command(finding: Finding, call: str) -> Finding:
+    """Add the call that takes the offered poses to the finding that there is no odometry."""
+    if finding.code != "NO_BASE":
+        return finding
+    return replace(finding, text=f"{finding.text}; this takes them: {call}", command=call)
+
+
+def _source_findings(contacts: Sequence[Channel], levels: RawLevels) -> Iterator[Finding]:
+    """Say what contact messages do not tell."""
+    for channel in sorted(contacts, key=lambda channel: channel.type_name):
+        name, source = channel.type_name, source_of(channel, levels.robot.feet_of(channel.topic))
+        if source is None:
+            continue
+        if not source.has_force:
+            text = f"{name} tells contact, not force: gait figures only, no arrows, no loads"
+            yield Finding("NO_FORCE", text)
+        if source.is_raw:
+            yield from _not_calibrated(name, levels)
+        if not source.has_header:
+            text = f"{name} has no header: log time is used for it"
+            yield Finding("LOG_TIME_USED", text, cases=("no_header",))
+        if source.silent_in_swing:
+            text = f"{name} is published only in contact: silence is taken for swing"
+            yield Finding("SILENT_SWING", text)
+    for channel in filter(is_planned, contacts):
+        text = "is a plan, not a measurement: contacts, forces and figures are the planned ones"
+        yield Finding("PLANNED", f"{channel.topic} {text}", channel.topic)
+
+
+def _not_calibrated(name: str, levels: RawLevels) -> Iterator[Finding]:
+    """Warn of figures that are missing while the counts of raw sensors have no scale."""
+    robot = levels.robot
+    unscaled = [foot.name for foot in robot.feet if foot.newtons_per_count is None]
+    if not unscaled:
+        return
+    text = f"{name} has raw counts, and the robot's file has no newtons_per_count for "
+    text += f"{', '.join(unscaled)}: no forces"
+    if robot.contact_on_counts is None:
+        text += ", and without contact.on_counts no contact either"
+        text += f" (it cannot be estimated from the log; {levels.reason})" if levels.reason else ""
+    else:
+        text += f"; contact from {robot.contact_on_counts:g} counts above a foot's offset on"
+        text += " (both estimated from the log)" if levels.estimated else ""
+    yield Finding("NOT_CALIBRATED", text, feet=tuple(unscaled))

@@ -1,1 +1,0 @@
-"""Which topics of a log are used for what."""

@@ -1,0 +1,101 @@
+"""The base from every source: the same figures, in closed form; what is said; what is refused."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.commands.info import describe
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.errors import CallError
+from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
+from dogbot_logtool.report.documents import stats_json
+from tests.oracles import base_walks as base
+from tests.oracles import walks
+
+DURATION_S = (base.SAMPLES - 1) * walks.STEP / 1e9
+
+
+def figures(path: Path, name: str | None = None) -> dict[str, Any]:
+    done = measure(path, MeasureOptions(odom_topic=name))
+    return stats_json(done)
+
+
+def check(got: dict[str, Any], rel: float = 1e-9) -> None:
+    """Check the figures against the arc that was walked."""
+    motion = got["base"]
+    turned, radius = base.YAW_RATE * DURATION_S, base.SPEED / base.YAW_RATE
+    assert motion["net_displacement_m"] == pytest.approx(2 * radius * np.sin(turned / 2), rel=rel)
+    assert motion["path_length_m"] == pytest.approx(base.SPEED * DURATION_S, rel=1e-3)
+    assert motion["yaw_change_rad"] == pytest.approx(turned, rel=max(rel, 1e-6))
+    assert motion["forward_speed_mps"] == pytest.approx(base.SPEED, rel=1e-3)
+    assert motion["roll_rad"]["mean"] == pytest.approx(base.ROLL, rel=max(rel, 1e-6))
+    assert motion["pitch_rad"]["mean"] == pytest.approx(base.PITCH, rel=max(rel, 1e-6))
+
+
+def codes(found: Any) -> set[str]:
+    return {finding.code for finding in found.findings}
+
+
+@pytest.mark.parametrize("kind", base.TOPICS)
+def test_every_source_gives_the_walk(tmp_path: Path, kind: str) -> None:
+    path = base.write(tmp_path / "walk.mcap", kind, base.TOPICS[kind])
+    name = base.TOPICS[kind] if kind in base.ON_REQUEST else None
+    got = figures(path, name)
+    single = kind.startswith(("unitree", "ocs2"))
+    check(got, rel=1e-6 if single else 1e-9)
+    said = {finding["code"] for finding in got["findings"]}
+    assert ("PLANNED" in said) == (kind in base.PLANNED)
+    assert ("LOG_TIME_USED" in said) == (kind in base.WITHOUT_HEADER)
+
+
+@pytest.mark.parametrize("topic", ["/goal_pose", "/initialpose", "/object", "/base_to_footprint"])
+def test_other_poses_are_not_the_base_s(tmp_path: Path, topic: str) -> None:
+    path = base.write(tmp_path / "walk.mcap", "geometry_msgs/PoseStamped", topic)
+    assert "NO_BASE" in codes(describe(path, InfoOptions()))
+    check(figures(path, topic))
+
+
+@pytest.mark.parametrize(
+    ("kind", "path"),
+    [
+        ("geometry_msgs/PoseStamped", "pose"),
+        ("xpp_msgs/RobotStateCartesian", "base.pose"),
+        ("geometry_msgs/TransformStamped", "transform"),
+    ],
+)
+def test_a_pose_at_a_path(tmp_path: Path, kind: str, path: str) -> None:
+    log = base.write(tmp_path / "walk.mcap", kind, "/x")
+    check(figures(log, f"/x:{path}"))
+
+
+def test_a_wrong_element_lists_what_there_is(tmp_path: Path) -> None:
+    log = base.write(tmp_path / "walk.mcap", "tf2_msgs/TFMessage", "/tf")
+    with pytest.raises(CallError, match="odom/base_link"):
+        figures(log, "/tf:odom/trunk")
+    log = base.write(tmp_path / "states.mcap", "gazebo_msgs/ModelStates", "/states")
+    with pytest.raises(CallError, match="anymal, ground_plane"):
+        figures(log, "/states:spot")
+    log = base.write(tmp_path / "pose.mcap", "geometry_msgs/PoseStamped", "/pose")
+    with pytest.raises(CallError, match="no field 'body'"):
+        figures(log, "/pose:body")
+
+
+def test_recorded_transforms_are_not_written_again(tmp_path: Path) -> None:
+    path = base.write(tmp_path / "walk.mcap", "tf2_msgs/TFMessage", "/tf")
+    copied = convert(path, tmp_path / "a.mcap", ConvertOptions())
+    assert "/tf" not in copied.annotations
+    assert "TF_NOT_WRITTEN" in codes(copied)
+    assert (copied.world_frame, copied.base_frame) == ("odom", "base_link")
+    alone = convert(path, tmp_path / "b.mcap", ConvertOptions(copy=False))
+    assert alone.annotations["/tf"] > 0
+
+
+def test_array_fields_by_path(tmp_path: Path) -> None:
+    log = base.write(tmp_path / "walk.mcap", "ocs2_msgs/mpc_observation", "/x")
+    with pytest.raises(CallError, match="has 5 numbers"):
+        figures(log, "/x:state.value[0:5]")
+    whole = base.write(tmp_path / "array.mcap", "std_msgs/Float64MultiArray", "/array")
+    check(figures(whole, "/array:data[2:9]"))

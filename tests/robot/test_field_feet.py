@@ -1,0 +1,314 @@
+"""Feet as fields of messages of any type, as a user meets them."""
+
+import json
+import shlex
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests import forked_cli
+from tests.oracles import walks
+from tests.oracles.field_logs import (
+    CELLS,
+    DUTY,
+    PERIOD_S,
+    START_NS,
+    WEIGHT_N,
+    four_cells_a_foot,
+    is_down,
+    load_n,
+    odd_walk,
+    six_feet,
+    six_feet_in_two,
+)
+from tests.paths import ROOT
+
+STATE = "odd_msgs/msg/State"
+
+
+def command(printed: str) -> list[str]:
+    """The words after the program's name of the one command that was printed."""
+    lines = [line for line in printed.splitlines() if line.lstrip().startswith("dogbot-logtool ")]
+    assert len(lines) == 1
+    return shlex.split(lines[0])[1:]
+
+
+def figures(*words: object, folder: Path = ROOT) -> dict[str, Any]:
+    done = forked_cli.run("stats", *words, "--json", "-v", folder=folder)
+    assert done.returncode == 0, done.stderr
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found
+
+
+def check_steps(found: dict[str, Any], tolerance_s: float = 0.011) -> None:
+    """Compare with what the walk was made of."""
+    assert len(found["feet"]) == 6
+    for foot in found["feet"].values():
+        assert foot["stance_s"]["median"] == pytest.approx(DUTY * PERIOD_S, abs=tolerance_s)
+        assert foot["stride_period_s"]["median"] == pytest.approx(PERIOD_S, abs=tolerance_s)
+        assert foot["contact_fraction"] == pytest.approx(DUTY, abs=0.01)
+    touchdowns = [foot["touchdown_s"][1] % PERIOD_S for foot in found["feet"].values()]
+    first, second = touchdowns[0], touchdowns[1]
+    assert touchdowns == pytest.approx([first, second] * 3, abs=tolerance_s)
+    assert abs(first - second) == pytest.approx(PERIOD_S / 2.0, abs=tolerance_s)
+
+
+@pytest.mark.parametrize("first", ["info", "stats"])
+@pytest.mark.parametrize(
+    ("kind", "steps"),
+    [("odd_msgs/msg/Reading", 1), ("odd_msgs/msg/Touch", 1), ("odd_msgs/msg/Counts", 2)],
+)
+def test_six_feet_on_unusual_topics_take_two_commands(
+    first: str, kind: str, steps: int, tmp_path: Path
+) -> None:
+    """Counts may be contacts or forces, which only a robot's file can say."""
+    six_feet(tmp_path / "crawl.mcap", kind)
+
+    shown = forked_cli.run(first, "crawl.mcap", folder=tmp_path)
+    words = command(shown.stdout + shown.stderr)
+    if steps > 1:
+        written = forked_cli.run(*words, folder=tmp_path)
+        assert written.returncode == 0, written.stderr
+        words = command(written.stderr)
+    assert words[0] == "stats"
+    found = figures(*words[1:], folder=tmp_path)
+
+    check_steps(found)
+    if not kind.endswith("Touch"):
+        loads = [foot["mean_force_n"]["median"] for foot in found["feet"].values()]
+        down = np.mean([sum(is_down(t, f) for f in range(6)) for t in np.arange(0.0, 1.0, 0.01)])
+        assert sum(loads) == pytest.approx(WEIGHT_N * 6 / down, rel=0.1)
+
+
+def test_the_written_file_gives_the_result_of_the_log_without_it(tmp_path: Path) -> None:
+    log = Path("sample_logs/dogbot_trot.bag").resolve()
+    file = tmp_path / "again.toml"
+    assert forked_cli.run("robots", "new", log, "-o", file).returncode == 0
+    without, with_file = figures(log), figures(log, "--robot", file)
+    assert with_file["feet"] == without["feet"]
+    assert with_file["base"] == without["base"]
+    named = {"robot": "again", "robot_guessed": False}
+    assert with_file["settings"] == without["settings"] | named
+
+
+@pytest.fixture(scope="module", params=[1, 2])
+def states(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
+    """One message of all feet: arrays of messages, of numbers, and wrenches."""
+    folder = tmp_path_factory.mktemp("states")
+    walk = odd_walk(request.param)
+    entries = []
+    for sample in range(1200):
+        loads = [load_n(sample / 100, foot) for foot in range(6)]
+        legs = [
+            walk.make(
+                "odd_msgs/msg/Leg",
+                name="x" * foot,
+                counts=int(load * 10) + 7,
+                force=walk.vector((0.0, 0.0, -load)),
+                cells=np.array([0.0] * foot + [load / 9.80665], np.float32),
+            )
+            for foot, load in enumerate(loads)
+        ]
+        message = walk.make(
+            STATE,
+            header=walk.header(sample, "world"),
+            legs=legs,
+            loads=np.array(loads[:4]),
+            flags=np.array([load > 0 for load in loads], np.uint8),
+            left=walk.wrench((0, 0, loads[0])),
+            right=walk.wrench((0, 0, loads[1])),
+        )
+        entries.append(walks.Entry("/state", STATE, walks.START + sample * 10_000_000,
+                                   walk.bytes_of(STATE, message)))  # fmt: skip
+    if request.param == 1:
+        path = folder / "states.bag"
+        walks._write_bag(path, walk, entries)
+    else:
+        path = folder / "states.mcap"
+        walks.write_mcap(path, walk, entries)
+    return path
+
+
+def loads_of(path: Path, *keys: str, feet: int = 6) -> dict[str, Any]:
+    """Measure with a robot's file whose feet have these keys; ``#`` is the foot's number."""
+    text = "".join(
+        f'[feet.f{foot}]\ntopic = "/state"\n' + "\n".join(keys).replace("#", str(foot)) + "\n"
+        for foot in range(feet)
+    )
+    file = path.with_name("robot.toml")
+    file.write_text(text, encoding="utf-8")
+    return figures(path, "--robot", file, "--set", "clock=log")
+
+
+@pytest.mark.parametrize(
+    ("keys", "has_force"),
+    [
+        (('field = "legs[#].force"',), True),
+        (('field = "legs[#].force"', 'axis = "-z"'), True),
+        (('field = "legs[#].force.z"', 'sign = "-"'), True),
+        (('field = "legs[#].cells[#]"', 'unit = "kg"'), True),
+        (('field = "legs[#].counts"', 'kind = "force"', "offset = 7", "scale = 0.1"), True),
+        (('field = "legs[#].counts"', "threshold = 8"), False),
+        (('field = "flags[#]"',), False),
+    ],
+)
+def test_fields_become_the_loads_they_are(
+    states: Path, keys: tuple[str, ...], *, has_force: bool
+) -> None:
+    found = loads_of(states, *keys)
+    check_steps(found)
+    for foot in found["feet"].values():
+        if has_force:
+            # Alone on three feet, or with all six down.
+            assert foot["peak_force_n"]["median"] == pytest.approx(WEIGHT_N / 3, rel=0.02)
+        else:
+            assert foot["peak_force_n"] is None
+
+
+def test_a_fixed_array_on_the_command_line(states: Path) -> None:
+    words = [word for foot in range(4) for word in ("--foot", f"f{foot}=/state:loads[{foot}]")]
+    found = figures(states, *words, "--set", "clock=log")
+    assert [foot["peak_force_n"]["median"] for foot in found["feet"].values()] == pytest.approx(
+        [WEIGHT_N / 3] * 4, rel=0.02
+    )
+
+
+@pytest.mark.parametrize(
+    ("word", "expected"),
+    [
+        ("/state:legs[0].forces", "nearest are legs[].force (geometry_msgs/Vector3)"),
+        ("/state:loads[4]", "the array has 4 elements"),
+        ("/state:loads", "say which element, as in loads[0]"),
+        ("/state:left", "nearest are left.force"),
+        ("/state:header[0]", "header is no array"),
+        ("/state:legs[0]..z", "is no path of a field"),
+        ("/stat:left.force", "did you mean /state?"),
+        ("/state", "A field of its messages can be named: /state:legs[].force"),
+    ],
+)
+def test_a_wrong_path_lists_what_there_is(states: Path, word: str, expected: str) -> None:
+    done = forked_cli.run("stats", states, "--foot", f"left={word}")
+    assert done.returncode == 2
+    assert expected in " ".join(done.stderr.split())
+
+
+def test_two_feet_need_two_fields(states: Path) -> None:
+    same = ["--foot", "a=/state:left.force", "--foot", "b=/state:left.force"]
+    done = forked_cli.run("stats", states, *same)
+    assert done.returncode == 2
+    assert "each needs a field of its own" in done.stderr
+
+
+LEGS = ("LF", "RF", "LH", "RH")
+TURNS = dict(zip(LEGS, (0, 1, 1, 0), strict=True))
+INSIDE = {
+    "bits": ("odd_msgs/msg/Bits", "/status", [f"foot_contacts&{1 << n}" for n in range(4)]),
+    "joints": ("sensor_msgs/msg/JointState", "/joints", [f"effort[{n}]" for n in range(2, 6)]),
+    "hands": ("odd_msgs/msg/Pads", "/pads", [f"pads[{n}].load" for n in range(1, 5)]),
+    "pressures": ("odd_msgs/msg/Pressures", "/soles", [f"{leg}_foot" for leg in LEGS]),
+    "components": (
+        "std_msgs/msg/Float64MultiArray",
+        "/feet/forces",
+        [f"data[{n}]" for n in (2, 5, 8, 11)],
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", INSIDE)
+def test_feet_inside_one_message_in_two_commands(tmp_path: Path, kind: str) -> None:
+    type_name, topic, paths = INSIDE[kind]
+    walk, path = odd_walk(), tmp_path / "walk.mcap"
+    entries = []
+    for sample in range(1200):
+        time_s, time = sample / 100.0, START_NS + sample * 10_000_000
+        down = {leg: is_down(time_s, turn) for leg, turn in TURNS.items()}
+        loads = [WEIGHT_N / sum(down.values()) * down[leg] for leg in LEGS]
+        message = inside(walk, kind, type_name, time_s, loads)
+        entries.append(walks.Entry(topic, type_name, time, walk.bytes_of(type_name, message)))
+    walks.write_mcap(path, walk, entries)
+    told = forked_cli.run("info", path, environment={"COLUMNS": "400"})
+    words = command(told.stdout)
+    if words[0] == "robots":
+        words = command(forked_cli.run(*words, folder=tmp_path).stderr)
+    else:
+        assert [word.partition(":")[2] for word in words if ":" in word] == paths
+    assert "gripper" not in " ".join(words)
+    found = figures(*words[1:], folder=tmp_path)
+    assert len(found["feet"]) == 4
+    for foot in found["feet"].values():
+        assert foot["stance_s"]["median"] == pytest.approx(DUTY * PERIOD_S, abs=0.011)
+    assert found["gait"]["name"] == ("trot" if kind in {"joints", "hands", "pressures"} else None)
+
+
+def inside(walk: walks.Walk, kind: str, type_name: str, time_s: float, loads: list[float]) -> Any:
+    """Return a message that tells of four feet, and of something else."""
+    swing = float(np.sin(7.0 * time_s))
+    match kind:
+        case "bits":
+            bits = sum(1 << number for number, load in enumerate(loads) if load)
+            return walk.make(type_name, foot_contacts=bits - 128, battery=50.0 - time_s)
+        case "joints":
+            return walk.make(
+                type_name,
+                header=walk.make("std_msgs/Header", stamp=stamp_of(walk, time_s), frame_id=""),
+                name=["LF_hip", "RF_hip", *(f"{leg}_foot" for leg in LEGS)],
+                position=np.full(6, swing),
+                velocity=np.full(6, swing),
+                effort=np.array([swing, -swing, *loads]),
+            )
+        case "pressures":
+            values = {
+                f"{leg}_foot": 101_325.0 + load for leg, load in zip(LEGS, loads, strict=True)
+            }
+            return walk.make(type_name, **values)
+        case "hands":
+            names = ["gripper", *(f"{leg}_foot" for leg in LEGS)]
+            pads = [
+                walk.make("odd_msgs/Pad", name=name, load=load)
+                for name, load in zip(names, [0.0, *loads], strict=True)
+            ]
+            return walk.make(type_name, pads=pads)
+        case _:
+            data = np.array([[3.0 * swing, 0.5, load] for load in loads]).ravel()
+            layout = walk.make("std_msgs/MultiArrayLayout", dim=[], data_offset=0)
+            return walk.make(type_name, layout=layout, data=data)
+
+
+def stamp_of(walk: walks.Walk, time_s: float) -> Any:
+    seconds, nanoseconds = divmod(START_NS + round(time_s * 1e9), 1_000_000_000)
+    return walk.make("builtin_interfaces/Time", sec=seconds, nanosec=nanoseconds)
+
+
+def test_a_robot_of_two_files_that_are_one_recording(tmp_path: Path) -> None:
+    files = six_feet_in_two(tmp_path)
+    alone = forked_cli.run("robots", "new", *files)
+    assert alone.returncode == 2
+    assert "--join" in alone.stderr
+    done = forked_cli.run("robots", "new", *files, "--join", "-o", tmp_path / "crawler.toml")
+    words = command(done.stderr)
+    assert words[:4] == ["stats", *map(str, files), "--join"]
+    check_steps(figures(*words[1:]))
+
+
+def test_feet_without_a_leg_are_said_to_need_one(tmp_path: Path) -> None:
+    told = forked_cli.run("info", six_feet(tmp_path / "walk.mcap"))
+    assert "put front_left, back_right ... for" in " ".join(told.stdout.split())
+    found = forked_cli.run(*command(told.stdout), "-v")
+    text = " ".join(found.stdout.split())
+    assert "a gait's name needs to know which foot is front or back, left or right" in text
+    assert "phases of all" not in text
+
+
+@pytest.mark.parametrize("words", ["info", "stats", "robots new"])
+def test_one_cell_of_four_is_not_offered_as_a_foot(tmp_path: Path, words: str) -> None:
+    log = four_cells_a_foot(tmp_path / "walk.mcap")
+    told = forked_cli.run(*words.split(), log)
+    text = " ".join((told.stdout + told.stderr).split())
+    cells = [
+        " + ".join(f"/fsr:{cell}" for cell in sorted(CELLS) if cell[0] == side) for side in "lr"
+    ]
+    assert f"several sensors in each foot: left = {cells[0]}, right = {cells[1]};" in text
+    assert "record the sum of each foot's sensors" in text
+    assert "--foot" not in text

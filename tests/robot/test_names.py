@@ -1,0 +1,161 @@
+"""Which feet names tell of: real sets of topics, and what must not change the answer."""
+
+import tomllib
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dogbot_logtool.robot.names import FootSet, leg_position, name_feet
+from dogbot_logtool.robot.words import words_of
+
+TABLE = tomllib.loads(Path(__file__).with_name("names.toml").read_text(encoding="utf-8"))
+CLEAR, UNSURE = TABLE["clear"], TABLE["unsure"]
+"""Feet that are taken, and feet that are offered first."""
+
+
+def topics(row: dict[str, Any]) -> list[str]:
+    return [*row.get("others", ()), *row["feet"].values()]
+
+
+def told(feet: FootSet | None) -> dict[str, str]:
+    return {foot.name: foot.topic for foot in feet.feet} if feet else {}
+
+
+@pytest.mark.parametrize("name", CLEAR)
+def test_clear_feet_are_found(name: str) -> None:
+    row = CLEAR[name]
+    found = name_feet(topics(row), contacts_only=row["contacts_only"])
+    assert told(found.chosen) == row["feet"]
+    assert list(told(found.chosen)) == list(row["feet"])
+
+
+@pytest.mark.parametrize("name", UNSURE)
+def test_feet_that_are_not_sure_are_offered(name: str) -> None:
+    row = UNSURE[name]
+    found = name_feet(topics(row), contacts_only=row["contacts_only"])
+    assert found.chosen is None
+    assert told(found.offered[0]) == row["feet"]
+    assert {topic for one in found.offered for topic in one.topics} == set(topics(row))
+
+
+@pytest.mark.parametrize("name", TABLE["none"])
+def test_what_is_no_foot_is_neither_chosen_nor_offered(name: str) -> None:
+    row = TABLE["none"][name]
+    found = name_feet(topics(row), contacts_only=row["contacts_only"])
+    assert (found.chosen, found.offered) == (None, ())
+
+
+def test_what_was_not_chosen_is_offered_beside_it() -> None:
+    found = name_feet(topics(CLEAR["hrpsys offset"]), contacts_only=False)
+    assert [told(one)["left"] for one in found.offered] == ["/lfsensor", "/ref_lfsensor"]
+
+
+def test_legs_without_a_topic_are_named() -> None:
+    found = name_feet(topics(CLEAR["three of four"]), contacts_only=True)
+    assert found.chosen is not None
+    assert found.chosen.missing == ("back_right",)
+
+
+PREFIXES = (
+    "/rl_controller",
+    "/robot_1",
+    "/feedback/left_lab",
+    "/back",
+    "/fl",
+    "/left_leg_controller",
+    "/my_arm/x",
+    "/FrontEnd",
+)
+SUFFIXES = ("/data", "_raw", "/state", "/topic_2", "/rr", "/left", "/front")
+
+
+@given(
+    name=st.sampled_from(sorted(CLEAR)),
+    prefix=st.lists(st.sampled_from(PREFIXES), max_size=3).map("".join),
+    suffix=st.sampled_from(("", *SUFFIXES)),
+    order=st.randoms(use_true_random=False),
+)
+def test_what_all_names_share_changes_nothing(
+    name: str, prefix: str, suffix: str, order: Random
+) -> None:
+    row = CLEAR[name]
+
+    def longer(topic: str) -> str:
+        return f"{prefix}{'/' if prefix and topic[0] != '/' else ''}{topic}{suffix}"
+
+    names = [longer(topic) for topic in topics(row)]
+    order.shuffle(names)
+    found = name_feet(names, contacts_only=row["contacts_only"])
+    assert told(found.chosen) == {leg: longer(topic) for leg, topic in row["feet"].items()}
+
+
+@given(name=st.sampled_from(sorted(UNSURE)), order=st.randoms(use_true_random=False))
+def test_the_order_of_topics_changes_nothing(name: str, order: Random) -> None:
+    shuffled = topics(UNSURE[name])
+    order.shuffle(shuffled)
+    only = UNSURE[name]["contacts_only"]
+    expected = name_feet(topics(UNSURE[name]), contacts_only=only)
+    assert name_feet(shuffled, contacts_only=only) == expected
+
+
+@given(st.lists(st.text(max_size=20), max_size=8), st.booleans())
+def test_any_names_will_do(names: list[str], contacts_only: bool) -> None:  # noqa: FBT001
+    found = name_feet(names, contacts_only=contacts_only)
+    sets = [*([found.chosen] if found.chosen else []), *found.offered]
+    for one in sets:
+        assert one.topics <= set(names)
+        assert all(name.replace("_", "").isalnum() for name in told(one))
+        assert len(told(one)) == len(one.feet)
+
+
+@pytest.mark.parametrize(
+    "pattern", ["/leg_{}", "/left/left/left_lf_lf_front_left_front_left_{}", "/x{}/left_foot"]
+)
+def test_many_names_come_to_an_end(pattern: str) -> None:
+    """Comparing each name with each other one would take hours."""
+    name_feet([pattern.format(number) for number in range(6_000)], contacts_only=True)
+
+
+@pytest.mark.parametrize(
+    ("name", "position"),
+    [
+        ("/lf_foot/contacts", ("front", "left")),
+        ("/RH", ("back", "right")),
+        ("/rr_bumper", ("back", "right")),
+        ("/frontLeftFoot", ("front", "left")),
+        ("/hind-right", ("back", "right")),
+        ("/fore/right", ("front", "right")),
+        ("/rear_left_toe", ("back", "left")),
+        ("/leg/middle_left", ("middle", "left")),
+        ("/ml/contact", ("middle", "left")),
+        ("/feedback/left", None),
+        ("/front_back_left", None),
+        ("/left_right_front", None),
+        ("/foot_1", None),
+        ("", None),
+    ],
+)
+def test_a_leg_s_position_by_its_name(name: str, position: tuple[str, str] | None) -> None:
+    assert leg_position(name) == position
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("/leftFootSixAxis_Offset", "left foot six axis offset"),
+        ("/LFoot/FTSensor2", "l foot ft sensor 2"),
+        ("/FLfoot", "fl foot"),
+        ("/RHFoot", "rh foot"),
+        ("/off_lfsensor", "off left foot sensor"),
+        ("/rhsensor", "right hand sensor"),
+        ("/frontleft-contact", "front left contact"),
+        ("/feedback/forearm.copyright", "feedback forearm copyright"),
+        ("/leg_1", "leg 1"),
+    ],
+)
+def test_words(name: str, words: str) -> None:
+    assert " ".join(word.text for word in words_of(name)) == words

@@ -1,0 +1,124 @@
+"""What is said of topics that cannot be decoded, and which definitions stand in for the log's."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import pytest
+from mcap.writer import Writer as McapWriter
+
+from dogbot_logtool.errors import LogError
+from dogbot_logtool.finding import Severity
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.reader.containers.log import Log
+from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.robot.selection import nothing_to_do, select_topics
+
+ODOMETRY, CONTACTS, TF = "nav_msgs/Odometry", "gazebo_msgs/ContactsState", "tf2_msgs/TFMessage"
+Channel = tuple[str, str, bytes, str]
+"""Topic, type, definition and encoding."""
+
+
+class Opener:
+    """Writes logs that have channels and no messages, and opens them."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self.logs: list[Log] = []
+
+    def __call__(self, channels: Sequence[Channel], schema_encoding: str = "ros1msg") -> Log:
+        with self._path.open("wb") as stream:
+            writer = McapWriter(stream)
+            writer.start()
+            for topic, type_name, text, encoding in channels:
+                schema = writer.register_schema(type_name, schema_encoding, text)
+                writer.register_channel(topic, encoding, schema)
+            writer.finish()
+        self.logs.append(open_log(self._path))
+        return self.logs[-1]
+
+
+@pytest.fixture
+def opened(tmp_path: Path) -> Iterator[Opener]:
+    opener = Opener(tmp_path / "log.mcap")
+    yield opener
+    for log in opener.logs:
+        log.close()
+
+
+def test_topics_of_one_reason_are_told_together(opened: Opener) -> None:
+    topics = [f"/robot_{number:02}/odom" for number in range(14)]
+    found: list[Channel] = [(topic, ODOMETRY, b"{}", "json") for topic in topics]
+    selection = select_topics(opened(found), MeasureOptions())
+    (finding,) = [f for f in selection.findings if "UNREADABLE" in f.code]
+    assert finding.code == "UNREADABLE"
+    assert "/robot_09/odom and 4 more: messages encoded as 'json' are not read" in finding.text
+
+
+def test_a_log_of_another_encoding_says_so_once(opened: Opener) -> None:
+    found: list[Channel] = [(f"/{n}", "demo.Thing", b"", "flatbuffer") for n in range(300)]
+    log = opened(found)
+    selection = select_topics(log, MeasureOptions())
+    (finding,) = [f for f in selection.findings if "UNREADABLE" in f.code]
+    assert finding.text.startswith("300 of 300 topics are encoded as flatbuffer; only ROS 1")
+    assert nothing_to_do(log, selection).endswith(finding.text)
+
+
+def test_of_many_topics_the_likely_ones_are_named(opened: Opener) -> None:
+    found: list[Channel] = [(f"/a{n:03}", "demo/Thing", b"bool x", "cdr") for n in range(650)]
+    log = opened([*found, ("/my_odom", "demo/Pose", b"bool x", "cdr")])
+    text = nothing_to_do(log, select_topics(log, MeasureOptions()))
+    assert len(text) < 1000
+    assert text.splitlines()[1] == "  /my_odom  demo/Pose"
+    assert "and 641 more; `dogbot-logtool info" in text
+
+
+@pytest.mark.parametrize(
+    "options", [MeasureOptions(odom_topic="/odom"), MeasureOptions(foot={"a": "/foot"})]
+)
+def test_options_that_name_what_cannot_be_decoded(opened: Opener, options: MeasureOptions) -> None:
+    found: list[Channel] = [
+        ("/odom", ODOMETRY, b"{}", "json"),
+        ("/foot", CONTACTS, b"{}", "json"),
+    ]
+    with pytest.raises(LogError, match="cannot be read: messages encoded as 'json'"):
+        select_topics(opened(found), options)
+
+
+@pytest.mark.parametrize("encoding", ["ros1", "cdr"])
+@pytest.mark.parametrize(
+    ("schema_encoding", "text"),
+    [
+        ("ros1msg", b""),
+        ("ros2msg", b"# nothing but a comment\n"),
+        ("ros2msg", b"%%%"),
+        ("ros2msg", b"\xff\xfe]"),
+        ("ros2idl", b"module x {"),
+        ("", b""),
+        ("jsonschema", b"{}"),
+    ],
+)
+def test_known_types_need_no_definition(
+    opened: Opener, encoding: str, schema_encoding: str, text: bytes
+) -> None:
+    topics = {"/odom": ODOMETRY, "/left": CONTACTS, "/right": CONTACTS, "/tf": TF}
+    found: list[Channel] = [(topic, kind, text, encoding) for topic, kind in topics.items()]
+    selection = select_topics(opened(found, schema_encoding), MeasureOptions(robot="generic"))
+    assert [channel.topic for channel in selection.odometry] == ["/odom"]
+    assert [channel.topic for channel in selection.contacts] == ["/left", "/right"]
+    assert [channel.topic for channel in selection.transforms] == ["/tf"]
+    unreadable = [f for f in selection.findings if f.code == "UNREADABLE"]
+    assert {f.severity for f in unreadable} == {Severity.NOTE}
+    own = [f.text for f in unreadable]
+    assert len(own) == 3
+    assert sum("/left, /right: " in each for each in own) == 1
+
+
+def test_feet_of_another_encoding_are_named_beside_a_base_that_is_read(opened: Opener) -> None:
+    found: list[Channel] = [
+        ("/robot/pose", "foxglove.PoseInFrame", b"{}", "json"),
+        ("/feet", "my.Feet", b"{}", "json"),
+    ]
+    selection = select_topics(opened(found, "jsonschema"), MeasureOptions())
+    assert selection.base_name == "/robot/pose"
+    (finding,) = [f for f in selection.findings if f.code == "UNREADABLE"]
+    assert finding.text.startswith("1 of 2 topics is encoded as json; only ROS 1")
