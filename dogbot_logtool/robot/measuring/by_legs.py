@@ -8,7 +8,7 @@ from typing import Final, Literal
 import numpy as np
 
 from dogbot_logtool.core import estimated
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, median_of
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, median_of, nearest_rows
 from dogbot_logtool.core.base.attitude import LONG_S, Inertial, by_attitude, inertial_at, level
 from dogbot_logtool.core.base.foot_path import LONGEST_STEP_S
 from dogbot_logtool.core.base.leg_odometry import leg_odometry
@@ -148,6 +148,8 @@ def told_by_legs(
         named = replace(named, world_frame=named.world_frame or _WORLD)
         findings = [each for each in findings if each.code != "NO_BASE"]
         findings.append(_of_base(found))
+    if not lacks_feet:
+        recording = replace(recording, feet=_with_points(recording, selection, legs, found))
     if lacks_feet:
         feet = tuple(
             Foot(leg.name, columns.topic, leg_position=leg.position, frame=leg.leg.foot)
@@ -165,6 +167,26 @@ def told_by_legs(
         base_from_legs=lacks_base,
     )
     return recording, selection
+
+
+def _with_points(
+    recording: Recording, selection: Selection, legs: Sequence[NamedLeg], found: "_Found"
+) -> tuple[Samples, ...]:
+    """Return sensors' samples with the places where their legs rest, if sensors tell none."""
+    if selection.has_points:
+        return recording.feet
+    of_leg = {leg.position: samples for leg, samples in zip(legs, found.samples, strict=True)}
+    feet = []
+    for foot, samples in zip(selection.robot.feet, recording.feet, strict=True):
+        told = of_leg.get(foot.leg_position) if foot.leg_position else None
+        if told is None or not len(samples.log_time):
+            feet.append(samples)
+            continue
+        row = nearest_rows(told.log_time, samples.log_time)
+        near = np.abs(told.log_time[row] - samples.log_time) <= SLOWEST_S * 1e9
+        place = np.where(near[:, None], told.position[row], np.nan)
+        feet.append(replace(samples, position=place))
+    return tuple(feet)
 
 
 def _named_as_described(recording: Recording, robot: RobotOfUrdf) -> Recording:
