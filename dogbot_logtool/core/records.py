@@ -231,29 +231,6 @@ def void(record: R, patterns: Sequence[str], prefix: str = "") -> R:
     return changed
 
 
-def folded(paths: Sequence[KeyPath], every: Sequence[KeyPath]) -> list[str]:
-    """Shorten paths: ``feet.*.slip_m`` for all feet, ``commands.*`` for a whole group.
-
-    Args:
-        paths: to shorten.
-        every: all that there are.
-    """
-    left = dict.fromkeys(paths)
-    for depth in range(3):
-        starred: dict[KeyPath, list[KeyPath]] = {}
-        for path in every:
-            starred.setdefault(_with_star(path, depth), []).append(path)
-        for star, members in starred.items():
-            if len(members) > 1 and all(each in left for each in members):
-                left = {star if each == members[0] else each: None for each in left}
-                left = {each: None for each in left if each not in members}
-    return [".".join(path) for path in left]
-
-
-def _with_star(path: KeyPath, depth: int) -> KeyPath:
-    return (path[0], "*") if depth == 0 else (*path[:depth], "*", *path[depth + 1 :])
-
-
 def unknown(record: type[R]) -> R:
     """Return a record in which nothing is measured: null, 0 or empty."""
     made: R = record(**{field.name: _unknown(field) for field in fields_of(record)})

@@ -23,12 +23,10 @@ from dogbot_logtool.core.records import (
     Curve,
     Field,
     fields_of,
-    folded,
     from_json,
     metric_paths,
     to_json,
     unknown,
-    values,
 )
 from dogbot_logtool.report.schema import schema
 
@@ -151,13 +149,3 @@ def test_a_group_leaves_the_other_groups_of_a_segment_alone() -> None:
     assert segment.feet == walk().feet
     assert segment.gait.phase == {"left": Phase(None, None, None)}
     assert voided.gait.support_sets is None
-
-
-def test_paths_of_all_feet_are_told_by_a_star() -> None:
-    every = [path for path, _, _ in values(walk())]
-    slips = [path for path in every if path[-1] == "slip_m" and path[0] == "feet"]
-    commands = [path for path in every if path[0] == "commands"]
-
-    assert folded(slips, every) == ["feet.*.slip_m"]
-    assert folded(slips[:1], every) == ["feet.left.slip_m"]
-    assert folded(commands, every) == ["commands.*"]
