@@ -18,7 +18,7 @@ import numpy as np
 import zstandard
 from zlib_ng.zlib_ng import crc32
 
-from dogbot_logtool.reader.containers.chunks.compression import decompress_into
+from dogbot_logtool.reader.containers.compression import decompress_into
 from dogbot_logtool.reader.containers.log import Chunk, Log
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.reader.workers import in_order

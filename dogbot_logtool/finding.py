@@ -60,8 +60,6 @@ class FindingKind:
     cases: Mapping[str, FindingCase] = field(default_factory=dict)
     texts: Mapping[str, str] = field(default_factory=dict)
     """Its sentences, by what is found; ``plain`` is the usual one."""
-    was: Sequence[str] = ()
-    """Codes of before that are now this one, without their prefix."""
 
 
 @cache
@@ -185,8 +183,8 @@ _WORDS: Final = _Words()
 
 def found(
     code: str,
-    where: str = "",
     *cases: str,
+    where: str = "",
     say: str = "",
     feet: Sequence[str] = (),
     **values: object,
@@ -195,8 +193,9 @@ def found(
 
     Args:
         code: one of the `finding_kinds`.
-        where: the topic or the metric that it is about.
         cases: of its kind that it is.
+        where: the topic or the metric that it is about; if not given, the foot or topic that its
+            sentence names.
         say: which of its sentences; if not given, that of its first case, or the plain one.
         feet: names of the feet whose metrics it voids; the first is ``foot`` in its sentence.
         values: what the sentence names.
@@ -204,8 +203,9 @@ def found(
     texts = _kind(code).texts
     named = [each for each in (say, *cases[:1], "plain") if each in texts]
     words = {"foot": feet[0], **values} if feet else values
+    about = f"feet.{words['foot']}" if "foot" in words else str(words.get("topic", ""))
     text = _WORDS.vformat(texts[named[0]], (), words)
-    return Finding(code, text, where, cases=cases, feet=tuple(feet))
+    return Finding(code, text, where or about, cases=cases, feet=tuple(feet))
 
 
 def by_severity(finding: Finding) -> tuple[int, str, str, str]:

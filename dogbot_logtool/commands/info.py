@@ -20,11 +20,11 @@ from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.results import LogInfo, TopicInfo
 from dogbot_logtool.robot.annotated import without_annotations
-from dogbot_logtool.robot.feet import is_planned
 from dogbot_logtool.robot.frames.frame_findings import frame_findings
 from dogbot_logtool.robot.frames.frames import Frames, read_frames
 from dogbot_logtool.robot.measuring.plan import settings_of
 from dogbot_logtool.robot.measuring.side_topics import side_topics
+from dogbot_logtool.robot.message_feet import is_planned
 from dogbot_logtool.robot.robot_model.joint_motion import joint_channels
 from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.run.runner import OnProgress

@@ -38,6 +38,8 @@ FAST: Final = 0.5
 """Share of that speed beyond which no foot is in contact."""
 SLOWEST_MPS: Final = (0.04, 0.3)
 """m/s, bounds of that speed."""
+AGREE: Final = 0.5
+"""Share of the speed of rest below which a foot tells how the base moves."""
 LOOSELY: Final = 3.0
 """Times that speed by which a foot that rested leaves the ground."""
 AROUND_S: Final = 0.03
@@ -71,6 +73,8 @@ class Ground:
     """(n, f, 3) m/s, how the base moves along its axes if each foot rests on the ground."""
     resting: Flags
     """(n, f) whether each foot rests there."""
+    agreeing: Flags
+    """(n, f) whether each is slow against what all of them agree on."""
     fast: Flags
     """(n, f) whether each is so fast that it swings, whatever its leg's torques say."""
 
@@ -82,7 +86,7 @@ class Ground:
         Args:
             standing: (n, f) which feet are in contact.
         """
-        inner = np.stack([_middles(column) for column in standing.T], axis=1)
+        inner = np.stack([_middles(column) for column in standing.T], axis=1) & self.agreeing
         found = np.full((len(standing), 3), np.nan)
         some = inner.any(axis=1)
         known = np.where(inner[some][:, :, None], self.implied[some], np.nan)
@@ -136,7 +140,7 @@ def resting_feet(
         limit = float(np.clip(SLOW * top, *SLOWEST_MPS))
         close = lift < np.maximum(LOW_AND_SLOW * usual, 2.0 * LEAST_LIFT_M)
         resting = _held(close & (speed < limit), ~close | (speed > LOOSELY * limit))
-    return Ground(implied, resting, speed > max(FAST * top, LOOSELY * limit))
+    return Ground(implied, resting, speed < AGREE * limit, speed > max(FAST * top, LOOSELY * limit))
 
 
 def _lift(seconds: Floats, height: Floats) -> Floats:

@@ -6,11 +6,10 @@ needs. ``None`` is "not measured"; `WalkMetrics.null_because` names the cause. S
 for each segment.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Annotated, Final
 
-from dogbot_logtool.core import records
 from dogbot_logtool.core.records import Count, Number, Numbers, Of, Shape, Spread, Text
 
 SCHEMA_VERSION: Final = 3
@@ -706,18 +705,3 @@ class Stride:
     """Positive work of the leg's joints in the stride."""
     absolute_work_j: Annotated[Number, Of("J", "joints", "efforts")]
     """Absolute work of them."""
-
-
-def void(walk: WalkMetrics, patterns: Sequence[str]) -> WalkMetrics:
-    """Set the metrics that match patterns to null, of the whole log and of each segment.
-
-    Args:
-        walk: its metrics.
-        patterns: paths, such as ``base.*`` or ``feet.front_left.slip_m``; a star stands for any
-            part of a path.
-    """
-    if not patterns:
-        return walk
-    segments = tuple(records.void(each, patterns) for each in walk.gait.segments)
-    voided = records.void(replace(walk, gait=replace(walk.gait, segments=())), patterns)
-    return replace(voided, gait=replace(voided.gait, segments=segments))

@@ -214,7 +214,8 @@ def _items(field: Field, value: Any) -> Iterator[tuple[KeyPath, Any]]:  # noqa: 
 def void(record: R, patterns: Sequence[str], prefix: str = "") -> R:
     """Set the metrics that match patterns, such as ``feet.*.slip_m``, to null.
 
-    A star also stands for several names: ``feet.left.*`` are all metrics of that foot.
+    A star also stands for several names: ``feet.left.*`` are all metrics of that foot. Records in a
+    list that hold records, which segments are, have the same groups of metrics as the whole log.
     """
     changes: Json = {}
     for field in fields_of(type(record)):
@@ -227,6 +228,8 @@ def void(record: R, patterns: Sequence[str], prefix: str = "") -> R:
             changes[field.name] = {
                 name: void(each, patterns, f"{path}.{name}.") for name, each in value.items()
             }
+        elif field.kind == "records" and any(f.kind == "record" for f in fields_of(field.inner)):
+            changes[field.name] = tuple(void(each, patterns) for each in value)
     changed: R = replace(record, **changes)
     return changed
 
@@ -256,33 +259,3 @@ def to_json(value: Any, *, detail: bool = True) -> Any:  # noqa: ANN401 - JSON
     if isinstance(value, dict):
         return {name: to_json(each, detail=detail) for name, each in value.items()}
     return [to_json(each, detail=detail) for each in value] if isinstance(value, tuple) else value
-
-
-def from_json(record: type[R], data: Mapping[str, Any]) -> R:
-    """Return the record that JSON holds; keys that it lacks are null.
-
-    Raises:
-        ValueError: a key is no field.
-    """
-    if unknown_keys := data.keys() - {field.name for field in fields_of(record)}:
-        raise ValueError(f"{record.__name__} has no {', '.join(sorted(unknown_keys))}")
-    made: R = record(
-        **{field.name: _from_json(field, data.get(field.name)) for field in fields_of(record)}
-    )
-    return made
-
-
-def _from_json(field: Field, value: Any) -> Any:  # noqa: ANN401 - JSON
-    if value is None:
-        return _unknown(field)
-    if field.kind == "map":
-        return {name: _item(field.inner, each) for name, each in value.items()}
-    if field.kind in {"list", "records"}:
-        return tuple(_item(field.inner, each) for each in value)
-    return _item(field.inner, value)
-
-
-def _item(kind: Any, value: Any) -> Any:  # noqa: ANN401 - JSON
-    if is_record(kind) or kind in LEAVES:
-        return from_json(kind, value)
-    return tuple(value) if isinstance(value, list) else value

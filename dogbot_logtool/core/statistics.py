@@ -145,7 +145,9 @@ class Stats:
     @property
     def worlds_differ(self) -> bool:
         """Whether contact points and base are not in one world."""
-        return self.worlds is not None and not self.worlds.agree
+        if self.worlds is None or self.settings.base_from_legs:
+            return False
+        return not self.worlds.agree
 
     @property
     def base_is_apart(self) -> bool:
@@ -156,7 +158,9 @@ class Stats:
     def loses_way(self) -> bool:
         """Whether the base drifts so far among the contact points that speeds are not known."""
         path_m = 0.0 if self.base is None else self.base.path_length_m or 0.0
-        return self.worlds is not None and self.worlds.lose_way(path_m)
+        if self.worlds is None or self.settings.base_from_legs:
+            return False
+        return self.worlds.lose_way(path_m)
 
     @property
     def period_s(self) -> float | None:

@@ -1,21 +1,26 @@
 """Output that cannot be half.
 
-A file on a disk gets its name when it is whole; to a store it is uploaded as one object, which is
-there when the store has all of it.
+A file on a disk gets its name when it is whole; until then it has none where the system allows
+that, so that not even a killed process leaves anything, elsewhere a temporary one. To a store it is
+uploaded as one object, which is there when the store has all of it.
 """
 
 import contextlib
+import os
+import stat
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, Final
 
-from dogbot_logtool.errors import CallError, StoreError
+from dogbot_logtool.errors import CallError, LogtoolError, StoreError
 from dogbot_logtool.io import storage
-from dogbot_logtool.io.local_file import exists_already, local_file, status_of
 from dogbot_logtool.io.storage import Location
 
 if TYPE_CHECKING:
     from upath import UPath
+
+_OPEN_FILES: Final = Path("/proc/self/fd")
+"""The directory in which Linux names open files of a process, also those without another name."""
 
 
 def refuse_bad_target(
@@ -45,11 +50,11 @@ def refuse_bad_target(
 def _refuse(target: Path, source: Location | None, *, overwrite: bool, makes_folder: bool) -> None:
     if target.is_dir():
         raise CallError(f"{target}: is a directory; name a file in it")
-    there = status_of(target) is not None
+    there = _status_of(target) is not None
     if there and isinstance(source, Path) and target.samefile(source):
         raise CallError(f"{target}: is the input itself; choose another output with -o")
     if there and not overwrite:
-        raise exists_already(target)
+        raise _exists_already(target)
     folder = target.parent
     if makes_folder:
         folder = next(one for one in (folder, *folder.parents) if one.exists())
@@ -64,9 +69,33 @@ def _refuse_object(target: "UPath", source: Location | None, *, overwrite: bool)
             f"{storage.shown(target)}: is the input itself; choose another output with -o"
         )
     if not overwrite and storage.asked(target, lambda: target.fs.exists(target.path)):
-        raise CallError(
-            f"{storage.shown(target)}: exists already; --overwrite replaces it, -o names another"
-        )
+        raise _exists_already(target)
+
+
+def _exists_already(target: Location) -> CallError:
+    what = "exists already; --overwrite replaces it, or name another"
+    return CallError(f"{storage.shown(target)}: {what}")
+
+
+def _status_of(target: Path) -> os.stat_result | None:
+    """Return the status of the file that a name leads to; None if there is none.
+
+    Raises:
+        CallError: there is something that is no regular file, or a link to nothing.
+        OSError: this cannot be found out.
+    """
+    try:
+        status = target.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        if target.is_symlink():
+            raise CallError(
+                f"{target}: is a link to nothing; remove it, or name another output"
+            ) from None
+        return None
+    if not stat.S_ISREG(status.st_mode):
+        kind = storage.kind_of(status.st_mode)
+        raise CallError(f"{target}: is {kind}, not a file; name another output")
+    return status
 
 
 @contextlib.contextmanager
@@ -79,7 +108,9 @@ def whole_file(
 ) -> Iterator[BinaryIO]:
     """Open a file that becomes the target when the block ends without an error.
 
-    On any error or interruption nothing of it stays. A URL is uploaded while it is written.
+    On any error or interruption nothing of it stays. A URL is uploaded while it is written. A file
+    that is replaced hands on its permissions and, where that is allowed, its owner; a link stays
+    one: what it leads to is replaced.
 
     Args:
         target: where the output is to be.
@@ -91,13 +122,110 @@ def whole_file(
         LogtoolError: the file cannot be written, a full disk for instance.
         CallError: the target has come to exist in the meantime and may not be overwritten.
     """
-    opened = (
-        local_file(target, overwrite=overwrite, makes_folder=makes_folder, is_wanted=is_wanted)
-        if isinstance(target, Path)
-        else _uploaded_object(target, overwrite=overwrite, is_wanted=is_wanted)
-    )
-    with opened as file:
-        yield file
+    if not isinstance(target, Path):
+        with _uploaded_object(target, overwrite=overwrite, is_wanted=is_wanted) as file:
+            yield file
+        return
+    try:
+        replaced = _status_of(target) if overwrite else None
+        path = target.resolve() if overwrite and target.is_symlink() else target
+        parents = path.parents if makes_folder else path.parents[:1]
+        with _Part.opened(next(filter(Path.is_dir, parents), path.parent)) as part:
+            if replaced is not None:
+                _resemble(part.file, replaced)
+            yield part.file
+            if not is_wanted():
+                return
+            part.file.flush()
+            # A power failure leaves a whole file, the one before, or none.
+            os.fsync(part.file.fileno())
+            if makes_folder:
+                path.parent.mkdir(parents=True, exist_ok=True)
+            if not part.take(path, overwrite=overwrite):
+                raise _exists_already(target)
+    except OSError as error:
+        raise LogtoolError(f"{target}: cannot be written: {error.strerror or error}") from error
+
+
+class _Part:
+    """A file that is being written."""
+
+    def __init__(self, temporary: Path) -> None:
+        self.temporary = temporary
+        """The name that it has, or may have, until it is whole."""
+        self.file: BinaryIO
+        self.has_name = False
+
+    @classmethod
+    @contextlib.contextmanager
+    def opened(cls, folder: Path) -> Iterator["_Part"]:
+        """Open one in a directory; a temporary name that it has is gone when the block ends."""
+        part = cls(_temporary_name(folder))
+        try:
+            with part._open(folder):
+                yield part
+        finally:
+            if part.has_name:
+                part.temporary.unlink(missing_ok=True)
+
+    def _open(self, folder: Path) -> BinaryIO:
+        """Open it, without a name where the system allows that."""
+        flag = getattr(os, "O_TMPFILE", None)
+        if flag is not None and _OPEN_FILES.is_dir():
+            # Where a filesystem has no such thing, the file is named; other faults show again.
+            with contextlib.suppress(OSError):
+                self.file = os.fdopen(os.open(folder, flag | os.O_WRONLY, 0o666), "wb")
+                return self.file
+        # Known before it is there, so that an interruption in between leaves nothing.
+        self.has_name = True
+        self.file = self.temporary.open("xb")
+        return self.file
+
+    def take(self, path: Path, *, overwrite: bool) -> bool:
+        """Take a name, from another file only if that may be; tell whether it could be had."""
+        if not self.has_name:
+            source = _OPEN_FILES / str(self.file.fileno())
+            if not overwrite:
+                return _link(source, path)
+            self.temporary = _temporary_name(path.parent)
+            self.has_name = True
+            _link(source, self.temporary)
+        self.file.close()  # Windows gives no open file another name
+        if not overwrite:
+            with contextlib.suppress(OSError, NotImplementedError):
+                return _link(self.temporary, path)
+            # A filesystem without hard links.
+            if os.path.lexists(path):
+                return False
+        self.temporary.replace(path)
+        return True
+
+
+def _link(source: Path, path: Path) -> bool:
+    """Give a file one more name; tell whether that was free."""
+    folder = os.open(path.parent, getattr(os, "O_PATH", os.O_RDONLY))
+    try:
+        # Only with a directory given does Python follow the link that stands for an open file.
+        os.link(source, path.name, dst_dir_fd=folder, follow_symlinks=True)
+    except FileExistsError:
+        return False
+    finally:
+        os.close(folder)
+    return True
+
+
+def _resemble(file: BinaryIO, replaced: os.stat_result) -> None:
+    """Take over the owner, where that is allowed, and the permissions of another file."""
+    if not hasattr(os, "fchown"):
+        return  # Windows
+    for owner in ((-1, replaced.st_gid), (replaced.st_uid, -1)):
+        with contextlib.suppress(PermissionError):
+            os.fchown(file.fileno(), *owner)
+    os.fchmod(file.fileno(), stat.S_IMODE(replaced.st_mode))
+
+
+def _temporary_name(folder: Path) -> Path:
+    return folder / f".dogbot-logtool.{os.urandom(8).hex()}.part"
 
 
 @contextlib.contextmanager

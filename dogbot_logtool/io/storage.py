@@ -7,17 +7,16 @@ import errno
 import os
 import re
 import stat
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final, TypeVar
 from urllib.parse import urlsplit
 
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.errors import CallError, ExtraMissingError, StoreError
-from dogbot_logtool.io.printable import printable
+from dogbot_logtool.errors import CallError, ExtraMissingError, LogtoolError, StoreError
 
 if TYPE_CHECKING:
-    from tenacity import RetryCallState
     from upath import UPath
 
     Location = Path | UPath
@@ -27,12 +26,9 @@ else:
 Result = TypeVar("Result")
 
 TRIES: Final = 5
-"""A request is made so often before the store is given up. s3fs and its like try a few times of
-their own within each."""
+"""A request is made so often before the store is given up."""
 FIRST_WAIT_S: Final = 0.2
-"""Waits double from here to `LONGEST_WAIT_S`; chance adds up to this, so that many clients do not
-ask all at once."""
-LONGEST_WAIT_S: Final = 10.0
+"""Each wait is twice as long as the one before."""
 ANSWER_WITHIN_S = 120.0
 """A request that takes longer has stalled."""
 _URL: Final = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+://")
@@ -55,14 +51,9 @@ _STORES: Final = ("aiohttp", "botocore", "aiobotocore", "gcsfs")
 """Packages that raise errors of their own where a store or the network fails."""
 _ABSENT: Final = (404, 410)
 """HTTP's codes for what is not there."""
+_DENIED: Final = (401, 403, 407)
 _LATER: Final = (408, 425, 429)
 """HTTP's codes for what may be asked for again later."""
-_REDIRECTS: Final = {
-    "TooManyRedirects": "other addresses without end",
-    "NonHttpUrlRedirectClientError": "",
-}
-"""Errors of aiohttp whose own texts say little: what to say instead; empty: the address."""
-_HOPELESS: Final = (FileNotFoundError, PermissionError, IsADirectoryError, FileExistsError)
 
 
 def location(word: str) -> Location:
@@ -75,11 +66,18 @@ def location(word: str) -> Location:
     """
     if not _URL.match(word):
         return Path(word)
-    _refuse_bad_url(word)
-    if word.startswith("file://"):
+    try:
+        parts = urlsplit(word)
+        if parts.scheme in {"http", "https"}:
+            _ = parts.port  # is checked only when it is asked for
+    except ValueError as error:
+        raise CallError(f"{shown(word)}: is no valid URL ({error})") from error
+    if not (parts.netloc or parts.path):
+        raise CallError(f"{parts.scheme}://: names no host, bucket or file")
+    if parts.scheme == "file":
         from urllib.request import url2pathname  # noqa: PLC0415 - takes long
 
-        return Path(url2pathname(urlsplit(word).path))
+        return Path(url2pathname(parts.path))
     try:
         from upath import UPath  # noqa: PLC0415 - only URLs need it
     except ImportError as error:
@@ -95,22 +93,6 @@ def location(word: str) -> Location:
         # upath cannot tell its parts, or it is a file within another one that cannot be had.
         raise StoreError(f"{shown(word)}: cannot be opened: {error}") from error
     return path
-
-
-def _refuse_bad_url(word: str) -> None:
-    """Refuse a URL whose host or port cannot be, or that has neither a host nor a path.
-
-    Raises:
-        CallError: it is one.
-    """
-    try:
-        parts = urlsplit(word)
-        if parts.scheme in {"http", "https"}:
-            _ = parts.port  # is checked only when it is asked for
-    except ValueError as error:
-        raise CallError(f"{shown(word)}: is no valid URL ({error})") from error
-    if not (parts.netloc or parts.path):
-        raise CallError(f"{parts.scheme}://: names no host, bucket or file")
 
 
 def from_root(path: Location) -> Location:
@@ -242,10 +224,15 @@ def open_file(path: Path) -> BinaryIO:
     return file
 
 
+def kind_of(mode: int) -> str:
+    """Return what a file is that is no regular one: ``a named pipe``."""
+    return _KINDS.get(stat.S_IFMT(mode), "of another kind")
+
+
 def _refuse_special(path: Path, mode: int) -> None:
     if stat.S_ISREG(mode):
         return
-    kind = _KINDS.get(stat.S_IFMT(mode), "of another kind")
+    kind = kind_of(mode)
     remedy = "" if stat.S_ISDIR(mode) else "; save its content to a file first"
     raise CallError(f"{path}: is {kind}, not a regular file{remedy}")
 
@@ -296,52 +283,40 @@ def asked(path: Location, request: Callable[[], Result]) -> Result:
         CallError: there is no such object, or it may not be had.
         StoreError: the store has failed `TRIES` times.
     """
-    from tenacity import (  # noqa: PLC0415 - only URLs need it
-        Retrying,
-        retry_if_exception,
-        stop_after_attempt,
-        wait_exponential,
-        wait_random,
-    )
-
-    tries = Retrying(
-        retry=retry_if_exception(_may_pass),
-        stop=stop_after_attempt(TRIES),
-        wait=wait_exponential(FIRST_WAIT_S, LONGEST_WAIT_S) + wait_random(0.0, FIRST_WAIT_S),
-        before_sleep=lambda state: _say_again(path, state),
-        reraise=True,
-    )
-    try:
-        return tries(lambda: _answer(request))
-    except FileNotFoundError as error:
-        raise CallError(f"{shown(path)}: no such file") from error
-    except PermissionError as error:
-        raise CallError(f"{shown(path)}: access is denied ({_first_line(error)})") from error
-    except Exception as error:
-        if _is_refused(error):
-            raise CallError(
-                f"{shown(path)}: access is denied ({_first_line(error)})"
-                if getattr(error, "status", 0) in {401, 403, 407}
-                else f"{shown(path)}: the server refuses the request ({_first_line(error)})"
-            ) from error
-        if not _may_pass(error) and not isinstance(error, OSError):
-            raise
-        raise StoreError(f"{shown(path)}: the store fails: {_first_line(error)}") from error
+    for left in reversed(range(TRIES)):
+        try:
+            return request()
+        except Exception as error:
+            failure = _failure(path, _meant(error))
+            if failure is None:
+                raise
+            if not left or not isinstance(failure, StoreError):
+                raise failure from error
+            time.sleep(FIRST_WAIT_S * 2.0 ** (TRIES - 1 - left))
+    raise AssertionError("unreachable: the last try returns or raises")
 
 
-def _answer(request: Callable[[], Result]) -> Result:
-    """Return what a store answers, and raise its own error.
+def _meant(error: Exception) -> BaseException:
+    """Return the error behind "no such file", which fsspec makes of all that a server refuses."""
+    cause = error.__cause__
+    is_web = isinstance(cause, TimeoutError) or _family(cause) == "aiohttp"
+    hides = isinstance(error, FileNotFoundError) and getattr(cause, "status", 0) not in _ABSENT
+    return cause if cause is not None and is_web and hides else error
 
-    fsspec makes "no such file" of all that a web server or the network refuses.
-    """
-    try:
-        return request()
-    except FileNotFoundError as error:
-        cause = error.__cause__
-        is_web = isinstance(cause, TimeoutError) or _family(cause) == "aiohttp"
-        if cause is None or not is_web or getattr(cause, "status", 0) in _ABSENT:
-            raise
-        raise cause from cause.__cause__
+
+def _failure(path: Location, error: BaseException) -> LogtoolError | None:
+    """Return what to say of a store's error; None: it is none, but a fault of ours."""
+    status = getattr(error, "status", 0) if _family(error) == "aiohttp" else 0
+    if isinstance(error, FileNotFoundError) or status in _ABSENT:
+        return CallError(f"{shown(path)}: no such file")
+    what = _first_line(error)
+    if isinstance(error, PermissionError) or status in _DENIED:
+        return CallError(f"{shown(path)}: access is denied ({what})")
+    if 400 <= status < 500 and status not in _LATER:
+        return CallError(f"{shown(path)}: the server refuses the request ({what})")
+    if isinstance(error, OSError) or _family(error) in _STORES:
+        return StoreError(f"{shown(path)}: the store fails: {what}")
+    return None
 
 
 def _family(error: BaseException | None) -> str:
@@ -349,46 +324,8 @@ def _family(error: BaseException | None) -> str:
     return type(error).__module__.partition(".")[0]
 
 
-def _is_refused(error: BaseException) -> bool:
-    """Tell whether a web server says that the request will not do, however often it is made."""
-    status = getattr(error, "status", 0) if _family(error) == "aiohttp" else 0
-    return 400 <= status < 500 and status not in _LATER and not _is_garbled(error)
-
-
-def _is_garbled(error: BaseException) -> bool:
-    """Tell whether an answer was no HTTP, for which aiohttp makes up a status."""
-    return _family(error.__cause__) == "aiohttp"
-
-
-def _say_again(path: Location, state: "RetryCallState") -> None:
-    """Say that a request is made again: on stderr, or wherever a worker keeps its log."""
-    import logging  # noqa: PLC0415 - a store that fails is rare
-
-    error = state.outcome.exception() if state.outcome else None
-    what = _first_line(error) if isinstance(error, Exception) else "no answer"
-    logger = logging.getLogger(__name__)
-    logger.warning("%s: the store fails (%s); it is asked again", shown(path), printable(what))
-
-
-def _may_pass(error: BaseException) -> bool:
-    """Tell whether an error may be gone the next time."""
-    if isinstance(error, _HOPELESS) or _is_refused(error):
-        return False
-    return isinstance(error, OSError) or _family(error) in _STORES
-
-
-def _first_line(error: Exception) -> str:
-    status, message = getattr(error, "status", None), str(getattr(error, "message", None) or "")
-    if _is_garbled(error):
-        return f"its answer is not HTTP: {message.partition(':')[0]}"
-    if status and message:
-        # Its own text has the URL, and in that perhaps a signature.
-        return f"{status} {message.splitlines()[0]}"
-    if type(error).__name__ in _REDIRECTS:
-        return f"it redirects to {_REDIRECTS[type(error).__name__] or error}"
-    reason = getattr(error, "os_error", None)
-    if isinstance(reason, OSError) and reason.errno:
-        # Names are not found with codes of their own, below zero.
-        what = os.strerror(reason.errno) if reason.errno > 0 else reason.strerror
-        return f"no connection: {what}"
-    return (str(error).splitlines() or [""])[0] or type(error).__name__
+def _first_line(error: BaseException) -> str:
+    status, message = getattr(error, "status", None), getattr(error, "message", None)
+    # The text of an answer has the URL, and in that perhaps a signature.
+    text = f"{status} {message}" if status and message else without_secrets(str(error))
+    return (text.splitlines() or [""])[0] or type(error).__name__

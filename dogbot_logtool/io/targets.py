@@ -11,26 +11,23 @@ from dogbot_logtool.io import storage
 from dogbot_logtool.io.output import refuse_bad_target
 from dogbot_logtool.io.storage import Location
 
-_FORMATS: Final = {
-    ".bag": "a ROS 1 bag",
-    ".active": "a ROS 1 bag",
-    ".db3": "a file of a ROS 2 bag",
-    ".mcap": "an MCAP",
-    ".html": "an HTML page",
-    ".htm": "an HTML page",
-    ".json": "JSON",
-    ".csv": "a table",
-    ".parquet": "a table",
-    ".xml": "XML",
-    ".toml": "TOML",
-    ".yaml": "YAML",
-    ".rviz": "a view for RViz",
-    ".yml": "YAML",
-    ".txt": "a text",
-    **dict.fromkeys((".pdf", ".svg", ".png", ".jpg", ".jpeg", ".gif"), "a picture"),
-    **dict.fromkeys((".zstd", ".zst", ".lz4", ".gz", ".bz2", ".xz"), "a compressed file"),
-    **dict.fromkeys((".zip", ".tar", ".tgz", ".7z"), "an archive"),
+_SUFFIXES: Final = {
+    "a ROS 1 bag": ".bag .active",
+    "a file of a ROS 2 bag": ".db3",
+    "an MCAP": ".mcap",
+    "an HTML page": ".html .htm",
+    "JSON": ".json",
+    "a table": ".csv .parquet",
+    "XML": ".xml",
+    "TOML": ".toml",
+    "YAML": ".yaml .yml",
+    "a view for RViz": ".rviz",
+    "a text": ".txt",
+    "a picture": ".pdf .svg .png .jpg .jpeg .gif",
+    "a compressed file": ".zstd .zst .lz4 .gz .bz2 .xz",
+    "an archive": ".zip .tar .tgz .7z",
 }
+_FORMATS: Final = {suffix: what for what, each in _SUFFIXES.items() for suffix in each.split()}
 """Formats by well-known suffixes."""
 
 

@@ -1,6 +1,5 @@
 """Files that are no logs: what their first bytes show them to be, and what to do about it."""
 
-import json
 import re
 from typing import Final
 
@@ -35,6 +34,8 @@ _RECODED: Final = (
 """How a log begins with a byte-order mark before it; and an MCAP that was read as UTF-8, Latin-1,
 Windows-1252 or ASCII and written again."""
 _STARTS: Final = {
+    **dict.fromkeys(_CHANGED_LINE_ENDS, _TEXT_MODE),
+    **dict.fromkeys(_RECODED, _SAVED_AS_TEXT),
     b"version https://git-lfs.github.com/spec/": (
         "is a Git LFS pointer, not the log itself; 'git lfs pull' fetches the log"
     ),
@@ -74,18 +75,11 @@ _STARTS: Final = {
 }
 
 
-def changed_as_text(magic: bytes) -> str | None:
-    """Return what is wrong with a log that was taken for text on the way; None: nothing.
-
-    Lengths and offsets no longer hold in it, so what it says must not be believed.
-    """
-    if magic.startswith(_CHANGED_LINE_ENDS):
-        return _TEXT_MODE
-    return _SAVED_AS_TEXT if magic.startswith(_RECODED) else None
-
-
 def is_known(magic: bytes) -> bool:
-    """Tell whether a file is of a known kind that is not read, though it may resemble a log."""
+    """Tell whether a file is of a known kind that is not read, though it may resemble a log.
+
+    A log that was taken for text on its way is one: lengths and offsets no longer hold in it.
+    """
     return magic.startswith(tuple(_STARTS))
 
 
@@ -96,7 +90,7 @@ def describe(source: ByteSource) -> str:
         return "is empty (0 bytes): nothing was recorded or copied into it"
     known = re.sub(_BEFORE_POINTERS, b"", head)
     for start, what in _STARTS.items():
-        if known.startswith(start):
+        if head.startswith(start) or known.startswith(start):
             return what
     if head[257:262] == b"ustar":
         return "is a tar archive; unpack it first ('tar xf')"
@@ -127,24 +121,12 @@ def _describe_text(text: bytes) -> str | None:
         )
     if start.startswith((b"<?xml", b"<error>")):
         return "is an XML text, not a log: maybe a server's error; look into it, download it again"
-    if start[:1] in {b"{", b"["} and _begins_like_json(text):
+    if re.match(rb'\{\s*["}]|\[\s*["\[\]{\d.tfn-]', text):
         return (
             "is a JSON text, not a log: maybe a server's error (look into it, and download the log "
             "again), or figures of 'stats --json', which only 'compare' reads"
         )
     return None
-
-
-def _begins_like_json(text: bytes) -> bool:
-    """Tell whether the first part of a text may be JSON's."""
-    inside = text[1:].lstrip()
-    if text[:1] == b"{":
-        return inside[:1] in {b'"', b"}"}
-    try:
-        json.JSONDecoder().raw_decode(inside.decode("utf-8", "replace"))
-    except (ValueError, RecursionError):
-        return inside[:1] in {b"{", b"[", b"]"}
-    return True
 
 
 def _unknown(size: int, head: bytes) -> str:

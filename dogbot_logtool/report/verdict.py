@@ -10,10 +10,9 @@ from dataclasses import fields, replace
 from pathlib import PurePath
 from typing import Final
 
-from dogbot_logtool.core.checks.wording import counted
 from dogbot_logtool.core.metrics import Gait, Segment, WalkMetrics
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.finding import Finding, Severity
+from dogbot_logtool.finding import Finding, Severity, counted
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.numbers import NOTHING, decimal
 from dogbot_logtool.results import Measurement

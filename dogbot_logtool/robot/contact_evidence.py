@@ -5,7 +5,7 @@ air and on the ground: from which count on a foot touches then lies between them
 says what a count is in newtons.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -23,6 +23,7 @@ from dogbot_logtool.reader.messages.contact_messages import source_of
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.wanted import Wanted
+from dogbot_logtool.robot.message_feet import is_planned
 from dogbot_logtool.robot.robot import Robot
 
 _LOOKS_AT_COUNTS: Final = 24
@@ -165,3 +166,42 @@ def _level(samples: Samples) -> SensorLevel:
         return level
     offset = float(light.offset_n[2])
     return light if 0.0 <= offset <= _UNLOADED * (offset + light.loaded_n) else level
+
+
+def source_findings(contacts: Sequence[Channel], levels: RawLevels) -> Iterator[Finding]:
+    """Say what contact messages do not tell."""
+    for channel in sorted(contacts, key=lambda channel: channel.type_name):
+        name, source = channel.type_name, source_of(channel, levels.robot.feet_of(channel.topic))
+        if source is None:
+            continue
+        if not source.has_force:
+            text = f"{name} tells contact, not force: gait figures only, no arrows, no loads"
+            yield Finding("NO_FORCE", text)
+        if source.is_raw:
+            yield from _not_calibrated(name, levels)
+        if not source.has_header:
+            text = f"{name} has no header: log time is used for it"
+            yield Finding("LOG_TIME_USED", text, cases=("no_header",))
+        if source.silent_in_swing:
+            text = f"{name} is published only in contact: silence is taken for swing"
+            yield Finding("SILENT_SWING", text)
+    for channel in filter(is_planned, contacts):
+        text = "is a plan, not a measurement: contacts, forces and figures are the planned ones"
+        yield Finding("PLANNED", f"{channel.topic} {text}", channel.topic)
+
+
+def _not_calibrated(name: str, levels: RawLevels) -> Iterator[Finding]:
+    """Warn of figures that are missing while the counts of raw sensors have no scale."""
+    robot = levels.robot
+    unscaled = [foot.name for foot in robot.feet if foot.newtons_per_count is None]
+    if not unscaled:
+        return
+    text = f"{name} has raw counts, and the robot's file has no newtons_per_count for "
+    text += f"{', '.join(unscaled)}: no forces"
+    if robot.contact_on_counts is None:
+        text += ", and without contact.on_counts no contact either"
+        text += f" (it cannot be estimated from the log; {levels.reason})" if levels.reason else ""
+    else:
+        text += f"; contact from {robot.contact_on_counts:g} counts above a foot's offset on"
+        text += " (both estimated from the log)" if levels.estimated else ""
+    yield Finding("NOT_CALIBRATED", text, feet=tuple(unscaled))

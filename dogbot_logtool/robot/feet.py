@@ -16,12 +16,11 @@ from dogbot_logtool.reader.decode.definition import type_text
 from dogbot_logtool.reader.decode.field_path import readable_fields
 from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.contact_messages import contact_types, source_of
-from dogbot_logtool.reader.messages.feet import MessageFoot, feet_in
 from dogbot_logtool.reader.messages.message_type import is_named_as_planned
 from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.source import FOOT_TYPES, Source
-from dogbot_logtool.robot.first_messages import first_messages
-from dogbot_logtool.robot.names import FootSet, label_names, leg_position, name_feet
+from dogbot_logtool.robot.message_feet import feet_of_messages, front_to_back
+from dogbot_logtool.robot.names import FootSet, leg_position, name_feet
 from dogbot_logtool.robot.readable import (
     most_frequent,
     require_topic,
@@ -30,7 +29,6 @@ from dogbot_logtool.robot.readable import (
     why_unreadable,
 )
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.words import Part, words_of
 
 _MOST_LISTED: Final = 12
 _MOST_COMPARED: Final = 2000
@@ -42,11 +40,6 @@ _MOST_OFFERED: Final = 16
 """Sets of topics of a type that are looked at more closely."""
 _ALTERNATIVES: Final = 3
 """Sets of topics that are offered beside the most likely one."""
-_ORDER: Final = ("front", "middle", "back", "left", "right")
-_JOINT_FOOT: Final = "sensor_msgs/JointState"
-"""Type of messages of joints and feet; the velocities of the feet are planned contacts."""
-_JOINTS: Final = 12
-"""Joints before the feet."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -351,100 +344,3 @@ def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
         text = f"which element of {foot.topic} is {foot.name} is not known; the robot's file can"
         findings.append(Finding("FEET_UNSURE", f"{text} tell", foot.topic))
     return foot
-
-
-# --- by messages that tell of all feet -----------------------------------------------------------
-
-
-def feet_of_messages(log: Log, topic: str) -> tuple[Foot, ...]:
-    """Return the feet that a topic's messages tell of; none where they are not about feet."""
-    for channel in log.channels_by_topic.get(topic, ()):
-        source = source_of(channel)
-        if source is None or why_unreadable(channel) or not source.tells_all_feet:
-            continue
-        found: Sequence[MessageFoot] = [MessageFoot(name=leg) for leg in source.legs]
-        if not found:
-            seen = [feet_in(source, each) for each in first_messages(log, channel, source.fields)]
-            labelled = {foot.label: foot for feet in seen for foot in feet if foot.label}
-            found = [labelled[label] for label in sorted(labelled)]
-            found = found or max(seen, key=len, default=())
-        if found:
-            return _named_feet(_without_hands(found), topic)
-    return ()
-
-
-def _without_hands(found: Sequence[MessageFoot]) -> Sequence[MessageFoot]:
-    """Leave out hands, wheels, tools ... where other labels say that they are feet."""
-    parts = [{word.part for word in words_of(foot.label)} for foot in found]
-    if not any({Part.FOOT, Part.LEG} & each for each in parts):
-        return found
-    return [
-        foot
-        for foot, each in zip(found, parts, strict=True)
-        if Part.NOT_A_FOOT not in each or {Part.FOOT, Part.LEG} & each
-    ]
-
-
-def _named_feet(found: Sequence[MessageFoot], topic: str) -> tuple[Foot, ...]:
-    labelled = label_names([foot.label for foot in found])
-    names = [foot.name or each.name for foot, each in zip(found, labelled, strict=True)]
-    feet = [
-        Foot(
-            name if names.count(name) == 1 else foot.label or f"{name}_{element + 1}",
-            topic,
-            leg_position=leg_position(name) or each.position,
-            element=element,
-            label=foot.label,
-        )
-        for element, (foot, name, each) in enumerate(zip(found, names, labelled, strict=True))
-    ]
-    return tuple(sorted(feet, key=front_to_back))
-
-
-def front_to_back(foot: Foot) -> tuple[int, int, str]:
-    """Sort feet front to back, left before right."""
-    if foot.leg_position is None:
-        return len(_ORDER), 0, foot.name
-    end, side = ((*_ORDER, each).index(each) for each in foot.leg_position)
-    return end, side, foot.name
-
-
-def is_planned(channel: Channel) -> bool:
-    """Tell whether a channel's messages tell what was planned, not what was measured."""
-    source = source_of(channel)
-    return source is not None and source.is_planned(channel.topic)
-
-
-def planned_feet(log: Log, robot: Robot, contacts: Sequence[Channel]) -> tuple[Foot, ...]:
-    """Return the feet of a robot as a plan in the log tells of them; none: there is no plan.
-
-    Args:
-        log: the log.
-        robot: with the feet that are used.
-        contacts: their channels.
-    """
-    used = {channel.topic for channel in contacts}
-    if any(is_named_as_planned(topic) for topic in used):
-        return ()
-    for channel in contacts:
-        source = source_of(channel, robot.feet_of(channel.topic))
-        if source is not None and source.type_name == _JOINT_FOOT:
-            return tuple(_by_velocity(foot) for foot in robot.feet if foot.element is not None)
-    topics: dict[str, list[str]] = {}
-    for channel in log.channels.values():
-        if channel.topic not in used and is_planned(channel) and not why_unreadable(channel):
-            topics.setdefault(channel.type_name, []).append(channel.topic)
-    own = {channel.type_name for channel in contacts}
-    # A plan of the measurement's own type tells forces in the same way.
-    for _, of_type in sorted(topics.items(), key=lambda each: each[0] not in own):
-        names = {foot.name for foot in robot.feet}
-        found = [f for f in feet_of_messages(log, most_frequent(log, of_type)) if f.name in names]
-        if found:
-            return tuple(found)
-    return ()
-
-
-def _by_velocity(foot: Foot) -> Foot:
-    """Return a foot whose planned contact is the velocity beside its count."""
-    field = FootField(f"velocity[{_JOINTS + (foot.element or 0)}]", kind="contact", threshold=0.5)
-    return replace(foot, element=None, field=field, newtons_per_count=None, offset=0.0)

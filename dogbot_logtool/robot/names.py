@@ -19,19 +19,17 @@ One name alone misleads: ``rl_controller`` is no left hind leg and the ``front``
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import combinations, pairwise
+from itertools import combinations
 from typing import Final
 
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.robot.readings import Reading, describing, is_doubtful, part_of, readings_of
 from dogbot_logtool.robot.words import (
-    END_FIRST,
     ENDS,
     LETTERS,
     MERITS,
     NEUTRAL,
-    ROWS,
-    SIDE_FIRST,
     SIDES,
     USABLE,
     Part,
@@ -43,27 +41,11 @@ _MANY: Final = 3
 """Legs from which names that say no more than the leg are believed; a robot has four or six."""
 _NUMBERED: Final = 4
 """Legs from which numbers are believed; two may as well be two sensors of a foot."""
-_ORDER: Final = ("front", "middle", "back", "left", "right")
 _MOST_SLOTS: Final = 4
 """Words of a name that may name its leg together."""
 _MOST_LEGS: Final = 16
 _MOST_TOPICS: Final = 2000
 """Topics of a type whose names are compared; no robot has more."""
-
-
-@dataclass(frozen=True, slots=True)
-class Reading:
-    """A name, understood as that of a leg."""
-
-    kind: str
-    """``corners``, ``sides`` or ``numbers``."""
-    scheme: str
-    """Which letters or words name the leg; siblings use the same."""
-    leg: str
-    """Its name."""
-    position: LegPosition | None
-    order: tuple[int, int]
-    """Sorts legs front to back and left before right, or by number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -252,179 +234,15 @@ def _foot_set(
     feet: Sequence[tuple[Reading, str]], words: Sequence[Word], slots: frozenset[int]
 ) -> FootSet:
     """Return siblings as a set; the first one's words stand for all."""
-    near = _describing(words, slots)
+    near = describing(words, slots)
     return FootSet(
         tuple(NamedFoot(each.leg, topic, each.position) for each, topic in feet),
         feet[0][0].kind,
-        _part(near, min(words[at].segment for at in slots)),
+        part_of(near),
         frozenset(word.text for word in near),
         letters_only=all(words[at].text in LETTERS for at in slots),
-        doubtful=_is_doubtful(words, slots),
+        doubtful=is_doubtful(words, slots),
     )
-
-
-def readings_of(words: Sequence[Word], slots: frozenset[int]) -> Iterator[Reading]:
-    """Yield the ways in which some of a name's words can be read as the name of a leg."""
-    if _one_foot(words, slots):
-        return
-    texts = [words[at].text for at in sorted(slots)]
-    if _tells_corner(words, slots):
-        letters = not LETTERS.keys().isdisjoint(texts)
-        for scheme in (SIDE_FIRST, END_FIRST) if letters else (SIDE_FIRST,):
-            if position := _position(texts, scheme):
-                order = _ORDER.index(position[0]), _ORDER.index(position[1])
-                kind = scheme is SIDE_FIRST and letters
-                yield Reading("corners", str(kind), "_".join(position), position, order)
-    if len({SIDES.get(text, text) for text in texts}) == 1 and texts[0] in SIDES:
-        side = SIDES[texts[0]]
-        yield Reading("sides", "", side, None, (_ORDER.index(side), 0))
-    if len(slots) == 1:
-        yield from _numbers(words, min(slots))
-    elif len(slots) == 2:
-        yield from _rows(words, *sorted(slots))
-
-
-def _position(texts: Sequence[str], scheme: Mapping[str, LegPosition]) -> LegPosition | None:
-    """Return the position that all of some words tell; None: they tell none, or several."""
-    pairs = {scheme.get(text) for text in texts if text in LETTERS}
-    ends = {ENDS[text] for text in texts if text in ENDS} | {pair[0] for pair in pairs if pair}
-    sides = {SIDES[text] for text in texts if text in SIDES} | {pair[1] for pair in pairs if pair}
-    known = all(text in LETTERS or text in ENDS or text in SIDES for text in texts)
-    if not known or None in pairs or (len(ends), len(sides)) != (1, 1):
-        return None
-    return ends.pop(), sides.pop()
-
-
-def _tells_corner(words: Sequence[Word], slots: frozenset[int]) -> bool:
-    """Tell whether words name one of four or six legs.
-
-    In ``left_foot_front``, ``left_foot/fl`` and ``front_sensor/left_foot`` they name a sensor of
-    one of two feet.
-    """
-    if not slots:
-        return False
-    first = min(slots)
-    if words[first].text in SIDES and first + 1 < len(words) and words[first + 1].is_leg:
-        return any(word.is_leg for word in words[first + 2 :]) and _tells_corner(
-            words[first + 2 :], frozenset(at - first - 2 for at in slots if at > first + 1)
-        )
-    if any(words[at].text in LETTERS for at in slots):
-        return True
-    ends = [at for at in slots if words[at].text in ENDS]
-    if any(word.text in {"sensor", "sensors"} for at in ends for word in words[at + 1 : at + 2]):
-        return False
-    return bool(ends) and any(words[at].text in SIDES for at in slots)
-
-
-def _numbers(words: Sequence[Word], at: int) -> Iterator[Reading]:
-    """Read a word as the number of a leg, or its letter, or as its row and side: ``bl``."""
-    word = words[at]
-    if word.text in ROWS:
-        row, side = ROWS[word.text]
-        yield _of_row(side, row, "row and side")
-    if word.slot not in {"number", "row"}:
-        return
-    beside = [one for one in words if one.segment == word.segment and one is not word]
-    beside = beside or [one for one in words if one.segment == word.segment - 1][-1:]
-    parts = [one.text for one in beside if one.is_leg]
-    if parts:
-        order = _number(word.text), len(word.text)
-        yield Reading("numbers", word.slot, f"{parts[-1]}_{word.text}", None, order)
-
-
-def _rows(words: Sequence[Word], one: int, other: int) -> Iterator[Reading]:
-    """Read two words as one of two rows of numbered legs: ``l1``, ``left_leg_1``, ``leg1_l``.
-
-    Which end the numbers begin at is not known, so such a leg has no position.
-    """
-    at, side = (one, other) if words[one].slot == "number" else (other, one)
-    between = words[one + 1 : other]
-    if (
-        words[at].slot != "number"
-        or words[side].text not in SIDES
-        or words[at].segment != words[side].segment
-        or len(between) > 1
-        or any(word.part is not Part.LEG for word in between)
-        or _may_number_sensors(words, one, other)
-    ):
-        return
-    before = words[at - 1] if at else None
-    if side > at and before and before.segment == words[at].segment and not before.is_leg:
-        # The number of something else, as in `robot1_left_leg`.
-        return
-    yield _of_row(SIDES[words[side].text], words[at].text, str(side > at))
-
-
-def _may_number_sensors(words: Sequence[Word], one: int, other: int) -> bool:
-    """Tell whether a number may be that of one of a foot's sensors, as in ``left_foot_1``."""
-    inside = {word.part for word in words if word.segment == words[one].segment}
-    is_one_word = other == one + 1 and not words[other].gap
-    return Part.FOOT in inside and Part.LEG not in inside and not is_one_word
-
-
-def _of_row(side: str, row: str, scheme: str) -> Reading:
-    order = _number(row), _ORDER.index(side)
-    return Reading("numbers", f"rows {scheme}", f"{side}_{row}", None, order)
-
-
-def _number(text: str) -> int:
-    return int(text[:9]) if text.isdecimal() else ord(text) - ord("a")
-
-
-def _one_foot(words: Sequence[Word], slots: frozenset[int]) -> bool:
-    """Tell whether the words outside the slots name one foot: its siblings are its sensors."""
-    for at, (one, other) in enumerate(pairwise(words)):
-        if at in slots or at + 1 in slots or one.segment != other.segment:
-            continue
-        named = (one.is_leg and other.is_position) or (other.is_leg and one.is_position)
-        if named and _says_only_leg(words, one.segment, slots):
-            return True
-    return False
-
-
-def _says_only_leg(words: Sequence[Word], segment: int, slots: frozenset[int]) -> bool:
-    """Tell whether a segment is about a leg: ``left_leg_controller`` is not, without a slot."""
-    inside = [at for at, word in enumerate(words) if word.segment == segment]
-    return not slots.isdisjoint(inside) or all(
-        word.is_leg or word.is_position or word.text in NEUTRAL or word.slot == "number"
-        for word in (words[at] for at in inside)
-    )
-
-
-def _describing(words: Sequence[Word], slots: frozenset[int]) -> list[Word]:
-    """Return the words that describe the leg: of its segment, of those after, and just before.
-
-    A segment before counts only if it says nothing else, as ``/foot_sensors/`` and ``/desired/``.
-    """
-    first = words[min(slots)].segment
-    before = [word for word in words if word.segment == first - 1]
-    telling = all(word.part is not None or word.text in NEUTRAL | MERITS.keys() for word in before)
-    outside = [word for at, word in enumerate(words) if at not in slots]
-    return [word for word in outside if word.segment >= first - telling]
-
-
-def _part(near: Sequence[Word], first: int) -> Part:
-    """Return the part of a body that a name is about; words beside the leg's decide first."""
-    for group in ([word for word in near if word.segment >= first], near):
-        parts = [word.part for word in group if word.part is not None]
-        if Part.FOOT in parts:
-            return Part.FOOT
-        if parts:
-            split = not {"upper", "lower"}.isdisjoint(word.text for word in group)
-            return Part.UPPER_LEG if split and Part.LEG in parts else min(parts)
-    return Part.UNKNOWN
-
-
-def _is_doubtful(words: Sequence[Word], slots: frozenset[int]) -> bool:
-    """Tell whether the segment before the leg's names something that is no foot.
-
-    So are the numbers in ``foot_l1`` doubtful: they may be those of the sensors of one foot.
-    """
-    first = words[min(slots)].segment
-    inside = {word.part for word in words if word.segment == first}
-    if len(slots) > 1 and any(words[at].slot == "number" for at in slots):
-        return Part.FOOT in inside and Part.LEG not in inside
-    return any(word.part is Part.NOT_A_FOOT for word in words if word.segment == first - 1)
 
 
 def _without_parts(sets: Sequence[FootSet]) -> list[FootSet]:

@@ -27,14 +27,14 @@ from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
 from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.base import choose_base
-from dogbot_logtool.robot.contact_evidence import RawLevels, compare_flags, with_raw_levels
+from dogbot_logtool.robot.contact_evidence import compare_flags, source_findings, with_raw_levels
 from dogbot_logtool.robot.feet import (
     assign_feet,
     check_topics,
     find_feet,
     foot_channels,
-    is_planned,
 )
+from dogbot_logtool.robot.offers import candidates_finding, split_cells
 from dogbot_logtool.robot.readable import (
     own_definition_findings,
     reasons,
@@ -45,12 +45,7 @@ from dogbot_logtool.robot.readable import (
 )
 from dogbot_logtool.robot.robot import GENERIC, Robot, known_robots, load_robot, robot_toml
 from dogbot_logtool.robot.settings import with_settings
-from dogbot_logtool.robot.unknown import (
-    FootCandidates,
-    candidates_finding,
-    find_candidates,
-    split_cells,
-)
+from dogbot_logtool.robot.unknown import FootCandidates, find_candidates
 
 _LIKELY_WORDS: Final = ("odom", "contact", "foot", "feet", "force", "wrench", "pose", "leg")
 """Words in topics and types that may tell of the base or the feet."""
@@ -209,7 +204,7 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
     elif offer is None and chosen.offered:
         findings = [_with_command(each, call) for each in findings]
     levels = with_raw_levels(log, contacts, feet_of, chosen.robot)
-    findings += _source_findings(contacts, levels)
+    findings += source_findings(contacts, levels)
     flags = compare_flags(log, contacts, feet_of, levels.robot)
     findings += flags.findings
     transforms = [
@@ -364,42 +359,3 @@ def _with_command(finding: Finding, call: str) -> Finding:
     if finding.code != "NO_BASE":
         return finding
     return replace(finding, text=f"{finding.text}; this takes them: {call}", command=call)
-
-
-def _source_findings(contacts: Sequence[Channel], levels: RawLevels) -> Iterator[Finding]:
-    """Say what contact messages do not tell."""
-    for channel in sorted(contacts, key=lambda channel: channel.type_name):
-        name, source = channel.type_name, source_of(channel, levels.robot.feet_of(channel.topic))
-        if source is None:
-            continue
-        if not source.has_force:
-            text = f"{name} tells contact, not force: gait figures only, no arrows, no loads"
-            yield Finding("NO_FORCE", text)
-        if source.is_raw:
-            yield from _not_calibrated(name, levels)
-        if not source.has_header:
-            text = f"{name} has no header: log time is used for it"
-            yield Finding("LOG_TIME_USED", text, cases=("no_header",))
-        if source.silent_in_swing:
-            text = f"{name} is published only in contact: silence is taken for swing"
-            yield Finding("SILENT_SWING", text)
-    for channel in filter(is_planned, contacts):
-        text = "is a plan, not a measurement: contacts, forces and figures are the planned ones"
-        yield Finding("PLANNED", f"{channel.topic} {text}", channel.topic)
-
-
-def _not_calibrated(name: str, levels: RawLevels) -> Iterator[Finding]:
-    """Warn of figures that are missing while the counts of raw sensors have no scale."""
-    robot = levels.robot
-    unscaled = [foot.name for foot in robot.feet if foot.newtons_per_count is None]
-    if not unscaled:
-        return
-    text = f"{name} has raw counts, and the robot's file has no newtons_per_count for "
-    text += f"{', '.join(unscaled)}: no forces"
-    if robot.contact_on_counts is None:
-        text += ", and without contact.on_counts no contact either"
-        text += f" (it cannot be estimated from the log; {levels.reason})" if levels.reason else ""
-    else:
-        text += f"; contact from {robot.contact_on_counts:g} counts above a foot's offset on"
-        text += " (both estimated from the log)" if levels.estimated else ""
-    yield Finding("NOT_CALIBRATED", text, feet=tuple(unscaled))

@@ -6,7 +6,6 @@ columns of these are read of the whole log, like those of any feet, and judged t
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
-from pathlib import PurePath
 from typing import Final
 
 import numpy as np
@@ -15,26 +14,21 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
-from dogbot_logtool.finding import Finding
-from dogbot_logtool.io.printable import listed, shell_joined, shell_quoted
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.definition import (
     FieldType,
     FixedArray,
     Primitive,
     Struct,
-    Text,
-    VariableArray,
 )
 from dogbot_logtool.reader.decode.field_path import is_vector, readable_fields
-from dogbot_logtool.reader.decode.paths import path_of
 from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.contact_messages import source_of
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.wanted import Wanted
-from dogbot_logtool.robot.first_messages import first_messages
+from dogbot_logtool.robot.labels import array_labels
 from dogbot_logtool.robot.names import leg_position, name_feet
 from dogbot_logtool.robot.score import (
     CONTACT_WORDS,
@@ -44,7 +38,7 @@ from dogbot_logtool.robot.score import (
     name_marks,
     rate_mark,
 )
-from dogbot_logtool.robot.words import ENDS, SIDES, words_of
+from dogbot_logtool.robot.words import words_of
 
 _ENOUGH: Final = 5
 """Points from which fields are offered as feet."""
@@ -64,8 +58,6 @@ _OTHER_WORDS: Final = (
 _OTHER: Final = frozenset(_OTHER_WORDS.split())
 _JOINT: Final = frozenset({"ankle", "drive", "hip", "joint", "knee", "motor", "servo"})
 """Words of names that are a joint's, whose effort is no foot's force."""
-_IN_A_SOLE: Final = frozenset({*ENDS, *SIDES, "heel", "inner", "inside", "outer", "outside", "toe"})
-"""Words, beside numbers, that tell apart the sensors in a sole."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,7 +150,7 @@ def _named_sets(log: Log) -> Iterator[FootCandidates]:
         rows: list[list[_Field]] = []
         for topic in sorted({channel.topic for channel in channels}):
             for field, length in _fields(topic, type_name, definition):
-                labels = array_labels(log, field)
+                labels = array_labels(log, topic, field.path)
                 named += _named_fields(field, labels)
                 rows += () if labels else _rows_of_fields(field, length)
         sets: list[_Set] = []
@@ -264,55 +256,6 @@ def _siblings(fields: Mapping[str, _Field]) -> Iterator[_Set]:
             yield [group[w] for w in words], feet, ((1, "they differ in one word only"),)
 
 
-def array_labels(log: Log, field: _Field) -> tuple[str, ...]:
-    """Return the strings beside the elements of a field's array, in them or in an array beside it.
-
-    They are the same in all of the first messages, and each element has another one; else none.
-    """
-    if field.path.count("[]") != 1:
-        return ()
-    array = field.path.partition("[]")[0]
-    for channel in log.channels_by_topic.get(field.topic, ()):
-        try:
-            paths = [path for path in _text_paths("", definition_of(channel)) if "[]" in path]
-        except DefinitionError:
-            continue
-        holder = array.rpartition(".")[0]
-        own = [path for path in paths if path.startswith(f"{array}[].")]
-        beside = [path for path in paths if path.rpartition(".")[0] == holder and path[-1] == "]"]
-        for path in (*own, *beside):
-            rows = _rows_of_texts(log, channel, path) if path.count("[]") == 1 else set()
-            labels = next(iter(rows)) if len(rows) == 1 else ()
-            if labels and all(labels) and len(labels) == len(set(labels)):
-                return labels
-    return ()
-
-
-def _text_paths(path: str, kind: FieldType) -> Iterator[str]:
-    """Yield the paths of all strings, with ``[]`` for an index."""
-    if isinstance(kind, Text):
-        yield path
-    elif isinstance(kind, FixedArray | VariableArray):
-        yield from _text_paths(f"{path}[]", kind.element)
-    elif isinstance(kind, Struct):
-        for name, inner in kind.fields:
-            yield from _text_paths(f"{path}.{name}".lstrip("."), inner)
-
-
-def _rows_of_texts(log: Log, channel: Channel, text: str) -> set[tuple[str, ...]]:
-    """Return the different rows of strings of a channel's first messages."""
-    path = path_of(text, "text")
-    found: set[tuple[str, ...]] = set()
-    for messages in first_messages(log, channel, path.fields):
-        message, texts = path.texts(messages.table)
-        code, names = texts.encode()
-        rows: dict[int, list[str]] = {}
-        for row, each in zip(message.tolist(), code.tolist(), strict=True):
-            rows.setdefault(row, []).append(names[each])
-        found |= set(map(tuple, rows.values()))
-    return found
-
-
 def _rate_hz(log: Log, topics: Collection[str]) -> float | None:
     """Return the messages a second of the slowest topic."""
     if log.start_time is None or log.end_time is None or log.end_time <= log.start_time:
@@ -378,70 +321,3 @@ def _feet_there(named: FootCandidates, samples: Sequence[Samples]) -> int:
         count = sum(number > 0 for number in told)
         count = count if len(set(told[:count])) == 1 else 0
     return count if _FEWEST_FEET <= count <= _MOST_FEET else 0
-
-
-def split_cells(found: Sequence[FootCandidates]) -> tuple[list[FootCandidates], list[Finding]]:
-    """Leave out fields of which each foot has several, alike but for their place in it.
-
-    Returns:
-        the other fields, and a finding for each group that was left out: no single sensor in a
-        sole tells the foot's load.
-    """
-    groups: dict[object, list[FootCandidates]] = {}
-    for one in found:
-        feet = tuple((foot.name, foot.topic, _without_place(foot)) for foot in one.feet)
-        groups.setdefault((one.type_name, feet), []).append(one)
-    others = [group[0] for group in groups.values() if len(group) == 1]
-    return others, [_cells_finding(group) for group in groups.values() if len(group) > 1]
-
-
-def _without_place(foot: Foot) -> tuple[str, ...]:
-    """Return the words of a foot's field that do not tell where in the foot it is."""
-    words = [word.text for word in words_of(foot.field.path if foot.field else "")]
-    return tuple(word for word in words if word not in _IN_A_SOLE and not word.isdigit())
-
-
-def _cells_finding(group: Sequence[FootCandidates]) -> Finding:
-    feet = []
-    for number, foot in enumerate(group[0].feet):
-        fields = dict.fromkeys(word_of(each.feet[number]) for each in group)
-        feet.append(f"{foot.name} = {' + '.join(fields)}")
-    text = (
-        f"fields of {group[0].type_name} look like several sensors in each foot: {listed(feet)}; a "
-        "single one tells neither the load nor the contact of its foot, and fields cannot be added "
-        "up here: record the sum of each foot's sensors on a topic of its own, such as "
-        "/foot/left of geometry_msgs/WrenchStamped"
-    )
-    return Finding("FEET_UNSURE", text, cases=("possible",))
-
-
-def candidates_finding(log: Log, found: Sequence[FootCandidates], call: str, base: str) -> Finding:
-    """Return which fields may be feet, why, and the command that measures with them.
-
-    Args:
-        log: the log.
-        found: what `find_candidates` finds, at least one.
-        call: a call of `stats` without the feet.
-        base: poses that may be the base's, as ``--odom-topic`` takes them; empty: none.
-    """
-    first = found[0]
-    text = f"fields of {first.type_name} look like feet: {'; or '.join(o.text for o in found[:3])}"
-    if any(foot.leg_position is None for foot in first.feet):
-        text += (
-            "; which leg each is, they do not say: put front_left, back_right ... for "
-            f"{first.feet[0].name} and the others, and gaits have names"
-        )
-    file = f"{PurePath(log.words[0]).stem}.toml"
-    chosen = ["--odom-topic", base] if base else []
-    draft = shell_joined(["dogbot-logtool", "robots", "new", *log.words, *chosen, "-o", file])
-    if any(foot.field and foot.field.kind for foot in first.feet):
-        # What the fields are can only be said in a robot's file.
-        text += f"; they are not used unasked. This writes a robot's file with them: {draft}"
-        return Finding("FEET_UNSURE", text, command=draft, cases=("possible",))
-    words = " ".join(f"--foot {foot.name}={shell_quoted(word_of(foot))}" for foot in first.feet)
-    command = f"{call} {words}"
-    text += (
-        f"; they are not used unasked. `{draft}` writes a robot's file with them; this measures "
-        f"with them: {command}"
-    )
-    return Finding("FEET_UNSURE", text, command=command, cases=("possible",))

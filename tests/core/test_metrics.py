@@ -1,6 +1,5 @@
 """The records of metrics, and what is made of them."""
 
-import json
 from dataclasses import replace
 
 import pytest
@@ -12,21 +11,19 @@ from dogbot_logtool.core.metrics import (
     Foot,
     Gait,
     GaitOfLog,
-    Joint,
     Phase,
     Planned,
     Segment,
     WalkMetrics,
-    void,
 )
 from dogbot_logtool.core.records import (
     Curve,
     Field,
     fields_of,
-    from_json,
     metric_paths,
     to_json,
     unknown,
+    void,
 )
 from dogbot_logtool.report.schema import schema
 
@@ -99,12 +96,6 @@ def test_the_whole_log_and_a_segment_have_the_same_metrics() -> None:
     assert in_segments - {"start_s", "end_s"} <= paths
 
 
-def test_records_become_json_and_back() -> None:
-    data = json.loads(json.dumps(to_json(walk())))
-
-    assert from_json(WalkMetrics, data) == walk()
-
-
 def test_detail_is_curves_and_lists_of_times() -> None:
     foot = to_json(walk(), detail=False)["feet"]["left"]
 
@@ -125,11 +116,6 @@ def test_json_follows_the_schema() -> None:
         validator.validate(to_json(walk(), detail=detail))
     wrong = {**to_json(walk()), "spin": 1}
     assert not validator.is_valid(wrong)
-
-
-def test_a_key_that_is_no_field_is_an_error() -> None:
-    with pytest.raises(ValueError, match="Joint has no spin"):
-        from_json(Joint, {"spin": 1})
 
 
 def test_what_matches_a_pattern_becomes_null_in_the_log_and_in_its_segments() -> None:

@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Final
 
@@ -10,7 +11,7 @@ from pages import PAGES
 
 import dogbot_logtool as dl
 from dogbot_logtool.core.metrics import WalkMetrics
-from dogbot_logtool.core.records import from_json, metric_paths, values
+from dogbot_logtool.core.records import metric_paths
 from dogbot_logtool.finding import finding_kinds
 from tests.commands.test_planned import GRF, Plan, figures, write
 from tests.paths import ROOT, SAMPLE_LOGS
@@ -45,15 +46,23 @@ def test_every_metric_is_measured_of_some_log(tmp_path: Path) -> None:
     documents.append(dl.measure(log, mass=20.0, set={"wrench_frame": "world"}).stats)
     goldens = SAMPLE_LOGS.glob("golden/*.stats.json")
     documents += [json.loads(golden.read_text(encoding="utf-8")) for golden in goldens]
-    known = {
-        ".".join(path)
-        for document in documents
-        for path, value, _ in values(from_json(WalkMetrics, document))
-        if value is not None
-    }
+    known = {path for document in documents for path in told(document)}
     wanted = [(path, pattern(path)) for path, _, _ in metric_paths(WalkMetrics)]
     unmeasured = {path for path, one in wanted if not any(map(one.fullmatch, known))}
     assert unmeasured == NOT_IN_THESE_LOGS
+
+
+def told(document: object, path: str = "") -> Iterator[str]:
+    """The paths of a document that are not null."""
+    items: Iterable[tuple[object, object]] = ()
+    if isinstance(document, dict):
+        items = document.items()
+    elif isinstance(document, list):
+        items = enumerate(document)
+    for key, value in items:
+        if value is not None:
+            yield f"{path}{key}"
+            yield from told(value, f"{path}{key}.")
 
 
 NOT_IN_THESE_LOGS: Final = {

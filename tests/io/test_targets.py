@@ -1,20 +1,16 @@
 """Where the output of each log goes."""
 
-from pathlib import Path, PurePath
+from pathlib import Path
 
 import pytest
-from upath import UPath
 
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.targets import (
     Output,
-    ends_in_slash,
     may_be_several,
     output_at,
-    refuse_other_format,
     targets,
 )
-from dogbot_logtool.report.layouts import VIEWERS
 
 MCAP = ".annotated.mcap"
 
@@ -51,10 +47,6 @@ def test_what_an_output_means(
     assert str(output.path).rstrip("/") == word.rstrip("/")
 
 
-def test_no_output_is_the_current_directory() -> None:
-    assert output_at(None, MCAP, several=False) == Output(Path(), is_folder=True)
-
-
 @pytest.mark.parametrize(
     ("name", "ending"),
     [
@@ -76,21 +68,9 @@ def test_a_name_must_not_promise_another_format(name: str, ending: str, *, sever
     assert f"name it x.{ending.rpartition('.')[2]}" in str(caught.value)
 
 
-def test_names_of_the_same_format_are_alike() -> None:
-    refuse_other_format(Path("x.htm"), ".html")
-    refuse_other_format(Path("x"), ".json")
-    for viewer in VIEWERS.values():
-        refuse_other_format(Path(f"view{viewer.suffix}"), viewer.suffix)
-
-
 def test_a_dash_is_no_file() -> None:
     with pytest.raises(CallError, match="does not stand for stdout"):
         output_at("-", MCAP, several=False)
-
-
-def test_a_slash_is_one_of_the_system() -> None:
-    assert ends_in_slash("a/")
-    assert not ends_in_slash("a")
 
 
 def test_words_that_may_name_several_logs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -122,11 +102,3 @@ def test_targets_in_a_directory(tmp_path: Path) -> None:
         targets(logs, Output(tmp_path / "none.mcap", is_folder=False), ".report.html")
     with pytest.raises(CallError, match="same name"):
         targets([Path("a/walk.bag"), Path("b/walk.bag")], folder, ".mcap")
-
-
-def test_targets_lie_as_their_logs_do() -> None:
-    logs = [Path("a/walk.bag"), Path("b/walk.bag")]
-    below = [PurePath(), PurePath("b")]
-    folder = UPath("memory://out")
-    found = targets(logs, Output(folder, is_folder=True), ".mcap", below)
-    assert [str(target) for _, target in found] == [f"{folder}/walk.mcap", f"{folder}/b/walk.mcap"]

@@ -25,11 +25,11 @@ SETTLE_S: Final = 1.0
 KEPT_S: Final = 0.002
 """s between rows that are kept."""
 GAITS: Final = {
-    "trot": (np.array([physics.PHASES[foot] for foot in FEET]), physics.DUTY),
-    "walk": (np.array([0.0, 0.5, 0.75, 0.25]), 0.75),
-    "stand": (np.zeros(4), 1.0),
+    "trot": (np.array([physics.PHASES[foot] for foot in FEET]), physics.DUTY, physics.SINK_M),
+    "walk": (np.array([0.0, 0.5, 0.75, 0.25]), 0.75, 0.004),
+    "stand": (np.zeros(4), 1.0, 0.0),
 }
-"""Phases of the feet, and duty factor."""
+"""Phases of the feet, duty factor, and how far below the ground feet are to tread, m."""
 _FREE: Final = (
     '<joint name="x" type="slide" axis="1 0 0"/><joint name="y" type="slide" axis="0 1 0"/>'
     '<joint name="z" type="slide" axis="0 0 1"/><joint name="yaw" type="hinge" axis="0 0 1"/>'
@@ -91,7 +91,7 @@ def walker(
     return _tilted(engine.finish(KEPT_S), slope_rad)
 
 
-def _feet(time: Floats, wanted: Floats, phases: Floats, duty: float) -> Floats:
+def _feet(time: Floats, wanted: Floats, phases: Floats, duty: float, sink_m: float) -> Floats:
     """(n, 4, 3) m, where the plan has each foot, from the base; wanted: (n, 3) velocity."""
     cycle = time[:, None] / physics.PERIOD_S - phases
     share = cycle - np.floor(cycle)
@@ -113,8 +113,8 @@ def _feet(time: Floats, wanted: Floats, phases: Floats, duty: float) -> Floats:
             own - back * physics.STEP_S,
         )
         place[row, :, :2] = own
-    lift = physics.LIFT_M * 4.0 * part * (1.0 - part) - physics.SINK_M * part**2
-    sunk = -physics.SINK_M * np.maximum(0.0, 1.0 - share / (0.5 * duty)) * (duty < 1.0)
+    lift = physics.LIFT_M * 4.0 * part * (1.0 - part) - sink_m * part**2
+    sunk = -sink_m * np.maximum(0.0, 1.0 - share / (0.5 * duty))
     place[:, :, 2] = physics.BALL - physics.HEIGHT_M + np.where(swings, lift, sunk)
     return place
 

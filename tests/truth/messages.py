@@ -229,20 +229,21 @@ class Messages:
         message = self._make(TWIST_STAMPED, header=self._header(frame), twist=self._twist())
         return self._template(TWIST_STAMPED, message, 3)
 
-    def imu(self, frame: str) -> Template:
-        """Fill with a linear acceleration: 3 numbers."""
+    def imu(self, frame: str, *, turns: bool = False) -> Template:
+        """Fill with a linear acceleration and, if asked for, a turn rate: 3 or 6 numbers."""
+        blank = _blanks(6)
         message = self._make(
             IMU,
             header=self._header(frame),
             orientation=self._quaternion((0.0, 0.0, 0.0, 1.0)),
-            angular_velocity=self._vector((0.0, 0.0, 0.0)),
-            linear_acceleration=self._vector(_blanks(3)),
+            linear_acceleration=self._vector(blank[:3]),
+            angular_velocity=self._vector(blank[3:] if turns else (0.0, 0.0, 0.0)),
             **{
                 f"{name}_covariance": np.zeros(9)
                 for name in ("orientation", "angular_velocity", "linear_acceleration")
             },
         )
-        return self._template(IMU, message, 3)
+        return self._template(IMU, message, 6 if turns else 3)
 
     def _twist(self) -> Any:
         x, y, yaw = _blanks(3)

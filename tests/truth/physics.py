@@ -305,12 +305,13 @@ class _Messages(Messages):
         )
         return self._template(JOINT_STATE, message, len(blank))
 
-    def description(self) -> bytes:
-        return bytes(self.store.serialize_cdr(self._make(STRING, data=urdf()), STRING))
+    def description(self, text: str = "") -> bytes:
+        return bytes(self.store.serialize_cdr(self._make(STRING, data=text or urdf()), STRING))
 
 
 @cache
-def _messages() -> _Messages:
+def messages() -> _Messages:
+    """Return what makes messages."""
     return _Messages(2)
 
 
@@ -354,7 +355,7 @@ def write_log(
         names: of the joints in their states.
         drift: metres by which the odometry goes astray, to the left, a metre of the way.
     """
-    physics, make = robot or trot(), _messages()
+    physics, make = robot or trot(), messages()
     rows = slice(0, None, every)
     states = (physics.position, physics.velocity, physics.torque)
     told = [np.asarray(each)[rows] for each in (change(*states) if change else states)]

@@ -7,9 +7,8 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.base.axes import WALKED_M
-from dogbot_logtool.core.checks.wording import counted
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, counted
 
 
 def worlds_differ(stats: Stats) -> Iterator[Finding]:

@@ -28,13 +28,13 @@ def clock_set(stats: Stats) -> Iterator[Finding]:
     """Yield why stamps are not used, and where the clock was set."""
     settings, where = stats.settings, "settings.time_source"
     if settings.time_source_reason:
-        yield found("LOG_TIME_USED", where, why=settings.time_source_reason)
+        yield found("LOG_TIME_USED", where=where, why=settings.time_source_reason)
     on_log_time = settings.clock is TimeSource.LOG
     steps = {step: each.topic for each in stats.topics for step in each.clock_steps}
     for step, topic in steps.items():
         at = f" at {stats.seconds(np.array([step.after]))[0]:.2f} s" if on_log_time else ""
         way, seconds = "back" if step.by_ns < 0 else "forward", abs(step.by_ns) / 1e9
-        yield found("CLOCK_SET", where, topic=topic, way=way, seconds=seconds, at=at)
+        yield found("CLOCK_SET", where=where, topic=topic, way=way, seconds=seconds, at=at)
 
 
 def clocks_differ(stats: Stats) -> Iterator[Finding]:
@@ -48,7 +48,6 @@ def clocks_differ(stats: Stats) -> Iterator[Finding]:
         drifts = f", drifting by {each.drift_s:+.3f} s over the log"
         yield found(
             "CLOCK_OFFSET",
-            each.topic,
             case if each.topic in stats.clocks_apart else "little",
             topic=each.topic,
             behind=abs(each.behind_s),
@@ -59,7 +58,6 @@ def clocks_differ(stats: Stats) -> Iterator[Finding]:
     if delay is not None:
         yield found(
             "CLOCK_OFFSET",
-            base_topic,
             "base",
             say="heave",
             topic=base_topic,
@@ -76,7 +74,9 @@ def feet_silent(stats: Stats) -> Iterator[Finding]:
     silent = stats.all_silent
     if len(silent):
         first, seconds = stats.seconds(silent[:, 0])[0], np.diff(silent).sum() / 1e9
-        yield found("ALL_FEET_SILENT", "feet", times=len(silent), first=first, seconds=seconds)
+        yield found(
+            "ALL_FEET_SILENT", where="feet", times=len(silent), first=first, seconds=seconds
+        )
 
 
 def topics_timed(stats: Stats) -> Iterator[Finding]:
@@ -85,19 +85,13 @@ def topics_timed(stats: Stats) -> Iterator[Finding]:
         topic, offset_s, drift_ppm = each.topic, each.offset_median_s, each.offset_drift_ppm
         if each.gaps and topic != stats.settings.command_topic:
             seconds, longest = each.gaps_total_s, each.longest_gap_s
-            yield found(
-                "GAPS", topic, topic=topic, gaps=each.gaps, seconds=seconds, longest=longest
-            )
+            yield found("GAPS", topic=topic, gaps=each.gaps, seconds=seconds, longest=longest)
         for code, field, what in _ODD_TIMES:
             if count := getattr(each, field):
-                yield found(
-                    code, topic, topic=topic, count=count, messages=each.messages, what=what
-                )
+                yield found(code, topic=topic, count=count, messages=each.messages, what=what)
         if offset_s is not None and abs(offset_s) > FAR_S:
             way, seconds = "before" if offset_s > 0.0 else "after", abs(offset_s)
-            yield found(
-                "CLOCK_OFFSET", topic, "little", say="far", topic=topic, seconds=seconds, way=way
-            )
+            yield found("CLOCK_OFFSET", "little", say="far", topic=topic, seconds=seconds, way=way)
         if drift_ppm is not None and abs(drift_ppm) > OTHER_SPEED_PPM:
             rate = 1.0 / (1.0 + drift_ppm / 1e6)
-            yield found("CLOCK_OFFSET", topic, "little", say="speed", topic=topic, rate=rate)
+            yield found("CLOCK_OFFSET", "little", say="speed", topic=topic, rate=rate)

@@ -16,9 +16,7 @@ def refused(stats: Stats) -> Iterator[Finding]:
         if each.refused:
             case = "commands" if each.topic == stats.settings.command_topic else "imu"
             topic, count, of = each.topic, each.refused, each.messages
-            yield found(
-                "NOT_FINITE", topic, case, say="beside", topic=topic, refused=count, messages=of
-            )
+            yield found("NOT_FINITE", case, say="beside", topic=topic, refused=count, messages=of)
 
 
 def followed(stats: Stats) -> Iterator[Finding]:
@@ -29,14 +27,14 @@ def followed(stats: Stats) -> Iterator[Finding]:
     if track.axes is None:
         names = ", ".join(track.history.frames)
         frames = f" (their frame is {names})" if names else ""
-        yield found("COMMAND_AXES", "commands.axes", "unknown", frames=frames)
+        yield found("COMMAND_AXES", "unknown", where="commands.axes", frames=frames)
     for axis in track.opposed:
-        yield found("COMMAND_AXES", f"commands.{axis}", axis=_NAMES[axis])
+        yield found("COMMAND_AXES", where=f"commands.{axis}", axis=_NAMES[axis])
     if track.history.on_log_time and stats.settings.clock is TimeSource.HEADER:
         where, topic = "commands.on_log_time", track.history.topic
-        yield found("LOG_TIME_USED", where, "no_header", topic=topic)
+        yield found("LOG_TIME_USED", "no_header", where=where, topic=topic)
     without, timeout = track.no_command_s, track.timeout_ns / 1e9
     if without > timeout:
         seconds = without + track.commanded_s
         where = "commands.no_command_s"
-        yield found("NO_COMMAND", where, without=without, seconds=seconds, timeout=timeout)
+        yield found("NO_COMMAND", where=where, without=without, seconds=seconds, timeout=timeout)

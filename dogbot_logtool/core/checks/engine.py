@@ -1,10 +1,11 @@
 """All checks of a walk: functions that yield findings, each naming the metrics that it voids.
 
-A check reads what was measured and changes nothing; what its findings void is set to null
-afterwards, in one place (`voids.py`).
+A check is a generator in one of these modules that takes what was measured, and nothing else. It
+changes nothing; what its findings void is set to null afterwards, in one place (`records.void`).
 """
 
 from collections.abc import Callable, Iterator
+from inspect import isgeneratorfunction
 from typing import Final
 
 from dogbot_logtool.core.checks import base, clock, commands, gait, imu, legs, loads, poses, sensors
@@ -12,56 +13,13 @@ from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 
 Check = Callable[[Stats], Iterator[Finding]]
-
-CHECKS: Final[tuple[Check, ...]] = (
-    clock.clock_set,
-    clock.clocks_differ,
-    clock.feet_silent,
-    clock.topics_timed,
-    base.worlds_differ,
-    base.falls,
-    base.poses,
-    base.up_axis,
-    base.height_drifts,
-    base.sides_swapped,
-    base.forward_axis,
-    base.pose_jumps,
-    poses.frozen,
-    poses.scale,
-    poses.direction,
-    poses.orientation,
-    poses.planar,
-    poses.rate,
-    sensors.unloaded_levels,
-    sensors.silent_feet,
-    sensors.dead,
-    sensors.stuck,
-    sensors.stopped,
-    sensors.saturated,
-    sensors.spikes,
-    sensors.samples_left_out,
-    sensors.chatter,
-    sensors.sampled_slowly,
-    gait.no_class,
-    gait.other_reference_foot,
-    gait.moves_without_steps,
-    gait.lifted,
-    gait.several_gaits,
-    gait.against_plan,
-    gait.slips,
-    loads.no_force,
-    loads.mass_unknown,
-    loads.impulse_is_not_weight,
-    loads.forces_lean,
-    loads.forces_push,
-    legs.foot_frames,
-    legs.sampled_slowly,
-    legs.joint_clocks,
-    legs.joint_work,
-    commands.refused,
-    commands.followed,
-    imu.mounting,
-    imu.forces,
+MODULES: Final = (clock, base, poses, sensors, gait, loads, legs, commands, imu)
+CHECKS: Final[tuple[Check, ...]] = tuple(
+    each
+    for module in MODULES
+    for name, each in vars(module).items()
+    if isgeneratorfunction(each) and each.__module__ == module.__name__
+    if not name.startswith("_") and [*each.__annotations__] == ["stats", "return"]
 )
 """In order of the subjects; findings are sorted by consequence."""
 

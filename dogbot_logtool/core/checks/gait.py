@@ -24,11 +24,11 @@ def no_class(stats: Stats) -> Iterator[Finding]:
     main, where = stats.main, "gait.class"
     if main is None:
         say = "clocks" if stats.feet_clocks_are_apart else "no_strides"
-        yield found("CLASS_UNKNOWN", where, say=say)
+        yield found("CLASS_UNKNOWN", where=where, say=say)
     elif main.gait.name is None and not (main.moves_without_steps or main.is_lifted):
-        yield found("CLASS_UNKNOWN", where, why=_why_no_class(stats, main))
+        yield found("CLASS_UNKNOWN", where=where, why=_why_no_class(stats, main))
     elif main.gait.name == IRREGULAR:
-        yield found("CLASS_UNKNOWN", where, why=_why_irregular(stats, main))
+        yield found("CLASS_UNKNOWN", where=where, why=_why_irregular(stats, main))
 
 
 def other_reference_foot(stats: Stats) -> Iterator[Finding]:
@@ -37,7 +37,7 @@ def other_reference_foot(stats: Stats) -> Iterator[Finding]:
     order = legs_in_order([foot.leg_position for foot in stats.feet]) or range(len(names))
     if stats.main is not None and stats.reference != order[0]:
         usual, other = names[order[0]], names[stats.reference]
-        yield found("CLASS_UNKNOWN", "gait.phase", say="reference", foot=usual, other=other)
+        yield found("CLASS_UNKNOWN", where="gait.phase", say="reference", foot=usual, other=other)
 
 
 def moves_without_steps(stats: Stats) -> Iterator[Finding]:
@@ -54,7 +54,7 @@ def moves_without_steps(stats: Stats) -> Iterator[Finding]:
     cases = ("offset_unknown",) if unsure else ()
     seconds, first = _lasting(stats, moving)
     yield found(
-        "MOVES_WITHOUT_STEPS", "gait.class", *cases, feet=unsure, seconds=seconds, first=first
+        "MOVES_WITHOUT_STEPS", *cases, where="gait.class", feet=unsure, seconds=seconds, first=first
     )
 
 
@@ -63,11 +63,11 @@ def lifted(stats: Stats) -> Iterator[Finding]:
     for row, foot in enumerate(stats.feet):
         told = foot.record.start is not None and not stats.settings.sensor(row).rule.unusable
         if told and not foot.is_dead and not len(foot.stances.touchdown):
-            yield found("LIFTED", f"feet.{foot.name}", foot=foot.name)
+            yield found("LIFTED", foot=foot.name)
     spans = [segment for segment in stats.segments if segment.is_lifted]
     if spans:
         seconds, first = _lasting(stats, spans)
-        yield found("LIFTED", "gait.segments", say="robot", seconds=seconds, first=first)
+        yield found("LIFTED", where="gait.segments", say="robot", seconds=seconds, first=first)
 
 
 def _lasting(stats: Stats, segments: list[Segment]) -> tuple[float, float]:
@@ -79,7 +79,7 @@ def _lasting(stats: Stats, segments: list[Segment]) -> tuple[float, float]:
 def several_gaits(stats: Stats) -> Iterator[Finding]:
     """Yield that there are several gaits."""
     if len({segment.gait.name for segment in stats.segments}) > 1:
-        yield found("SEVERAL_GAITS", "gait.segments", segments=len(stats.segments))
+        yield found("SEVERAL_GAITS", where="gait.segments", segments=len(stats.segments))
 
 
 def against_plan(stats: Stats) -> Iterator[Finding]:
@@ -93,7 +93,7 @@ def against_plan(stats: Stats) -> Iterator[Finding]:
             median = f"; {1e3 * abs(delay.median):.0f} ms {when} in the median"
         yield found(
             "AGAINST_PLAN",
-            f"feet.{foot.name}.planned",
+            where=f"feet.{foot.name}.planned",
             foot=foot.name,
             topic=plan.topic,
             planned=plan.touchdowns,
@@ -112,7 +112,7 @@ def slips(stats: Stats) -> Iterator[Finding]:
         far = int((reach > LARGEST_FOOT_M).sum())
         if far and stats.settings.foot_rolling_m is None and foot.slip_from is None:
             where, metres = f"feet.{foot.name}.contact_travel_m", np.nanmax(reach)
-            yield found("SLIPS", where, foot=foot.name, metres=metres, stances=far)
+            yield found("SLIPS", where=where, foot=foot.name, metres=metres, stances=far)
 
 
 def _why_no_class(stats: Stats, main: Segment) -> str:

@@ -22,7 +22,6 @@ def mounting(stats: Stats) -> Iterator[Finding]:
         cases = ("undecided",) if seat.reading in {Reading.NOTHING, Reading.UNCLEAR} else ()
         yield found(
             "IMU_READS",
-            topic,
             *cases,
             say=seat.reading,
             topic=topic,
@@ -35,7 +34,7 @@ def mounting(stats: Stats) -> Iterator[Finding]:
         said = "the recorded transforms have it" if imu.mounting_recorded else "the base is"
         yield found(
             "IMU_TURNED",
-            "imu.tilt_rad",
+            where="imu.tilt_rad",
             say="tilted",
             topic=topic,
             said=said,
@@ -44,7 +43,7 @@ def mounting(stats: Stats) -> Iterator[Finding]:
             pitch=pitch,
         )
     if imu.turned_rad is not None:
-        yield found("IMU_TURNED", topic, topic=topic, degrees=np.degrees(imu.turned_rad))
+        yield found("IMU_TURNED", topic=topic, degrees=np.degrees(imu.turned_rad))
 
 
 def forces(stats: Stats) -> Iterator[Finding]:
@@ -56,7 +55,9 @@ def forces(stats: Stats) -> Iterator[Finding]:
         yield _odd_forces(stats, found_forces)
     if found_forces.turned_rad is not None:
         where, degrees = "settings.wrench_frame", np.degrees(found_forces.turned_rad)
-        yield found("DIRECTION_UNKNOWN", where, "accelerometer", say="turned", degrees=degrees)
+        yield found(
+            "DIRECTION_UNKNOWN", "accelerometer", where=where, say="turned", degrees=degrees
+        )
 
 
 def _odd_forces(stats: Stats, forces: ForceComparison) -> Finding:
@@ -66,14 +67,16 @@ def _odd_forces(stats: Stats, forces: ForceComparison) -> Finding:
     dead = [foot.name for foot in stats.feet if foot.is_dead]
     if dead and forces.ratio < 1.0:
         feet = " and ".join(dead)
-        return found(code, f"feet.{dead[0]}", case, say="missing", says=says, names=feet)
+        return found(code, case, where=f"feet.{dead[0]}", say="missing", says=says, names=feet)
     if forces.ratio < 1.0 and abs(forces.magnitude_ratio - 1.0) <= WEIGHT_TOLERANCE:
         ratio = forces.magnitude_ratio
-        return found("DIRECTION_UNKNOWN", "settings.wrench_frame", case, says=says, ratio=ratio)
+        return found(
+            "DIRECTION_UNKNOWN", case, where="settings.wrench_frame", says=says, ratio=ratio
+        )
     if forces.odd_foot is not None:
         number, factor = forces.odd_foot
         foot = stats.feet[number].name
-        return found("FOOT_SCALE", f"feet.{foot}", feet=(foot,), says=says, share=1.0 / factor)
+        return found("FOOT_SCALE", feet=(foot,), says=says, share=1.0 / factor)
     if forces.is_common:
         where, mass, origin = (
             "settings.mass_kg",
@@ -82,6 +85,6 @@ def _odd_forces(stats: Stats, forces: ForceComparison) -> Finding:
         )
         right = mass * forces.ratio
         return found(
-            code, where, case, say="mass", says=says, mass=mass, right=right, origin=origin
+            code, case, where=where, say="mass", says=says, mass=mass, right=right, origin=origin
         )
-    return found(code, "imu.forces.over_accelerometer", case, says=says)
+    return found(code, case, where="imu.forces.over_accelerometer", says=says)

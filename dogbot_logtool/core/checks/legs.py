@@ -67,7 +67,8 @@ def joint_work(stats: Stats) -> Iterator[Finding]:
     signs = _signs(stats, legs)
     odd = contradiction(legs.moving, legs.settings.foot_of_joint, stats.loads.weight_n)
     if odd := odd or _other_unit(stats, signs):
-        yield Finding("JOINT_VALUES", f"no work is known: {odd}", _WORK)
+        cases = () if odd.startswith("velocities") else ("efforts",)
+        yield Finding("JOINT_VALUES", f"no work is known: {odd}", _WORK, cases=cases)
         return
     without = [joint.name for joint in legs.moving if not joint.has_effort]
     if without:

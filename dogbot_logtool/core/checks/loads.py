@@ -21,11 +21,13 @@ _RATIO: Final = "forces.vertical_impulse_over_weight"
 
 def no_force(stats: Stats) -> Iterator[Finding]:
     """Yield feet whose sensors tell contact only."""
+    if stats.settings.contact_from:
+        return
     for foot in stats.feet:
         others = [each.record for each in stats.feet if each is not foot]
         touches = len(foot.stances.touchdown) > 0
         if touches and not foot.record.has_force and not is_stuck(foot.record, others):
-            yield found("NO_FORCE", f"feet.{foot.name}.peak_force_n", foot=foot.name)
+            yield found("NO_FORCE", where=f"feet.{foot.name}.peak_force_n", foot=foot.name)
 
 
 def mass_unknown(stats: Stats) -> Iterator[Finding]:
@@ -38,7 +40,7 @@ def mass_unknown(stats: Stats) -> Iterator[Finding]:
         rest = f"{thresholds_n:.3g} N, the mean sum of the feet's loads"
         thresholds = f"; contact thresholds rest on {rest}"
     say = "plain" if weight_n is None else "estimated"
-    yield found("MASS_UNKNOWN", _RATIO, say=say, weight=weight_n, thresholds=thresholds)
+    yield found("MASS_UNKNOWN", where=_RATIO, say=say, weight=weight_n, thresholds=thresholds)
 
 
 def impulse_is_not_weight(stats: Stats) -> Iterator[Finding]:
@@ -48,11 +50,11 @@ def impulse_is_not_weight(stats: Stats) -> Iterator[Finding]:
     magnitude = loads.magnitude_over_weight
     if magnitude is not None and "shares" in cases:
         cause = _likely_cause(stats, magnitude)
-        yield found(code, _RATIO, *cases, say="magnitude", ratio=magnitude, cause=cause)
+        yield found(code, *cases, where=_RATIO, say="magnitude", ratio=magnitude, cause=cause)
     if ratio is None and (loads.mean_vertical_n or 0.0) < 0.0:
-        yield found(code, _RATIO, *cases, say="downwards", newtons=loads.mean_vertical_n)
+        yield found(code, *cases, where=_RATIO, say="downwards", newtons=loads.mean_vertical_n)
     if ratio is not None and abs(ratio - 1.0) > WEIGHT_TOLERANCE:
-        yield found(code, _RATIO, *cases, ratio=ratio, cause=_likely_cause(stats, ratio))
+        yield found(code, *cases, where=_RATIO, ratio=ratio, cause=_likely_cause(stats, ratio))
 
 
 def forces_lean(stats: Stats) -> Iterator[Finding]:
@@ -60,7 +62,7 @@ def forces_lean(stats: Stats) -> Iterator[Finding]:
     loads = stats.loads
     if _may_lean(stats):
         magnitude, vertical = loads.mean_magnitude_n, loads.mean_vertical_n
-        yield found("DIRECTION_UNKNOWN", "feet", magnitude=magnitude, vertical=vertical)
+        yield found("DIRECTION_UNKNOWN", where="feet", magnitude=magnitude, vertical=vertical)
 
 
 def forces_push(stats: Stats) -> Iterator[Finding]:
@@ -68,7 +70,7 @@ def forces_push(stats: Stats) -> Iterator[Finding]:
     push = _refuted_push(stats)
     if push is not None:
         way = "on" if push > 0.0 else "back"
-        yield found("DIRECTION_UNKNOWN", "feet", say="push", way=way, share=abs(push))
+        yield found("DIRECTION_UNKNOWN", where="feet", say="push", way=way, share=abs(push))
 
 
 def direction_is_doubtful(stats: Stats) -> bool:

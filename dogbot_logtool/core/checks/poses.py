@@ -10,10 +10,9 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.comparison import Comparison, compare, compare_twist, usual_way_m
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.witness import stride_windows
-from dogbot_logtool.core.checks.wording import counted
 from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, counted
 
 SCALES: Final = (0.8, 1.25)
 """Ways by poses over those by a witness that are alike: feet roll and slip."""

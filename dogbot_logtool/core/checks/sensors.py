@@ -28,7 +28,8 @@ def unloaded_levels(stats: Stats) -> Iterator[Finding]:
     settings = stats.settings
     names = [foot.name for foot in settings.feet]
     sensors = [settings.sensor(row) for row in range(len(names))]
-    return sensor_findings(names, sensors, settings.body_weight_n or settings.estimated_weight_n)
+    weight_n = settings.body_weight_n or settings.estimated_weight_n
+    yield from sensor_findings(names, sensors, weight_n)
 
 
 def sensor_findings(
@@ -44,18 +45,20 @@ def sensor_findings(
     for name, sensor in zip(names, sensors, strict=True):
         level, where = sensor.level, f"feet.{name}.force_offset_n"
         if why := sensor.rule.unusable:
-            yield found("CONTACT_UNKNOWN", f"feet.{name}.contact_fraction", feet=(name,), why=why)
+            yield found(
+                "CONTACT_UNKNOWN", where=f"feet.{name}.contact_fraction", feet=(name,), why=why
+            )
         if level.reason:
-            yield found("OFFSET_UNKNOWN", where, foot=name, why=level.reason)
+            yield found("OFFSET_UNKNOWN", where=where, foot=name, why=level.reason)
             continue
         if level.moved_n:
-            yield found("SENSOR_OFFSET", where, say="moves", foot=name, newtons=level.moved_n)
+            yield found("SENSOR_OFFSET", where=where, say="moves", foot=name, newtons=level.moved_n)
         offset_n = float(np.linalg.norm(level.offset_n))
         scale_n = weight_n or level.loaded_n
         if scale_n and offset_n > PLAIN * scale_n:
             yield found(
                 "SENSOR_OFFSET",
-                where,
+                where=where,
                 foot=name,
                 newtons=offset_n,
                 share=offset_n / scale_n,
@@ -71,16 +74,14 @@ def silent_feet(stats: Stats) -> Iterator[Finding]:
         unusable = record.start is None and not stats.settings.sensor(row).rule.unusable
         if not record.messages or unusable:
             say = "unusable" if record.messages else "plain"
-            yield found(
-                "NO_MESSAGES", f"feet.{foot.name}", "foot", say=say, feet=(foot.name,), on=on
-            )
+            yield found("NO_MESSAGES", "foot", say=say, feet=(foot.name,), on=on)
 
 
 def dead(stats: Stats) -> Iterator[Finding]:
     """Yield feet that never touch, where nothing says that they are lifted."""
     for foot in _telling(stats):
         if foot.is_dead and not (_is_stuck(stats, foot) or len(foot.record.stopped)):
-            yield found("DEAD", f"feet.{foot.name}", feet=(foot.name,))
+            yield found("DEAD", feet=(foot.name,))
 
 
 def stuck(stats: Stats) -> Iterator[Finding]:
@@ -88,7 +89,7 @@ def stuck(stats: Stats) -> Iterator[Finding]:
     for foot in _telling(stats):
         if _is_stuck(stats, foot):
             cases = () if len(foot.stances.touchdown) > 1 else ("never_lifts",)
-            yield found("STUCK", f"feet.{foot.name}", *cases, feet=(foot.name,))
+            yield found("STUCK", *cases, feet=(foot.name,))
 
 
 def stopped(stats: Stats) -> Iterator[Finding]:
@@ -99,7 +100,6 @@ def stopped(stats: Stats) -> Iterator[Finding]:
             start, end = stats.seconds(spans.ravel()[[0, -1]])
             yield found(
                 "STOPPED",
-                f"feet.{foot.name}",
                 *(("throughout",) if foot.is_dead else ()),
                 feet=(foot.name,),
                 start=start,
@@ -114,7 +114,7 @@ def saturated(stats: Stats) -> Iterator[Finding]:
         if foot_is_saturated(stats, row) and len(foot.stances.touchdown):
             limit_n = stats.settings.sensor(row).level.limit_n
             at = "" if limit_n is None else f" at {limit_n:.4g} N"
-            yield found("SATURATED", f"feet.{foot.name}", feet=(foot.name,), at=at)
+            yield found("SATURATED", feet=(foot.name,), at=at)
 
 
 def foot_is_saturated(stats: Stats, row: int) -> bool:
@@ -135,7 +135,7 @@ def spikes(stats: Stats) -> Iterator[Finding]:
     for foot in _touching(stats):
         if foot.spikes:
             where = f"feet.{foot.name}.peak_force_n"
-            yield found("SPIKES", where, foot=foot.name, spikes=foot.spikes)
+            yield found("SPIKES", where=where, foot=foot.name, spikes=foot.spikes)
 
 
 def samples_left_out(stats: Stats) -> Iterator[Finding]:
@@ -143,17 +143,17 @@ def samples_left_out(stats: Stats) -> Iterator[Finding]:
     for row, foot in enumerate(stats.feet):
         if not len(foot.stances.touchdown):
             continue
-        record, where, name = foot.record, f"feet.{foot.name}", foot.name
+        record, name = foot.record, foot.name
         if count := record.not_finite:
             what = "with a force that is not finite"
             if stats.settings.sensor(row).level.drops_out:
                 what = "without a force (lone zeros under load)"
-            yield found("NOT_FINITE", where, say="feet", foot=name, messages=count, what=what)
+            yield found("NOT_FINITE", say="feet", foot=name, messages=count, what=what)
         if count := record.not_advancing:
-            yield found("BAD_STAMPS", where, say="left_out", foot=name, messages=count)
+            yield found("BAD_STAMPS", say="left_out", foot=name, messages=count)
         seconds = stats.contact_without_pose_s[row]
         if len(stats.base_history.time) and seconds > SOME_S:
-            yield found("GAPS", where, say="no_pose", foot=name, seconds=seconds)
+            yield found("GAPS", say="no_pose", foot=name, seconds=seconds)
 
 
 def chatter(stats: Stats) -> Iterator[Finding]:
@@ -162,7 +162,7 @@ def chatter(stats: Stats) -> Iterator[Finding]:
         filled, dropped = foot.record.filled_swings, foot.record.dropped_stances
         if filled + dropped > max(2.0, 0.2 * len(foot.stances.touchdown)):
             where = f"feet.{foot.name}.chatter"
-            yield found("CHATTER", where, foot=foot.name, filled=filled, dropped=dropped)
+            yield found("CHATTER", where=where, foot=foot.name, filled=filled, dropped=dropped)
 
 
 def sampled_slowly(stats: Stats) -> Iterator[Finding]:
@@ -172,7 +172,7 @@ def sampled_slowly(stats: Stats) -> Iterator[Finding]:
         rates = foot.stances.figures.loading_rate_nps[whole]
         if whole.any() and foot.record.has_force and not np.isfinite(rates).any():
             where = f"feet.{foot.name}.loading_rate_nps"
-            yield found("SAMPLED_SLOWLY", where, "loading", feet=(foot.name,))
+            yield found("SAMPLED_SLOWLY", "loading", where=where, feet=(foot.name,))
 
 
 def _telling(stats: Stats) -> Iterator[FootSteps]:

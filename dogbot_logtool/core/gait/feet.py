@@ -50,37 +50,15 @@ FIGURES: Final = (
 """Metrics of a foot that are figures of its stances."""
 
 
-@dataclass(frozen=True, slots=True)
-class CycleCurve:
-    """A quantity over the gait cycle, (n,) each."""
-
-    percent: Floats
-    """% of the stride."""
-    lower: Floats
-    """Lower quartile over strides; also `median` and `upper`."""
-    median: Floats
-    upper: Floats
-    number: int
-    """Strides."""
-
-
-def cycle_curve(percent: Floats, values: Floats) -> CycleCurve | None:
-    """Return the quartiles of curves, (n, points)."""
+def cycle_curve(percent: Floats, values: Floats) -> Shape:
+    """Return the quartiles of curves, (n, points); None of none."""
     if len(values) == 0:
         return None
-    lower, median, upper = percentiles_of(values, QUARTILES, axis=0)
-    return CycleCurve(percent, lower, median, upper, len(values))
-
-
-def curve_of(curve: CycleCurve | None) -> Shape:
-    """Return a curve as a metric."""
-    if curve is None:
-        return None
-    parts = (curve.percent, curve.lower, curve.median, curve.upper)
+    parts = (percent, *percentiles_of(values, QUARTILES, axis=0))
     return Curve(*(tuple(each.tolist()) for each in parts))
 
 
-def stride_curve(force: Floats, strides: Strides) -> CycleCurve | None:
+def stride_curve(force: Floats, strides: Strides) -> Shape:
     """Return the usual force over a stride, 0 in its swing; None where none is known.
 
     Args:
@@ -179,12 +157,12 @@ class FootSteps:
         return int(self.stances.figures.spikes[self.has_spikes & self.stances.whole].sum())
 
     @property
-    def vertical_over_stride(self) -> CycleCurve | None:
+    def vertical_over_stride(self) -> Shape:
         """The usual vertical force over a stride; None: not known."""
         return stride_curve(self.vertical, self.strides)
 
     @property
-    def forward_over_stride(self) -> CycleCurve | None:
+    def forward_over_stride(self) -> Shape:
         """The usual force along the base's forward axis over a stride; None: not known."""
         return stride_curve(self.forward, self.strides)
 
@@ -287,7 +265,10 @@ def _seen(time: Ints, record: FootHistory, unseen: Cut, stances: Stances) -> Int
     seen: Ints = time[(stances.cut != unseen) & ~np.isin(time, record.gaps[:, 1])]
     # A stance may last from the log's first sample to its last.
     outside = (record.start, record.end) if len(stances.cut) == 1 else ()
-    return seen[~np.isin(seen, [each for each in outside if each is not None])]
+    # Of so few, `np.isin` would load numpy's masked arrays.
+    for time_outside in outside:
+        seen = seen if time_outside is None else seen[seen != time_outside]
+    return seen
 
 
 def foot_metrics(
@@ -337,8 +318,8 @@ def foot_metrics(
         touchdown_s=_seconds(foot.touchdown, origin, within),
         lift_off_s=_seconds(foot.liftoff, origin, within),
         vertical_impulse_ns=vertical_impulse_ns(foot.record, within),
-        vertical_over_stride_n=curve_of(stride_curve(foot.vertical, strides)),
-        forward_over_stride_n=curve_of(stride_curve(foot.forward, strides)),
+        vertical_over_stride_n=stride_curve(foot.vertical, strides),
+        forward_over_stride_n=stride_curve(foot.forward, strides),
     )
 
 

@@ -7,12 +7,12 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats, Ints, median_of, percentiles_of
 from dogbot_logtool.core.base.foot_path import FootPath, silent_before, unbroken
 from dogbot_logtool.core.corrections.clock import ClockDifference
-from dogbot_logtool.core.gait.feet import CYCLE_POINTS, QUARTILES, CycleCurve
+from dogbot_logtool.core.gait.feet import CYCLE_POINTS, QUARTILES
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.joints import JointTrack
 from dogbot_logtool.core.legs.paths import LegSettings
 from dogbot_logtool.core.metrics import Legs
-from dogbot_logtool.core.records import Curve
+from dogbot_logtool.core.records import Curve, Shape
 from dogbot_logtool.dataclass import dataclass
 
 
@@ -33,7 +33,7 @@ class LegFoot:
     """(stances,) m, net and largest slip by the foot's frame; None: not known."""
     strides: Mapping[str, Floats]
     """(strides,) what is known of each stride of the foot, by the name of its metric."""
-    height: CycleCurve | None
+    height: Shape
     """m above the line between the footfalls, over the stride."""
     is_slow: bool
     """Whether the foot is told too rarely for velocities."""

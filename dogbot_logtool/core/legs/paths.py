@@ -11,7 +11,7 @@ import numpy as np
 
 from dogbot_logtool.core.base.foot_path import FootPath, known_path, silent_before, unbroken
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
-from dogbot_logtool.core.frames.kinematics import Joint, link_poses
+from dogbot_logtool.core.frames.kinematics import Joint, Leg, Mass, leg_motion
 from dogbot_logtool.core.frames.transforms import TransformBuffer, chain_of_frames
 from dogbot_logtool.core.legs.joints import JointLimits, JointTrack
 from dogbot_logtool.core.rotations import rotate
@@ -111,18 +111,15 @@ def _path_by_joints(chain: LegChain, joints: Mapping[str, JointTrack]) -> FootPa
     for track in moving:
         known &= unbroken(track.time, silent_before(track.time), time, time)
     time = time[known]
-    positions = np.zeros((len(time), len(chain.joints)))
-    for column, joint in enumerate(chain.joints):
-        if joint.kind != "fixed":
-            track = told[joint.measured]
-            since = (track.time - track.time[0]).astype(np.float64)
-            positions[:, column] = np.interp(time - track.time[0], since, track.position)
-    links = link_poses(chain.joints, positions)
-    point = np.tile(np.array(chain.point), (len(positions), 1))
-    # Joint by joint from the foot upwards.
-    for column in range(len(chain.joints)):
-        point = links.translation[:, column] + rotate(links.rotation[:, column], point)
-    return known_path(time, point.astype(np.float32)) if len(time) else None
+    if not len(time):
+        return None
+    leg = Leg(chain.joints[::-1], (Mass(len(chain.joints) - 1, 0.0, chain.point),))
+    positions = []
+    for name in leg.measured:
+        since = (told[name].time - told[name].time[0]).astype(np.float64)
+        positions.append(np.interp(time - told[name].time[0], since, told[name].position))
+    point = leg_motion(leg, np.stack(positions, axis=1)).centres[:, 0]
+    return known_path(time, point.astype(np.float32))
 
 
 def chain_to(

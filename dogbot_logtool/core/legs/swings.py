@@ -7,8 +7,9 @@ import numpy as np
 from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, median_of, rows_of_runs
 from dogbot_logtool.core.base.foot_path import SLOWEST_NS, FootPath
 from dogbot_logtool.core.contact.stances import Cut, Stances
-from dogbot_logtool.core.gait.feet import CYCLE_POINTS, CycleCurve, cycle_curve
+from dogbot_logtool.core.gait.feet import CYCLE_POINTS, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
+from dogbot_logtool.core.records import Shape
 from dogbot_logtool.dataclass import dataclass
 
 MIDDLE: Final = (0.2, 0.8)
@@ -59,7 +60,7 @@ def footfalls(path: FootPath, stances: Stances) -> Footfalls:
 
 def swings(
     path: FootPath, stood: Footfalls, strides: Strides, contact_interval_s: float
-) -> tuple[dict[str, Floats], CycleCurve | None]:
+) -> tuple[dict[str, Floats], Shape]:
     """Measure a foot's swings.
 
     Args:

@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-DEFAULT_STYLE: Final = "pressure"
 LIFETIME_S: Final = 0.5
 """An arrow disappears after this silence of its sensor."""
 

@@ -12,7 +12,7 @@ from dogbot_logtool.core import metrics
 from dogbot_logtool.core.arrays import Aggregate, CircularMean, Ints, aggregate
 from dogbot_logtool.core.events.events import find_events
 from dogbot_logtool.core.gait.classes import STAND, TOLERANCE, diagonality, limb_phases
-from dogbot_logtool.core.gait.feet import curve_of, foot_metrics
+from dogbot_logtool.core.gait.feet import foot_metrics
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.gait.support import Support
 from dogbot_logtool.core.legs.swings import STEPS, SWINGS
@@ -40,9 +40,8 @@ from dogbot_logtool.core.metrics import (
     SupportSet,
     Symmetry,
     WalkMetrics,
-    void,
 )
-from dogbot_logtool.core.records import fields_of, unknown
+from dogbot_logtool.core.records import fields_of, unknown, void
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.core.walk_metrics.nulls import null_because
 from dogbot_logtool.core.walk_metrics.rest import (
@@ -132,7 +131,7 @@ def _foot(stats: Stats, row: int, within: Ints | None = None) -> Foot:
     return replace(
         found,
         **dict[str, Any](swings),
-        height_over_stride_m=curve_of(leg.height) if within is None else None,
+        height_over_stride_m=leg.height if within is None else None,
     )
 
 

@@ -10,15 +10,15 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
-from dogbot_logtool.reader.containers.chunks.chunk_content import (
+from dogbot_logtool.reader.containers.contents import UNKNOWN_CHANNEL, ChannelIds, Chunk, Contents
+from dogbot_logtool.reader.containers.log import Log, Span
+from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.salvage.content import (
     ChunkContent,
     ChunkDamage,
     left_out,
     undescribed,
 )
-from dogbot_logtool.reader.containers.contents import UNKNOWN_CHANNEL, ChannelIds, Chunk, Contents
-from dogbot_logtool.reader.containers.log import Log, Span
-from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
 
@@ -57,6 +57,24 @@ class ChunkedLog(Log):
         if before is not None and after is not None:
             before, after = sorted((before, after))
         return replace(loss, start_time=before, end_time=after)
+
+    def overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
+        """See `Log.overlaps`: a chunk is left out only if what stands in it or behind it agrees.
+
+        That is not fetched from a store.
+        """
+        if super().overlaps(chunk, start, end):
+            return True
+        if chunk.is_scanned or not self.source.has_cheap_seeks:
+            return False
+        times = self.own_times(chunk)
+        if times is None:
+            return True
+        return super().overlaps(replace(chunk, start_time=times[0], end_time=times[1]), start, end)
+
+    @abstractmethod
+    def own_times(self, chunk: Chunk) -> tuple[int | None, int | None] | None:
+        """Return the log times, ns, that a chunk itself tells; None if nothing of it does."""
 
     def _corrected(self, span: Span) -> Batch:
         """Read chunks as the log's index describes them, else as their own headers do."""

@@ -39,17 +39,6 @@ class ChannelIds:
         return ids
 
 
-class SharedCounts:
-    """Stores equal counts once: chunks are much alike, and counts are a third of their memory."""
-
-    def __init__(self) -> None:
-        self._known: dict[tuple[tuple[int, int], ...], Mapping[int, int]] = {}
-
-    def of(self, counts: Mapping[int, int]) -> Mapping[int, int]:
-        """Return these counts, or equal ones that were asked for before."""
-        return self._known.setdefault(tuple(sorted(counts.items())), counts)
-
-
 @dataclass(frozen=True, slots=True)
 class Schema:
     """A recorded message definition."""
@@ -159,3 +148,10 @@ class Contents:
     extras: Sequence[Extra] = ()
     losses: Sequence[Loss] = field(default=())
     """Damage found so far."""
+
+
+def time_range(chunks: Sequence[Chunk]) -> tuple[int | None, int | None]:
+    """Return when the first of some chunks begins and the last one ends, ns, as far as known."""
+    starts = [chunk.start_time for chunk in chunks if chunk.start_time is not None]
+    ends = [chunk.end_time for chunk in chunks if chunk.end_time is not None]
+    return min(starts, default=None), max(ends, default=None)

@@ -75,6 +75,7 @@ class Log(ABC):
 
     def __init__(self, source: ByteSource, contents: Contents) -> None:
         self.source = source
+        self.contents = contents
         self.channels = contents.channels
         self.chunks = contents.chunks
         self.counts = contents.counts
@@ -135,20 +136,17 @@ class Log(ABC):
     def grouped(self, chunks: Iterable[Chunk]) -> Iterator[Span]:
         """Group chunks, in file order, into what can be read at once."""
         group: list[Chunk] = []
-        size = unused = 0
+        sizes = {True: 0, False: 0}
         for chunk in chunks:
             # A chunk without messages does not change how the others are grouped.
             is_used = chunk.counts is None or any(
                 count for number, count in chunk.counts.items() if number not in self.hidden
             )
-            if (is_used and size >= BATCH_SIZE) or unused >= _MOST_UNUSED:
+            if (is_used and sizes[True] >= BATCH_SIZE) or sizes[False] >= _MOST_UNUSED:
                 yield tuple(group)
-                group, size, unused = [], 0, 0
+                group, sizes = [], {True: 0, False: 0}
             group.append(chunk)
-            if is_used:
-                size += chunk.size
-            else:
-                unused += chunk.size
+            sizes[is_used] += chunk.size
         if group:
             yield tuple(group)
 

@@ -19,10 +19,10 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.provenance import is_marked
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
-from dogbot_logtool.reader.containers.chunks.packed_messages import unpacked
 from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Schema
 from dogbot_logtool.reader.containers.log import BATCH_SIZE, Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.packed_messages import unpacked
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.message_table import concatenate_messages
 
@@ -58,7 +58,7 @@ class _Window:
         return self.start <= piece.start < self.end
 
 
-class _Folder(ByteSource):
+class _NoBytes(ByteSource):
     """Stands for the bytes of all files, each of which has its own source."""
 
     def __init__(self, path: Location, size: int) -> None:
@@ -109,10 +109,16 @@ class MergedLog(Log):
         return all(log.can_fork for log in self.logs)
 
     def _chunk(self, number: int, window: _Window) -> Chunk:
+        """Return a window as a chunk; what reaches on from an earlier one is counted in each."""
         own = [piece for piece in window.pieces if window.begins(piece)]
         compressions = {piece.chunk.compression for piece in own}
         start = max(window.start, min((piece.start for piece in own), default=_EARLIEST))
         end = min(window.end - 1, max((piece.end for piece in window.pieces), default=_LATEST))
+        counts: Counter[int] = Counter()
+        for piece in window.pieces:
+            for channel, count in (piece.chunk.counts or {}).items():
+                counts[int(self._channel_ids[piece.file][channel])] += count
+        known = all(piece.chunk.counts is not None for piece in window.pieces)
         return Chunk(
             offset=number,
             data_offset=number,
@@ -123,39 +129,28 @@ class MergedLog(Log):
             size=sum(piece.chunk.size for piece in own),
             start_time=None if start == _EARLIEST else start,
             end_time=None if end >= _LATEST - 1 else end,
-            counts=self._counts(window),
+            counts=dict(counts) if known else None,
         )
-
-    def _counts(self, window: _Window) -> dict[int, int] | None:
-        """Count messages by joint channel: those of chunks that reach on are counted in each."""
-        counts: Counter[int] = Counter()
-        for piece in window.pieces:
-            if piece.chunk.counts is None:
-                return None
-            for number, count in piece.chunk.counts.items():
-                counts[int(self._channel_ids[piece.file][number])] += count
-        return dict(counts)
 
     def _read(self, span: Span) -> Batch:
         """See `Log.read`."""
-        windows = [self._windows[chunk.offset] for chunk in span]
         begun: dict[int, dict[int, Chunk]] = {}
         earlier: dict[int, dict[int, Chunk]] = {}
-        for window in windows:
+        for window in (self._windows[chunk.offset] for chunk in span):
             for piece in window.pieces:
                 found = begun if window.begins(piece) else earlier
                 found.setdefault(piece.file, {})[piece.chunk.offset] = piece.chunk
-        parts: list[Batch] = []
-        losses: list[Loss] = []
-        for file, chunks in begun.items():
-            parts.append(self._of_file(file, chunks))
-            losses += self._in_file(file, parts[-1].losses)
+        parts = [self._of_file(file, chunks) for file, chunks in begun.items()]
+        losses = [
+            loss if self.is_reordered else _named(loss, self.logs[file])
+            for file, part in zip(begun, parts, strict=True)
+            for loss in part.losses
+        ]
         for file, chunks in earlier.items():
             again = {at: chunks[at] for at in chunks.keys() - begun.get(file, {}).keys()}
-            if again:
-                if file not in self._last or self._last[file][0] != again.keys():
-                    self._last[file] = again.keys(), self._of_file(file, again)
-                parts.append(self._last[file][1])
+            if again and (file not in self._last or self._last[file][0] != again.keys()):
+                self._last[file] = again.keys(), self._of_file(file, again)
+            parts += [self._last[file][1]] if again else []
         return self._merged(parts, span, tuple(losses))
 
     def _of_file(self, file: int, chunks: Mapping[int, Chunk]) -> Batch:
@@ -167,8 +162,7 @@ class MergedLog(Log):
 
     def _merged(self, parts: Sequence[Batch], span: Span, losses: tuple[Loss, ...]) -> Batch:
         """Return the messages of some windows, in each of them by time."""
-        sizes = [len(part.buffer) for part in parts]
-        offsets = np.cumsum([0, *sizes]).tolist()
+        offsets = np.cumsum([0, *(len(part.buffer) for part in parts)]).tolist()
         messages = concatenate_messages(
             [part.messages.shifted(offset) for part, offset in zip(parts, offsets, strict=False)]
         )
@@ -198,9 +192,6 @@ class MergedLog(Log):
             np.clip(time[loaded.rows], piece.start, piece.end, out=time[loaded.rows])
         return np.searchsorted(self._starts, time, "right") - 1
 
-    def _in_file(self, file: int, losses: Sequence[Loss]) -> Sequence[Loss]:
-        return losses if self.is_reordered else [_named(loss, self.logs[file]) for loss in losses]
-
     def close(self) -> None:
         """Close all files."""
         self._last.clear()
@@ -216,74 +207,60 @@ def join(path: Location, logs: Sequence[Log], losses: Sequence[Loss] = ()) -> Me
         logs: at least one.
         losses: damage to the whole.
     """
-    joint = _JointChannels()
-    channels = [joint.take(log.channels) for log in logs]
+    channels: dict[tuple[object, ...], Channel] = {}
+    schemas: dict[tuple[str, str, bytes], Schema] = {}
+    ids = [_joint_ids(log.channels, channels, schemas) for log in logs]
     counts: Counter[int] = Counter()
-    for log, own in zip(logs, channels, strict=True):
+    for log, own in zip(logs, ids, strict=True):
         for number, count in log.counts.items():
             counts[int(own[number])] += count
-    starts = [log.start_time for log in logs if log.start_time is not None]
-    ends = [log.end_time for log in logs if log.end_time is not None]
-    of_files = (_named(loss, log) for log in logs for loss in log.losses)
     contents = Contents(
-        channels=joint.channels,
+        channels={channel.id: channel for channel in channels.values()},
         chunks=(),
         counts=counts,
-        start_time=min(starts, default=None),
-        end_time=max(ends, default=None),
+        start_time=min(
+            (t for t in (log.start_time for log in logs) if t is not None), default=None
+        ),
+        end_time=max((log.end_time for log in logs if log.end_time is not None), default=None),
         profile=logs[0].profile,
         extras=[extra for log in logs for extra in log.extras],
-        losses=(*losses, *of_files),
+        losses=(*losses, *(_named(loss, log) for log in logs for loss in log.losses)),
     )
-    source = _Folder(path, sum(log.source.size for log in logs))
-    return MergedLog(source, logs, channels, contents)
+    return MergedLog(_NoBytes(path, sum(log.source.size for log in logs)), logs, ids, contents)
 
 
 def reorder(log: Log) -> MergedLog:
     """Merge the chunks of a log, which are out of order, by time."""
     same = np.arange(max(log.channels, default=0) + 1)
-    contents = Contents(
-        channels=log.channels,
-        chunks=(),
-        counts=log.counts,
-        start_time=log.start_time,
-        end_time=log.end_time,
-        profile=log.profile,
-        extras=log.extras,
-        losses=log.losses,
-    )
-    merged = MergedLog(log.source, [log], [same], contents)
+    merged = MergedLog(log.source, [log], [same], replace(log.contents, losses=log.losses))
     merged.container = log.container
     merged.is_reordered = True
     return merged
 
 
-class _JointChannels:
-    """Channels of all files, each once."""
+def _joint_ids(
+    own: Mapping[int, Channel],
+    channels: dict[tuple[object, ...], Channel],
+    schemas: dict[tuple[str, str, bytes], Schema],
+) -> Ints:
+    """Return joint ids by a file's own.
 
-    def __init__(self) -> None:
-        self.channels: dict[int, Channel] = {}
-        self._numbers: dict[tuple[str, str, int, bool], int] = {}
-        self._schemas: dict[tuple[str, str, bytes], Schema] = {}
-
-    def take(self, channels: Mapping[int, Channel]) -> Ints:
-        """Add a file's channels; return the joint id by the file's own."""
-        joint = np.zeros(max(channels, default=0) + 1, np.int64)
-        for number, channel in channels.items():
-            schema = self._schema(channel.schema)
-            kind = schema.id if schema else 0
-            key = (channel.topic, channel.message_encoding, kind, is_marked(channel.metadata))
-            if key not in self._numbers:
-                self._numbers[key] = mine = len(self._numbers) + 1
-                self.channels[mine] = replace(channel, id=mine, schema=schema)
-            joint[number] = self._numbers[key]
-        return joint
-
-    def _schema(self, schema: Schema | None) -> Schema | None:
-        if schema is None:
-            return None
-        key = (schema.name, schema.encoding, schema.data)
-        return self._schemas.setdefault(key, replace(schema, id=len(self._schemas) + 1))
+    Args:
+        own: the file's channels.
+        channels: receives those that are new, by all that makes channels alike.
+        schemas: likewise.
+    """
+    ids = np.zeros(max(own, default=0) + 1, np.int64)
+    for number, channel in own.items():
+        schema = channel.schema
+        if schema is not None:
+            fresh = replace(schema, id=len(schemas) + 1)
+            schema = schemas.setdefault((schema.name, schema.encoding, schema.data), fresh)
+        kind = schema and schema.id
+        key = (channel.topic, channel.message_encoding, kind, is_marked(channel.metadata))
+        new = replace(channel, id=len(channels) + 1, schema=schema)
+        ids[number] = channels.setdefault(key, new).id
+    return ids
 
 
 def _named(loss: Loss, log: Log) -> Loss:
@@ -320,13 +297,13 @@ def _windows(pieces: Sequence[_Piece]) -> list[_Window]:
     """
     starts = [_EARLIEST]
     size, reached = 0, _EARLIEST
-    for number, piece in enumerate(pieces):
+    for piece in pieces:
         is_apart = piece.start > reached or size >= BATCH_SIZE
-        if number and is_apart and piece.start > starts[-1]:
+        if size and is_apart and piece.start > starts[-1]:
             starts.append(piece.start)
             size = 0
         reached = max(reached, piece.end)
-        size += piece.chunk.size
+        size += max(piece.chunk.size, 1)
     windows = [
         _Window(start, end) for start, end in zip(starts, [*starts[1:], _LATEST], strict=True)
     ][: len(pieces)]

@@ -1,1 +1,1 @@
-"""Damaged files: scan, resynchronise, validate, account for losses."""
+"""What was lost of a log."""

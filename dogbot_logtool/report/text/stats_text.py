@@ -14,11 +14,10 @@ from rich.console import Console, RenderableType
 from rich.text import Text
 
 from dogbot_logtool.core.arrays import Aggregate
-from dogbot_logtool.core.checks.wording import counted
 from dogbot_logtool.core.events.event import STEPS
 from dogbot_logtool.core.metrics import Segment, WalkMetrics
 from dogbot_logtool.core.scene.foot_style import foot_colour
-from dogbot_logtool.finding import Finding, Severity
+from dogbot_logtool.finding import Finding, Severity, counted
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.numbers import NOTHING, decimal

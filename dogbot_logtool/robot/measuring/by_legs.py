@@ -154,7 +154,7 @@ def told_by_legs(
         )
         named = replace(named, feet=feet)
         recording = replace(recording, feet=found.samples)
-        findings = [each for each in findings if each.code != "NO_FEET"]
+        findings = [each for each in findings if not _is_settled(each, recording)]
         findings += [_of_contact(found, columns), *_of_efforts(found)]
     selection = replace(
         selection,
@@ -164,6 +164,12 @@ def told_by_legs(
         base_from_legs=lacks_base,
     )
     return recording, selection
+
+
+def _is_settled(finding: Finding, recording: Recording) -> bool:
+    """Tell whether a finding is about feet that are known now, or takes joints for feet."""
+    joints = (f"{table.topic}:" in finding.text for table in recording.joints)
+    return finding.code == "NO_FEET" or (finding.code == "FEET_UNSURE" and any(joints))
 
 
 def _base_frame(recording: Recording, robot: RobotOfUrdf) -> str:
@@ -479,7 +485,7 @@ def _of_efforts(found: _Found) -> Iterator[Finding]:
     """Yield why efforts are no torques: then work is none, either."""
     if found.why_no_force.startswith(estimated.TOO_MUCH):
         text = f"no work is known: {found.why_no_force}"
-        yield Finding("JOINT_VALUES", text, "legs.absolute_work_j")
+        yield Finding("JOINT_VALUES", text, "legs.absolute_work_j", cases=("efforts",))
     if found.why_no_force.startswith(estimated.WRONG_SIGN):
         yield Finding("EFFORT_SIGN", found.why_no_force, "legs.positive_work_j", feet=found.names)
 

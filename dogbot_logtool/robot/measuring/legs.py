@@ -20,7 +20,7 @@ from dogbot_logtool.reader.wanted import WantedJoints
 from dogbot_logtool.robot.names import name_feet
 from dogbot_logtool.robot.robot_model.description import link_of_foot
 from dogbot_logtool.robot.robot_model.joint_motion import joint_channels, joint_names
-from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf
+from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf, leg_of
 from dogbot_logtool.robot.robot_model.urdf import said_of_left_out
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, Part, words_of
@@ -163,23 +163,13 @@ def _feet_of_joints(
     for number, chain in enumerate(chains):
         for name in _moved(chain):
             found.setdefault(name, number)
-    legs = [foot.leg_position or _leg_of(foot.name) for foot in feet]
+    legs = [foot.leg_position or leg_of(foot.name) for foot in feet]
     for name in sorted(names - found.keys()):
-        leg = _leg_of(name)
+        leg = leg_of(name)
         matching = [number for number, each in enumerate(legs) if _is_of(leg, each)]
         if len(matching) == 1 and not any(w.part is Part.NOT_A_FOOT for w in words_of(name)):
             found[name] = matching[0]
     return found
-
-
-def _leg_of(name: str) -> tuple[str, str]:
-    """Return the end and the side of the robot that a name tells; empty where it does not."""
-    end = side = ""
-    for word in words_of(name):
-        if word.text in LETTERS:
-            return LETTERS[word.text]
-        end, side = ENDS.get(word.text, end), SIDES.get(word.text, side)
-    return end, side
 
 
 def _is_of(leg: tuple[str, str], foot: tuple[str, str]) -> bool:
@@ -192,7 +182,7 @@ def _pairs(feet: Sequence[Foot], foot_of: Mapping[str, int]) -> tuple[JointPair,
     """Return the joints of legs that are alike but for their side."""
     found: dict[str, dict[str, str]] = {}
     for joint, foot in sorted(foot_of.items()):
-        end, side = feet[foot].leg_position or _leg_of(feet[foot].name)
+        end, side = feet[foot].leg_position or leg_of(feet[foot].name)
         words = [w.text for w in words_of(joint) if w.text not in {*LETTERS, *ENDS, *SIDES}]
         end = end if end in {"front", "back"} or len(feet) > 2 else ""
         found.setdefault("_".join(filter(None, (end, *words))), {})[side] = joint

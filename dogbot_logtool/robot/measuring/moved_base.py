@@ -13,7 +13,7 @@ from dogbot_logtool.core.frames.transforms import TransformBuffer, chain_of_fram
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import conjugate, multiply, normalised, rotate
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.robot.base import BASES
+from dogbot_logtool.robot.base_candidates import BASES
 from dogbot_logtool.robot.selection import Selection
 
 _SENSORS: Final = frozenset(

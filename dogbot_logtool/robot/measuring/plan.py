@@ -16,9 +16,9 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted, WantedJoints
-from dogbot_logtool.robot.feet import planned_feet
 from dogbot_logtool.robot.measuring.moved_base import with_poses_of_base
 from dogbot_logtool.robot.measuring.side_topics import SideTopics, side_topics
+from dogbot_logtool.robot.message_feet import planned_feet
 from dogbot_logtool.robot.selection import Selection, nothing_to_do, select_topics
 from dogbot_logtool.robot.time_span import time_limits
 
@@ -167,11 +167,15 @@ def measure_recording(
     recording, moved = with_poses_of_base(recording, plan.selection)
     selection, model = plan.selection, None
     if recording.joints:
+        from dogbot_logtool.robot.measuring.array_feet import named_by_legs  # noqa: PLC0415
         from dogbot_logtool.robot.measuring.by_legs import read_model, told_by_legs  # noqa: PLC0415
 
         found = read_model(log, options.urdf)
         model = found.robot
         recording, selection = told_by_legs(recording, selection, found)
+        if named := named_by_legs(log, options, selection, recording.feet):
+            others = (each for each in selection.findings if each.code != "FEET_UNSURE")
+            selection = replace(selection, findings=(*others, named))
     # Up to the ends of a log that is read whole, silence is known.
     start, end = plan.wanted.limits
     settings = replace(

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.events.event import STEPS, Event, EventType
-from dogbot_logtool.core.events.events import early_touchdowns, find_events
+from dogbot_logtool.core.events.events import find_events
 from dogbot_logtool.core.statistics import Stats
 from tests.analysed import with_learnt_sensors
 from tests.truth import gaits, planted, scenes, time_faults, world_faults
 from tests.truth import sensor_faults as sensor
 from tests.truth.core_columns import foot_samples, measure, stats_settings
 from tests.truth.recording import Disturbance, Recording, disturbed
-from tests.truth.robots import biped, hexapod, quadruped
+from tests.truth.robots import biped
 from tests.truth.scenes import Scene
 from tests.truth.sequences import then
 from tests.truth.walking import Walk
@@ -46,30 +46,6 @@ def swing_of(foot: int, number: int, **of: object) -> tuple[float, float]:
     liftoff = truth.liftoffs(foot)[number]
     touchdowns = truth.touchdowns(foot)
     return float(liftoff), float(touchdowns[touchdowns > liftoff][0])
-
-
-@pytest.mark.parametrize(
-    "of",
-    [
-        {},
-        {"gait": gaits.WALK, "robot": quadruped(50.0), "period_s": 1.3, "hump": 0.0},
-        {"gait": gaits.WAVE, "robot": hexapod(), "period_s": 2.4},
-    ],
-)
-def test_every_touchdown_and_lift_off_is_an_event(of: dict[str, object]) -> None:
-    recording = walk(**of)
-    stats = measure(recording)
-    for kind, key in (
-        (EventType.TOUCHDOWN, "touchdown_s"),
-        (EventType.LIFT_OFF, "liftoff_s"),
-    ):
-        for foot, truth in enumerate(recording.truth.feet):
-            found = [
-                (each.onset - stats.origin) / 1e9
-                for each in find_events(stats)
-                if each.type is kind and each.foot == foot
-            ]
-            assert found == pytest.approx(list(getattr(truth, key)), abs=SAMPLE_S)
 
 
 CLEAN: dict[str, Callable[[], Recording]] = {
@@ -218,20 +194,6 @@ def test_a_gait_that_lasts_between_two_alike_is_two_changes() -> None:
     assert [each.code for _, each in changes] == ["trot>walk", "walk>trot"]
     begins = [TROT.seconds, TROT.seconds + SLOW.seconds]
     assert [at for at, _ in changes] == pytest.approx(begins, abs=1.0)
-
-
-def test_a_stumble_outside_a_walk_is_none() -> None:
-    leaves, lands = swing_of(FRONT_RIGHT, 6)
-    stumbles = walk(
-        planted.contact("front_right", (leaves + lands) / 2, (leaves + lands) / 2 + 0.05)
-    )
-    stats = measure(stumbles)
-    (segment,) = stats.segments
-    at = stats.origin + round(leaves * 1e9)
-    figures = stats.feet[FRONT_RIGHT]
-    before, after = replace(segment, end=at), replace(segment, start=at + S)
-    assert len(list(early_touchdowns(FRONT_RIGHT, figures, [segment]))) == 1
-    assert list(early_touchdowns(FRONT_RIGHT, figures, [before, after])) == []
 
 
 def test_a_jump_of_the_pose_is_found() -> None:

@@ -1,16 +1,14 @@
 """The load on a foot, in newtons and in body weights, and where feet fall silent."""
 
 import math
-from typing import Final
 
 import numpy as np
+import pytest
 
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.scene.feet import LoadState
 from dogbot_logtool.core.scene.loads import Loads, foot_loads, silences
 from tests.core.scene.drawn_feet import MS, NOWHERE, foot_of
-
-DOGBOT_KG: Final = 21.261
 
 
 def loads_of(*vertical: float, weight_n: float | None = None, opening: int = 0) -> Loads:
@@ -42,46 +40,23 @@ def test_the_first_load_stands_at_the_log_s_first_time_if_near() -> None:
     assert loads_of(20.0, opening=-100 * MS).log_time.tolist() == [10 * MS]
 
 
-def silent(times_ms: list[int], end_ms: int, opening_ms: int = 0) -> list[int]:
-    """The times, ms, from which one foot is unknown."""
+@pytest.mark.parametrize(
+    ("times_ms", "end_ms", "unknown_ms"),
+    [
+        ([10, 20, 30, 200, 210], 215, [40]),
+        (range(0, 1000, 10), 1000, []),
+        ([], 1000, [0]),
+        ([0, 10, 20], 500, [30]),
+        ([300, 310], 320, [0]),
+        (range(0, 4000, 200), 4500, []),
+        (range(0, 4000, 200), 6000, [4000]),
+    ],
+)
+def test_a_silence_begins_when_the_next_message_is_due(
+    times_ms: list[int], end_ms: int, unknown_ms: list[int]
+) -> None:
     foot = foot_of([(time, 50.0, NOWHERE) for time in times_ms])
-    rows = silences([foot], opening_ms * MS, end_ms * MS)
+    rows = silences([foot], 0, end_ms * MS)
     assert set(rows.state.tolist()) <= {LoadState.UNKNOWN}
     assert np.isnan(rows.force).all()
-    times: list[int] = (rows.log_time // MS).tolist()
-    return times
-
-
-def test_a_gap_begins_when_the_next_message_is_due() -> None:
-    assert silent([10, 20, 30, 200, 210], 215) == [40]
-
-
-def test_a_foot_that_speaks_throughout_is_never_unknown() -> None:
-    assert silent(list(range(0, 1000, 10)), 1000) == []
-
-
-def test_a_dead_foot_is_unknown_from_the_first_time_on() -> None:
-    assert silent([], 1000, 7) == [7]
-
-
-def test_a_foot_that_dies_is_unknown_to_the_end() -> None:
-    assert silent([0, 10, 20], 500) == [30]
-
-
-def test_a_foot_that_begins_late_is_unknown_before() -> None:
-    assert silent([300, 310], 320) == [0]
-
-
-def test_a_slow_sensor_is_not_silent() -> None:
-    assert silent(list(range(0, 4000, 200)), 4500) == []
-    assert silent(list(range(0, 4000, 200)), 6000) == [4000]
-
-
-def test_silences_of_all_feet_are_in_the_order_of_time() -> None:
-    feet = [
-        foot_of([(time, 50.0, NOWHERE) for time in times], number=number)
-        for number, times in enumerate([[0, 10, 20], [], [0, 10]])
-    ]
-    rows = silences(feet, 0, 500 * MS)
-    assert rows.foot.tolist() == [1, 2, 0]
-    assert (np.diff(rows.log_time) >= 0).all()
+    assert (rows.log_time // MS).tolist() == unknown_ms

@@ -16,14 +16,12 @@ from mcap.writer import Writer
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.errors import CallError
 from dogbot_logtool.option import part_of
 from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.reader import opening
 from dogbot_logtool.reader.containers import log, merged_log
 from dogbot_logtool.reader.containers.mcap.records import read_extra
 from dogbot_logtool.report.documents import stats_json
-from tests import forked_cli
 from tests.oracles import walks
 
 KIND = "gazebo_msgs/msg/ContactsState"
@@ -211,19 +209,3 @@ def test_the_joined_output_has_every_message_once(
     convert(paths[0], tmp_path / "out.mcap", part_of(topics, ConvertOptions))
     expected = sorted(message for path in paths for message in recorded(path))
     assert recorded(tmp_path / "out.mcap") == expected
-
-
-def test_no_joined_file_is_overwritten(tmp_path: Path) -> None:
-    paths = write(tmp_path, 2, by_sensor)
-    options = ConvertOptions(joined=tuple(paths[1:]), overwrite=True)
-    with pytest.raises(CallError):
-        convert(paths[0], paths[1], options)
-
-
-def test_join_on_the_command_line_makes_one_output(tmp_path: Path) -> None:
-    paths = write(tmp_path, 2, in_thirds)
-    done = forked_cli.run("convert", "--join", *(path.name for path in paths), folder=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert sorted(path.name for path in tmp_path.glob("*.annotated.mcap")) == [
-        "part_0.annotated.mcap"
-    ]

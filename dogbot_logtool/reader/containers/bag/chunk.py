@@ -17,44 +17,40 @@ from dogbot_logtool.reader.containers.bag.records import (
     record_bounds,
     record_in_file,
 )
-from dogbot_logtool.reader.containers.chunks.chunk_content import (
-    ChunkContent,
-    ChunkDamage,
-    read_content,
-)
-from dogbot_logtool.reader.containers.chunks.compression import check_claimed_size, decompress_into
-from dogbot_logtool.reader.containers.chunks.records import Index, Readable
+from dogbot_logtool.reader.containers.compression import check_claimed_size, decompress_into
 from dogbot_logtool.reader.containers.contents import Chunk
 from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage, read_content
+from dogbot_logtool.reader.containers.salvage.records import Index, Readable, merged_index
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
-INDEX_ENTRY: Final = np.dtype([("seconds", "<u4"), ("nanoseconds", "<u4"), ("offset", "<u4")])
+_INDEX_ENTRY: Final = np.dtype([("seconds", "<u4"), ("nanoseconds", "<u4"), ("offset", "<u4")])
 _RECURRING_SIZE: Final = 64
 """Headers of index records are mostly shorter, and come again behind every chunk."""
 
 
-def chunk_at(source: Readable, offset: int) -> Chunk:
+def chunk_at(source: Readable, offset: int, head: bytes = b"") -> Chunk:
     """Read a chunk record's header. Its data may reach beyond the end of the file.
 
     Raises:
         ChunkDamage: there is no chunk.
     """
     try:
-        record = record_in_file(source, offset)
-        compression = sys.intern(record.fields.text("compression"))
+        record = record_in_file(source, offset, head)
+        compression = record.fields.raw("compression").decode("utf-8", "replace")
         size = record.fields.u32("size")
     except MalformedRecord as fault:
         raise ChunkDamage(f"its header is damaged ({fault})") from fault
-    chunk = Chunk(
+    data_size = record.end - record.data
+    return Chunk(
         offset=offset,
         data_offset=record.data,
-        data_size=record.end - record.data,
+        data_size=data_size,
         end=record.end,
         index_end=record.end,
-        compression=compression,
-        size=size,
+        compression=sys.intern(compression),
+        size=data_size if compression in {"", "none"} else size,
     )
-    return chunk if chunk.is_compressed else replace(chunk, size=chunk.data_size)
 
 
 def check_bag_chunk(chunk: Chunk, file_size: int) -> None:
@@ -88,7 +84,14 @@ def parse_bag_chunk(
         raise ChunkDamage(str(damage), promised) from damage
     if size == len(target):
         return read_content(fmt, target, index, chunk, verified=False)
-    return _cut_content(target[:size], chunk, promised, fmt)
+    content = read_content(fmt, target[:size], None, replace(chunk, counts=None), verified=False)
+    # A last record that is cut off is no other damage, and has no number of messages lost.
+    losses = [loss for loss in content.losses if loss.messages is not None]
+    found = len(content.messages) + sum(loss.messages or 0 for loss in losses)
+    lost = None if promised is None else max(promised - found, 0)
+    what = f"the last {chunk.size - size} bytes in the chunk at byte {chunk.offset} are "
+    losses.append(Loss(chunk.offset, what + "damaged or cut off", 0, lost))
+    return replace(content, losses=tuple(losses))
 
 
 def indexed_times(source: ByteSource, chunks: Sequence[Chunk]) -> list[tuple[int, int] | None]:
@@ -106,24 +109,10 @@ def indexed_times(source: ByteSource, chunks: Sequence[Chunk]) -> list[tuple[int
     ]
 
 
-def _cut_content(
-    records: Bytes, chunk: Chunk, promised: int | None, fmt: BagFormat
-) -> ChunkContent:
-    """Find the messages in the part of a chunk that could be decompressed."""
-    content = read_content(fmt, records, None, replace(chunk, counts=None), verified=False)
-    # A last record that is cut off is no other damage, and has no number of messages lost.
-    losses = [loss for loss in content.losses if loss.messages is not None]
-    found = len(content.messages) + sum(loss.messages or 0 for loss in losses)
-    lost = None if promised is None else max(promised - found, 0)
-    what = f"the last {chunk.size - len(records)} bytes in the chunk at byte {chunk.offset} are "
-    losses.append(Loss(chunk.offset, what + "damaged or cut off", 0, lost))
-    return replace(content, losses=tuple(losses))
-
-
 def _index(behind: memoryview) -> Index | None:
     """Return what the index records behind a chunk name, None if there are none to be read."""
     parts: list[memoryview] = []
-    connections: list[int] = []
+    records: list[tuple[int, int]] = []
     offset = 0
     while offset < len(behind):
         try:
@@ -134,21 +123,16 @@ def _index(behind: memoryview) -> Index | None:
         except MalformedRecord:
             break
         entries = behind[header_end + 4 : end]
-        if len(entries) % INDEX_ENTRY.itemsize:
+        if len(entries) % _INDEX_ENTRY.itemsize:
             break
         parts.append(entries)
-        connections.append(connection)
+        records.append((connection, len(entries) // _INDEX_ENTRY.itemsize))
         offset = end
     if not parts:
         return None
-    table = np.frombuffer(b"".join(parts), INDEX_ENTRY)
-    return Index.merged(
-        table["offset"].astype(np.int64),
-        nanoseconds(table),
-        connections,
-        [len(part) // INDEX_ENTRY.itemsize for part in parts],
-        complete=offset == len(behind),
-    )
+    table = np.frombuffer(b"".join(parts), _INDEX_ENTRY)
+    offsets = table["offset"].astype(np.int64)
+    return merged_index(offsets, nanoseconds(table), records, complete=offset == len(behind))
 
 
 def _indexed_connection(header: bytes) -> int:

@@ -17,12 +17,11 @@ from dogbot_logtool.reader.containers.bag.records import (
     record_at,
     record_in_file,
 )
-from dogbot_logtool.reader.containers.chunks.records import Readable, Records, blank_messages
+from dogbot_logtool.reader.containers.salvage.records import Readable, Records, blank_messages
 from dogbot_logtool.reader.decode.columns import gather, gather_bytes, rows_like
 from dogbot_logtool.reader.decode.message_table import Messages
 
 INDEX_ENTRY_SIZE: Final = 12
-_IN_CHUNK: Final = (BagOp.MESSAGE, BagOp.CONNECTION)
 _MOST_TEMPLATES: Final = 8
 """Recorders write all their message headers alike; more kinds are decoded one by one."""
 _RECORD_START: Final = (
@@ -61,32 +60,47 @@ class BagFormat:
     def decode(self, records: Bytes, bounds: Ints) -> Records:
         """See `RecordFormat.decode`."""
         offset, end = bounds[:-1], bounds[1:]
-        found = Records(
-            np.zeros(len(offset), np.int64),
-            offset,
-            blank_messages(np.zeros(len(offset), np.int64), end),
-        )
+        op = np.zeros(len(offset), np.int64)
+        messages = blank_messages(np.zeros(len(offset), np.int64), end)
         header_size = gather(records, offset, 4).view("<u4").astype(np.int64)
         left = np.arange(len(offset))
         templates = 0
         while len(left):
-            template = _decode_one(records, found, int(left[0]))
-            left = left[1:]
-            if template is None or not len(left) or templates == _MOST_TEMPLATES:
+            rows, left = left[:1], left[1:]
+            try:
+                record = record_at(records.data, int(offset[rows[0]]), int(end[rows[0]]))
+                op[rows] = BagOp.CONNECTION if record.fields.op() == BagOp.CONNECTION else 0
+            except MalformedRecord:
+                continue
+            messages.start[rows] = record.data
+            template = _template(records, int(offset[rows[0]]), record)
+            if template is None:
                 continue
             templates += 1
-            _fill(found, left[header_size[left] == template.size], records, template)
-            left = left[found.op[left] == 0]
-        return found
+            if templates <= _MOST_TEMPLATES:
+                rows = np.concatenate([rows, left[header_size[left] == template.size]])
+            alike, values = template.read(records, offset[rows])
+            rows, values = rows[alike], values[alike]
+            op[rows] = BagOp.MESSAGE
+            messages.channel[rows] = values["connection"]
+            messages.log_time[rows] = messages.publish_time[rows] = nanoseconds(values)
+            messages.start[rows] = offset[rows] + values.itemsize
+            if len(rows) > 1:
+                left = left[op[left] == 0]
+        return Records(op, offset, messages)
 
     def heads(self, records: Bytes, offset: Ints) -> Records | None:
         """See `RecordFormat.heads`."""
         if offset[0] < 0:
             return None
-        values = _values(records, offset, self._usual)
+        values = self._values(records, offset)
         if values is None:
-            self._usual = _template(records, int(offset[0]))
-            values = _values(records, offset, self._usual)
+            try:
+                record = record_at(records.data, int(offset[0]), len(records))
+            except MalformedRecord:
+                return None
+            self._usual = _template(records, int(offset[0]), record)
+            values = self._values(records, offset)
         if values is None:
             return None
         start = offset + values.itemsize
@@ -97,6 +111,14 @@ class BagFormat:
         channel = values["connection"].astype(np.int64)
         messages = Messages(channel, time, time, np.zeros(len(time), np.int64), start, end)
         return Records(np.full(len(offset), self.message, np.int64), offset, messages)
+
+    def _values(self, records: Bytes, offset: Ints) -> NDArray[np.void] | None:
+        """Return the values in headers, None if any is not like the usual one."""
+        usual = self._usual
+        if usual is None or offset[-1] + 8 + usual.size > len(records):
+            return None
+        alike, values = usual.read(records, offset)
+        return values if alike.all() else None
 
     def candidates(self, window: bytes) -> Iterator[int]:
         """See `RecordFormat.candidates`."""
@@ -178,77 +200,35 @@ class _Template:
     values: np.dtype[np.void]
     """Those that differ."""
 
-    def matches(self, heads: Bytes) -> Flags:
-        """Tell which rows, (n, 8 + size), are such a head."""
-        return rows_like(heads & self.constant, self.head)
+    def read(self, records: Bytes, offset: Ints) -> tuple[Flags, NDArray[np.void]]:
+        """Tell which headers at some offsets, (n,), are like it, and return the values of each."""
+        heads = gather_bytes(records, offset, 8 + self.size)
+        return rows_like(heads & self.constant, self.head), heads.view(self.values)[:, 0]
 
 
-def _template(records: Bytes, offset: int) -> _Template | None:
-    """Return a message's header as a template, None if there is no message."""
-    try:
-        record = record_at(records.data, offset, len(records))
-    except MalformedRecord:
-        return None
-    return _template_of(records, offset, record)
-
-
-def _values(records: Bytes, offset: Ints, template: _Template | None) -> NDArray[np.void] | None:
-    """Return the values in the headers at some offsets, None if any is not like the template."""
-    if template is None or offset[-1] + 8 + template.size > len(records):
-        return None
-    heads = gather_bytes(records, offset, 8 + template.size)
-    return heads.view(template.values)[:, 0] if template.matches(heads).all() else None
-
-
-def _template_of(records: Bytes, offset: int, record: Record) -> _Template | None:
+def _template(records: Bytes, offset: int, record: Record) -> _Template | None:
+    """Return a message's header as a template, None if it is another record or not sound."""
     size = record.data - offset - 8
-    head = records[offset : offset + 8 + size]
     try:
         if record.fields.op() != BagOp.MESSAGE or size > _LONGEST_HEADER:
             return None
-        record.fields.u32("conn")
-        record.fields.time_ns("time")
-        connection, time = _value_offsets(head[:-4].tobytes())
-    except (MalformedRecord, KeyError):
+        is_sound(record, BagOp.MESSAGE)
+    except MalformedRecord:
         return None
+    connection, time = (4 + record.fields.offsets[name] for name in ("conn", "time"))
+    places = (connection, time, time + 4, 4 + size)
     values = np.dtype(
         {
             "names": ["connection", "seconds", "nanoseconds", "data_size"],
             "formats": ["<u4"] * 4,
-            "offsets": [connection, time, time + 4, 4 + size],
+            "offsets": places,
             "itemsize": 8 + size,
         }
     )
     constant = np.full(8 + size, 255, np.uint8)
-    for first in (connection, time, time + 4, 4 + size):
+    for first in places:
         constant[first : first + 4] = 0
-    return _Template(size, head & constant, constant, values)
-
-
-def _value_offsets(header: bytes) -> tuple[int, int]:
-    """Return where connection and time stand in a sound header, which its length leads."""
-    offsets: dict[bytes, int] = {}
-    offset = 4
-    while offset < len(header):
-        (size,) = U32.unpack_from(header, offset)
-        name = header[offset + 4 : offset + 4 + size].partition(b"=")[0]
-        offsets[name] = offset + 4 + len(name) + 1
-        offset += 4 + size
-    return offsets[b"conn"], offsets[b"time"]
-
-
-def _fill(found: Records, rows: Ints, records: Bytes, template: _Template) -> None:
-    """Decode the messages among some rows, whose headers have the template's length."""
-    if not len(rows):
-        return
-    heads = gather_bytes(records, found.offset[rows], 8 + template.size)
-    alike = template.matches(heads)
-    rows, values = rows[alike], heads.view(template.values)[alike, 0]
-    found.op[rows] = BagOp.MESSAGE
-    found.messages.channel[rows] = values["connection"]
-    found.messages.log_time[rows] = nanoseconds(values)
-    found.messages.publish_time[rows] = found.messages.log_time[rows]
-    found.messages.start[rows] = found.offset[rows] + 8 + template.size
+    return _Template(size, records[offset : offset + 8 + size] & constant, constant, values)
 
 
 def nanoseconds(times: NDArray[np.void]) -> Ints:
@@ -256,23 +236,3 @@ def nanoseconds(times: NDArray[np.void]) -> Ints:
     seconds = times["seconds"].astype(np.int64)
     total: Ints = seconds * 1_000_000_000 + times["nanoseconds"]
     return total
-
-
-def _decode_one(records: Bytes, found: Records, row: int) -> _Template | None:
-    """Decode one record of any kind; return its header if it may serve as a template."""
-    offset = int(found.offset[row])
-    try:
-        record = record_at(records.data, offset, int(found.messages.end[row]))
-        op = record.fields.op()
-    except MalformedRecord:
-        return None
-    if op not in _IN_CHUNK:
-        return None
-    found.messages.start[row] = record.data
-    if op == BagOp.CONNECTION:
-        found.op[row] = op
-        return None
-    template = _template_of(records, offset, record)
-    if template is not None:
-        _fill(found, np.array([row]), records, template)
-    return template

@@ -8,12 +8,14 @@ from dogbot_logtool.reader.containers.bag.chunk import (
     indexed_times,
     parse_bag_chunk,
 )
+from dogbot_logtool.reader.containers.bag.connections import Connections
 from dogbot_logtool.reader.containers.bag.format import BagFormat
-from dogbot_logtool.reader.containers.bag.index import Connections, read_index
 from dogbot_logtool.reader.containers.bag.records import BagOp
+from dogbot_logtool.reader.containers.bag.scan import BagScan
 from dogbot_logtool.reader.containers.chunked_log import ChunkedLog
-from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent
 from dogbot_logtool.reader.containers.contents import ChannelIds, Chunk, Contents
+from dogbot_logtool.reader.containers.salvage.content import ChunkContent
+from dogbot_logtool.reader.containers.signatures import BAG_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 
@@ -43,34 +45,21 @@ class BagLog(ChunkedLog):
             for op, offset, end in content.others.tolist()
             if op == BagOp.CONNECTION
         }
-        contradictions = [loss for loss in found if loss is not None]
-        if not contradictions:
-            return content
+        contradictions = (loss for loss in found if loss is not None)
         return replace(content, losses=(*content.losses, *contradictions))
 
-    def overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
-        """See `Log.overlaps`: a chunk is left out only if the index records behind it agree.
-
-        They are not fetched for that from a store.
-        """
-        if super().overlaps(chunk, start, end):
-            return True
-        if chunk.is_scanned or not self.source.has_cheap_seeks:
-            return False
-        (times,) = indexed_times(self.source, [chunk])
-        if times is None:
-            return True
-        return super().overlaps(replace(chunk, start_time=times[0], end_time=times[1]), start, end)
+    def own_times(self, chunk: Chunk) -> tuple[int | None, int | None] | None:
+        """See `ChunkedLog.own_times`: those that the index records behind it name."""
+        return indexed_times(self.source, [chunk])[0]
 
 
 def open_log(source: ByteSource, distribution: str) -> BagLog:
     """Open a bag through its index; where that is absent or damaged, by all of its records."""
     del distribution
-    connections = Connections()
-    contents, problem = read_index(source, connections)
+    scan = BagScan(source)
+    contents, problem = scan.indexed()
     if contents is None:
-        from dogbot_logtool.reader.containers.bag.scan import BagRecoveryScan  # noqa: PLC0415
-
-        source, connections = source.nearby(), Connections()
-        contents = BagRecoveryScan(source, connections).contents(problem)
-    return BagLog(source, contents, connections)
+        source = source.nearby()
+        scan = BagScan(source)
+        contents = scan.scanned(len(BAG_MAGIC), problem)
+    return BagLog(source, contents, scan.connections)

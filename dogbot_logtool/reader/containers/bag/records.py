@@ -5,17 +5,15 @@ its length.
 """
 
 import struct
-from collections.abc import Mapping
 from enum import IntEnum
 from typing import Final
 
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.reader.containers.chunks.records import Readable
-from dogbot_logtool.reader.containers.contents import Channel, Schema
+from dogbot_logtool.reader.containers.salvage.records import Readable
 
 U32: Final = struct.Struct("<I")
 _TIME: Final = struct.Struct("<II")
-MAX_HEADER_SIZE: Final = 1 << 20
+_MAX_HEADER_SIZE: Final = 1 << 20
 HEAD_SIZE: Final = 512
 """Bytes that hold nearly every record's header."""
 
@@ -36,7 +34,7 @@ class MalformedRecord(Exception):  # noqa: N818 - it never reaches a user
 
 
 class Fields:
-    """The header of a record."""
+    """The header of a record; what is asked for and not there, or not as long, is malformed."""
 
     def __init__(self, data: bytes | memoryview) -> None:
         """Split a header.
@@ -44,7 +42,9 @@ class Fields:
         Raises:
             MalformedRecord: it is no list of fields.
         """
-        self._values: dict[bytes, bytes] = {}
+        self._values: dict[str, bytes] = {}
+        self.offsets: dict[str, int] = {}
+        """Where the value of each field begins."""
         data = bytes(data)
         offset = 0
         while offset < len(data):
@@ -55,8 +55,10 @@ class Fields:
             name, equals, value = field.partition(b"=")
             if len(field) != size or not equals:
                 raise MalformedRecord("a header field is damaged")
-            self._values[name] = value
             offset += 4 + size
+            key = name.decode("utf-8", "replace")
+            self._values[key] = value
+            self.offsets[key] = offset - len(value)
 
     def op(self) -> int:
         """Return the kind of the record."""
@@ -67,48 +69,37 @@ class Fields:
 
     def has(self, name: str) -> bool:
         """Tell whether there is a field of the name."""
-        return name.encode() in self._values
+        return name in self._values
 
-    def raw(self, name: str) -> bytes:
-        """Return a field.
+    def raw(self, name: str, size: int | None = None) -> bytes:
+        """Return a field, of a size in bytes if that is given.
 
         Raises:
-            MalformedRecord: there is none of the name.
+            MalformedRecord: there is none of the name, or of another size.
         """
-        value = self._values.get(name.encode())
+        value = self._values.get(name)
         if value is None:
             raise MalformedRecord(f"the header field {name!r} is missing")
+        if size is not None and len(value) != size:
+            raise MalformedRecord(f"the header field {name!r} has a wrong size")
         return value
 
     def u32(self, name: str) -> int:
         """Return a 32-bit number."""
-        return int.from_bytes(self._sized(name, 4), "little")
+        return int.from_bytes(self.raw(name, 4), "little")
 
     def u64(self, name: str) -> int:
         """Return a 64-bit number."""
-        return int.from_bytes(self._sized(name, 8), "little")
+        return int.from_bytes(self.raw(name, 8), "little")
 
     def time_ns(self, name: str) -> int:
         """Return a time, ns."""
-        seconds, nanoseconds = _TIME.unpack(self._sized(name, 8))
+        seconds, nanoseconds = _TIME.unpack(self.raw(name, 8))
         return int(seconds) * 1_000_000_000 + int(nanoseconds)
 
-    def text(self, name: str) -> str:
-        """Return a text; bytes that are not UTF-8 are replaced."""
-        return self.raw(name).decode("utf-8", "replace")
-
-    def texts(self) -> Mapping[str, str]:
-        """Return all fields as texts."""
-        return {
-            name.decode("utf-8", "replace"): value.decode("utf-8", "replace")
-            for name, value in self._values.items()
-        }
-
-    def _sized(self, name: str, size: int) -> bytes:
-        value = self.raw(name)
-        if len(value) != size:
-            raise MalformedRecord(f"the header field {name!r} has a wrong size")
-        return value
+    def texts(self) -> dict[str, str]:
+        """Return all fields as texts; bytes that are not UTF-8 are replaced."""
+        return {name: value.decode("utf-8", "replace") for name, value in self._values.items()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,14 +124,11 @@ def record_bounds(data: bytes | memoryview, offset: int, end: int) -> tuple[int,
     Raises:
         MalformedRecord: there is no whole record.
     """
-    if offset + 4 > end:
-        raise MalformedRecord("a record is cut off")
-    (header_size,) = U32.unpack_from(data, offset)
-    header_end = offset + 4 + header_size
-    if header_end + 4 > end:
-        raise MalformedRecord("a record is cut off")
-    (data_size,) = U32.unpack_from(data, header_end)
-    record_end = header_end + 4 + data_size
+    header_end = record_end = end + 1
+    if offset + 4 <= end:
+        header_end = offset + 4 + U32.unpack_from(data, offset)[0]
+    if header_end + 4 <= end:
+        record_end = header_end + 4 + U32.unpack_from(data, header_end)[0]
     if record_end > end:
         raise MalformedRecord("a record is cut off")
     return header_end, record_end
@@ -152,48 +140,25 @@ def record_at(data: bytes | memoryview, offset: int, end: int) -> Record:
     return Record(Fields(data[offset + 4 : header_end]), header_end + 4, record_end)
 
 
-def record_in_file(source: Readable, offset: int) -> Record:
+def record_in_file(source: Readable, offset: int, head: bytes = b"") -> Record:
     """Read the header of a record in the file; its data may reach beyond the file's end.
+
+    Args:
+        source: the file.
+        offset: where the record begins.
+        head: its first bytes, if they have been read.
 
     Raises:
         MalformedRecord: there is no record's header.
     """
-    head = source.read(offset, HEAD_SIZE)
-    if len(head) < 4:
-        raise MalformedRecord("a record is cut off")
-    (header_size,) = U32.unpack_from(head)
-    if header_size > MAX_HEADER_SIZE:
+    head = head or source.read(offset, HEAD_SIZE)
+    header_size = U32.unpack_from(head)[0] if len(head) >= 4 else 0
+    if header_size > _MAX_HEADER_SIZE:
         raise MalformedRecord("a header is absurdly long")
     if len(head) < 8 + header_size:
         head = source.read(offset, 8 + header_size)
-        if len(head) < 8 + header_size:
-            raise MalformedRecord("a record is cut off")
+    if len(head) < 8 + header_size:
+        raise MalformedRecord("a record is cut off")
     (data_size,) = U32.unpack_from(head, 4 + header_size)
     data = offset + 8 + header_size
     return Record(Fields(memoryview(head)[4 : 4 + header_size]), data, data + data_size)
-
-
-def connection_channel(
-    number: int, fields: Fields, data: bytes | memoryview, schemas: dict[tuple[str, str], Schema]
-) -> Channel:
-    """Build a channel from a connection record.
-
-    Args:
-        number: the channel's id.
-        fields: the record's header.
-        data: the record's data: the header that the publisher sent when it connected.
-        schemas: those met so far, by type and definition; a new one is added.
-
-    Raises:
-        MalformedRecord: type or definition are missing.
-    """
-    sent = Fields(data)
-    texts = dict(sent.texts())
-    name, definition = texts.pop("type", ""), texts.pop("message_definition", "")
-    if not name:
-        raise MalformedRecord("a connection has no type")
-    texts.pop("topic", None)
-    # The topic of the record is the one under which it was recorded, after any remapping.
-    new = Schema(len(schemas) + 1, name, "ros1msg", definition.encode())
-    schema = schemas.setdefault((name, definition), new)
-    return Channel(number, fields.text("topic"), "ros1", schema, texts)

@@ -1,88 +1,194 @@
-"""A scan of all records of a bag whose index is missing or wrong."""
+"""The chunks and connections of a ROS 1 bag: by its index, or by all of its records."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
+import numpy as np
+
 from dogbot_logtool.core.arrays import Bytes
-from dogbot_logtool.reader.containers.bag.chunk import check_bag_chunk, chunk_at, parse_bag_chunk
-from dogbot_logtool.reader.containers.bag.format import BagFormat, is_sound
-from dogbot_logtool.reader.containers.bag.index import Connections, chunk_info
+from dogbot_logtool.reader.containers.bag.chunk import (
+    check_bag_chunk,
+    chunk_at,
+    indexed_times,
+    parse_bag_chunk,
+)
+from dogbot_logtool.reader.containers.bag.connections import Connections
+from dogbot_logtool.reader.containers.bag.format import INDEX_ENTRY_SIZE, BagFormat, is_sound
 from dogbot_logtool.reader.containers.bag.records import (
+    HEAD_SIZE,
     BagOp,
     MalformedRecord,
+    Record,
     record_at,
     record_in_file,
 )
-from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent, ChunkDamage
-from dogbot_logtool.reader.containers.chunks.recovery_scan import IndexEntry, RecoveryScan
-from dogbot_logtool.reader.containers.contents import Chunk, Contents
-from dogbot_logtool.reader.containers.loss import Loss, Losses
+from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, time_range
+from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage
+from dogbot_logtool.reader.containers.salvage.scan import IndexEntry, Scan
 from dogbot_logtool.reader.containers.signatures import BAG_MAGIC
-from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource, in_groups
 
+_UNSUSPICIOUS_SIZE: Final = 64 << 20
+_LARGEST_SHARE: Final = 4
+"""A larger index than `_UNSUSPICIOUS_SIZE` must not be more than this part of the bag."""
 _LARGEST_PADDING: Final = 4096
+"""Some recorders leave zero bytes before the index."""
+_INDEX_RECORD_SIZE: Final = 55
+"""Bytes of an index record besides its entries, as every recorder writes it."""
+_NOT_CLOSED: Final = "the bag has no index (its recording was not closed); it was read without it"
 
 
-class BagRecoveryScan(RecoveryScan):
+class BagScan(Scan):
     """Finds chunks, bare messages and connections."""
 
-    def __init__(self, source: ByteSource, connections: Connections) -> None:
+    def __init__(self, source: ByteSource) -> None:
         self._bag_format = BagFormat()
-        super().__init__(source, self._bag_format, Losses())
-        self._connections = connections
+        super().__init__(source, self._bag_format)
+        self.connections = Connections()
         self._outside: list[tuple[int, int]] = []
         """Offset and end of connection records outside chunks."""
 
-    def contents(self, problem: Loss | None) -> Contents:
-        """Walk the file."""
-        contents = self._contents(len(BAG_MAGIC), problem)
-        channels = self._connections.channels
-        return replace(
-            contents,
-            channels=channels,
-            counts={**dict.fromkeys(channels, 0), **contents.counts},
-            profile="ros1",
-            losses=self._losses.all(),
-        )
+    def indexed(self) -> tuple[Contents | None, Loss | None]:
+        """Read the index section.
+
+        Returns:
+            the contents, or None where the index is absent, damaged or contradicts the chunks; and
+            what is wrong with it.
+        """
+        start = len(BAG_MAGIC)
+        try:
+            header = record_in_file(self._source, start)
+            if header.fields.op() != BagOp.BAG_HEADER:
+                raise MalformedRecord("the bag's header is missing")
+            index_start = header.fields.u64("index_pos")
+            if index_start == 0:
+                return None, Loss(start, _NOT_CLOSED)
+            self._read_section(index_start)
+            if len(self._index_entries) != header.fields.u32("chunk_count"):
+                raise MalformedRecord("it names another number of chunks than the bag's header")
+            chunks = self._indexed_chunks(index_start)
+            if not self._fills(header.end, chunks, index_start):
+                raise MalformedRecord("it contradicts the chunks")
+            if not _times_hold(self._source, chunks):
+                raise MalformedRecord("it tells wrong times")
+        except (MalformedRecord, ChunkDamage) as fault:
+            what = f"the bag's index is damaged ({fault}); the bag was read without it"
+            return None, Loss(start, what)
+        channels = self.connections.channels
+        counts = dict.fromkeys(channels, 0)
+        for chunk in chunks:
+            for channel, count in (chunk.counts or {}).items():
+                counts[channel] += count
+        times = time_range([chunk for chunk in chunks if chunk.messages])
+        return Contents(channels, chunks, counts, *times, profile="ros1"), None
+
+    def _read_section(self, start: int) -> None:
+        """Read the connections and the chunks' entries."""
+        size = self._source.size
+        if start > size:
+            raise MalformedRecord("it is cut off")
+        if size - start > max(_UNSUSPICIOUS_SIZE, size // _LARGEST_SHARE):
+            raise MalformedRecord("it is absurdly long")
+        section = self._source.read(start, size - start)
+        # A record's length begins behind the zeros.
+        offset = len(section) - len(section.lstrip(b"\0"))
+        while offset < len(section):
+            record = record_at(section, offset, len(section))
+            op = record.fields.op()
+            if op == BagOp.CONNECTION:
+                data = section[offset : record.end]
+                self.connections.add(data)
+                if self.connections.contradiction(data, start + offset) is not None:
+                    raise MalformedRecord("it describes a connection in two ways")
+            elif op == BagOp.CHUNK_INFO:
+                self._take_info(record, section)
+            else:
+                raise MalformedRecord("it holds records of another kind")
+            offset = record.end
+
+    def _take_info(self, record: Record, data: bytes) -> None:
+        """Take what an index record says of a chunk.
+
+        Args:
+            record: the record.
+            data: the bytes in which it lies.
+
+        Raises:
+            MalformedRecord: it is damaged.
+        """
+        fields = record.fields
+        count = fields.u32("count")
+        if record.end - record.data != count * 8:
+            raise MalformedRecord("a chunk's message counts are damaged")
+        counts = np.frombuffer(data, "<u4", count * 2, record.data).reshape(-1, 2).tolist()
+        times = fields.time_ns("start_time"), fields.time_ns("end_time")
+        self._index_entries[fields.u64("chunk_pos")] = IndexEntry(*times, dict(counts))
+
+    def _indexed_chunks(self, index_start: int) -> list[Chunk]:
+        """Return the chunks that the index names, and the index records behind each."""
+        entries = sorted(self._index_entries.items())
+        offsets = [offset for offset, _ in entries]
+        heads = in_groups(self._source, [(offset, HEAD_SIZE) for offset in offsets])
+        ids = self.connections.channel_ids
+        chunks: list[Chunk] = []
+        for (offset, entry), end, head in zip(
+            entries, [*offsets[1:], index_start][: len(offsets)], heads, strict=True
+        ):
+            chunk = chunk_at(self._source, offset, head)
+            counts = entry.counts or {}
+            if not counts.keys() <= ids.keys():
+                raise MalformedRecord("it contradicts the chunks")
+            named = _INDEX_RECORD_SIZE * len(counts) + INDEX_ENTRY_SIZE * sum(counts.values())
+            # Index records of the usual size need not be looked at.
+            if end - chunk.end != named and not self._fills(chunk.end, (), end):
+                raise MalformedRecord("it contradicts the chunks")
+            known = {ids[number]: count for number, count in counts.items()}
+            chunks.append(replace(entry.added_to(chunk), index_end=end, counts=known))
+        return chunks
+
+    def _between(self, offset: int, stop: int) -> int | None:
+        size = stop - offset
+        if size <= _LARGEST_PADDING and not any(self._source.read(offset, size)):
+            return stop
+        record = record_in_file(self._source, offset)
+        return record.end if record.fields.op() in {BagOp.INDEX, BagOp.CONNECTION} else None
+
+    def scanned(self, start: int, problem: Loss | None) -> Contents:
+        """See `Scan.scanned`."""
+        contents = super().scanned(start, problem)
+        return replace(contents, profile="ros1", losses=self._losses.all())
 
     def _step(self, offset: int) -> int | None:
         try:
             record = record_in_file(self._source, offset)
             if record.fields.has("compression"):
-                return self._chunk_record(offset)
+                return self._chunk_record(offset, record)
             op = record.fields.op()
             if record.end > self._source.size or not is_sound(record, op):
                 return None
             if op == BagOp.MESSAGE:
                 return self._bare(offset, record.end)
-            self._record(op, offset, record.end)
+            if op == BagOp.INDEX:
+                self._take_index(offset, record.end)
+            elif op == BagOp.CONNECTION:
+                self._outside.append((offset, record.end))
+            elif op == BagOp.CHUNK_INFO:
+                data = self._source.read(offset, record.end - offset)
+                self._take_info(record_at(data, 0, len(data)), data)
         except (MalformedRecord, ChunkDamage):
             if self._source.read(offset, len(BAG_MAGIC)) == BAG_MAGIC:
                 return self._end(offset)
             return self._passed_zeros(offset)
         return record.end
 
-    def _record(self, op: int, offset: int, end: int) -> None:
-        match op:
-            case BagOp.INDEX:
-                if self._chunks and self._chunks[-1].index_end == offset:
-                    self._chunks[-1] = replace(self._chunks[-1], index_end=end)
-            case BagOp.CONNECTION:
-                self._outside.append((offset, end))
-            case BagOp.CHUNK_INFO:
-                data = self._source.read(offset, end - offset)
-                info = chunk_info(record_at(data, 0, len(data)), data)
-                self._index_entries[info.offset] = IndexEntry(
-                    info.start_time, info.end_time, info.counts
-                )
-
-    def _chunk_record(self, offset: int) -> int:
+    def _chunk_record(self, offset: int, record: Record) -> int:
         chunk = chunk_at(self._source, offset)
         if chunk.is_compressed:
-            return self._chunk(chunk, chunk.end)
-        stated = record_in_file(self._source, offset).fields.u32("size")
-        return self._chunk(replace(chunk, data_size=stated), chunk.data_offset + stated)
+            return self._take_chunk(chunk, chunk.end)
+        stated = record.fields.u32("size")
+        return self._take_chunk(replace(chunk, data_size=stated), chunk.data_offset + stated)
 
     def _passed_zeros(self, offset: int) -> int | None:
         """Pass over the zero bytes that some recorders leave before the index."""
@@ -94,32 +200,55 @@ class BagRecoveryScan(RecoveryScan):
             return following
         return None
 
-    def _connect(self, data: bytes, offset: int) -> None:
-        record = record_at(data, 0, len(data))
-        self._connections.add(record.fields, memoryview(data)[record.data : record.end])
-        loss = self._connections.contradiction(data, offset)
+    def _describe(self, op: int, record: Bytes, chunk: Chunk) -> None:
+        if op == BagOp.CONNECTION:
+            self._connect(record.tobytes(), chunk.offset)
+
+    def _connect(self, record: bytes, offset: int) -> str:
+        """Take a connection record; return why it cannot be, or nothing."""
+        try:
+            self.connections.add(record)
+        except MalformedRecord as fault:
+            return str(fault)
+        loss = self.connections.contradiction(record, offset)
         if loss is not None:
             self._losses.add(loss)
+        return ""
 
-    def _describe(self, op: int, record: Bytes, chunk: Chunk) -> None:
-        try:
-            if op == BagOp.CONNECTION:
-                self._connect(record.tobytes(), chunk.offset)
-        except MalformedRecord:
-            return
-
-    def _parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
-        return parse_bag_chunk(chunk, stored, target, self._bag_format)
-
-    def _check(self, chunk: Chunk) -> None:
+    def check(self, chunk: Chunk) -> None:
+        """See `Scan.check`."""
         check_bag_chunk(chunk, self._source.size)
+
+    def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
+        """See `Scan.parse`."""
+        return parse_bag_chunk(chunk, stored, target, self._bag_format)
 
     def _settle_ids(self) -> Mapping[int, int]:
         # Those in chunks come first: a compressed chunk's checksum vouches for them.
         for offset, end in self._outside:
-            try:
-                self._connect(self._source.read(offset, end - offset), offset)
-            except MalformedRecord as fault:
+            if fault := self._connect(self._source.read(offset, end - offset), offset):
                 what = f"the connection record at byte {offset} is damaged ({fault})"
                 self._losses.add(Loss(offset, what))
-        return self._connections.channel_ids
+        return self.connections.channel_ids
+
+    def _channels(self) -> Mapping[int, Channel]:
+        return self.connections.channels
+
+
+def _times_hold(source: ByteSource, chunks: Sequence[Chunk]) -> bool:
+    """Tell whether the index records behind chunks confirm when the log begins and ends.
+
+    They are compared for the first and the last chunk, in the file and by the times stated.
+    """
+    if not chunks:
+        return True
+    by_time = (
+        min(chunks, key=lambda chunk: chunk.start_time or 0),
+        max(chunks, key=lambda chunk: chunk.end_time or 0),
+    )
+    compared = {each.offset: each for each in (chunks[0], chunks[-1], *by_time)}.values()
+    found = indexed_times(source, list(compared))
+    return all(
+        times in {None, (chunk.start_time, chunk.end_time)}
+        for chunk, times in zip(compared, found, strict=True)
+    )

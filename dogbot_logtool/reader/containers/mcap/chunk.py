@@ -9,21 +9,18 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.arrays import Bytes
-from dogbot_logtool.reader.containers.chunks.chunk_content import (
-    ChunkContent,
-    ChunkDamage,
-    read_content,
-)
-from dogbot_logtool.reader.containers.chunks.compression import check_claimed_size, decompress_into
-from dogbot_logtool.reader.containers.chunks.records import Index
+from dogbot_logtool.reader.containers.compression import check_claimed_size, decompress_into
 from dogbot_logtool.reader.containers.contents import Chunk
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.mcap.format import McapFormat
 from dogbot_logtool.reader.containers.mcap.records import CHUNK_HEAD, RECORD_HEAD
+from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage, read_content
+from dogbot_logtool.reader.containers.salvage.records import Index, merged_index
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 INDEX_ENTRY: Final = np.dtype([("log_time", "<i8"), ("offset", "<u8")])
-_INDEX_HEAD: Final = struct.Struct("<HI")
+_INDEX_HEAD: Final = struct.Struct("<BQHI")
+"""Opcode and length of an index record, channel, and bytes of its entries."""
 _LONGEST_NAME: Final = 16
 _KNOWN_NAMES: Final = (b"", b"lz4", b"zstd")
 
@@ -138,28 +135,21 @@ def _header_of(chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]
 def _index(behind: memoryview) -> Index | None:
     """Return what the message index behind a chunk names, None if there is none to be read."""
     parts: list[memoryview] = []
-    channels: list[int] = []
-    offset = whole = 0
-    while offset + RECORD_HEAD.size <= len(behind):
-        opcode, length = RECORD_HEAD.unpack_from(behind, offset)
-        offset += RECORD_HEAD.size
-        if opcode != Opcode.MESSAGE_INDEX or not _INDEX_HEAD.size <= length <= len(behind) - offset:
+    named: list[tuple[int, int]] = []
+    offset = 0
+    while offset + _INDEX_HEAD.size <= len(behind):
+        opcode, length, channel, size = _INDEX_HEAD.unpack_from(behind, offset)
+        start, end = offset + _INDEX_HEAD.size, offset + RECORD_HEAD.size + length
+        if opcode != Opcode.MESSAGE_INDEX or end > len(behind) or start + size > end:
             break
-        channel, size = _INDEX_HEAD.unpack_from(behind, offset)
-        if size > length - _INDEX_HEAD.size or size % INDEX_ENTRY.itemsize:
+        if size % INDEX_ENTRY.itemsize:
             break
-        start = offset + _INDEX_HEAD.size
         parts.append(behind[start : start + size])
-        channels.append(channel)
-        whole = offset = offset + length
+        named.append((channel, size // INDEX_ENTRY.itemsize))
+        offset = end
     if not parts:
         return None
     entries = np.frombuffer(b"".join(parts), INDEX_ENTRY)
-    return Index.merged(
-        # Offsets beyond 2^63 become negative, and no message begins there either.
-        entries["offset"].astype(np.int64),
-        entries["log_time"],
-        channels,
-        [len(part) // INDEX_ENTRY.itemsize for part in parts],
-        complete=whole == len(behind),
-    )
+    # Offsets beyond 2^63 become negative, and no message begins there either.
+    offsets = entries["offset"].astype(np.int64)
+    return merged_index(offsets, entries["log_time"], named, complete=offset == len(behind))

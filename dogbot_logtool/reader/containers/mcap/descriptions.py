@@ -4,7 +4,7 @@ The format wants all records of one id to be identical. Where they differ, the d
 before the summary, and what a checksum covers before what none does.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from enum import IntEnum
 from typing import Final
 
@@ -14,16 +14,9 @@ from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.arrays import Bytes, Ints
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.reader.containers.contents import Channel
+from dogbot_logtool.reader.containers.contents import Channel, Schema
 from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, described_twice
-from dogbot_logtool.reader.containers.mcap.records import (
-    RECORD_HEAD,
-    channel_of,
-    channel_record,
-    decode_record,
-    schema_of,
-    schema_record,
-)
+from dogbot_logtool.reader.containers.mcap.records import RECORD_HEAD, decode_record
 
 _MOST_BYTES: Final = 64 << 20
 """A log that describes its channels in more words is not honest."""
@@ -65,10 +58,12 @@ class Descriptions:
         """One of those that differ from the chosen one."""
         self._repeated: set[tuple[int, int, Trust]] = set()
         """Opcode, hash and trust of the records met so far."""
+        self._agreed: set[tuple[int, int]] = set()
+        """Opcode and hash of records that agreed later: most are repeated as they are."""
         self._bytes = 0
 
-    def add(self, opcode: int, body: bytes, offset: int, trust: Trust) -> None:
-        """Add a record; what is malformed is ignored.
+    def add(self, opcode: int, body: bytes, offset: int, trust: Trust) -> bool:
+        """Add a record; tell whether it is well-formed.
 
         Args:
             opcode: ``Opcode.SCHEMA`` or ``Opcode.CHANNEL``.
@@ -80,16 +75,16 @@ class Descriptions:
         known = self._chosen.get(key)
         full = known is not None and len(self._repeated) > _MOST_VARIANTS
         if full or digest in self._repeated:
-            return
-        self._repeated.add(digest)
-        record = decode_description(opcode, body)
+            return True
+        record = _decoded(opcode, body)
         if record is None:
-            return
+            return False
+        self._repeated.add(digest)
         found = _Described(record, trust, offset)
         if known is None or trust > known.trust:
             self._bytes += len(body)
             if self._bytes > _MOST_BYTES:
-                return
+                return True
             self._chosen[key] = found
             if isinstance(record, records.Channel):
                 self.channels[record.id] = record
@@ -97,15 +92,19 @@ class Descriptions:
                 self._other[key] = known
         elif known.record != record:
             self._other.setdefault(key, found)
+        return True
 
     def channels_by_id(self) -> dict[int, Channel]:
         """Return the channels with their schemas."""
         schemas = {
-            each.record.id: schema_of(each.record)
-            for each in self._chosen.values()
-            if isinstance(each.record, records.Schema)
+            one.id: Schema(one.id, one.name, one.encoding, one.data)
+            for one in (each.record for each in self._chosen.values())
+            if isinstance(one, records.Schema)
         }
-        return {c.id: channel_of(c, schemas) for c in self.channels.values()}
+        return {
+            c.id: Channel(c.id, c.topic, c.message_encoding, schemas.get(c.schema_id), c.metadata)
+            for c in self.channels.values()
+        }
 
     def without_schema(self) -> Iterator[Loss]:
         """Yield what to say of channels whose schema is nowhere described."""
@@ -121,83 +120,42 @@ class Descriptions:
     def contradictions(self) -> Iterator[Loss]:
         """Yield what to say of ids that are described in two ways."""
         for key, other in sorted(self._other.items(), key=lambda item: item[0]):
-            yield contradiction(self._chosen[key].record, other.record, other.offset)
+            yield _contradiction(self._chosen[key].record, other.record, other.offset)
 
-
-class DescriptionCheck:
-    """Compares the schemas and channels in chunks with those by which the log is read."""
-
-    def __init__(self, channels: Mapping[int, Channel]) -> None:
-        self._known: dict[_Key, _Description] = {}
-        for channel in channels.values():
-            self._known[Opcode.CHANNEL, channel.id] = channel_record(channel)
-            if channel.schema is not None:
-                schema = schema_record(channel.schema)
-                self._known[Opcode.SCHEMA, schema.id] = schema
-        self._agreed: dict[tuple[int, bytes], int] = {}
-        """Hash of the last record that agreed, by opcode and id: most are repeated as they are."""
-
-    def contradictions(self, data: Bytes, others: Ints, offset: int) -> list[Loss]:
-        """Compare the records of a chunk.
+    def contradictions_in(self, data: Bytes, others: Ints, offset: int) -> list[Loss]:
+        """Compare the records of a chunk with what is known; say it once for each id.
 
         Args:
             data: (n,) uint8, the decompressed chunk.
             others: see `ChunkContent.others`.
             offset: of the chunk.
-
-        Returns:
-            what to say, once for each id.
         """
         found: dict[_Key, Loss] = {}
         for opcode, start, end in others.tolist():
-            if opcode in DESCRIBING:
-                body = data[start + RECORD_HEAD.size : end].tobytes()
-                record = self._differing(opcode, body)
-                if record is not None:
-                    key = opcode, record.id
-                    found.setdefault(key, contradiction(self._known[key], record, offset))
+            if opcode not in DESCRIBING:
+                continue
+            body = data[start + RECORD_HEAD.size : end].tobytes()
+            digest = opcode, hash(body)
+            if digest in self._agreed:
+                continue
+            record = _decoded(opcode, body)
+            known = None if record is None else self._chosen.get((opcode, record.id))
+            if record is None or known is None or known.record == record:
+                self._agreed.add(digest)
+            else:
+                loss = _contradiction(known.record, record, offset)
+                found.setdefault((opcode, record.id), loss)
         return list(found.values())
 
-    def agrees(self, opcode: int, body: bytes) -> bool:
-        """Tell whether a record agrees with what is known of its id, if anything is."""
-        return self._differing(opcode, body) is None
 
-    def _differing(self, opcode: int, body: bytes) -> _Description | None:
-        """Return the record if it contradicts what is known."""
-        key, digest = (opcode, body[:2]), hash(body)
-        if self._agreed.get(key) == digest:
-            return None
-        record = decode_description(opcode, body)
-        known = None if record is None else self._known.get((opcode, record.id))
-        if record is None or known is None or known == record:
-            self._agreed[key] = digest
-            return None
-        return record
-
-
-def decode_description(opcode: int, body: bytes) -> _Description | None:
+def _decoded(opcode: int, body: bytes) -> _Description | None:
     """Decode the content of a schema or channel record, None if it is malformed."""
     if opcode == Opcode.SCHEMA:
         return decode_record(records.Schema, body)
     return decode_record(records.Channel, body)
 
 
-def _facts(record: _Description) -> dict[str, object]:
-    """Return all that a record says besides its id and its name."""
-    if isinstance(record, records.Channel):
-        return {
-            "encoding": record.message_encoding,
-            "schema": record.schema_id,
-            "metadata": record.metadata,
-        }
-    return {"encoding": record.encoding, "definition": record.data}
-
-
-def _name(record: _Description) -> str:
-    return record.topic if isinstance(record, records.Channel) else record.name
-
-
-def contradiction(chosen: _Description, other: _Description, offset: int) -> Loss:
+def _contradiction(chosen: _Description, other: _Description, offset: int) -> Loss:
     """Say that two records of one id differ.
 
     Args:
@@ -206,14 +164,20 @@ def contradiction(chosen: _Description, other: _Description, offset: int) -> Los
         offset: where that one stands.
     """
     kind = "channel" if isinstance(chosen, records.Channel) else "schema"
-    texts = [_name(chosen), _name(other)]
-    if texts[0] == texts[1]:
-        facts = zip(_facts(chosen).items(), _facts(other).values(), strict=True)
-        key, values = next((key, (one, two)) for (key, one), two in facts if one != two)
-        texts = [
-            f"{text} with {key} {_shown(value)}" for text, value in zip(texts, values, strict=True)
-        ]
-    return described_twice(f"{kind} {chosen.id}", texts[0], texts[1], offset)
+    (one, facts), (two, others) = _facts(chosen), _facts(other)
+    if one == two:
+        key = next(key for key, value in facts.items() if value != others[key])
+        one += f" with {key} {_shown(facts[key])}"
+        two += f" with {key} {_shown(others[key])}"
+    return described_twice(f"{kind} {chosen.id}", one, two, offset)
+
+
+def _facts(record: _Description) -> tuple[str, dict[str, object]]:
+    """Return the name that a record has, and all that it says besides its id and its name."""
+    if isinstance(record, records.Channel):
+        facts = {"schema": record.schema_id, "metadata": record.metadata}
+        return record.topic, {"encoding": record.message_encoding, **facts}
+    return record.name, {"encoding": record.encoding, "definition": record.data}
 
 
 def _shown(value: object) -> str:

@@ -10,7 +10,6 @@ from mcap import records
 from mcap.opcode import Opcode
 
 from dogbot_logtool.core.arrays import Bytes, Ints
-from dogbot_logtool.reader.containers.chunks.records import Readable, Records, blank_messages
 from dogbot_logtool.reader.containers.mcap.records import (
     CHUNK_HEAD,
     LARGEST_PADDING,
@@ -18,6 +17,7 @@ from dogbot_logtool.reader.containers.mcap.records import (
     WHOLE_SMALL_RECORD,
     decode_record,
 )
+from dogbot_logtool.reader.containers.salvage.records import Readable, Records, blank_messages
 from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.decode.columns import gather
 from dogbot_logtool.reader.decode.message_table import Messages
@@ -49,6 +49,7 @@ _RECORD_START: Final = rb"(?s)(?=[\x01-\x0f].{4}\0{4})"
 _HOUR: Final = 3_600_000_000_000
 _DECODED: Final = {
     Opcode.HEADER: records.Header,
+    Opcode.FOOTER: records.Footer,
     Opcode.SCHEMA: records.Schema,
     Opcode.CHANNEL: records.Channel,
     Opcode.STATISTICS: records.Statistics,
@@ -57,24 +58,9 @@ _DECODED: Final = {
     Opcode.ATTACHMENT_INDEX: records.AttachmentIndex,
     Opcode.METADATA_INDEX: records.MetadataIndex,
     Opcode.SUMMARY_OFFSET: records.SummaryOffset,
+    Opcode.DATA_END: records.DataEnd,
 }
-_SHORTEST: Final = {
-    Opcode.HEADER: 8,
-    Opcode.FOOTER: 20,
-    Opcode.SCHEMA: 14,
-    Opcode.CHANNEL: 16,
-    Opcode.MESSAGE: MESSAGE_CONTENT_SIZE,
-    Opcode.MESSAGE_INDEX: 6,
-    Opcode.CHUNK_INDEX: 64,
-    Opcode.ATTACHMENT: 36,
-    Opcode.ATTACHMENT_INDEX: 48,
-    Opcode.STATISTICS: 46,
-    Opcode.METADATA: 8,
-    Opcode.METADATA_INDEX: 20,
-    Opcode.SUMMARY_OFFSET: 17,
-    Opcode.DATA_END: 4,
-}
-"""Bytes that the content of a record has at least."""
+_KNOWN: Final = {*_DECODED, Opcode.MESSAGE, Opcode.MESSAGE_INDEX, Opcode.ATTACHMENT}
 
 
 class McapFormat:
@@ -156,7 +142,7 @@ class McapFormat:
         if opcode == Opcode.CHUNK:
             return _is_chunk(head[RECORD_HEAD.size :], length)
         following = offset + RECORD_HEAD.size + length
-        is_known = opcode in _SHORTEST
+        is_known = opcode in _KNOWN
         may_be_later = opcode > LARGEST_OPCODE and following < end
         if following > end or not (is_known or may_be_later):
             # A following record that the end cuts off says nothing against those before it.
@@ -180,17 +166,16 @@ class McapFormat:
             opcode: of the record.
             length: of the content, which is known to be there.
         """
-        if opcode not in _SHORTEST or length < _SHORTEST[Opcode(opcode)]:
-            return False
         if opcode == Opcode.MESSAGE:
             channel = int.from_bytes(source.read(content, 2), "little")
-            return not self._channels or channel in self._channels
-        size = _content_size(source, content, opcode)
-        if size is not None:
-            return 0 <= length - size <= LARGEST_PADDING
-        kind = _DECODED.get(Opcode(opcode))
-        return kind is None or (
-            length <= WHOLE_SMALL_RECORD
+            known = not self._channels or channel in self._channels
+            return known and length >= MESSAGE_CONTENT_SIZE
+        if opcode in {Opcode.MESSAGE_INDEX, Opcode.ATTACHMENT}:
+            return 0 <= length - _content_size(source, content, opcode) <= LARGEST_PADDING
+        kind = _DECODED.get(Opcode(opcode)) if opcode in _DECODED else None
+        return (
+            kind is not None
+            and length <= WHOLE_SMALL_RECORD
             and decode_record(kind, source.read(content, length)) is not None
         )
 
@@ -224,21 +209,16 @@ class McapFormat:
         return sum(agree) >= max(len(agree) - 1, 2)
 
 
-def _content_size(source: Readable, content: int, opcode: int) -> int | None:
-    """Return how long a record's content is by what it says itself, None if it says nothing."""
-    match opcode:
-        case Opcode.DATA_END | Opcode.FOOTER:
-            return _SHORTEST[Opcode(opcode)]
-        case Opcode.MESSAGE_INDEX:
-            size = int.from_bytes(source.read(content + 2, 4), "little")
-            return 6 + size if size % 16 == 0 else -1
-        case Opcode.ATTACHMENT:
-            size = 16
-            for _ in ("name", "media type"):
-                size += 4 + int.from_bytes(source.read(content + size, 4), "little")
-            return size + 8 + int.from_bytes(source.read(content + size, 8), "little") + 4
-        case _:
-            return None
+def _content_size(source: Readable, content: int, opcode: int) -> int:
+    """Return how long a message index or an attachment is by what it says itself."""
+    if opcode == Opcode.MESSAGE_INDEX:
+        entries = int.from_bytes(source.read(content + 2, 4), "little")
+        # Such that it is not as long as it is, if the entries are not whole.
+        return 6 + entries if entries % 16 == 0 else 1 << 64
+    size = 16
+    for _ in ("name", "media type"):
+        size += 4 + int.from_bytes(source.read(content + size, 4), "little")
+    return size + 8 + int.from_bytes(source.read(content + size, 8), "little") + 4
 
 
 def _message_records(records: Bytes, offset: Ints) -> Records:

@@ -9,14 +9,14 @@ from mcap.opcode import Opcode
 
 from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.containers.chunked_log import ChunkedLog
-from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent, ChunkDamage
 from dogbot_logtool.reader.containers.contents import UNKNOWN_CHANNEL, Chunk, Contents
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.mcap.chunk import check_chunk, chunk_at, parse_chunk
-from dogbot_logtool.reader.containers.mcap.descriptions import DescriptionCheck
+from dogbot_logtool.reader.containers.mcap.descriptions import Descriptions
 from dogbot_logtool.reader.containers.mcap.format import McapFormat
 from dogbot_logtool.reader.containers.mcap.records import RECORD_HEAD, decode_record
-from dogbot_logtool.reader.containers.mcap.summary import SUMMARY_CONTRADICTS, read_summary
+from dogbot_logtool.reader.containers.mcap.scan import SUMMARY_CONTRADICTS, McapScan
+from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage
 from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
@@ -32,10 +32,10 @@ class McapLog(ChunkedLog):
     container = "MCAP"
     copies_chunks = True
 
-    def __init__(self, source: ByteSource, contents: Contents) -> None:
+    def __init__(self, source: ByteSource, contents: Contents, descriptions: Descriptions) -> None:
         super().__init__(source, contents)
         self._format = McapFormat(contents.channels)
-        self._descriptions = DescriptionCheck(contents.channels)
+        self._descriptions = descriptions
 
     def check(self, chunk: Chunk) -> None:
         """See `ChunkedLog.check`."""
@@ -44,9 +44,7 @@ class McapLog(ChunkedLog):
     def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
         """See `ChunkedLog.parse`."""
         content = parse_chunk(chunk, stored, target, self._format)
-        if not len(content.others):
-            return content
-        found = self._descriptions.contradictions(target, content.others, chunk.offset)
+        found = self._descriptions.contradictions_in(target, content.others, chunk.offset)
         return replace(content, losses=(*content.losses, *found)) if found else content
 
     def describes_hidden(self, content: ChunkContent, data: Bytes) -> bool:
@@ -78,20 +76,13 @@ class McapLog(ChunkedLog):
         )
         return corrected if corrected != chunk else None
 
-    def overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
-        """See `Log.overlaps`: a chunk is left out only if its own header says so, too.
-
-        Headers in a store are not fetched for that.
-        """
-        if super().overlaps(chunk, start, end):
-            return True
-        if chunk.is_scanned or not self.source.has_cheap_seeks:
-            return False
+    def own_times(self, chunk: Chunk) -> tuple[int | None, int | None] | None:
+        """See `ChunkedLog.own_times`: those of its header."""
         try:
             own = chunk_at(self.source, chunk.offset)
         except ChunkDamage:
-            return True
-        return super().overlaps(own, start, end)
+            return None
+        return own.start_time, own.end_time
 
     def contradicts_summary(self) -> bool:
         """Tell whether the first messages of a channel are described otherwise in their chunk.
@@ -107,7 +98,7 @@ class McapLog(ChunkedLog):
                 content = parse_chunk(chunk, memoryview(stored), target, self._format)
             except ChunkDamage:
                 continue
-            if self._descriptions.contradictions(target, content.others, chunk.offset):
+            if self._descriptions.contradictions_in(target, content.others, chunk.offset):
                 return True
             if (self._channel_ids.of(content.messages.channel) == UNKNOWN_CHANNEL).any():
                 return True
@@ -132,37 +123,28 @@ class McapLog(ChunkedLog):
 def open_log(source: ByteSource, distribution: str) -> McapLog:
     """Open an MCAP file through its summary; where that is wrong or absent, by all its records."""
     del distribution
-    contents, problem = read_summary(source)
+    scan = McapScan(source)
+    contents, problem = scan.indexed()
     if contents is not None:
-        log = McapLog(source, _with_profile(source, contents))
+        log = McapLog(source, _with_profile(source, contents), scan.descriptions)
         if not log.contradicts_summary():
             return log
         problem = Loss(0, SUMMARY_CONTRADICTS)
-    from dogbot_logtool.reader.containers.mcap.scan import McapRecoveryScan  # noqa: PLC0415
-
     source = source.nearby()
-    return McapLog(source, _with_profile(source, McapRecoveryScan(source).contents(problem)))
+    scan = McapScan(source)
+    contents = scan.scanned(len(MCAP_MAGIC), problem)
+    return McapLog(source, _with_profile(source, contents), scan.descriptions)
 
 
 def _with_profile(source: ByteSource, contents: Contents) -> Contents:
-    """Add the profile that the file's header names."""
-    profile = _profile(source)
-    if profile is None:
-        damage = Loss(
-            len(MCAP_MAGIC), "the header is damaged, so that the log's profile is not known"
-        )
-        contents = replace(contents, losses=(damage, *contents.losses))
-    return replace(contents, profile=profile or "")
-
-
-def _profile(source: ByteSource) -> str | None:
-    """Return the profile that the header names, None if there is no header to be read."""
-    head = source.read(len(MCAP_MAGIC), RECORD_HEAD.size)
-    if len(head) < RECORD_HEAD.size:
-        return None
+    """Add the profile that the file's header names, or say that it cannot be read."""
+    start = len(MCAP_MAGIC)
+    head = source.read(start, RECORD_HEAD.size).ljust(RECORD_HEAD.size, b"\0")
     opcode, length = RECORD_HEAD.unpack(head)
-    if opcode != Opcode.HEADER or length > _LARGEST_HEADER:
-        return None
-    body = source.read(len(MCAP_MAGIC) + RECORD_HEAD.size, length)
-    header = decode_record(records.Header, body) if len(body) == length else None
-    return None if header is None else header.profile
+    if opcode == Opcode.HEADER and length <= _LARGEST_HEADER:
+        body = source.read(start + RECORD_HEAD.size, length)
+        header = decode_record(records.Header, body) if len(body) == length else None
+        if header is not None:
+            return replace(contents, profile=header.profile)
+    damage = Loss(start, "the header is damaged, so that the log's profile is not known")
+    return replace(contents, losses=(damage, *contents.losses))

@@ -35,6 +35,7 @@ _Record = TypeVar(
     records.AttachmentIndex,
     records.MetadataIndex,
     records.SummaryOffset,
+    records.DataEnd,
 )
 
 
@@ -70,22 +71,6 @@ def decode_record(
     except _MALFORMED:
         return None
     return record if len(body) - stream.count <= padding else None
-
-
-def schema_of(schema: records.Schema) -> Schema:
-    """Convert the mcap library's schema."""
-    return Schema(schema.id, schema.name, schema.encoding, schema.data)
-
-
-def channel_of(channel: records.Channel, schemas: dict[int, Schema]) -> Channel:
-    """Convert the mcap library's channel."""
-    return Channel(
-        channel.id,
-        channel.topic,
-        channel.message_encoding,
-        schemas.get(channel.schema_id),
-        channel.metadata,
-    )
 
 
 def schema_record(schema: Schema) -> records.Schema:

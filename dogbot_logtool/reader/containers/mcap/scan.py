@@ -1,54 +1,178 @@
-"""A scan of all records of an MCAP file whose summary is missing or wrong."""
+"""The chunks, descriptions and other records of an MCAP file: by its summary, or by all records."""
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Final
 
 from mcap import records
 from mcap.opcode import Opcode
 
 from dogbot_logtool.core.arrays import Bytes
-from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent, ChunkDamage
-from dogbot_logtool.reader.containers.chunks.recovery_scan import IndexEntry, RecoveryScan
-from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra, SharedCounts
-from dogbot_logtool.reader.containers.loss import Loss, Losses, differing_counts, lost_messages
+from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra, time_range
+from dogbot_logtool.reader.containers.loss import Loss, differing_counts, lost_messages
 from dogbot_logtool.reader.containers.mcap.chunk import check_chunk, chunk_at, parse_chunk
 from dogbot_logtool.reader.containers.mcap.descriptions import DESCRIBING, Descriptions, Trust
-from dogbot_logtool.reader.containers.mcap.format import FIRST_PRIVATE_OPCODE, McapFormat
-from dogbot_logtool.reader.containers.mcap.records import RECORD_HEAD, decode_record
-from dogbot_logtool.reader.containers.mcap.summary import check_data, indexed_chunk
+from dogbot_logtool.reader.containers.mcap.format import (
+    FIRST_PRIVATE_OPCODE,
+    LARGEST_OPCODE,
+    McapFormat,
+)
+from dogbot_logtool.reader.containers.mcap.records import (
+    RECORD_HEAD,
+    WHOLE_SMALL_RECORD,
+    decode_record,
+)
+from dogbot_logtool.reader.containers.mcap.summary import (
+    DATA_END_SIZE,
+    Section,
+    check_data,
+    damaged_summary,
+    indexed_chunk,
+    read_section,
+)
+from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage
+from dogbot_logtool.reader.containers.salvage.scan import IndexEntry, Scan
 from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
-from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource, in_groups
+
+_LARGEST_TIME: Final = 2**63 - 1
+SUMMARY_CONTRADICTS: Final = (
+    "the summary contradicts itself or the chunks; the log was read without it"
+)
+_BETWEEN: Final = (
+    Opcode.HEADER,
+    Opcode.SCHEMA,
+    Opcode.CHANNEL,
+    Opcode.MESSAGE_INDEX,
+    Opcode.ATTACHMENT,
+    Opcode.METADATA,
+    Opcode.DATA_END,
+)
+"""Record types that may stand between the chunks without the summary's naming them."""
 
 
-class McapRecoveryScan(RecoveryScan):
+class McapScan(Scan):
     """Finds chunks, bare messages, descriptions and extra records."""
 
     def __init__(self, source: ByteSource) -> None:
-        self._descriptions = Descriptions()
-        self._mcap_format = McapFormat(self._descriptions.channels)
-        super().__init__(source, self._mcap_format, Losses())
+        self.descriptions = Descriptions()
+        self._mcap_format = McapFormat(self.descriptions.channels)
+        super().__init__(source, self._mcap_format)
         self._extras: list[Extra] = []
         self._statistics: records.Statistics | None = None
         self._data_end: int | None = None
-        self._shared = SharedCounts()
         self._closed = False
         """There is a footer, so that the recording was closed properly."""
 
-    def contents(self, problem: Loss | None) -> Contents:
-        """Walk the file."""
-        contents = self._contents(len(MCAP_MAGIC), problem)
-        channels = self._descriptions.channels_by_id()
-        for loss in (*self._descriptions.contradictions(), *self._descriptions.without_schema()):
-            self._losses.add(loss)
-        self._compare_statistics(contents.counts, channels)
-        self._check_data()
-        return replace(
-            contents,
-            channels=channels,
-            counts={**dict.fromkeys(channels, 0), **contents.counts},
-            extras=self._extras,
-            losses=self._losses.all(),
+    def indexed(self) -> tuple[Contents | None, Loss | None]:
+        """Read the summary.
+
+        Returns:
+            the contents, or None where the summary is absent, damaged, incomplete or contradicts
+            the chunks; and what is wrong with it.
+        """
+        section, problem = read_section(self._source)
+        if section is None:
+            return None, problem
+        chunks: list[Chunk] = []
+        extras: list[int] = []
+        for opcode, body in section.records:
+            if not self._summarised(opcode, body, chunks, extras):
+                return None, damaged_summary(section.offset)
+        chunks.sort(key=lambda chunk: chunk.offset)
+        if self._statistics is None or not self._is_complete(self._statistics, chunks, extras):
+            return None, None
+        if not self._is_true(self._statistics, chunks, extras, section):
+            return None, Loss(section.offset, SUMMARY_CONTRADICTS)
+        loss = check_data(self._source, section.offset - DATA_END_SIZE, thorough=False)
+        channels = self.descriptions.channels_by_id()
+        counts = {**dict.fromkeys(channels, 0), **self._statistics.channel_message_counts}
+        times = _stated_times(chunks, self._statistics)
+        if not self._statistics.message_count:
+            times = None, None
+        losses = () if loss is None else (loss,)
+        return Contents(channels, chunks, counts, *times, "", self._extras, losses), None
+
+    def _summarised(self, opcode: int, body: bytes, chunks: list[Chunk], extras: list[int]) -> bool:
+        """Take a record of the summary; tell whether it is well-formed.
+
+        Args:
+            opcode: its kind.
+            body: its content.
+            chunks: receives the one that it describes.
+            extras: receives the offset of the attachment or metadata record that it names.
+        """
+        match opcode:
+            case Opcode.SCHEMA | Opcode.CHANNEL:
+                return self.descriptions.add(opcode, body, 0, Trust.SUMMARY)
+            case Opcode.STATISTICS:
+                self._statistics = decode_record(records.Statistics, body)
+                return self._statistics is not None
+            case Opcode.CHUNK_INDEX:
+                index = decode_record(records.ChunkIndex, body)
+                chunks += [indexed_chunk(index)] if index else []
+                return index is not None
+            case Opcode.ATTACHMENT_INDEX | Opcode.METADATA_INDEX:
+                extras.append(int.from_bytes(body[:8], "little"))
+                return len(body) >= 16
+        return True
+
+    def _is_complete(
+        self, statistics: records.Statistics, chunks: Sequence[Chunk], extras: Sequence[int]
+    ) -> bool:
+        """Tell whether the summary has all the parts that opening a log needs."""
+        return (
+            statistics.chunk_count == len(chunks)
+            and (bool(chunks) or not statistics.message_count)
+            and statistics.channel_message_counts.keys() <= self.descriptions.channels.keys()
+            and not any(self.descriptions.without_schema())
+            and statistics.attachment_count + statistics.metadata_count == len(extras)
+            # Times that do not fit 64 bits with a sign are left to a look at the messages.
+            and max(statistics.message_start_time, statistics.message_end_time) <= _LARGEST_TIME
         )
+
+    def _is_true(
+        self,
+        statistics: records.Statistics,
+        chunks: Sequence[Chunk],
+        extras: Sequence[int],
+        section: Section,
+    ) -> bool:
+        """Tell whether the parts of the summary agree with each other and with the file.
+
+        A chunk whose own header is damaged is there nevertheless if a checksum vouches for the
+        summary.
+        """
+        return (
+            sum(statistics.channel_message_counts.values()) == statistics.message_count
+            and _chunk_indexes_agree(chunks, statistics)
+            and all(each.data_offset + each.data_size <= each.end for each in chunks)
+            and all(each.end <= each.index_end for each in chunks)
+            and (section.verified or _are_there(self._source, chunks))
+            and self._fills(len(MCAP_MAGIC), chunks, section.offset)
+            and [extra.offset for extra in self._extras] == sorted(extras)
+            and not any(self.descriptions.contradictions())
+        )
+
+    def _between(self, offset: int, stop: int) -> int | None:
+        head = self._source.read(offset, RECORD_HEAD.size)
+        if len(head) < RECORD_HEAD.size:
+            return None
+        opcode, length = RECORD_HEAD.unpack(head)
+        content = offset + RECORD_HEAD.size
+        if content + length > stop or not (opcode in _BETWEEN or opcode > LARGEST_OPCODE):
+            return None
+        return self._record(opcode, offset, content, content + length)
+
+    def scanned(self, start: int, problem: Loss | None) -> Contents:
+        """See `Scan.scanned`."""
+        contents = super().scanned(start, problem)
+        for loss in (*self.descriptions.contradictions(), *self.descriptions.without_schema()):
+            self._losses.add(loss)
+        self._compare_statistics(contents.counts, contents.channels)
+        self._check_data()
+        return replace(contents, extras=self._extras, losses=self._losses.all())
 
     def _step(self, offset: int) -> int | None:
         size = self._source.size
@@ -86,52 +210,52 @@ class McapRecoveryScan(RecoveryScan):
                 self._closed = True
                 return self._end(end + len(MCAP_MAGIC))
             case Opcode.SCHEMA | Opcode.CHANNEL:
-                body = self._source.read(content, end - content)
+                body = self._source.read(content, min(end - content, WHOLE_SMALL_RECORD))
                 trust = Trust.DATA if self._data_end is None else Trust.SUMMARY
-                self._descriptions.add(opcode, body, offset, trust)
-            case Opcode.STATISTICS | Opcode.CHUNK_INDEX:
-                self._state(opcode, self._source.read(content, end - content))
+                self.descriptions.add(opcode, body, offset, trust)
+            case Opcode.STATISTICS:
+                body = self._source.read(content, end - content)
+                self._statistics = decode_record(records.Statistics, body)
+            case Opcode.CHUNK_INDEX:
+                body = self._source.read(content, end - content)
+                if index := decode_record(records.ChunkIndex, body):
+                    chunk = indexed_chunk(index)
+                    entry = IndexEntry(chunk.start_time, chunk.end_time, chunk.counts)
+                    self._index_entries[chunk.offset] = entry
             case Opcode.MESSAGE_INDEX:
-                last = self._chunks[-1] if self._chunks else None
-                if last and last.is_record and last.index_end == offset:
-                    self._chunks[-1] = replace(self._chunks[-1], index_end=end)
+                self._take_index(offset, end)
             case Opcode.ATTACHMENT | Opcode.METADATA:
                 self._extras.append(Extra(opcode, offset, end - offset, self._source))
             case Opcode.DATA_END:
                 self._data_end = offset
         return end
 
-    def _state(self, opcode: int, body: bytes) -> None:
-        """Take what the summary section says of the data."""
-        if opcode == Opcode.STATISTICS:
-            self._statistics = decode_record(records.Statistics, body)
-        elif (index := decode_record(records.ChunkIndex, body)) is not None:
-            chunk = indexed_chunk(index, self._shared)
-            self._index_entries[chunk.offset] = IndexEntry(
-                chunk.start_time, chunk.end_time, chunk.counts
-            )
-
     def _chunk_record(self, offset: int) -> int | None:
         try:
             chunk = chunk_at(self._source, offset)
         except ChunkDamage:
             return None
-        return self._chunk(chunk, chunk.data_offset + chunk.data_size)
+        return self._take_chunk(chunk, chunk.data_offset + chunk.data_size)
 
-    def _parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
-        return parse_chunk(chunk, stored, target, self._mcap_format)
-
-    def _check(self, chunk: Chunk) -> None:
+    def check(self, chunk: Chunk) -> None:
+        """See `Scan.check`."""
         check_chunk(chunk, self._source.size)
+
+    def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
+        """See `Scan.parse`."""
+        return parse_chunk(chunk, stored, target, self._mcap_format)
 
     def _describe(self, op: int, record: Bytes, chunk: Chunk) -> None:
         if op in DESCRIBING:
             body = record[RECORD_HEAD.size :].tobytes()
             trust = Trust.VERIFIED if chunk.crc else Trust.DATA
-            self._descriptions.add(op, body, chunk.offset, trust)
+            self.descriptions.add(op, body, chunk.offset, trust)
 
     def _settle_ids(self) -> Mapping[int, int]:
-        return {number: number for number in self._descriptions.channels}
+        return {number: number for number in self.descriptions.channels}
+
+    def _channels(self) -> Mapping[int, Channel]:
+        return self.descriptions.channels_by_id()
 
     def _compare_statistics(
         self, counts: Mapping[int, int], channels: Mapping[int, Channel]
@@ -159,3 +283,35 @@ class McapRecoveryScan(RecoveryScan):
         elif self._closed:
             what = "the record that ends the log's data is missing, and maybe others before it"
             self._losses.add(Loss(self._source.size, what, 0, None))
+
+
+def _chunk_indexes_agree(chunks: Sequence[Chunk], statistics: records.Statistics) -> bool:
+    """Tell whether the chunk indexes give the statistics, as far as they tell of messages."""
+    counts: Counter[int] = Counter()
+    for chunk in chunks:
+        if chunk.counts is None:
+            return True
+        counts.update(chunk.counts)
+    if counts != Counter(statistics.channel_message_counts):
+        return False
+    start, end = _stated_times(chunks, statistics)
+    # A time of 0 is left out of the statistics by a writer that takes it for none.
+    return start in {0, statistics.message_start_time} and end == statistics.message_end_time
+
+
+def _stated_times(
+    chunks: Sequence[Chunk], statistics: records.Statistics
+) -> tuple[int | None, int | None]:
+    """Return the log times of the first and the last message, by the chunk indexes if known."""
+    if chunks and all(chunk.messages for chunk in chunks):
+        return time_range(chunks)
+    return statistics.message_start_time, statistics.message_end_time
+
+
+def _are_there(source: ByteSource, chunks: Sequence[Chunk]) -> bool:
+    """Tell whether each chunk's record begins where its index says, and ends there, too."""
+    heads = in_groups(source, [(chunk.offset, RECORD_HEAD.size) for chunk in chunks])
+    return all(
+        head == RECORD_HEAD.pack(Opcode.CHUNK, chunk.end - chunk.offset - RECORD_HEAD.size)
+        for head, chunk in zip(heads, chunks, strict=True)
+    )

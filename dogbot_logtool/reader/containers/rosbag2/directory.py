@@ -8,7 +8,6 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Final, Protocol
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.storage import Location, files_in, shown
 from dogbot_logtool.reader.containers.log import Log
@@ -33,15 +32,8 @@ class OpenFile(Protocol):
         """Open a file; `distribution` is the one of ROS 2 that recorded it, if known."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Bag:
-    """The files of a bag."""
-
-    files: tuple[Location, ...]
-    distribution: str
-    losses: tuple[Loss, ...]
-    metadata: Metadata | None = None
-    """Metadata that promises the number of messages; None if it cannot be used."""
+_Files = tuple[list[Location], list[Loss], Metadata | None]
+"""Of a bag: its files, what is said of them, and its metadata if that can be used."""
 
 
 def open_rosbag2(path: Location, open_file: OpenFile, suffixes: tuple[str, ...]) -> Log:
@@ -58,19 +50,21 @@ def open_rosbag2(path: Location, open_file: OpenFile, suffixes: tuple[str, ...])
         CallError: there are no log files in it.
         LogError: none of its files can be read.
     """
-    bag = _find_files(path, suffixes)
+    try:
+        files, losses, metadata = _named_files(path, read_metadata(path), suffixes)
+    except UnusableMetadata as error:
+        files, losses, metadata = _numbered_files(path, suffixes, str(error))
     logs: list[Log] = []
-    losses = list(bag.losses)
-    for file in bag.files:
+    for file in files:
         try:
-            logs.append(open_file(file, bag.distribution))
+            logs.append(open_file(file, metadata.distribution if metadata else ""))
         except (LogError, CallError) as error:
             losses.append(Loss(0, f"a file of the bag was left out: {error}", 0, None))
     if not logs:
         reason = losses[0].what if losses else f"{ROSBAG2_METADATA} names no files"
         raise LogError(f"{shown(path)}: nothing of this ROS 2 bag can be read: {reason}")
-    if bag.metadata is not None:
-        losses.extend(_compare_counts(bag.metadata, logs, losses))
+    if metadata is not None:
+        losses.extend(_compare_counts(metadata, logs, losses))
     for log, following in pairwise(logs):
         log.losses = tuple(_before(loss, following) for loss in log.losses)
     joined = join(path, logs, losses)
@@ -85,14 +79,7 @@ def _before(loss: Loss, following: Log) -> Loss:
     return replace(loss, end_time=following.start_time) if is_open else loss
 
 
-def _find_files(folder: Location, suffixes: tuple[str, ...]) -> _Bag:
-    try:
-        return _named_files(folder, read_metadata(folder), suffixes)
-    except UnusableMetadata as error:
-        return _numbered_files(folder, suffixes, str(error))
-
-
-def _named_files(folder: Location, metadata: Metadata, suffixes: tuple[str, ...]) -> _Bag:
+def _named_files(folder: Location, metadata: Metadata, suffixes: tuple[str, ...]) -> _Files:
     """Return the files that metadata names; say which are missing, and which it does not name."""
     present = {file.name: file for file in files_in(folder)}
     logs = [name for name, file in present.items() if _is_log(file, suffixes)]
@@ -113,7 +100,7 @@ def _named_files(folder: Location, metadata: Metadata, suffixes: tuple[str, ...]
         if name.removesuffix(_PACKED) not in named:
             what = f"{ROSBAG2_METADATA} does not name {name}, so it was left out"
             losses.append(Loss(0, what, 0, None))
-    return _Bag(tuple(files.values()), metadata.distribution, tuple(losses), metadata)
+    return list(files.values()), losses, metadata
 
 
 def _compare_counts(
@@ -162,30 +149,24 @@ def _present(files: Mapping[str, Location], name: str) -> Location | None:
     return None
 
 
-def _numbered_files(folder: Location, suffixes: tuple[str, ...], reason: str) -> _Bag:
-    """Take all log files in the order of their numbers."""
-    found: list[Location] = [file for file in files_in(folder) if _is_log(file, suffixes)]
+def _numbered_files(folder: Location, suffixes: tuple[str, ...], reason: str) -> _Files:
+    """Take all log files in the order of their numbers, none both compressed and decompressed."""
+    found = {file.name: file for file in files_in(folder) if _is_log(file, suffixes)}
     if not found:
         raise CallError(f"{shown(folder)}: is a directory, not a log file, and holds no ROS 2 bag")
-    ordered = sorted(found, key=_by_number)
+    names = [
+        name
+        for name in found
+        if not (name.endswith(_PACKED) and name.removesuffix(_PACKED) in found)
+    ]
     what = f"{ROSBAG2_METADATA} cannot be used ({reason}); the files were taken by their names"
-    return _Bag(_one_storage(ordered), "", (Loss(0, what, 0, 0),))
+    return [found[name] for name in sorted(names, key=_by_number)], [Loss(0, what, 0, 0)], None
+
+
+def _by_number(name: str) -> tuple[list[int], str]:
+    return [int(digits) for digits in re.findall(r"\d{1,18}", name)], name
 
 
 def _is_log(file: Location, suffixes: tuple[str, ...]) -> bool:
     name = file.name.removesuffix(_PACKED)
     return name.endswith(suffixes) and not name.endswith(ANNOTATED)
-
-
-def _by_number(file: Location) -> tuple[list[int], str]:
-    return [int(digits) for digits in re.findall(r"\d{1,18}", file.name)], file.name
-
-
-def _one_storage(files: Sequence[Location]) -> tuple[Location, ...]:
-    """Leave out compressed files that are also there decompressed."""
-    plain = {file.name for file in files}
-    return tuple(
-        file
-        for file in files
-        if not (file.name.endswith(_PACKED) and file.name.removesuffix(_PACKED) in plain)
-    )

@@ -2,10 +2,8 @@
 
 import shutil
 import tempfile
-import threading
-from collections import OrderedDict
 from collections.abc import Sequence
-from pathlib import Path
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Final
 
 from dogbot_logtool.errors import CallError, LogError
@@ -23,6 +21,10 @@ _NEAR: Final = 16 << 10
 """Ranges with a smaller gap between them are fetched as one."""
 _AT_ONCE: Final = 16
 """Requests to a web server; a bucket's store takes more."""
+_PIECE: Final = 8 << 20
+
+_Run = tuple[int, int]
+"""First byte and the first behind."""
 
 
 class RemoteSource(ByteSource):
@@ -56,8 +58,7 @@ class RemoteSource(ByteSource):
         self.size = facts.size
         # A small object is fetched as a whole: each request takes longer than its bytes.
         self._block_size = self.size if self.size <= self.cheap_size else _BLOCK
-        self._blocks: OrderedDict[int, bytes] = OrderedDict()
-        self._lock = threading.Lock()
+        self._block = lru_cache(_BLOCKS)(self._fetch_block)
 
     def read(self, offset: int, size: int) -> bytes:
         """See `ByteSource.read`.
@@ -72,7 +73,7 @@ class RemoteSource(ByteSource):
         if size > block:
             return self._fetch([(offset, offset + size)])[0]
         first, last = offset // block, (offset + size - 1) // block
-        data = b"".join(self._block(number) for number in range(first, last + 1))
+        data = b"".join(map(self._block, range(first, last + 1)))
         return data[offset - first * block :][:size]
 
     def read_many(self, ranges: Sequence[tuple[int, int]]) -> list[bytes]:
@@ -80,108 +81,78 @@ class RemoteSource(ByteSource):
         if self.size <= self._block_size:
             return [self.read(offset, size) for offset, size in ranges]
         wanted = [(start, min(start + size, self.size)) for start, size in ranges]
-        whole: list[tuple[int, int]] = []
-        for start, end in sorted(wanted):
-            if whole and start <= whole[-1][1] + _NEAR:
-                whole[-1] = whole[-1][0], max(whole[-1][1], end)
-            elif start < end:
-                whole.append((start, end))
-        data = dict(zip(whole, self._fetch(whole), strict=True))
+        runs: list[_Run] = []
+        run_of: dict[_Run, int] = {}
+        for start, end in sorted(each for each in wanted if each[0] < each[1]):
+            if runs and start <= runs[-1][1] + _NEAR:
+                runs[-1] = runs[-1][0], max(runs[-1][1], end)
+            else:
+                runs.append((start, end))
+            run_of[start, end] = len(runs) - 1
+        data = self._fetch(runs)
         return [
-            next(
-                (data[run][start - run[0] : end - run[0]] for run in whole if _covers(run, start)),
-                b"",
-            )
+            data[run][start - runs[run][0] : end - runs[run][0]] if run is not None else b""
             for start, end in wanted
+            for run in (run_of.get((start, end)),)
         ]
 
     def nearby(self) -> ByteSource:
-        """See `ByteSource.nearby`: a copy on the disk without a name, gone when it is closed."""
-        with scratch_folder() as folder:
-            self._copy_to(folder / "copy")
-            copy = ByteSource(folder / "copy")
-        copy.path = self.path
-        return copy
-
-    def _copy_to(self, target: Path) -> None:
-        """Write all of it to a file.
+        """See `ByteSource.nearby`: a copy on the disk without a name, gone when it is closed.
 
         Raises:
             LogError: there is no room.
         """
-        folder = tempfile.gettempdir()
-        room = shutil.disk_usage(folder).free
+        room = shutil.disk_usage(tempfile.gettempdir()).free
         if self.size > room:
             raise LogError(
-                f"{storage.shown(self.path)}: is not read by parts, so that all its "
-                f"{self.size} bytes are needed on a disk; {folder} has room for {room} "
-                "(TMPDIR names another)"
+                f"{storage.shown(self.path)}: is not read by parts, so that all its {self.size} "
+                f"bytes are needed on a disk; {tempfile.gettempdir()} has room for {room} (TMPDIR "
+                "names another)"
             )
-        with target.open("wb") as file:
-            for start in range(0, self.size, _PIECE):
-                file.write(self._fetch([(start, min(start + _PIECE, self.size))])[0])
+        with scratch_folder() as folder:
+            with (folder / "copy").open("wb") as file:
+                for start in range(0, self.size, _PIECE):
+                    file.write(self._fetch([(start, min(start + _PIECE, self.size))])[0])
+            copy = ByteSource(folder / "copy")
+        copy.path = self.path
+        return copy
 
     def close(self) -> None:
         """Forget what was read."""
-        self._blocks.clear()
+        self._block.cache_clear()
 
-    def _block(self, number: int) -> bytes:
-        with self._lock:
-            if number in self._blocks:
-                self._blocks.move_to_end(number)
-                return self._blocks[number]
+    def _fetch_block(self, number: int) -> bytes:
         start = number * self._block_size
-        data = self._fetch([(start, min(start + self._block_size, self.size))])[0]
-        with self._lock:
-            self._blocks[number] = data
-            if len(self._blocks) > _BLOCKS:
-                self._blocks.popitem(last=False)
-        return data
+        return self._fetch([(start, min(start + self._block_size, self.size))])[0]
 
-    def _fetch(self, ranges: Sequence[tuple[int, int]]) -> list[bytes]:
-        """Fetch bytes from starts to ends."""
-        found: dict[int, bytes] = {}
-
-        def missing() -> list[bytes]:
-            left = [run for run in ranges if run[0] not in found]
-            answers = _cat(self._url, left)
-            for (start, end), answer in zip(left, answers, strict=True):
-                if not isinstance(answer, BaseException) and len(answer) > end - start:
+    def _fetch(self, runs: Sequence[_Run]) -> list[bytes]:
+        def answers() -> list[bytes]:
+            found = _cat(self._url, runs)
+            for (start, end), answer in zip(runs, found, strict=True):
+                if isinstance(answer, BaseException):
+                    raise answer
+                if len(answer) > end - start:
                     raise LogError(
                         f"{storage.shown(self.path)}: its server sends more than the parts that "
                         "are asked for; download it first"
                     )
-                if not isinstance(answer, BaseException) and len(answer) == end - start:
-                    found[start] = answer
-            failed = [answer for answer in answers if isinstance(answer, BaseException)]
-            if failed:
-                raise failed[0]
-            if len(found) < len({start for start, _ in ranges}):
-                raise OSError("it sends less than was asked for")
-            return [found[start] for start, _ in ranges]
+                if len(answer) < end - start:
+                    raise OSError("it sends less than was asked for")
+            return found
 
-        return storage.asked(self.path, missing) if ranges else []
+        return storage.asked(self.path, answers) if runs else []
 
 
-def _covers(run: tuple[int, int], offset: int) -> bool:
-    return run[0] <= offset < run[1]
-
-
-def _cat(url: "UPath", ranges: Sequence[tuple[int, int]]) -> list[Any]:
-    """Return bytes, or the error, for each range; a stall is an error."""
+def _cat(url: "UPath", runs: Sequence[_Run]) -> list[Any]:
+    """Return bytes, or the error, for each run; a stall is an error."""
     from fsspec.asyn import AsyncFileSystem, sync  # noqa: PLC0415 - only URLs need it
 
-    names = [url.path] * len(ranges)
-    starts, ends = [run[0] for run in ranges], [run[1] for run in ranges]
+    names, starts, ends = [url.path] * len(runs), [run[0] for run in runs], [run[1] for run in runs]
     fs = url.fs
-    if isinstance(fs, AsyncFileSystem):
-        # A small server has no room for a hundred connections at once, and leaves some waiting.
-        options = {"batch_size": _AT_ONCE} if url.protocol in {"http", "https"} else {}
-        within = storage.ANSWER_WITHIN_S
-        answers = sync(fs.loop, fs._cat_ranges, names, starts, ends, timeout=within, **options)  # noqa: SLF001 - the only call with a timeout
-    else:
-        answers = fs.cat_ranges(names, starts, ends)
+    if not isinstance(fs, AsyncFileSystem):
+        return list(fs.cat_ranges(names, starts, ends))
+    # A small server has no room for a hundred connections at once, and leaves some waiting.
+    options = {"batch_size": _AT_ONCE} if url.protocol in {"http", "https"} else {}
+    within = storage.ANSWER_WITHIN_S
+    answers = sync(fs.loop, fs._cat_ranges, names, starts, ends, timeout=within, **options)  # noqa: SLF001 - the only call with a timeout
     return list(answers)
-
-
-_PIECE: Final = 8 << 20

@@ -3,7 +3,7 @@
 import errno
 import os
 import threading
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
@@ -14,6 +14,10 @@ from dogbot_logtool.io.storage import Location
 
 _BLOCK: Final = 512
 """Bytes that systems count the space of files in."""
+
+
+_AT_ONCE: Final = 1000
+"""Ranges that are fetched together: stores answer slowly."""
 
 
 class ByteSource:
@@ -108,3 +112,9 @@ class ByteSource:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def in_groups(source: ByteSource, ranges: Sequence[tuple[int, int]]) -> Iterator[bytes]:
+    """Yield what `read` gives for each of many (offset, size), fetching some at once."""
+    for start in range(0, len(ranges), _AT_ONCE):
+        yield from source.read_many(ranges[start : start + _AT_ONCE])

@@ -9,7 +9,7 @@ import zstandard
 
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.scratch import scratch_folder
-from dogbot_logtool.io.storage import Location, file_stem, shown
+from dogbot_logtool.io.storage import file_stem, shown
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.containers.signatures import is_zstd
 from dogbot_logtool.reader.containers.sources.source import ByteSource
@@ -37,8 +37,11 @@ def open_zstd(source: ByteSource, open_file: Callable[[Path], Log]) -> Log:
     path = source.path
     with scratch_folder() as folder:
         copy = folder / file_stem(path)
-        with copy.open("xb") as file:
-            loss = _decompress(path, source.size, file)
+        try:
+            with copy.open("xb") as file:
+                loss = _decompress(source, file)
+        except OSError as error:
+            raise LogError(f"{shown(path)}: cannot be decompressed: {error.strerror}") from error
         try:
             log = open_file(copy)
         except LogError as error:
@@ -52,58 +55,57 @@ def open_zstd(source: ByteSource, open_file: Callable[[Path], Log]) -> Log:
     return log
 
 
-def _decompress(path: Location, size: int, target: BinaryIO) -> Loss | None:
-    """Decompress all that can be; return what is wrong with the rest."""
-    most = max(_MOST_FREE, _MAX_RATIO * size)
-    try:
-        with path.open("rb") as packed:
-            try:
-                return _unpack(packed, size, target, most)
-            except zstandard.ZstdError:
-                good = max(packed.tell() - _PIECE, 0)
-        target.seek(0)
-        with path.open("rb") as packed:
-            return _unpack_carefully(packed, size, target, most, good)
-    except _SwellsError as error:
-        raise LogError(f"{shown(path)}: its {size} bytes swell to over {most}") from error
-    except OSError as error:
-        raise LogError(f"{shown(path)}: cannot be decompressed: {error.strerror}") from error
+def _decompress(source: ByteSource, target: BinaryIO) -> Loss | None:
+    """Write what a file holds up to damage; return what is wrong with the rest.
 
-
-def _unpack_carefully(
-    packed: BinaryIO, size: int, target: BinaryIO, most: int, good: int
-) -> Loss | None:
-    """Decompress a damaged file byte by byte behind its good bytes, up to the damage."""
+    Behind the last piece before damage it is read again byte by byte, to find where that is.
+    """
+    packed = _Bytes(source)
     try:
-        return _unpack(packed, size, target, most, good)
+        return _unpack(packed, target)
+    except zstandard.ZstdError:
+        packed = _Bytes(source, careful_from=packed.offset - _PIECE)
+    target.seek(0)
+    try:
+        return _unpack(packed, target)
     except zstandard.ZstdError as error:
-        offset = packed.tell()
+        offset = packed.offset
         what = (
             f"its zstd data is damaged at byte {offset} ({error}); only what stands before came out"
         )
-        return Loss(offset, what, size - offset, None)
+        return Loss(offset, what, source.size - offset, None)
 
 
-def _unpack(
-    packed: BinaryIO, size: int, target: BinaryIO, most: int, careful_from: int | None = None
-) -> Loss | None:
+class _Bytes:
+    """The bytes of a file in pieces, from some byte on one by one."""
+
+    def __init__(self, source: ByteSource, careful_from: int | None = None) -> None:
+        self.source = source
+        self.offset = 0
+        """How many have been read."""
+        self._careful_from = source.size if careful_from is None else careful_from
+
+    def next(self, size: int = 0) -> bytes:
+        """Return the next ones, as many as given or about as many as are read at once."""
+        careful = self.offset >= self._careful_from
+        data = self.source.read(self.offset, size or (1 if careful else _PIECE))
+        self.offset += len(data)
+        return data
+
+
+def _unpack(packed: _Bytes, target: BinaryIO) -> Loss | None:
     """Write what the frames of a file hold; return what is wrong behind that.
 
     Parallel compressors write many frames, and such as are to be skipped before them.
 
-    Args:
-        packed: the file.
-        size: of it, bytes.
-        target: receives the content.
-        most: bytes that it may have.
-        careful_from: byte from which on it is read byte by byte.
-
     Raises:
         zstandard.ZstdError: a frame is damaged.
-        _SwellsError: there is more content.
+        LogError: there is too much content.
     """
+    size = packed.source.size
+    most = max(_MOST_FREE, _MAX_RATIO * size)
     zstd = zstandard.ZstdDecompressor()
-    data = packed.read(_MAGIC_SIZE)
+    data = packed.next(_MAGIC_SIZE)
     while is_zstd(data):
         frame = zstd.decompressobj()
         while not frame.eof:
@@ -111,16 +113,13 @@ def _unpack(
                 return Loss(size, f"its zstd data is cut off after {size} bytes", 0, None)
             target.write(frame.decompress(data))
             if target.tell() > most:
-                raise _SwellsError
-            careful = careful_from is not None and packed.tell() >= careful_from
-            data = frame.unused_data if frame.eof else packed.read(1 if careful else _PIECE)
-        data += packed.read(max(_MAGIC_SIZE - len(data), 0))
-    offset = packed.tell() - len(data)
+                name = shown(packed.source.path)
+                raise LogError(f"{name}: its {size} bytes swell to over {most}")
+            data = frame.unused_data if frame.eof else packed.next()
+        if len(data) < _MAGIC_SIZE:
+            data += packed.next(_MAGIC_SIZE - len(data))
+    offset = packed.offset - len(data)
     while data and not data.strip(b"\0"):
-        data = packed.read(_PIECE)
+        data = packed.next()
     what = f"the {size - offset} bytes behind its zstd data were left out"
     return Loss(offset, what, size - offset, None) if data else None
-
-
-class _SwellsError(Exception):
-    """A file holds more than it may."""

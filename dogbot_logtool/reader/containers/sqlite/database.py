@@ -18,14 +18,15 @@ from dogbot_logtool.reader.containers.sqlite.tree import (
     with_overflow,
 )
 
-_TOKEN: Final = re.compile(
-    r"""\s+|--[^\n]*|/\*.*?\*/|"(?:[^"]|"")*"|`(?:[^`]|``)*`|\[[^]]*\]|'(?:[^']|'')*'"""
-    r"""|[\w$]+|.""",
-    re.DOTALL,
+_TABLE: Final = re.compile(
+    r'CREATE TABLE\s+("[^"]+"|[\w$]+)\s*\((.*)\)([\w\s,]*)', re.IGNORECASE | re.DOTALL
 )
-_BLANK: Final = re.compile(r"\s|--|/\*")
-_QUOTES: Final = {'"': '"', "`": "`", "[": "]", "'": "'"}
-_LONGEST_SQL: Final = 1 << 14
+_TEXT: Final = re.compile(r"'(?:[^']|'')*'")
+_COMMA: Final = re.compile(r",(?![^(]*\))")
+"""One that stands in no parentheses."""
+_WORD: Final = re.compile(r'"[^"]*"|[\w$]+')
+_UNUSUAL: Final = re.compile(r"--|/\*")
+_LONGEST_SQL: Final = 1 << 12
 _MOST_COLUMNS: Final = 256
 _CONSTRAINTS: Final = {"CONSTRAINT", "PRIMARY", "UNIQUE", "CHECK", "FOREIGN"}
 _COMPUTED: Final = {"AS", "GENERATED"}
@@ -56,61 +57,28 @@ def parse_table(sql: str, name: str, root: int) -> Table | None:
         name: in lower case.
         root: number of its first page.
     """
-    if len(sql) > _LONGEST_SQL:
-        return None
-    tokens = [token for token in _TOKEN.findall(sql) if not _BLANK.match(token)]
-    words = [token.upper() for token in tokens[:4]]
-    if words[:2] != ["CREATE", "TABLE"] or words[3:] != ["("] or _plain(tokens[2]) != name:
-        return None
-    *parts, options = _parts(tokens[4:])
-    if len(parts) > _MOST_COLUMNS:
+    match = _TABLE.fullmatch(sql) if len(sql) <= _LONGEST_SQL else None
+    if match is None or _UNUSUAL.search(sql) or match[1].strip('"').lower() != name:
         return None
     columns: dict[str, int] = {}
     integers: set[str] = set()
     key = ""
-    for part in parts:
-        words = [word.upper() for word in part]
-        if not part or _COMPUTED.intersection(words[1:]):
+    for part in _COMMA.split(_TEXT.sub("", match[2])):
+        words = [word.strip('"').lower() for word in _WORD.findall(part)]
+        kinds = {word.upper() for word in words[1:]}
+        is_whole = part.count("(") == part.count(")") and part.count('"') % 2 == 0
+        if not words or not is_whole or kinds & _COMPUTED or len(columns) == _MOST_COLUMNS:
             return None
-        is_column = words[0] not in _CONSTRAINTS
-        column = _plain(part[0] if is_column else part[-1].strip("( )"))
+        is_column = words[0].upper() not in _CONSTRAINTS
+        column = words[0] if is_column else words[-1]
         if is_column:
             columns[column] = len(columns)
-        if words[1:2] == ["INTEGER"]:
+        if words[1:2] == ["integer"]:
             integers.add(column)
-        if "PRIMARY" in words:
+        if "PRIMARY" in kinds or words[0] == "primary":
             key = column
-    has_rowids = "WITHOUT" not in map(str.upper, options)
+    has_rowids = "WITHOUT" not in match[3].upper().split()
     return Table(root, columns, columns.get(key) if key in integers else None, has_rowids)
-
-
-def _parts(words: Sequence[str]) -> Iterator[list[str]]:
-    """Yield what stands between the commas of a list, and then what follows the list.
-
-    A list within it is one token.
-    """
-    part: list[str] = []
-    depth = 1
-    for index, word in enumerate(words):
-        before, depth = depth, depth + (word == "(") - (word == ")")
-        if not depth:
-            yield part
-            yield list(words[index + 1 :])
-            return
-        if before > 1:
-            part[-1] += f" {word}"
-        elif word == ",":
-            yield part
-            part = []
-        else:
-            part.append(word)
-    yield []
-
-
-def _plain(name: str) -> str:
-    """Return a name in lower case, without quotation marks."""
-    end = _QUOTES.get(name[:1])
-    return (name[1:-1].replace(2 * end, end) if end else name).lower()
 
 
 _MOST_ROWS: Final = 1 << 16

@@ -10,10 +10,10 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
-from dogbot_logtool.reader.containers.chunks.packed_messages import unpacked
 from dogbot_logtool.reader.containers.contents import UNKNOWN_CHANNEL, ChannelIds, Chunk, Contents
 from dogbot_logtool.reader.containers.log import Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.packed_messages import unpacked
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.containers.sqlite.database import Database
 from dogbot_logtool.reader.containers.sqlite.journals import take_journals

@@ -1,8 +1,8 @@
 """The tables of a .db3 file that describe its topics and message types."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from operator import itemgetter
-from typing import Any, Final
+from typing import Final, TypeVar
 
 from zlib_ng.zlib_ng import crc32
 
@@ -24,6 +24,10 @@ _DEFINITIONS: Final = "message_definitions"
 _SCHEMA: Final = "schema"
 """Tables of newer recorders."""
 TABLES: Final = (*_NEEDED, _DEFINITIONS, _SCHEMA)
+
+
+_Said = TypeVar("_Said")
+_More = TypeVar("_More")
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,81 +65,62 @@ def read_topics(database: Database, distribution: str) -> Topics:
     """Read the topics, and find the definitions of their types: the log's own go first."""
     losses: list[Loss] = []
     recorded = _recorded_definitions(database, losses)
-    distribution = _distribution(database) or distribution
+    own = (name for (name,) in database.rows(_SCHEMA, ("ros_distro",)) if isinstance(name, str))
+    distribution = next(own, "") or distribution
     names = ("id", "name", "type", "serialization_format", "offered_qos_profiles")
     found = [
-        (number, name, kind, "cdr" if serialisation is None else str(serialisation), profiles)
-        for number, name, kind, serialisation, profiles in database.rows("topics", names)
+        (number, (name, kind, "cdr" if format_ is None else str(format_)), profiles)
+        for number, name, kind, format_, profiles in database.rows("topics", names)
         if isinstance(number, int) and isinstance(name, str) and isinstance(kind, str)
     ]
     found.sort(key=itemgetter(0))
-    rows = _each_once(found[:_MOST_TOPICS], losses)
+    # A table without a primary key, as hand-made ones are, may have an id several times.
+    first = _first_of(
+        ((f"topic {number}", said, profiles) for number, said, profiles in found[:_MOST_TOPICS]),
+        lambda said: "{} ({}, {})".format(*said),
+        losses,
+    )
     schemas: dict[str, Schema] = {}
     channels: dict[int, Channel] = {}
-    for number, (_, name, type_name, serialisation, profiles) in enumerate(rows, start=1):
+    for number, ((name, type_name, encoding), profiles) in enumerate(first.values(), start=1):
         kind = long_type_name(type_name)
         if kind not in schemas:
-            encoding, text = recorded.get(kind) or _known(kind, distribution)
-            schemas[kind] = Schema(len(schemas) + 1, kind, encoding, text.encode())
+            known = known_definition(kind, distribution)
+            shipped = ("", "") if known is None else ("ros2msg", known)
+            form, text = recorded[kind][0] if kind in recorded else shipped
+            schemas[kind] = Schema(len(schemas) + 1, kind, form, text.encode())
         metadata = {"offered_qos_profiles": str(profiles)} if profiles else {}
-        channels[number] = Channel(number, name, serialisation, schemas[kind], metadata)
-    ids = ChannelIds({row[0]: number for number, row in enumerate(rows, start=1)})
-    return Topics(channels, ids, tuple(losses))
+        channels[number] = Channel(number, name, encoding, schemas[kind], metadata)
+    ids = {int(what.removeprefix("topic ")): number for number, what in enumerate(first, start=1)}
+    return Topics(channels, ChannelIds(ids), tuple(losses))
 
 
-def _each_once(rows: Iterable[tuple[Any, ...]], losses: list[Loss]) -> list[tuple[Any, ...]]:
-    """Return the first row of each topic id; add what others say differently to the losses.
-
-    A table without a primary key, as hand-made ones are, may have an id several times.
-    """
-    chosen: dict[int, tuple[Any, ...]] = {}
-    contradicted: set[int] = set()
-    for row in rows:
-        first = chosen.setdefault(row[0], row)
-        if first[1:4] != row[1:4] and row[0] not in contradicted:
-            contradicted.add(row[0])
-            losses.append(_said_twice(f"topic {row[0]}", _topic(first), _topic(row)))
-    return list(chosen.values())
-
-
-def _topic(row: tuple[object, ...]) -> str:
-    return f"{row[1]} ({row[2]}, {row[3]})"
-
-
-def _said_twice(what: str, chosen: str, other: str) -> Loss:
-    text = f"{what} is described in two ways: as {chosen} and as {other}"
-    return Loss(0, f"{text}; the former was used")
-
-
-def _known(kind: str, distribution: str) -> tuple[str, str]:
-    text = known_definition(kind, distribution)
-    return ("", "") if text is None else ("ros2msg", text)
-
-
-def _recorded_definitions(database: Database, losses: list[Loss]) -> dict[str, tuple[str, str]]:
-    """Return encoding and text by type, as newer recorders write them.
-
-    The first definition of a type is taken; a definition that differs is a loss.
-    """
+def _recorded_definitions(
+    database: Database, losses: list[Loss]
+) -> dict[str, tuple[tuple[str, str], None]]:
+    """Return encoding and text by type, as newer recorders write them."""
     rows = database.rows(_DEFINITIONS, ("topic_type", "encoding", "encoded_message_definition"))
-    chosen: dict[str, tuple[str, str]] = {}
+    return _first_of(
+        (
+            (long_type_name(str(name)), (str(encoding), str(text)), None)
+            for name, encoding, text in rows
+            if encoding in {"ros2msg", "ros2idl"} and text
+        ),
+        lambda one: f"{crc32(one[1].encode()):08x} ({one[0]}, {len(one[1])} characters)",
+        losses,
+    )
+
+
+def _first_of(
+    rows: Iterable[tuple[str, _Said, _More]], shown: Callable[[_Said], str], losses: list[Loss]
+) -> dict[str, tuple[_Said, _More]]:
+    """Return what is said first of each thing; add once what is said differently to the losses."""
+    chosen: dict[str, tuple[_Said, _More]] = {}
     contradicted: set[str] = set()
-    for name, encoding, text in rows:
-        if encoding not in {"ros2msg", "ros2idl"} or not text:
-            continue
-        kind, one = long_type_name(str(name)), (str(encoding), str(text))
-        first = chosen.setdefault(kind, one)
-        if first != one and kind not in contradicted:
-            contradicted.add(kind)
-            losses.append(_said_twice(kind, _definition(first), _definition(one)))
+    for what, said, more in rows:
+        first = chosen.setdefault(what, (said, more))[0]
+        if first != said and what not in contradicted:
+            contradicted.add(what)
+            text = f"{what} is described in two ways: as {shown(first)} and as {shown(said)}"
+            losses.append(Loss(0, f"{text}; the former was used"))
     return chosen
-
-
-def _definition(one: tuple[str, str]) -> str:
-    encoding, text = one
-    return f"{crc32(text.encode()):08x} ({encoding}, {len(text)} characters)"
-
-
-def _distribution(database: Database) -> str:
-    rows = database.rows(_SCHEMA, ("ros_distro",))
-    return next((name for (name,) in rows if isinstance(name, str)), "")

@@ -6,8 +6,8 @@ from typing import Any, Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.gait.feet import CycleCurve
 from dogbot_logtool.core.legs.legs import LegFigures
+from dogbot_logtool.core.records import Curve, Shape
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
@@ -224,17 +224,18 @@ def force_over_cycle(stats: Stats) -> Drawing | None:
     )
 
 
-def _bands(curves: Sequence[CycleCurve | None]) -> dict[int, Band]:
-    return {
-        foot: Band(curve.percent, curve.lower, curve.median, curve.upper)
-        for foot, curve in enumerate(curves)
-        if curve
-    }
+def _band(curve: Curve, scale: float = 1.0, step: int = 1) -> Band:
+    parts = (np.array(each)[::step] for each in (curve.lower, curve.median, curve.upper))
+    return Band(np.array(curve.percent)[::step], *(scale * each for each in parts))
 
 
-def _highest(stats: Stats, curves: Sequence[CycleCurve | None]) -> str:
+def _bands(curves: Sequence[Shape], scale: float = 1.0) -> dict[int, Band]:
+    return {foot: _band(curve, scale) for foot, curve in enumerate(curves) if curve}
+
+
+def _highest(stats: Stats, curves: Sequence[Shape]) -> str:
     highest = ", ".join(
-        f"{foot.name} {curve.median.max():.0f} N over {curve.number} strides"
+        f"{foot.name} {max(curve.median):.0f} N"
         for foot, curve in zip(stats.feet, curves, strict=True)
         if curve
     )
@@ -264,13 +265,7 @@ def legs_over_cycle(stats: Stats) -> Drawing | None:
 
 def _heights(legs: LegFigures) -> list[PanelRow]:
     """Return the row of the feet's heights, if any is known."""
-    bands = {
-        foot: Band(
-            curve.percent, *(1e3 * each for each in (curve.lower, curve.median, curve.upper))
-        )
-        for foot, leg in enumerate(legs.feet)
-        if (curve := leg.height) is not None
-    }
+    bands = _bands([leg.height for leg in legs.feet], 1e3)
     return [PanelRow("foot", "mm", bands)] if bands else []
 
 
@@ -283,9 +278,8 @@ def _joints(legs: LegFigures) -> list[PanelRow]:
         curve = joint.position_over_stride
         if curve is None or joint.foot is None:
             continue
-        parts = (curve.percent, curve.lower, curve.median, curve.upper)
         # Every second percent is as smooth as the eye can tell.
-        band = Band(*(np.array(each)[::2] for each in parts))
+        band = _band(curve, step=2)
         rows.setdefault(kinds.get(name, name), {})[numbers[joint.foot]] = band
     return [PanelRow(name, "rad", bands, least=_LEAST_RAD) for name, bands in rows.items()]
 

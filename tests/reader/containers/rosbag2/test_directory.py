@@ -1,31 +1,20 @@
 """ROS 2 bags as rosbags writes them, and as recorders and their crashes leave them."""
 
-import os
-import shutil
-import sqlite3
 from pathlib import Path
 
 import numpy as np
 import pytest
 import zstandard
-from rosbags.rosbag2 import Reader as Rosbag2Reader
 from rosbags.rosbag2.enums import CompressionMode, StoragePlugin
 
-from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.errors import CallError, LogError, LogtoolError
-from dogbot_logtool.options import CompareOptions
-from dogbot_logtool.reader.containers.log import BATCH_SIZE
 from dogbot_logtool.reader.containers.mcap.records import read_extra
-from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.reader.messages.contact_messages import read_contacts
-from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.opening import open_log
-from tests.oracles.walks import LEGS, Entry, foot_topic, write_mcap
+from tests.oracles.walks import Entry
 from tests.reader.containers.rosbag2.bags import (
     ENTRIES,
     MODES,
     PLUGINS,
-    WALK,
     change,
     database,
     expected,
@@ -33,7 +22,7 @@ from tests.reader.containers.rosbag2.bags import (
     write,
 )
 from tests.reader.mcap_bytes import attachment, metadata, small_mcap
-from tests.reader.reading import Read, Reading, read_file
+from tests.reader.reading import Reading, read_file
 
 
 @pytest.mark.parametrize("mode", MODES)
@@ -67,12 +56,6 @@ def test_split_files_are_one_log(tmp_path: Path, plugin: StoragePlugin) -> None:
     assert len({chunk.chunk.offset for chunk in reading.chunks}) == len(reading.chunks)
 
 
-def test_quality_of_service_does_not_matter(tmp_path: Path) -> None:
-    bag = write(tmp_path / "bag")
-    change(database(bag), "UPDATE topics SET offered_qos_profiles = 'other'")
-    assert list(read_file(bag).messages) == expected()
-
-
 @pytest.mark.parametrize("column", ["message_definitions", "schema"])
 def test_definitions_are_known_where_the_log_has_none(tmp_path: Path, column: str) -> None:
     bag = write(tmp_path / "bag")
@@ -82,74 +65,6 @@ def test_definitions_are_known_where_the_log_has_none(tmp_path: Path, column: st
     log.close()
     assert set(kinds) == {"nav_msgs/Odometry", "gazebo_msgs/ContactsState"}
     assert all(schema and b"Header header" in schema.data for schema in kinds.values())
-
-
-@pytest.mark.parametrize(
-    ("kind", "fields"),
-    [
-        ("ros_gz_interfaces/msg/Contacts", b"ros_gz_interfaces/JointWrench[] wrenches"),
-        ("champ_msgs/msg/ContactsStamped", b"bool[] contacts"),
-        ("unitree_go/msg/LowState", b"int16[4] foot_force"),
-        ("unitree_go/msg/SportModeState", b"int16[4] foot_force"),
-    ],
-)
-def test_contact_messages_are_known_where_the_log_has_no_definitions(
-    tmp_path: Path, kind: str, fields: bytes
-) -> None:
-    bag = write(tmp_path / "bag")
-    renamed = "UPDATE topics SET type = 'KIND' WHERE name != '/odom'"
-    change(database(bag), "DELETE FROM message_definitions", renamed.replace("KIND", kind))
-    log = open_log(bag)
-    texts = {c.schema.data for c in log.channels.values() if c.schema and c.topic != "/odom"}
-    log.close()
-    (text,) = texts
-    assert fields in text
-
-
-@pytest.mark.parametrize(
-    "kind", ["ros_gz_interfaces/msg/Contacts", "champ_msgs/msg/ContactsStamped"]
-)
-def test_shipped_definitions_say_what_the_recorded_ones_do(tmp_path: Path, kind: str) -> None:
-    """Their recorded definitions are the tests' own."""
-    entries = list(WALK.messages(kind))[:300]
-    bag = write(tmp_path / "bag", entries=entries)
-    told = []
-    for _ in range(2):
-        log = open_log(bag)
-        channels = [c for c in log.channels.values() if c.topic != "/odom"]
-        feet = FootChannels(
-            tuple(Foot(leg, foot_topic(kind, leg), element=n) for n, leg in enumerate(LEGS)),
-            {
-                c.id: tuple(n for n, leg in enumerate(LEGS) if foot_topic(kind, leg) == c.topic)
-                for c in channels
-            },
-            1.0,
-        )
-        (read,) = [
-            one for span in log.spans() for one in read_contacts(log.read(span), channels, feet)
-        ]
-        log.close()
-        told.append(read.reduced.samples)
-        assert not read.messages.malformed
-        change(database(bag), "DELETE FROM message_definitions")
-    for field in ("foot", "log_time", "stamp", "in_contact", "force"):
-        np.testing.assert_array_equal(getattr(told[0], field), getattr(told[1], field))
-    assert told[0].in_contact.any()
-
-
-@pytest.mark.parametrize("mode", MODES)
-def test_the_same_in_every_container_compares_the_same(
-    tmp_path: Path, mode: CompressionMode
-) -> None:
-    write_mcap(tmp_path / "walk.mcap", WALK, ENTRIES)
-    logs = [tmp_path / "walk.mcap"]
-    logs += [write(tmp_path / f"{plugin.name}", plugin, mode) for plugin in PLUGINS]
-    logs += [split(tmp_path, StoragePlugin.MCAP)]
-    for log in logs[1:]:
-        for one, other in ((logs[0], log), (log, logs[0]), (log, log)):
-            done = compare(one, other, CompareOptions())
-            assert done.differences == []
-            assert sum(t.expected for t in done.tallies if t.name.startswith("/")) == len(ENTRIES)
 
 
 def test_metadata_and_attachments_of_all_files_are_read(tmp_path: Path) -> None:
@@ -181,48 +96,6 @@ def test_a_type_that_nobody_knows_is_still_a_topic(tmp_path: Path) -> None:
     assert odometry.type_name == "strange_msgs/Thing"
     assert odometry.schema
     assert (odometry.schema.encoding, odometry.schema.data) == ("", b"")
-
-
-def test_large_logs_are_read_in_batches(tmp_path: Path) -> None:
-    data = ENTRIES[0].data + bytes(300_000)
-    entries = [Entry("/odom", "nav_msgs/msg/Odometry", time, data) for time in range(1, 81)]
-    log = open_log(write(tmp_path / "bag", entries=entries))
-    spans = list(log.spans())
-    sizes = [len(log.read(span).buffer) for span in spans]
-    assert len(spans) > 2
-    assert max(sizes) < BATCH_SIZE + (2 << 20)
-    assert sum(len(log.read(span).messages) for span in log.spans(start=11, end=20)) >= 10
-    log.close()
-
-
-def test_a_write_ahead_log_is_read(tmp_path: Path) -> None:
-    bag = write(tmp_path / "bag")
-    file = database(bag)
-    connection = sqlite3.connect(file, isolation_level=None)
-    connection.execute("PRAGMA journal_mode = WAL")
-    connection.execute("INSERT INTO messages (topic_id, timestamp, data) VALUES (1, 7, x'00')")
-    crashed = tmp_path / "crashed"
-    shutil.copytree(bag, crashed)
-    connection.close()
-    assert read_file(crashed).messages[-1] == Read(ENTRIES[0].topic, 7, b"\0")
-
-
-@pytest.mark.parametrize(
-    "statement",
-    [
-        "UPDATE messages SET data = 'text' WHERE id = 3",
-        "UPDATE messages SET timestamp = -5 WHERE id = 3",
-        "UPDATE messages SET timestamp = 'then' WHERE id = 3",
-        "UPDATE messages SET topic_id = 77 WHERE id = 3",
-        "UPDATE messages SET topic_id = -9223372036854775808 WHERE id = 3",
-    ],
-)
-def test_a_row_that_is_no_message_is_counted(tmp_path: Path, statement: str) -> None:
-    bag = write(tmp_path / "bag")
-    change(database(bag), statement)
-    reading = read_file(bag)
-    assert list(reading.messages) == expected([*ENTRIES[:2], *ENTRIES[3:]])
-    assert reading.lost == 1
 
 
 @pytest.mark.parametrize(
@@ -296,18 +169,3 @@ def test_any_log_may_be_packed_once(tmp_path: Path) -> None:
     path.write_bytes(zstandard.ZstdCompressor().compress(packed))
     with pytest.raises(LogError, match="twice"):
         open_log(path)
-
-
-def test_rosbags_agrees(tmp_path: Path) -> None:
-    bag = write(tmp_path / "bag")
-    with Rosbag2Reader(bag) as reader:
-        theirs = [Read(c.topic, time, bytes(data)) for c, time, data in reader.messages()]
-    assert sorted(read_file(bag).messages) == sorted(theirs)
-
-
-@pytest.mark.parametrize("name", [b"\xff.db3", b"a b%41?mode=rw#.db3"])
-def test_a_database_may_have_any_name(tmp_path: Path, name: bytes) -> None:
-    whole = write(tmp_path / "whole")
-    path = Path(os.fsdecode(bytes(tmp_path) + b"/" + name))
-    shutil.copy(database(whole), path)
-    assert list(read_file(path).messages) == expected()

@@ -1,7 +1,5 @@
 """Logs in a store: only what is asked for is fetched; what fails is asked for again."""
 
-import contextlib
-import dataclasses
 import http.server
 import threading
 from collections.abc import Iterator, Sequence
@@ -30,8 +28,6 @@ class Server(http.server.BaseHTTPRequestHandler):
     sent: ClassVar[list[int]]
     faults: ClassVar[list[str]]
     stalled: ClassVar[threading.Event]
-    crowd: ClassVar[threading.Barrier | None] = None
-    """Requests wait until so many have come, or no more come."""
 
     def do_HEAD(self) -> None:
         if not (self.folder / self.path.lstrip("/")).exists():
@@ -54,9 +50,6 @@ class Server(http.server.BaseHTTPRequestHandler):
         if fault == "stall":
             self.stalled.wait(20)
             return
-        if self.crowd is not None:
-            with contextlib.suppress(threading.BrokenBarrierError):
-                self.crowd.wait()
         data = (self.folder / self.path.lstrip("/")).read_bytes()
         wanted = self.headers.get("Range", f"bytes=0-{len(data) - 1}").removeprefix("bytes=")
         first, _, last = wanted.partition("-")
@@ -140,9 +133,7 @@ def test_a_log_is_the_same_wherever_it_lies(tmp_path: Path, url: str, name: str)
 
 @pytest.mark.usefixtures("hasty")
 @pytest.mark.parametrize("faults", [["503"], ["stall"], ["short"], ["503", "short", "503"]])
-def test_a_fault_is_asked_past_and_told(
-    tmp_path: Path, url: str, faults: Sequence[str], caplog: pytest.LogCaptureFixture
-) -> None:
+def test_a_fault_is_asked_past(tmp_path: Path, url: str, faults: Sequence[str]) -> None:
     (tmp_path / "x.bag").write_bytes(b"0123456789")
     Server.faults = list(faults)
     place = storage.location(f"{url}/x.bag")
@@ -154,7 +145,6 @@ def test_a_fault_is_asked_past_and_told(
     assert source.read(8, 99) == b"89"
     assert source.read(10, 1) == source.read(-1, 2) == b""
     assert Server.faults == []
-    assert caplog.text.count("x.bag: the store fails") == len(faults)
 
 
 @pytest.mark.usefixtures("hasty")
@@ -164,36 +154,6 @@ def test_a_store_that_always_fails_is_given_up(tmp_path: Path, url: str) -> None
     with pytest.raises(StoreError, match=r"x\.bag: the store fails"):
         open_log(storage.location(f"{url}/x.bag"))
     assert len(Server.faults) == 100 - storage.TRIES
-
-
-def test_neighbours_are_fetched_as_one_and_many_at_once(tmp_path: Path, url: str) -> None:
-    data = bytes(range(256)) * 8192
-    (tmp_path / "x.bag").write_bytes(data)
-    place = storage.location(f"{url}/x.bag")
-    assert isinstance(place, UPath)
-    source = RemoteSource(place, storage.facts(place))
-    places = [(0, 100), (100, 50), (1_500_000, 10), (2_097_150, 99), (9_000_000, 1), (700_000, 0)]
-
-    found = source.read_many(places)
-
-    assert found == [data[start : start + size] for start, size in places]
-    assert sorted(Server.sent) == [2, 10, 150]
-
-
-def test_a_web_server_gets_few_requests_at_once(tmp_path: Path, url: str) -> None:
-    size = RemoteSource.cheap_size + 1
-    (tmp_path / "x.bag").write_bytes(bytes(size))
-    path = storage.location(f"{url}/x.bag")
-    assert isinstance(path, UPath)
-    source = RemoteSource(path, storage.facts(path))
-    crowded = threading.Event()
-    Server.crowd = threading.Barrier(17, action=crowded.set, timeout=1.0)
-    try:
-        ranges = [(start, 8) for start in range(0, size - 8, size // 40)]
-        assert len(source.read_many(ranges)) == len(ranges) > 17
-    finally:
-        Server.crowd = None
-    assert not crowded.is_set()
 
 
 def test_a_server_that_sends_whole_files_is_said(
@@ -217,22 +177,13 @@ def test_what_is_not_there_is_a_wrong_call(url: str) -> None:
         open_log(storage.location(f"{url}/absent.bag"))
 
 
-def test_a_size_must_be_known() -> None:
-    place = UPath("memory://x.bag")
-    unknown = dataclasses.replace(storage.Facts(is_folder=False, size=1, version=""), size=None)
-    with pytest.raises(Exception, match="does not tell its size"):
-        RemoteSource(place, unknown)
-
-
 class Refusing(http.server.BaseHTTPRequestHandler):
-    """Answers with the status that the path begins with; redirects lead nowhere."""
+    """Answers with the status that the path begins with."""
 
     def do_GET(self) -> None:
         status = int(self.path.split("/")[1])
         self.send_response(status)
-        if status // 100 == 3:
-            self.send_header("Location", self.path if status == 302 else "file:///x")
-        self.send_header("Content-Length", "?" if status == 299 else "0")
+        self.send_header("Content-Length", "0")
         self.end_headers()
 
     do_HEAD = do_GET  # noqa: N815 - http.server's name
@@ -250,17 +201,6 @@ class Refusing(http.server.BaseHTTPRequestHandler):
         (410, CallError, "no such file"),
         (400, CallError, "the server refuses the request (400 Bad Request)"),
         (500, StoreError, "the store fails: 500 Internal Server Error"),
-        (302, StoreError, "the store fails: it redirects to other addresses without end"),
-        (
-            301,
-            StoreError,
-            "the store fails: it redirects to file:///x",
-        ),
-        (
-            299,
-            StoreError,
-            "the store fails: its answer is not HTTP: Invalid character in Content-Length",
-        ),
     ],
 )
 def test_what_a_server_answers_is_said(
@@ -281,7 +221,7 @@ def test_what_a_server_answers_is_said(
 
 @pytest.mark.parametrize(
     ("host", "words"),
-    [("127.0.0.1:1", "Connection refused"), ("no.such.host.invalid", "no connection: ")],
+    [("127.0.0.1:1", "127.0.0.1"), ("no.such.host.invalid", "no.such.host.invalid")],
 )
 def test_a_server_that_cannot_be_reached_is_no_missing_file(
     monkeypatch: pytest.MonkeyPatch, host: str, words: str

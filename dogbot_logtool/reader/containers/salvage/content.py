@@ -1,5 +1,6 @@
 """Content of a decompressed chunk: which records found in it are kept, and what is lost."""
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import field
 
@@ -7,15 +8,15 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.reader.containers.chunks.records import (
+from dogbot_logtool.reader.containers.contents import Chunk
+from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.salvage.records import (
     FoundRecords,
     Index,
     RecordFormat,
     find_all,
     find_indexed,
 )
-from dogbot_logtool.reader.containers.contents import Chunk
-from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.decode.message_table import Messages
 
 
@@ -80,31 +81,32 @@ def read_content(
         chunk: what is known of it; its counts are by channel as numbered in the records.
         verified: its checksum holds, so that its records are true whatever an index says.
     """
+    true_index = index
     found = None if index is None else find_indexed(fmt, records, index)
-    indexed = found is not None
     if found is None:
+        true_index = None
         found = find_all(fmt, records, 0, len(records))
-    validator = _Validator(chunk, index, found, found.messages.messages)
-    if index is not None and not indexed:
-        validator.compare_index(found.messages.offset, verified=verified)
-    validator.compare_times(believed=verified or indexed)
-    validator.leave_out_far_future()
-    validator.count(index.counts if index is not None and indexed else None)
-    others, messages = found.others, validator.messages
+    check = _Check(chunk, found, found.messages.messages)
+    if index is not None and true_index is None:
+        check.compare_index(index, verified=verified)
+    check.compare_times(believed=verified or true_index is not None)
+    # Unsigned log times that do not fit 64 bits with a sign.
+    check.leave_out(check.messages.log_time < 0, "of times after the year 2262")
+    check.account(index, true_index)
+    others, messages = found.others, check.messages
     return ChunkContent(
-        messages=messages if validator.keep.all() else messages.pick(validator.keep),
+        messages=messages if check.keep.all() else messages.pick(check.keep),
         others=np.array([others.op, others.offset, others.messages.end]).T,
-        losses=tuple(validator.losses),
-        indexed=index is not None and indexed and index.complete,
+        losses=tuple(check.losses),
+        indexed=true_index is not None and true_index.complete,
     )
 
 
 @dataclass(slots=True)
-class _Validator:
-    """Checks the messages of a chunk against its index and its stated times and counts."""
+class _Check:
+    """Compares the messages of a chunk with its index and its stated times and counts."""
 
     chunk: Chunk
-    index: Index | None
     found: FoundRecords
     messages: Messages
     keep: Flags = field(init=False)
@@ -115,13 +117,14 @@ class _Validator:
 
     @property
     def _name(self) -> str:
-        return f"{'the chunk' if self.chunk.is_record else 'the run of messages'} at byte " + str(
-            self.chunk.offset
-        )
+        kind = "the chunk" if self.chunk.is_record else "the run of messages"
+        return f"{kind} at byte {self.chunk.offset}"
 
-    def _leave_out(self, rows: Flags, what: str) -> None:
-        if not rows.any():
-            return
+    def _say(self, what: str) -> None:
+        self.losses.append(Loss(self.chunk.offset, what))
+
+    def leave_out(self, rows: Flags, what: str) -> None:
+        """Leave out messages, if there are any."""
         rows = rows & self.keep
         count = int(rows.sum())
         if count:
@@ -131,16 +134,14 @@ class _Validator:
             whole = f"{were} left out of {self._name}: {what}"
             self.losses.append(Loss(self.chunk.offset, whole, size, count))
 
-    def compare_index(self, offset: Ints, *, verified: bool) -> None:
+    def compare_index(self, index: Index, *, verified: bool) -> None:
         """Leave out messages whose time or channel differs from the index.
 
         One of the two is damaged, and it is not known which. An index record of which most entries
         differ is wrong itself. A checksum that holds speaks for the messages.
         """
-        index = self.index
-        if index is None or not len(index.offset):
-            return
-        if not len(offset):
+        offset = self.found.messages.offset
+        if not len(index.offset) or not len(offset):
             return
         row = np.minimum(np.searchsorted(offset, index.offset), len(offset) - 1)
         same_offset = offset[row] == index.offset
@@ -149,19 +150,15 @@ class _Validator:
             | (self.messages.log_time[row] != index.log_time)
         )
         # One that merely names fewer messages was cut off, or never meant to be complete.
-        if not self.found.skipped.count and (differs.any() or not same_offset.all()):
-            what = f"the index of {self._name} is wrong; it was read without it"
-            self.losses.append(Loss(self.chunk.offset, what))
+        if not self.found.skipped and (differs.any() or not same_offset.all()):
+            self._say(f"the index of {self._name} is wrong; it was read without it")
         if verified:
             return
-        groups = int(index.group.max()) + 1
-        wrong = np.bincount(index.group, differs, groups)
-        all_entries = np.bincount(index.group, minlength=groups)
-        distrusted = (wrong > 1) & (2 * wrong > all_entries)
+        wrong, entries = np.bincount(index.group, differs), np.bincount(index.group)
+        distrusted = (wrong > 1) & (2 * wrong > entries)
         doubtful = np.zeros(len(offset), np.bool_)
         doubtful[row[differs & ~distrusted[index.group]]] = True
-        what = "the index tells another time or channel"
-        self._leave_out(doubtful, what)
+        self.leave_out(doubtful, "the index tells another time or channel")
 
     def compare_times(self, *, believed: bool) -> None:
         """Leave out messages outside the chunk's stated range of times.
@@ -180,50 +177,37 @@ class _Validator:
         outside = self.keep & ((self.messages.log_time < start) | (self.messages.log_time > end))
         mostly = 2 * int(outside.sum()) > len(times)
         if outside.any() and not believed and not mostly:
-            what = "of times outside the range that is stated for it"
-            self._leave_out(outside, what)
-        elif self.keep.all() and not self.found.skipped.count:
-            what = f"the range of times stated for {self._name} is wrong"
-            self.losses.append(Loss(self.chunk.offset, what))
+            self.leave_out(outside, "of times outside the range that is stated for it")
+        elif self.keep.all() and not self.found.skipped:
+            self._say(f"the range of times stated for {self._name} is wrong")
 
-    def leave_out_far_future(self) -> None:
-        """Leave out messages whose unsigned log times do not fit 64 bits with a sign."""
-        self._leave_out(self.messages.log_time < 0, "of times after the year 2262")
-
-    def count(self, counts: Mapping[int, int] | None) -> None:
-        """Account for the bytes that are no records, and for messages that an index promises.
-
-        Args:
-            counts: messages by channel, if a correct index names them.
-        """
+    def account(self, index: Index | None, true_index: Index | None) -> None:
+        """Account for the bytes that are no records, and for messages that an index promises."""
         skipped, chunk = self.found.skipped, self.chunk
+        if not skipped:
+            if chunk.counts is not None:
+                self._compare_counts(chunk.counts, true_index)
+            return
         promised = chunk.messages
-        if promised is None and self.index is not None:
-            promised = len(self.index.offset)
-        if skipped.count:
-            lost = None if promised is None else max(promised - len(self.messages), 0)
-            where = "" if skipped.count == 1 else f" in {skipped.count} places"
-            what = f"{self._name} holds {skipped.bytes} bytes{where} that are no record"
-            offset = chunk.offset if chunk.is_compressed else chunk.data_offset + skipped.first
-            self.losses.append(Loss(offset, what, skipped.bytes, lost))
-        elif chunk.counts is not None:
-            self._compare_counts(chunk.counts, counts)
+        if promised is None and index is not None:
+            promised = len(index.offset)
+        lost = None if promised is None else max(promised - len(self.messages), 0)
+        size = sum(end - start for start, end in skipped)
+        where = "" if len(skipped) == 1 else f" in {len(skipped)} places"
+        what = f"{self._name} holds {size} bytes{where} that are no record"
+        offset = chunk.offset if chunk.is_compressed else chunk.data_offset + skipped[0][0]
+        self.losses.append(Loss(offset, what, size, lost))
 
-    def _compare_counts(self, stated: Mapping[int, int], counts: Mapping[int, int] | None) -> None:
+    def _compare_counts(self, stated: Mapping[int, int], true_index: Index | None) -> None:
         """Say where the log's index names other numbers of messages."""
-        found, of_channel = len(self.messages), ""
-        promised = sum(stated.values())
+        found, promised, of_channel = len(self.messages), sum(stated.values()), ""
         if found == promised:
-            counts = counts or _count(self.messages.channel)
+            by_index = None if true_index is None else true_index.counts
+            counts = Counter(self.messages.channel.tolist()) if by_index is None else by_index
             wrong = [n for n in sorted({*stated, *counts}) if stated.get(n, 0) != counts.get(n, 0)]
             if not wrong:
                 return
             found, promised = counts.get(wrong[0], 0), stated.get(wrong[0], 0)
             of_channel = f" of channel {wrong[0]}"
         what = f"{self._name} holds {found} messages{of_channel} where the log's index names "
-        self.losses.append(Loss(self.chunk.offset, what + str(promised)))
-
-
-def _count(channel: Ints) -> dict[int, int]:
-    numbers, counts = np.unique(channel, return_counts=True)
-    return dict(zip(numbers.tolist(), counts.tolist(), strict=True))
+        self._say(f"{what}{promised}")

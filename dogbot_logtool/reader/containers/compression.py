@@ -10,7 +10,7 @@ import xxhash
 import zstandard
 
 from dogbot_logtool.core.arrays import Bytes
-from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkDamage
+from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
 
 MAX_CHUNK_SIZE: Final = 1 << 30
 _UNSUSPICIOUS_SIZE: Final = 32 << 20

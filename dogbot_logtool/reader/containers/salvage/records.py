@@ -13,16 +13,14 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.reader.containers.sources.source import ByteSource
-from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
+from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages, no_messages
 
 _FIRST_WINDOW: Final = 1 << 12
 _LARGEST_WINDOW: Final = 1 << 20
 """Bytes that are searched at a time. The next sound record is mostly near."""
-OVERLAP: Final = 1 << 12
+_OVERLAP: Final = 1 << 12
 """Bytes of the next window that a candidate may need to be seen as one."""
 _FIRST_BLOCK: Final = 64
-_HEADS_AT_ONCE: Final = 1000
 _LARGEST_BLOCK: Final = 1 << 16
 
 
@@ -31,34 +29,6 @@ class Readable(Protocol):
 
     def read(self, offset: int, size: int, /) -> bytes:
         """Return up to `size` bytes from `offset`; fewer at the end."""
-
-
-class Heads:
-    """The first bytes at known offsets of a file, many fetched at once: stores answer slowly."""
-
-    def __init__(self, source: ByteSource, offsets: Sequence[int], size: int) -> None:
-        """Set up.
-
-        Args:
-            source: the file.
-            offsets: in the order in which they will be read.
-            size: bytes from each.
-        """
-        self._source = source
-        self._offsets = offsets
-        self._size = size
-        self._numbers = {offset: number for number, offset in enumerate(offsets)}
-        self._heads: dict[int, bytes] = {}
-
-    def read(self, offset: int, size: int) -> bytes:
-        """See `Readable.read`."""
-        if offset in self._numbers and offset not in self._heads:
-            number = self._numbers[offset]
-            group = self._offsets[number : number + _HEADS_AT_ONCE]
-            found = self._source.read_many([(start, self._size) for start in group])
-            self._heads = dict(zip(group, found, strict=True))
-        head = self._heads.get(offset, b"")
-        return head[:size] if len(head) >= size else self._source.read(offset, size)
 
 
 class Memory:
@@ -108,32 +78,25 @@ class Index:
     complete: bool
     """Nothing but index records was there."""
 
-    @classmethod
-    def merged(
-        cls,
-        offset: Ints,
-        log_time: Ints,
-        channels: Sequence[int],
-        counts: Sequence[int],
-        *,
-        complete: bool,
-    ) -> "Index":
-        """Merge index records.
 
-        Args:
-            offset: (n,) what they name, one record's entries after the other's.
-            log_time: (n,) ns, likewise.
-            channels: of each record.
-            counts: number of entries of each record.
-            complete: nothing but index records was there.
-        """
-        by_channel: Counter[int] = Counter()
-        for number, count in zip(channels, counts, strict=True):
-            by_channel[number] += count
-        order = np.argsort(offset, kind="stable")
-        group = np.repeat(np.arange(len(counts)), counts)[order]
-        channel = np.array(channels, np.int64)[group]
-        return cls(offset[order], channel, log_time[order], group, by_channel, complete)
+def merged_index(
+    offset: Ints, log_time: Ints, records: Sequence[tuple[int, int]], *, complete: bool
+) -> Index:
+    """Merge index records.
+
+    Args:
+        offset: (n,) what they name, one record's entries after the other's.
+        log_time: (n,) ns, likewise.
+        records: channel and number of entries of each.
+        complete: nothing but index records was there.
+    """
+    by_channel: Counter[int] = Counter()
+    for number, count in records:
+        by_channel[number] += count
+    channels, counts = np.array(records, np.int64).T
+    order = np.argsort(offset, kind="stable")
+    group = np.repeat(np.arange(len(counts)), counts)[order]
+    return Index(offset[order], channels[group], log_time[order], group, by_channel, complete)
 
 
 class RecordFormat(Protocol):
@@ -184,36 +147,21 @@ class RecordFormat(Protocol):
         """
 
 
-@dataclass(slots=True)
-class SkippedBytes:
-    """Bytes that are no records."""
-
-    count: int = 0
-    bytes: int = 0
-    first: int = 0
-
-    def add(self, start: int, end: int) -> None:
-        """Take one more."""
-        if not self.count:
-            self.first = start
-        self.count += 1
-        self.bytes += end - start
-
-
 @dataclass(frozen=True, slots=True)
 class FoundRecords:
     """The records in a run of bytes, each kind in its order."""
 
     messages: Records
     others: Records
-    skipped: SkippedBytes
+    skipped: Sequence[tuple[int, int]] = ()
+    """Starts and ends of the bytes that are no records."""
 
 
 def next_sound(fmt: RecordFormat, source: Readable, offset: int, end: int) -> int:
     """Return where the next sound record begins, or the end."""
     size = _FIRST_WINDOW
     while offset < end:
-        window = source.read(offset, min(size + OVERLAP, end - offset))
+        window = source.read(offset, min(size + _OVERLAP, end - offset))
         if not window:
             return end
         for candidate in fmt.candidates(window):
@@ -234,26 +182,18 @@ def find_indexed(fmt: RecordFormat, records: Bytes, index: Index) -> FoundRecord
     messages = heads.messages
     if (messages.channel != index.channel).any() or (messages.log_time != index.log_time).any():
         return None
-    others = _between(fmt, records, heads)
-    return (
-        None if others is None else FoundRecords(heads, concatenate_records(others), SkippedBytes())
-    )
-
-
-def _between(fmt: RecordFormat, records: Bytes, heads: Records) -> list[Records] | None:
-    """Return the records between the messages, or None if messages or rubbish are among them."""
-    gap_start = np.concatenate([[0], heads.messages.end])
+    gap_start = np.concatenate([[0], messages.end])
     gap_end = np.concatenate([heads.offset, [len(records)]])
     gaps = np.flatnonzero(gap_start != gap_end)
     if (gap_end[gaps] < gap_start[gaps]).any():
         return None
     others: list[Records] = []
-    for gap in gaps:
-        found = find_all(fmt, records, int(gap_start[gap]), int(gap_end[gap]))
-        if found.skipped.count or len(found.messages):
+    for start, end in zip(gap_start[gaps].tolist(), gap_end[gaps].tolist(), strict=True):
+        found = find_all(fmt, records, start, end)
+        if found.skipped or len(found.messages):
             return None
         others.append(found.others)
-    return others
+    return FoundRecords(heads, concatenate_records(others))
 
 
 def find_all(fmt: RecordFormat, records: Bytes, start: int, end: int) -> FoundRecords:
@@ -264,47 +204,41 @@ def find_all(fmt: RecordFormat, records: Bytes, start: int, end: int) -> FoundRe
     if a sound record is found inside of it, it is given up as well.
     """
     parts: list[Records] = []
-    skipped = SkippedBytes()
+    skipped: list[tuple[int, int]] = []
     offset, block = start, _FIRST_BLOCK
     while offset < end:
         bounds = fmt.chain(records.data, offset, end, block)
-        part = fmt.decode(records, np.array(bounds, np.int64)) if len(bounds) > 1 else None
         count = 0
-        if part is not None:
+        if len(bounds) > 1:
+            part = fmt.decode(records, np.array(bounds, np.int64))
             count = int(np.append(part.op == 0, True).argmax())
             parts.append(part.pick(slice(count)))
         offset = bounds[count]
         if count == block:
             block = min(2 * block, _LARGEST_BLOCK)
-            continue
-        if offset < end:
-            offset = _skip_damage(fmt, records, offset, end, parts, skipped)
+        elif offset < end:
+            damage = _start_of_damage(fmt, records, offset, end, parts)
+            offset = next_sound(fmt, Memory(records), damage + 1, end)
+            skipped.append((damage, offset))
             block = _FIRST_BLOCK
     found = concatenate_records(parts)
     is_message = found.op == fmt.message
     return FoundRecords(found.pick(is_message), found.pick(~is_message), skipped)
 
 
-def _skip_damage(
-    fmt: RecordFormat,
-    records: Bytes,
-    offset: int,
-    end: int,
-    parts: list[Records],
-    skipped: SkippedBytes,
+def _start_of_damage(
+    fmt: RecordFormat, records: Bytes, offset: int, end: int, parts: list[Records]
 ) -> int:
-    """Return where to go on behind damage, taking back a last record whose length is doubtful."""
-    start = offset
+    """Return where damage begins, taking back a last record whose length is doubtful."""
     while parts and not len(parts[-1]):
         parts.pop()
-    if parts and parts[-1].messages.end[-1] == offset:
-        before = int(parts[-1].offset[-1])
-        if not fmt.resembles(records, before, offset, end):
-            start = before
-            parts[-1] = parts[-1].pick(slice(len(parts[-1]) - 1))
-    following = next_sound(fmt, Memory(records), start + 1, end)
-    skipped.add(start, following)
-    return following
+    if not parts or parts[-1].messages.end[-1] != offset:
+        return offset
+    before = int(parts[-1].offset[-1])
+    if fmt.resembles(records, before, offset, end):
+        return offset
+    parts[-1] = parts[-1].pick(slice(len(parts[-1]) - 1))
+    return before
 
 
 def blank_messages(start: Ints, end: Ints) -> Messages:
@@ -317,14 +251,9 @@ def concatenate_records(parts: Sequence[Records]) -> Records:
     """Stack tables of records."""
     if len(parts) == 1:
         return parts[0]
-    if not parts:
-        return _NO_RECORDS
+    none = np.empty(0, np.int64)
     return Records(
-        np.concatenate([part.op for part in parts]),
-        np.concatenate([part.offset for part in parts]),
-        concatenate_messages([part.messages for part in parts]),
+        np.concatenate([none, *(part.op for part in parts)]),
+        np.concatenate([none, *(part.offset for part in parts)]),
+        concatenate_messages([part.messages for part in parts]) if parts else no_messages(),
     )
-
-
-_NOTHING: Final = np.empty(0, np.int64)
-_NO_RECORDS: Final = Records(_NOTHING, _NOTHING, blank_messages(_NOTHING, _NOTHING))

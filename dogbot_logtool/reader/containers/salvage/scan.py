@@ -1,23 +1,23 @@
-"""A scan of all records of a file whose index is missing or wrong."""
+"""A walk over the records of a file: by its index, or where that is missing or wrong, by all."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Bytes, Ints
+from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.reader.containers.chunks.chunk_content import (
+from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, time_range
+from dogbot_logtool.reader.containers.loss import Loss, Losses
+from dogbot_logtool.reader.containers.salvage.content import (
     ChunkContent,
     ChunkDamage,
     left_out,
     undescribed,
 )
-from dogbot_logtool.reader.containers.chunks.records import RecordFormat, next_sound
-from dogbot_logtool.reader.containers.contents import Chunk, Contents
-from dogbot_logtool.reader.containers.loss import Loss, Losses
+from dogbot_logtool.reader.containers.salvage.records import RecordFormat, next_sound
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 _REGION_SIZE: Final = 1 << 20
@@ -33,33 +33,42 @@ _LARGEST_PADDING: Final = 64
 
 @dataclass(frozen=True, slots=True)
 class IndexEntry:
-    """A chunk's entry in the index."""
+    """A chunk's entry in the log's index."""
 
     start_time: int | None
     """ns; also `end_time`."""
     end_time: int | None
     counts: Mapping[int, int] | None
-    """Messages by channel."""
+    """Messages by channel, as numbered in the records."""
+
+    def added_to(self, chunk: Chunk) -> Chunk:
+        """Return a chunk with what the entry says."""
+        return replace(
+            chunk, start_time=self.start_time, end_time=self.end_time, counts=self.counts
+        )
 
 
 @dataclass(frozen=True, slots=True)
-class _ScannedChunk:
+class _ReadChunk:
     """A chunk that was read, and the messages found in it."""
 
     chunk: Chunk
-    counts: Mapping[int, int]
+    counts: Mapping[int, float]
     """Messages by number of the channel."""
-    sizes: Mapping[int, int]
+    sizes: Mapping[int, float]
     """Bytes of their payloads, also by number of the channel."""
 
 
-class RecoveryScan(ABC):
-    """Finds chunks and bare messages by following the records, then reads each chunk."""
+class Scan(ABC):
+    """Finds chunks and bare messages by following the records, then reads each chunk.
 
-    def __init__(self, source: ByteSource, fmt: RecordFormat, losses: Losses) -> None:
+    Where an index names the chunks, `fills` passes over them unread.
+    """
+
+    def __init__(self, source: ByteSource, fmt: RecordFormat) -> None:
         self._source = source
         self._format = fmt
-        self._losses = losses
+        self._losses = Losses()
         self._chunks: list[Chunk] = []
         self._some_checked = False
         """A chunk has a checksum."""
@@ -77,12 +86,29 @@ class RecoveryScan(ABC):
         """Take the record at an offset; return where to go on, None if there is no sound record."""
 
     @abstractmethod
-    def _parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
-        """See `Log.parse`."""
+    def _between(self, offset: int, stop: int) -> int | None:
+        """Take a record that may stand before an indexed chunk; None: there is another one."""
 
     @abstractmethod
-    def _check(self, chunk: Chunk) -> None:
-        """See `Log.check`."""
+    def check(self, chunk: Chunk) -> None:
+        """Check what a chunk claims before memory is set aside for it.
+
+        Raises:
+            ChunkDamage: it cannot be true.
+        """
+
+    @abstractmethod
+    def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
+        """Decompress a chunk into the target and find its messages.
+
+        Args:
+            chunk: the chunk.
+            stored: the file's bytes from `chunk.offset` to `chunk.index_end`, or fewer.
+            target: (chunk.size,) uint8.
+
+        Raises:
+            ChunkDamage: nothing in the chunk can be trusted.
+        """
 
     @abstractmethod
     def _describe(self, op: int, record: Bytes, chunk: Chunk) -> None:
@@ -92,11 +118,44 @@ class RecoveryScan(ABC):
     def _settle_ids(self) -> Mapping[int, int]:
         """Return channel ids by the numbers in the records, once all chunks were read."""
 
-    def _walk(self, offset: int) -> None:
-        size = self._source.size
-        while offset < size:
+    @abstractmethod
+    def _channels(self) -> Mapping[int, Channel]:
+        """Return the channels by their ids, once all chunks were read."""
+
+    def _fills(self, start: int, chunks: Sequence[Chunk], end: int) -> bool:
+        """Tell whether chunks that an index names, and records known beside them, tile the file."""
+        offset = start
+        for stop, following in (*((each.offset, each.index_end) for each in chunks), (end, end)):
+            while offset < stop:
+                behind = self._between(offset, stop)
+                if behind is None:
+                    return False
+                offset = behind
+            if offset != stop:
+                return False
+            offset = following
+        return True
+
+    def scanned(self, start: int, problem: Loss | None) -> Contents:
+        """Follow all records from an offset on.
+
+        Args:
+            start: behind the magic.
+            problem: what is wrong with the index.
+        """
+        if problem is not None:
+            self._losses.add(problem)
+        offset = start
+        while offset < self._source.size:
             following = self._step(offset)
             offset = self._search(offset) if following is None else following
+        chunks = self._read_chunks()
+        channels = self._channels()
+        counts = dict.fromkeys(channels, 0)
+        for chunk in chunks:
+            for number, count in (chunk.counts or {}).items():
+                counts[number] += count
+        return Contents(channels, chunks, counts, *time_range(chunks))
 
     def _search(self, offset: int) -> int:
         """Go on at the next sound record; say what was passed over."""
@@ -118,15 +177,12 @@ class RecoveryScan(ABC):
             self._losses.add(Loss(offset, what, rest, None))
         return self._source.size
 
-    def _chunk(self, chunk: Chunk, derived_end: int) -> int:
-        """Take a chunk whose header has been read.
+    def _take_chunk(self, chunk: Chunk, derived_end: int) -> int:
+        """Take a chunk whose header has been read; return where to go on.
 
         Args:
             chunk: the chunk; its end may be beyond the file's.
             derived_end: where it ends by another of its lengths, or the same.
-
-        Returns:
-            where to go on.
         """
         size = self._source.size
         for end in (chunk.end, derived_end):
@@ -134,7 +190,6 @@ class RecoveryScan(ABC):
                 return self._append(chunk, end)
         if chunk.end <= size:
             return self._append(chunk, chunk.end)
-        lost = size - chunk.offset
         if not chunk.is_compressed and 0 <= chunk.end - derived_end < _LARGEST_PADDING:
             what = f"the chunk at byte {chunk.offset} is cut off; its whole messages were read"
             # What is missing comes after its whole messages.
@@ -142,12 +197,10 @@ class RecoveryScan(ABC):
             self._searched = False
             return chunk.data_offset
         end = next_sound(self._format, self._source, chunk.data_offset, size)
-        if end < size:
+        if end < size or chunk.compression == "bz2":
             return self._append(chunk, end)
-        if chunk.compression == "bz2":
-            return self._append(chunk, size)
         what = f"the chunk at byte {chunk.offset} is cut off; nothing in it can be used"
-        self._losses.add(Loss(chunk.offset, what, lost, None))
+        self._losses.add(Loss(chunk.offset, what, size - chunk.offset, None))
         return size
 
     def _append(self, chunk: Chunk, end: int) -> int:
@@ -157,6 +210,11 @@ class RecoveryScan(ABC):
         self._chunks.append(sized)
         self._some_checked = self._some_checked or bool(chunk.crc)
         return end
+
+    def _take_index(self, offset: int, end: int) -> None:
+        """Take a record that names the messages of the chunk before it."""
+        if self._chunks and self._chunks[-1].is_record and self._chunks[-1].index_end == offset:
+            self._chunks[-1] = replace(self._chunks[-1], index_end=end)
 
     def _follows(self, offset: int) -> bool:
         size = self._source.size
@@ -169,24 +227,26 @@ class RecoveryScan(ABC):
             offset: where the first begins.
             end: where it ends.
         """
-        window = self._window(offset, max(_REGION_SIZE, end - offset))
+        window = self._window(offset, end - offset)
         count, bounds = self._messages_in(window)
         if not count:
             return None
         stop = bounds[count]
-        following: int | None = offset + stop
-        at_window_end = offset + len(window) < self._source.size and count == len(bounds) - 1
-        cut_off = self._source.size - offset - stop < _SHORTEST_HEAD
-        if not (at_window_end or cut_off or self._follows(offset + stop)):
+        goes_on = (
+            (offset + len(window) < self._source.size and count == len(bounds) - 1)
+            or self._source.size - offset - stop < _SHORTEST_HEAD
+            or self._follows(offset + stop)
+        )
+        if not goes_on:
             before = bounds[count - 1]
-            if not self._format.resembles(window, before, stop, len(window)):
-                stop, following = before, None
+            goes_on = self._format.resembles(window, before, stop, len(window))
+            stop = stop if goes_on else before
+        behind = offset + stop
         if stop:
             if self._searched:
                 self._doubtful.add(offset)
-            run = Chunk(offset, offset, stop, offset + stop, offset + stop, "", stop)
-            self._chunks.append(run)
-        return self._search(offset + stop) if following is None else following
+            self._chunks.append(Chunk(offset, offset, stop, behind, behind, "", stop))
+        return behind if goes_on else self._search(behind)
 
     def _begins_run(self, offset: int, end: int) -> bool:
         """Tell whether so many messages follow each other that they are no accident.
@@ -195,11 +255,11 @@ class RecoveryScan(ABC):
             offset: where the first begins.
             end: where it ends.
         """
-        window = self._window(offset, max(_REGION_SIZE, end - offset))
-        return self._messages_in(window)[0] >= _NO_ACCIDENT
+        return self._messages_in(self._window(offset, end - offset))[0] >= _NO_ACCIDENT
 
-    def _window(self, offset: int, size: int) -> Bytes:
+    def _window(self, offset: int, least: int) -> Bytes:
         """Return bytes of the file; runs that follow each other share what was read."""
+        size = max(_REGION_SIZE, least)
         begin, kept = self._kept
         if not (begin <= offset and min(offset + size, self._source.size) <= begin + len(kept)):
             begin, kept = offset, self._source.read(offset, max(size, _READ_AT_ONCE))
@@ -223,13 +283,9 @@ class RecoveryScan(ABC):
                 return len(found), bounds
             limit = min(limit * 8, _REGION_RECORDS)
 
-    def _scan_chunks(self) -> tuple[list[Chunk], dict[int, int]]:
-        """Read every chunk for its counts, times and descriptions.
-
-        Returns:
-            the chunks that can be used, and how many messages each channel has.
-        """
-        scanned: list[_ScannedChunk] = []
+    def _read_chunks(self) -> list[Chunk]:
+        """Read every chunk for counts, times and descriptions; return those that can be used."""
+        read: list[_ReadChunk] = []
         behind_damage = False
         for chunk in self._chunks:
             # A damaged chunk may seem to end before its end, and messages to follow it.
@@ -241,84 +297,46 @@ class RecoveryScan(ABC):
                 )
                 self._losses.add(Loss(chunk.offset, what, chunk.size, None))
                 continue
+            entry = self._index_entries.get(chunk.offset)
             try:
-                scanned.append(self._scan_chunk(self._with_index_entry(chunk)))
+                read.append(self._read_chunk(entry.added_to(chunk) if entry else chunk))
                 behind_damage = False
             except ChunkDamage as damage:
                 self._losses.add(left_out(chunk, damage))
                 behind_damage = True
-        return self._count(scanned)
+        return self._with_ids(read)
 
-    def _with_index_entry(self, chunk: Chunk) -> Chunk:
-        stated = self._index_entries.get(chunk.offset)
-        if stated is None:
-            return chunk
-        return replace(
-            chunk,
-            start_time=stated.start_time,
-            end_time=stated.end_time,
-            counts=stated.counts,
-        )
-
-    def _scan_chunk(self, chunk: Chunk) -> _ScannedChunk:
-        self._check(chunk)
+    def _read_chunk(self, chunk: Chunk) -> _ReadChunk:
+        self.check(chunk)
         stored = self._source.read(chunk.offset, chunk.index_end - chunk.offset)
         target = np.empty(chunk.size, np.uint8)
-        content = self._parse(chunk, memoryview(stored), target)
+        content = self.parse(chunk, memoryview(stored), target)
         for op, offset, end in content.others.tolist():
             self._describe(op, target[offset:end], chunk)
         for loss in content.losses:
             self._losses.add(loss)
-        messages = content.messages
-        times = messages.log_time
-        known = replace(
-            chunk,
-            start_time=int(times.min()) if len(times) else None,
-            end_time=int(times.max()) if len(times) else None,
-            is_scanned=True,
+        messages, times = content.messages, content.messages.log_time
+        start, end = (int(times.min()), int(times.max())) if len(times) else (None, None)
+        numbers, code = np.unique(messages.channel, return_inverse=True)
+        counts, sizes = (
+            dict(zip(numbers.tolist(), np.bincount(code, weight, len(numbers)), strict=True))
+            for weight in (None, messages.end - messages.start)
         )
-        return _ScannedChunk(known, *_tally(messages.channel, messages.end - messages.start))
+        known = replace(chunk, start_time=start, end_time=end, is_scanned=True)
+        return _ReadChunk(known, counts, sizes)
 
-    def _count(self, scanned: list[_ScannedChunk]) -> tuple[list[Chunk], dict[int, int]]:
+    def _with_ids(self, read: Sequence[_ReadChunk]) -> list[Chunk]:
         """Count by channel id, and say which messages no channel describes."""
         ids = self._settle_ids()
         chunks: list[Chunk] = []
-        totals: dict[int, int] = {}
-        for found in scanned:
+        for found in read:
             strange = [number for number in found.counts if number not in ids]
             if strange:
-                messages = sum(found.counts[number] for number in strange)
-                size = sum(found.sizes[number] for number in strange)
+                messages, size = (
+                    int(sum(values[number] for number in strange))
+                    for values in (found.counts, found.sizes)
+                )
                 self._losses.add(undescribed(found.chunk, messages, size))
-            known = {ids[number]: n for number, n in found.counts.items() if number in ids}
-            for channel, count in known.items():
-                totals[channel] = totals.get(channel, 0) + count
+            known = {ids[number]: int(n) for number, n in found.counts.items() if number in ids}
             chunks.append(replace(found.chunk, counts=known))
-        return chunks, totals
-
-    def _contents(self, offset: int, problem: Loss | None) -> Contents:
-        """Scan from an offset to the end of the file; subclasses add the channels."""
-        if problem is not None:
-            self._losses.add(problem)
-        self._walk(offset)
-        chunks, counts = self._scan_chunks()
-        return Contents(
-            channels={},
-            chunks=chunks,
-            counts=counts,
-            start_time=min(
-                (c.start_time for c in chunks if c.start_time is not None), default=None
-            ),
-            end_time=max((c.end_time for c in chunks if c.end_time is not None), default=None),
-        )
-
-
-def _tally(channel: Ints, size: Ints) -> tuple[dict[int, int], dict[int, int]]:
-    """Return the number of messages, and the bytes of their payloads, by channel."""
-    numbers, code = np.unique(channel, return_inverse=True)
-    counts = np.bincount(code, minlength=len(numbers))
-    sizes = np.bincount(code, size, minlength=len(numbers))
-    return (
-        dict(zip(numbers.tolist(), counts.tolist(), strict=True)),
-        dict(zip(numbers.tolist(), sizes.astype(np.int64).tolist(), strict=True)),
-    )
+        return chunks

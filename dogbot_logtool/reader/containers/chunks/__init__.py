@@ -1,1 +1,0 @@
-"""Chunks: records in a row, compressed, checked."""

@@ -1,0 +1,1 @@
+"""Damaged files: scan, resynchronise, validate, account for losses."""

@@ -1,0 +1,102 @@
+"""URDFs as robots' files: base links, legs among arms and wheels, which leg is which, masses."""
+
+from collections.abc import Sequence
+
+import pytest
+
+from dogbot_logtool.robot.robot_model.robot_of_urdf import find_legs, read_robot
+
+Joint = tuple[str, str, str, str, str]
+"""Type, parent, child, place and axis."""
+
+
+def urdf(joints: Sequence[Joint], masses: Sequence[str] = (), names: str = "{}_joint") -> str:
+    links = {link for _, parent, child, _, _ in joints for link in (parent, child)}
+    mass = '<inertial><origin xyz="0 0 -0.1"/><mass value="2"/></inertial>'
+    text = [f'<link name="{link}">{mass if link in masses else ""}</link>' for link in links]
+    text += [
+        f'<joint name="{names.format(child)}" type="{kind}"><parent link="{parent}"/>'
+        f'<child link="{child}"/><origin xyz="{place}"/><axis xyz="{axis}"/></joint>'
+        for kind, parent, child, place, axis in joints
+    ]
+    return f'<robot name="r">{"".join(text)}</robot>'
+
+
+def leg(base: str, name: str, x: float, y: float) -> list[Joint]:
+    return [
+        ("revolute", base, f"{name}_hip", f"{x} {y} 0", "1 0 0"),
+        ("revolute", f"{name}_hip", f"{name}_thigh", "0 0 0", "0 1 0"),
+        ("revolute", f"{name}_thigh", f"{name}_calf", "0 0 -0.2", "0 1 0"),
+        ("fixed", f"{name}_calf", f"{name}_imu", "0 0 -0.1", "1 0 0"),
+        ("fixed", f"{name}_calf", f"{name}_foot", "0 0 -0.2", "1 0 0"),
+    ]
+
+
+def quadruped(base: str, corners: str = "FL FR RL RR") -> list[Joint]:
+    places = ((0.3, 0.1), (0.3, -0.1), (-0.3, 0.1), (-0.3, -0.1))
+    named = zip(corners.split(), places, strict=True)
+    return [joint for name, place in named for joint in leg(base, name, *place)]
+
+
+ARM: tuple[Joint, ...] = (
+    ("revolute", "trunk", "shoulder", "0.3 0 0.1", "0 0 1"),
+    ("revolute", "shoulder", "elbow", "0 0 -0.6", "0 1 0"),
+    ("prismatic", "elbow", "gripper", "0 0 -0.1", "0 1 0"),
+)
+NAMES = ["front_left", "front_right", "back_left", "back_right"]
+
+
+def test_legs_are_told_from_arms_and_sensors() -> None:
+    robot = read_robot(urdf([*quadruped("trunk"), *ARM], ["trunk", "FL_calf", "FL_foot"]))
+    legs, axis = find_legs(robot, {})
+    assert [each.name for each in legs] == NAMES
+    assert [each.leg.foot for each in legs] == ["FL_foot", "FR_foot", "RL_foot", "RR_foot"]
+    assert (robot.base, robot.mass_kg, axis) == ("trunk", 6.0, "+x")
+    # The foot's mass is the calf's, too: nothing moves between them.
+    assert [(mass.joint, mass.mass_kg) for mass in legs[0].leg.masses] == [(2, 2.0), (3, 2.0)]
+
+
+@pytest.mark.parametrize("kind", ["fixed", "floating", "revolute"])
+def test_the_base_lies_past_the_world_and_links_without_a_mass(kind: str) -> None:
+    joints: list[Joint] = [(kind, "world", "virtual", "0 0 0", "0 0 1")]
+    joints.append((kind, "virtual", "trunk", "0 0 1", "1 0 0"))
+    robot = read_robot(urdf([*joints, *quadruped("trunk")], ["trunk"]))
+    assert robot.base == "trunk"
+    assert len(find_legs(robot, {})[0]) == 4
+
+
+def test_a_root_that_is_the_base_stays() -> None:
+    joints: list[Joint] = [("fixed", "base", "trunk", "0 0 0", "1 0 0"), *quadruped("trunk")]
+    assert read_robot(urdf(joints, ["trunk"])).base == "base"
+
+
+def test_names_tell_where_forward_is_and_places_where_names_do_not() -> None:
+    _, axis = find_legs(read_robot(urdf(quadruped("trunk", "RR RL FR FL"))), {})
+    assert axis == "-x"
+    legs, axis = find_legs(read_robot(urdf(quadruped("trunk", "a b c d"))), {})
+    assert ([each.name for each in legs], axis) == (NAMES, "+x")
+
+
+def test_wheels_are_no_legs() -> None:
+    wheels: list[Joint] = [
+        ("continuous", f"{name}_calf", f"{name}_wheel", "0 0 -0.3", "0 1 0")
+        for name in ("FL", "FR", "RL", "RR")
+    ]
+    assert find_legs(read_robot(urdf([*quadruped("trunk"), *wheels])), {}) == ((), "+x")
+
+
+def test_a_biped_with_a_waist_and_toes() -> None:
+    joints: list[Joint] = [("revolute", "torso", "pelvis", "0 0 -0.3", "0 0 1")]
+    for side, y in (("left", 0.1), ("right", -0.1)):
+        joints += leg("pelvis", side, 0.0, y)
+        joints.append(("revolute", f"{side}_foot", f"{side}_toe", "0.1 0 0", "0 1 0"))
+    legs, _ = find_legs(read_robot(urdf(joints, ["torso"])), {})
+    assert [(each.name, len(each.leg.measured)) for each in legs] == [("left", 5), ("right", 5)]
+
+
+def test_joints_that_follow_others_are_moved_by_them() -> None:
+    joint = '<joint name="FL_calf_joint" type="revolute">'
+    follows = joint + '<mimic joint="FL_thigh_joint" multiplier="-2"/>'
+    text = urdf(quadruped("trunk")).replace(joint, follows)
+    (first, *_), _ = find_legs(read_robot(text), {})
+    assert first.leg.measured == ("FL_hip_joint", "FL_thigh_joint")

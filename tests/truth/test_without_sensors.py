@@ -1,0 +1,117 @@
+"""Gait, base and forces of robots without foot sensors and odometry, against a physics engine."""
+
+from collections.abc import Callable, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import pytest
+
+import dogbot_logtool as dl
+from tests.truth.recording import Floats
+from tests.truth.without_sensors import HEAVY_KG, Change, Walk, biped, quadruped, write_log
+
+ROBOTS: Final[Mapping[str, Callable[[], Walk]]] = {
+    "trot": quadruped,
+    "turn": lambda: quadruped(command=(0.3, 0.0, 0.5)),
+    "walk": lambda: quadruped(gait="walk", command=(0.2, 0.0, 0.0)),
+    "slope": lambda: quadruped(slope_rad=np.radians(10.0)),
+    "heavy legs": lambda: quadruped(HEAVY_KG),
+    "biped": biped,
+}
+PERIOD_S: Final = {"biped": 0.8}
+CLASS: Final = {"walk": "walk", "biped": "walk"}
+
+
+def no_efforts(position: Floats, velocity: Floats, effort: Floats) -> tuple[Floats, ...]:
+    return position, velocity, np.full_like(effort, np.nan)
+
+
+@cache
+def robot(name: str) -> Walk:
+    return ROBOTS[name]()
+
+
+def measured(path: Path, walk: Walk, change: Change | None = None, **options: Any) -> dl.Walk:
+    return dl.measure(write_log(path / "log.mcap", walk, change=change, **options))
+
+
+def codes(walk: dl.Walk) -> dict[str, str]:
+    return {each["code"]: each["text"] for each in walk.stats["findings"]}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("source", ["joint_torques", "kinematics"])
+@pytest.mark.parametrize("name", ROBOTS)
+def test_gait_and_base_are_those_of_the_engine(name: str, source: str, tmp_path: Path) -> None:
+    truth = robot(name)
+    walk = measured(tmp_path, truth, None if source == "joint_torques" else no_efforts)
+    stats = walk.stats
+    assert stats["settings"]["contact_from"] == source
+    assert stats["settings"]["base_from"] == "legs"
+    assert stats["gait"]["name"] == CLASS.get(name, "trot")
+    assert stats["gait"]["stride_frequency_hz"] == pytest.approx(
+        1.0 / PERIOD_S.get(name, 0.5), rel=0.02
+    )
+    down = [foot["contact_fraction"] for foot in stats["feet"].values()]
+    assert down == pytest.approx(truth.touching.tolist(), abs=0.1)
+    assert stats["base"]["forward_speed_mps"] == pytest.approx(truth.speed_mps, rel=0.05)
+    turned = truth.base_velocity[:, 2].mean()
+    assert stats["base"]["yaw_rate_radps"] == pytest.approx(turned, abs=0.01)
+    if source == "joint_torques":
+        assert stats["forces"]["vertical_impulse_over_weight"] == pytest.approx(1.0, abs=0.1)
+
+
+def test_a_stand_is_a_stand(tmp_path: Path) -> None:
+    walk = measured(tmp_path, quadruped(gait="stand", command=(0.0, 0.0, 0.0)))
+    assert walk.gait.name == "stand"
+    assert walk.stats["base"]["path_length_m"] == 0.0
+
+
+def test_trot_by_torques(tmp_path: Path) -> None:
+    walk = measured(tmp_path, robot("trot"))
+    assert walk.gait.name == "trot"
+    assert walk.stats["feet"]["front_left"]["peak_force_n"] is None
+    assert walk.stats["base"]["climb_m"] is None
+    assert {"CONTACT_ESTIMATED", "BASE_FROM_LEGS"} <= codes(walk).keys()
+
+
+FAULTS: Final[Mapping[str, tuple[Change, str]]] = {
+    "empty": (no_efforts, "efforts are empty"),
+    "zero": (lambda p, v, e: (p, v, 0.0 * e), "efforts are constantly zero"),
+    "turned": (lambda p, v, e: (p, v, -e), "wrong sign"),
+    "amperes": (lambda p, v, e: (p, v, e / 0.4), "no torques in N m"),
+    "one leg turned": (
+        lambda p, v, e: (p, v, np.where(np.arange(12) < 3, -e, e)),
+        "no torques in N m",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_efforts_that_are_no_torques_give_no_forces(name: str, tmp_path: Path) -> None:
+    change, why = FAULTS[name]
+    walk = measured(tmp_path, robot("trot"), change)
+    assert walk.stats["settings"]["contact_from"] == "kinematics"
+    assert walk.gait.name == "trot"
+    assert why in codes(walk)["CONTACT_ESTIMATED"]
+    assert walk.stats["forces"]["vertical_impulse_over_weight"] is None
+    if name not in {"empty", "zero"}:
+        assert walk.stats["legs"]["positive_work_j"] is None
+
+
+def test_turns_are_told_by_the_feet_without_a_gyroscope(tmp_path: Path) -> None:
+    walk = measured(tmp_path, robot("turn"), with_imu=False)
+    turned = robot("turn").base_velocity[:, 2].mean()
+    assert walk.stats["base"]["yaw_rate_radps"] == pytest.approx(turned, rel=0.05)
+
+
+def test_without_a_description_the_line_to_paste_is_printed(tmp_path: Path) -> None:
+    walk = measured(tmp_path, robot("trot"), with_urdf=False)
+    assert walk.gait.name is None
+    assert "--urdf ROBOT.urdf" in codes(walk)["NO_FEET"]
+    assert walk.stats["legs"]["joints"]["FL_calf_joint"]["peak_speed"] > 1.0
+    file = tmp_path / "robot.urdf"
+    file.write_text(robot("trot").urdf)
+    assert dl.measure(tmp_path / "log.mcap", urdf=file).gait.name == "trot"
