@@ -15,10 +15,11 @@ CHECKS = ROOT / "dogbot_logtool" / "core" / "checks"
 def calls() -> Iterator[tuple[str, ast.Call]]:
     """Each call of `found`, and where it stands."""
     for file in sorted(CHECKS.glob("*.py")):
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Call) and getattr(node.func, "id", "") in {"found", "_doubted"}:
-                if all(each.arg for each in node.keywords):
-                    yield f"{file.stem}:{node.lineno}", node
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+        for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
+            is_of_findings = getattr(call.func, "id", "") in {"found", "_doubted"}
+            if is_of_findings and all(each.arg for each in call.keywords):
+                yield f"{file.stem}:{call.lineno}", call
 
 
 def words(node: ast.AST) -> set[str]:
