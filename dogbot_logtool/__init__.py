@@ -21,7 +21,9 @@ if TYPE_CHECKING:
         convert,
         info,
         measure,
+        read,
     )
+    from dogbot_logtool.api.recording import Recording
     from dogbot_logtool.api.table import Table
     from dogbot_logtool.api.walk import Walk
     from dogbot_logtool.errors import CallError, LogError, LogtoolError
@@ -31,6 +33,7 @@ __all__ = [
     "CallError",
     "LogError",
     "LogtoolError",
+    "Recording",
     "Table",
     "Walk",
     "check",
@@ -39,6 +42,7 @@ __all__ = [
     "convert",
     "info",
     "measure",
+    "read",
 ]
 _MODULES: Final = {
     "errors": ("CallError", "LogError", "LogtoolError"),
@@ -49,7 +53,9 @@ _MODULES: Final = {
         "convert",
         "info",
         "measure",
+        "read",
     ),
+    "api.recording": ("Recording",),
     "api.table": ("Table",),
     "api.walk": ("Walk",),
 }

@@ -1,12 +1,12 @@
 """Forces over the gait cycle: an array stride by percent."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.api.table import Table, with_package
+from dogbot_logtool.api.table import Table
 from dogbot_logtool.core.arrays import Floats
 
 POINTS: Final = 101
@@ -15,7 +15,7 @@ COLUMNS: Final = ("force_n", "force_x_n", "force_y_n", "force_z_n")
 """Columns of samples that curves are made of."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Curves:
     """Curves of a foot over its whole strides; `curves["force_z_n"]` is an array, (n, p)."""
 
@@ -44,26 +44,6 @@ class Curves:
             return self.values[name]
         except KeyError:
             raise KeyError(f"{name!r}: there are {', '.join(self.values)}") from None
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.values)
-
-    def __repr__(self) -> str:
-        names = ", ".join(self.values)
-        return f"<Curves of {self.foot}: {len(self)} strides, {len(self.percent)} points: {names}>"
-
-    def to_xarray(self) -> Any:  # noqa: ANN401 - xarray is not among our packages
-        """Return an `xarray.Dataset` with the dimensions `stride` and `percent`.
-
-        Raises:
-            LogtoolError: xarray is not installed.
-        """
-        dimensions = ("stride", "percent")
-        variables = {name: (dimensions, each.copy()) for name, each in self.values.items()}
-        coordinates = {"percent": self.percent.copy(), "start_s": ("stride", self.start_s.copy())}
-        return with_package(
-            "xarray", lambda xarray: xarray.Dataset(variables, coordinates, {"foot": self.foot})
-        )
 
 
 def curves_of(foot: str, samples: Table, start_s: Floats, period_s: Floats, points: int) -> Curves:

@@ -19,6 +19,7 @@ from dogbot_logtool.options import CompareOptions, ConvertOptions, InfoOptions, 
 
 # Each function loads what it needs: who only measures need not load the writer.
 if TYPE_CHECKING:
+    from dogbot_logtool.api.recording import Recording
     from dogbot_logtool.api.walk import Walk
     from dogbot_logtool.comparison.outcome import Comparison
     from dogbot_logtool.comparison.rules.judge import Judgement
@@ -52,6 +53,24 @@ def measure(log: Log, **options: Any) -> "Walk":  # noqa: ANN401 - checked by th
 
     path, chosen = _joined(log, options_from(MeasureOptions, options))
     return Walk(path, stats.measure(path, chosen), chosen)
+
+
+@takes(MeasureOptions)
+def read(log: Log, **options: Any) -> "Recording":  # noqa: ANN401 - checked by the record
+    """Read a log as columns, uncorrected: what `measure` measures.
+
+    >>> import dogbot_logtool as dl
+    >>> recording = dl.read("sample_logs/dogbot_trot.bag")
+    >>> recording.feet["front_left"].force.shape
+    (2001, 3)
+
+    Raises:
+        CallError: no such file, or an option that does not fit the log.
+        LogError: it is no log, or has nothing to measure.
+    """
+    from dogbot_logtool.api.recording import read_columns  # noqa: PLC0415
+
+    return read_columns(*_joined(log, options_from(MeasureOptions, options)))
 
 
 @takes(ConvertOptions)

@@ -99,7 +99,7 @@ def command(record: type) -> click.Command:
     return GroupedCommand(
         record.__name__.lower(),
         params=params,
-        help=text.replace("Examples:", "\b\nExamples:"),
+        help=text.replace("    Examples:", "    \b\n    Examples:"),
         short_help=text.partition("\n")[0],
         callback=_callback(record),
     )

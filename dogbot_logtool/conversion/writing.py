@@ -44,7 +44,7 @@ def time_spans(scene: Scene) -> list[TimeSpan]:
     columns = [scene.poses.log_time, *(foot.samples.log_time for foot in scene.feet)]
     times = max(columns, key=len)
     spans = sum(map(len, columns)) // SPAN_ROWS + 1
-    cuts = np.unique(times[np.arange(1, spans) * len(times) // spans]).tolist()
+    cuts = sorted({*times[np.arange(1, spans) * len(times) // spans].tolist()})
     return list(zip([_TIMES.min, *cuts], [*cuts, _TIMES.max], strict=True))
 
 

@@ -58,15 +58,6 @@ def test_samples_that_step_back_and_unknown_ones_are_left_out() -> None:
     assert np.isnan(curves["force_n"][0, 4])
 
 
-def test_curves_are_an_xarray(walk: dl.Walk) -> None:
-    curves = walk.curves(FOOT, points=11)
-    dataset = curves.to_xarray()
-    assert dict(dataset.sizes) == {"stride": len(curves), "percent": 11}
-    middle = dataset["force_z_n"].sel(percent=50.0).median("stride").item()
-    assert middle == np.median(curves["force_z_n"][:, 5])
-    assert dataset.attrs["foot"] == FOOT
-
-
 def test_wrong_words_are_refused(walk: dl.Walk) -> None:
     with pytest.raises(dl.CallError, match="'left' is no foot of this robot"):
         walk.curves("left")
@@ -75,5 +66,3 @@ def test_wrong_words_are_refused(walk: dl.Walk) -> None:
     curves = walk.curves(FOOT, points=2)
     with pytest.raises(KeyError, match="there are force_n, force_x_n, force_y_n, force_z_n"):
         curves["force"]
-    assert list(curves) == ["force_n", "force_x_n", "force_y_n", "force_z_n"]
-    assert repr(curves).startswith("<Curves of front_left: 7 strides, 2 points: force_n")

@@ -35,7 +35,7 @@ def plain(stats: Any) -> Any:
 
 def test_only_the_public_names_are_listed() -> None:
     assert set(dir(dl)) == {*dl.__all__, "__version__"}
-    assert len(dl.__all__) <= 13
+    assert len(dl.__all__) <= 14
     assert all(getattr(dl, name) is not None for name in dl.__all__)
     with pytest.raises(AttributeError, match="has no attribute 'mesure'"):
         dl.mesure  # type: ignore[attr-defined]  # noqa: B018
@@ -170,6 +170,16 @@ def test_frames_gaits_pages_and_figures(tmp_path: Path) -> None:
         assert len({file.read_bytes() for file in files}) == 1
     with pytest.raises(dl.CallError, match="exists already"):
         walk.plot(tmp_path / "keywords.svg")
+
+
+def test_a_log_is_read_as_columns() -> None:
+    recording = dl.read(WALK)
+    samples = recording.feet["front_left"]
+    assert samples.force.shape == (len(samples.log_time), 3)
+    walk = walk_of(WALK)
+    recorded = (samples.stamp - walk.start_ns) / 1e9
+    assert recorded.tolist() == walk.samples("front_left")["time_s"].tolist()
+    assert repr(recording).endswith("2,251 poses>")
 
 
 def test_convert_compare_info_and_check(tmp_path: Path) -> None:

@@ -8,7 +8,6 @@ import pytest
 
 from dogbot_logtool.report.page.assets import shared_name
 from tests.oracles.small_logs import odometry_log
-from tests.paths import TROUBLED
 from tests.shell import Shell
 
 
@@ -33,15 +32,6 @@ def test_a_trailing_slash_means_a_directory_for_one_log_too(
     assert [file for file in shell.folder.rglob("*") if file.is_file()] == [target]
 
 
-def test_several_logs_make_their_directory(shell: Shell, logs: Path) -> None:
-    words = [logs / "one.mcap", logs / "far" / "two.mcap"]
-    assert shell("convert", *words, "-o", "out", "--jobs", 1).code == 0
-    assert sorted(file.name for file in (shell.folder / "out").iterdir()) == [
-        "one.annotated.mcap",
-        "two.annotated.mcap",
-    ]
-
-
 def test_outputs_lie_as_the_logs_of_a_directory_do(shell: Shell, logs: Path) -> None:
     assert shell("convert", logs, "-o", "out", "--jobs", 1).code == 0
     assert (shell.folder / "out" / "one.annotated.mcap").is_file()
@@ -61,12 +51,6 @@ def test_what_may_hold_several_logs_makes_a_directory_also_for_one(
     assert (shell.folder / "x.mcap").is_file()
 
 
-def test_several_logs_do_not_go_to_one_file(shell: Shell, logs: Path) -> None:
-    done = shell("convert", logs, "-o", "out.mcap")
-    assert (done.code, shell.files()) == (2, [])
-    assert "is a file's name, and there are 2 logs" in done.err
-
-
 def test_a_directory_is_not_made_for_nothing(shell: Shell, logs: Path) -> None:
     (logs / "one.mcap").write_bytes(b"no log")
     assert shell("convert", logs / "one.mcap", "-o", "out/").code == 1
@@ -81,54 +65,6 @@ def test_a_file_is_no_directory(shell: Shell, logs: Path) -> None:
         assert done.code == 2
         assert "out: is a file, not a folder" in done.err
     assert (shell.folder / "out").read_text() == "precious"
-
-
-def test_a_folder_that_nobody_asked_for_is_not_made(shell: Shell, logs: Path) -> None:
-    done = shell("convert", logs / "one.mcap", "-o", "missing/x.mcap")
-    assert (done.code, shell.files()) == (2, [])
-    assert "missing: no such folder" in done.err
-
-
-@pytest.mark.parametrize(
-    "words",
-    [
-        ["convert", TROUBLED, "-o", "-"],
-        ["report", TROUBLED, "-o", "-"],
-        ["stats", TROUBLED, "--figure", "-"],
-        ["layout", "-o", "-"],
-        ["compare", TROUBLED, TROUBLED, "--junit", "-"],
-        ["export", TROUBLED, "--dataset", "-"],
-    ],
-    ids=lambda words: words[0],
-)
-def test_a_dash_or_nothing_is_no_output(shell: Shell, words: list[object]) -> None:
-    done = shell(*words)
-    assert (done.code, done.out, shell.files()) == (2, "", [])
-    assert "does not stand for stdout" in done.err
-    done = shell(*words[:-1], "")
-    assert (done.code, done.out, shell.files()) == (2, "", [])
-    assert "an empty name names no output" in done.err
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["convert", TROUBLED, "-o", "x.bag"], "of a ROS 1 bag, but an MCAP is written"),
-        (["report", TROUBLED, "-o", "x.pdf"], "of a picture, but an HTML page is written"),
-        (["layout", "-o", "x.mcap"], "of an MCAP, but JSON is written"),
-        (["stats", TROUBLED, "--figure", "x.svg/"], "is a directory's name"),
-        (["layout", "-o", "x/"], "is a directory's name"),
-        (["compare", TROUBLED, TROUBLED, "--junit", "x.bag"], "of a ROS 1 bag, but XML"),
-        (["compare", TROUBLED, TROUBLED, "--junit", "x/"], "is a directory's name"),
-    ],
-    ids=lambda each: each[0] if isinstance(each, list) else "",
-)
-def test_a_name_that_promises_something_else_is_refused(
-    shell: Shell, words: list[object], said: str
-) -> None:
-    done = shell(*words)
-    assert (done.code, done.out, shell.files()) == (2, "", [])
-    assert said in done.err
 
 
 @pytest.mark.parametrize("name", ["out/", "out"])

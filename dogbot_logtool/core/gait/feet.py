@@ -265,7 +265,10 @@ def _seen(time: Ints, record: FootHistory, unseen: Cut, stances: Stances) -> Int
     seen: Ints = time[(stances.cut != unseen) & ~np.isin(time, record.gaps[:, 1])]
     # A stance may last from the log's first sample to its last.
     outside = (record.start, record.end) if len(stances.cut) == 1 else ()
-    return seen[~np.isin(seen, [each for each in outside if each is not None])]
+    # Of so few, `np.isin` would load numpy's masked arrays.
+    for time_outside in outside:
+        seen = seen if time_outside is None else seen[seen != time_outside]
+    return seen
 
 
 def foot_metrics(

@@ -1,0 +1,207 @@
+"""Calls as users type them: exit code, the first line of stderr, and what stdout says."""
+
+import shlex
+from pathlib import Path
+
+import click
+import pytest
+
+from dogbot_logtool import __version__
+from dogbot_logtool.cli import cli
+from dogbot_logtool.gone import _EVERYWHERE
+from dogbot_logtool.option import definitions, options_of
+from dogbot_logtool.options import COMMANDS, CommonOptions
+from tests.oracles.small_logs import first_seconds, odometry_log, string_log
+from tests.paths import TROT, TROUBLED, WALK
+from tests.shell import Shell
+
+COMMON = {"jobs", "scheduler", *(each.name for each in options_of(CommonOptions))}
+
+WRONG = """
+nonsense | No such command 'nonsense'
+convert | Missing argument 'LOG...'
+info --nonsense TROT | No such option '--nonsense'
+convert TROT --style loud | 'loud' is not one of 'pressure', 'force', 'classic'
+convert TROT --jobs 0 | --jobs 0: must be a whole number from 1 to 256
+convert TROT --tf-rate nan | --tf-rate nan: must be a number from 0.001 to 1e+06, or 0
+convert TROT --tf-rate 1e-11 | --tf-rate 1e-11: must be a number
+convert TROT --end inf | --end inf: must be a number of seconds
+convert TROT --mass 0 | --mass 0: must be a number from 0.001 to 1e+06
+convert TROT --foot front_left | --foot front_left: must be NAME=TOPIC[:FIELD]
+convert TROT --foot 'front left=/x' | a foot's name has letters, digits and _ only
+convert TROT --foot a=/x --foot a=/y | --foot a: is given twice
+convert TROT --foot front_left=/no/topic | /no/topic
+convert TROT --foot front_left=/dogbot/odom | /dogbot/odom
+convert TROT --odom-topic /none | /none
+convert TROT --robot unicorn | no robot is called 'unicorn'
+convert TROT --robot unicorn.toml | unicorn.toml: no such file
+convert TROT --no-copy --topics /x | --no-copy copies nothing
+convert TROT TROUBLED -o x.mcap | x.mcap: is a file's name, and there are 2 logs
+convert TROT -o none/x.mcap | none: no such folder
+convert no_such.bag | no_such.bag: no such file
+convert . | is a directory, not a log file, and holds no logs
+stats 'runs/*.bag' | runs/*.bag: no file has such a name
+stats '' | an empty name names no log
+stats @none.txt | @none.txt: no such file
+stats TROT --start 5 --end 2 | --end 2 is not after --start 5; it lasts from 0 to
+stats TROT --set contact_on=20 | did you mean contact_on_n
+stats TROT --set contact_on_n | --set contact_on_n: must be FIELD=VALUE
+stats TROT --set contact_on_n=much | must be a number above 0
+stats TROT --set wrench_frame=body | must be one of auto, world, link
+stats TROT --set tare.nose=1,2,3 | the log has no such foot; it has front_left
+stats TROT --set command_topic=/none | command_topic: /none is not in the log
+stats TROT --overwrite | --overwrite goes with --figure
+stats TROT TROUBLED --figure x.pdf | call it for each
+stats TROT --figure x.eps | must end in one of .pdf, .png, .svg
+stats TROT --figure x.svg/ | is a directory's name
+stats TROT --figure none/x.pdf | no such folder
+stats TROT --scheduler nonsense | must be an address such as tcp://host:8786
+report TROT --against WALK --join | --join and --against: choose one
+report TROT -o x.pdf | of a picture, but an HTML page is written
+check TROT | check needs one of --limits FILE.toml and --suggest
+check TROT --suggest --json | goes with none of the other outputs
+check TROT --limits none.toml | none.toml: no such file
+export TROT -o x.xlsx | x.xlsx: must end in .csv, .parquet, .arrow, .feather
+export TROT --overwrite | --overwrite goes with -o FILE
+export TROT --prune | --prune goes with --dataset
+export TROT --dataset walks --table base | --table goes without --dataset
+compare TROT | Missing argument 'ACTUAL'
+compare TROT no_such.bag | no_such.bag: no such file
+compare TROT WALK --mass 20 | --mass says how logs are measured: it goes with --gait
+compare TROT WALK --gait --atol 1 | --atol has no meaning with it
+compare TROT TROT --atol -1 | --atol -1: must be a number from 0
+compare TROT TROT --junit x.bag | of a ROS 1 bag, but XML
+layout -o x.mcap | of an MCAP, but JSON is written
+layout --viewer rerun | --viewer rerun is gone: Rerun opens the MCAP
+layout -o x/ | is a directory's name
+robots unicorn | no robot is called 'unicorn'; known are
+robots new | robots new: name the log
+robots new a.bag b.bag | with --join, several files of one recording
+info -o tree.gv TROT | -o is gone: results go to stdout
+convert TROT -o - | -: does not stand for stdout here
+report TROT -o '' | an empty name names no output
+stats TROT --figure - | -: does not stand for stdout here
+layout -o '' | an empty name names no output
+compare TROT TROT --junit - | -: does not stand for stdout here
+export TROT --dataset - | -: does not stand for stdout here
+"""
+LOGS = {"TROT": str(TROT), "TROUBLED": str(TROUBLED), "WALK": str(WALK)}
+
+
+def words_of(call: str) -> list[str]:
+    return [LOGS.get(word, word) for word in shlex.split(call)]
+
+
+@pytest.mark.parametrize("line", WRONG.strip().splitlines(), ids=lambda line: line.split("|")[0])
+def test_wrong_calls_exit_with_2_and_a_sentence(shell: Shell, line: str) -> None:
+    call, _, sentence = line.partition("|")
+    done = shell(*words_of(call))
+    assert (done.code, done.out, shell.files()) == (2, "", [])
+    assert sentence.strip() in " ".join(done.err.split())
+
+
+RIGHT = """
+--version | version VERSION
+-h | Exit codes: 0 done
+info SHORT | odometry
+info SHORT --json | "container": "ROS 1 bag"
+info --frames SHORT | added by convert
+stats SHORT | Gait: trot
+stats SHORT -q --jobs 1 | Data quality
+stats SHORT --set contact_on_n=20 | Gait: trot
+stats SHORT -v | no header stamps
+stats SHORT WALK | walk
+check SHORT --suggest | [[rule]]
+export SHORT --table events | log,onset_s
+export SHORT | log,foot,start_s
+compare TROT TROT | same
+compare TROT TROT --gait | 0 of
+layout | "configById"
+layout SHORT --viewer rviz | Visualization Manager
+robots | dogbot
+robots --json | "unitree_go2"
+robots dogbot | [feet.front_left]
+robots new SHORT | [feet.front_left]
+"""
+
+
+@pytest.mark.parametrize("line", RIGHT.strip().splitlines(), ids=lambda line: line.split("|")[0])
+def test_right_calls_print_on_stdout(shell: Shell, line: str) -> None:
+    call, _, sentence = line.partition("|")
+    short = str(first_seconds(TROT, 5.0))
+    done = shell(*(short if word == "SHORT" else word for word in words_of(call)))
+    assert (done.code, shell.files()) == (0, [])
+    assert sentence.strip().replace("VERSION", __version__) in done.out
+    assert "error" not in done.err
+
+
+@pytest.mark.parametrize("width", [80, 100])
+def test_help_fits_a_terminal(shell: Shell, monkeypatch: pytest.MonkeyPatch, width: int) -> None:
+    monkeypatch.setenv("COLUMNS", str(width))
+    for words in ([], *([each.__name__.lower()] for each in COMMANDS)):
+        done = shell(*words, "-h")
+        assert (done.code, done.err) == (0, "")
+        assert max(map(len, done.out.splitlines())) <= width
+        assert "Example" in done.out or not words
+    listed = shell("-h").out.partition("Commands:\n")[2].splitlines()
+    assert len(listed) == len(COMMANDS)
+    assert not any("..." in line for line in listed)
+
+
+def test_every_option_says_what_it_does_and_there_are_few() -> None:
+    for record in COMMANDS:
+        options = options_of(record)
+        own = [each for each in options if each.name not in COMMON and not each.how.is_argument]
+        assert all(definitions(record).get(each.name) for each in own)
+        assert len(own) <= 18, record
+
+
+def test_shells_complete_choices_and_files() -> None:
+    convert = cli.get_command(click.Context(cli), "convert")
+    assert convert is not None
+    types = {each.name: each.type for each in convert.params}
+    assert isinstance(types["style"], click.Choice)
+    assert isinstance(types["logs"], click.Path)
+
+
+def test_options_that_are_gone_say_what_to_use(shell: Shell) -> None:
+    for option, instead in _EVERYWHERE.items():
+        command = {"--update": "compare", "--dot": "info"}.get(option, "convert")
+        done = shell(command, TROT, option)
+        assert (done.code, done.out, shell.files()) == (2, "", [])
+        assert f"{option} is gone: {instead}." in done.err
+    assert "export --table events" in shell("stats", TROT, "--events", "x.csv").err
+
+
+@pytest.mark.parametrize("command", ["info", "convert", "stats", "layout", "report"])
+def test_what_is_no_log_exits_with_1(shell: Shell, command: str) -> None:
+    (shell.folder / "text.bag").write_text("a walk in the park")
+    (shell.folder / "empty.bag").write_bytes(b"")
+    for name in ("text.bag", "empty.bag"):
+        done = shell(command, name)
+        assert (done.code, done.out, done.err.count("\n")) == (1, "", 1)
+        assert done.err.startswith(f"error: {name}: ")
+    assert shell.files() == ["empty.bag", "text.bag"]
+
+
+def test_nothing_to_annotate_lists_the_topics(shell: Shell) -> None:
+    string_log(shell.folder / "log.mcap", [("/said", b"hello")])
+    done = shell("convert", "log.mcap")
+    assert (done.code, done.out, shell.files()) == (1, "", ["log.mcap"])
+    assert "/said  std_msgs/String" in done.err
+
+
+def test_a_bad_log_does_not_stop_the_others(shell: Shell) -> None:
+    short = first_seconds(TROT)
+    done = shell("info", short, "nothing.bag", TROUBLED, "--json", "--jobs", 1)
+    assert done.code == 2
+    assert [bool(one.get("error")) for one in done.json] == [False, True, False]
+    assert done.err == "error: 1 of 3 logs could not be done\n  nothing.bag  no such file\n"
+
+
+def test_damage_is_said_first_and_exits_with_3(shell: Shell) -> None:
+    log: Path = odometry_log(shell.folder / "log.mcap", "/odom", cut=1)
+    done = shell("convert", log, "-o", "x.mcap", "--json", "-q")
+    assert (done.code, done.json["damage"]["messages"]) == (3, 1)
+    assert done.err.startswith("damage: ")
+    assert shell.files() == ["log.mcap", "x.mcap"]

@@ -1,0 +1,185 @@
+"""What commands make: JSON, tables, figures, judgements, and whole files only."""
+
+import csv
+import io
+import json
+import os
+import re
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pyarrow.feather
+import pyarrow.parquet as pq
+import pytest
+from mcap.reader import make_reader
+
+from tests.measured import walk_of
+from tests.oracles.small_logs import first_seconds
+from tests.paths import TROT, TROUBLED, WALK
+from tests.shell import Outcome, Shell
+
+SHORT = first_seconds(TROT, 4.0)
+TROTS = '[[rule]]\nfigure = "gait.name"\nequals = "trot"\nname = "it trots"\n'
+
+
+def counts_of(path: Path) -> dict[str, int]:
+    with path.open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    assert summary is not None
+    assert summary.statistics is not None
+    counts = summary.statistics.channel_message_counts
+    return {summary.channels[number].topic: count for number, count in counts.items()}
+
+
+def test_convert_says_what_it_wrote(shell: Shell) -> None:
+    done = shell("convert", TROUBLED, "-v")
+    assert (done.code, done.out) == (0, "")
+    assert shell.files() == ["dogbot_troubled.annotated.mcap"]
+    for said in ("3,659 recorded messages", "501  /load/front_left", "warning", "note"):
+        assert said in done.err
+    words = ("convert", TROUBLED, "-o", "x.mcap", "--style", "force", "-q")
+    assert shell(*words) == Outcome(0, "", "")
+    told = shell(*words, "--json", "--overwrite").json
+    assert (told["input"], told["output"], told["style"]) == (str(TROUBLED), "x.mcap", "force")
+    assert told["topics"]["odometry"] == ["/dogbot/odom"]
+    assert told["messages"] == {"read": 3659, "copied": 3659}
+    counts = counts_of(shell.folder / "x.mcap")
+    assert told["annotations"] == {topic: counts[topic] for topic in told["annotations"]}
+    assert sum(counts.values()) == 3659 + sum(told["annotations"].values())
+    assert told["skipped"]["bad_poses"] == 1
+    assert told["damage"] == {"text": None, "messages": 0, "bytes": 0, "places": []}
+
+
+def test_options_reach_the_conversion(shell: Shell) -> None:
+    words = ["--start", 1, "--end", 2, "--tf-rate", 0, "--no-copy", "--compression", "none"]
+    words += ["--odom-topic", "/dogbot/odom", "--robot", "generic", "--mass", 10]
+    words += ["--foot", "paw=/dogbot/back_left_contactsensor_state"]
+    told = shell("convert", TROT, "-o", "x.mcap", "--json", *words).json
+    assert (told["messages"]["copied"], told["robot"]) == (0, "generic")
+    assert told["topics"]["feet"]["paw"] == "/dogbot/back_left_contactsensor_state"
+    # The first pose stands at the first time, too.
+    assert told["annotations"]["/tf"] == 251
+    drawn = {topic for topic, count in told["annotations"].items() if count > 1}
+    assert drawn == {"/tf", "/marker_basic_paw_foot", "/load/paw", "/label/paw", "/support"}
+
+
+def test_the_input_is_never_the_output(shell: Shell) -> None:
+    log = shell.folder / "log.mcap"
+    log.write_bytes(WALK.read_bytes())
+    (shell.folder / "link.mcap").symlink_to(log)
+    for target in ("log.mcap", "link.mcap", "./log.mcap"):
+        done = shell("convert", "log.mcap", "-o", target, "--overwrite")
+        assert done.code == 2
+        assert "is the input itself" in done.err
+    assert log.read_bytes() == WALK.read_bytes()
+
+
+def test_info_as_json(shell: Shell) -> None:
+    told = shell("info", WALK, "--json").json
+    assert (told["container"], told["profile"], told["messages"]) == ("MCAP", "ros2", 22510)
+    topics = {topic["topic"]: topic for topic in told["topics"]}
+    assert topics["/dogbot/odom"]["use"] == "odometry"
+    assert topics["/dogbot/odom"]["messages"] == 2251
+    assert told["frames"]["added"] == ["world", "base_link"]
+    told = shell("info", "--frames", "--json", WALK).json["frames"]
+    assert {edge["child"] for edge in told["edges"]} == set(told["parents"])
+
+
+def test_a_figure_is_the_same_for_any_jobs(shell: Shell) -> None:
+    words = ("stats", WALK, "--figure", "walk.svg", "--start", 2, "--end", 6)
+    done = shell(*words, "--json")
+    assert (done.code, done.json["gait"]["name"]) == (0, "walk")
+    assert re.search(r"walk.svg: \d\.\d\d to \d\.\d\d s", done.err)
+    first = (shell.folder / "walk.svg").read_bytes()
+    assert "--overwrite" in shell(*words).err
+    again = shell(*words, "--overwrite", "--jobs", 3, "-q")
+    assert (again.code, again.err) == (0, "")
+    assert (shell.folder / "walk.svg").read_bytes() == first
+
+
+def test_check_ends_with_1_where_a_rule_is_broken_or_a_metric_unknown(shell: Shell) -> None:
+    (shell.folder / "limits.toml").write_text(TROTS)
+    check = ("check", "--limits", "limits.toml")
+    good = shell(*check, SHORT)
+    assert good == Outcome(0, f"GOOD     {SHORT}: 1 GOOD\n", "")
+    assert shell(*check, TROUBLED).code == 1
+    (shell.folder / "lenient.toml").write_text(f'{TROTS}null = "pass"\n')
+    assert shell("check", "--limits", "lenient.toml", TROUBLED).code == 0
+    (shell.folder / "odd.bag").write_bytes(b"nothing")
+    words = (SHORT, WALK, "odd.bag", "--json", "--junit", "checked.xml", "--jobs", 1)
+    done = shell(*check, *words)
+    assert done.code == 1
+    assert [each.get("status") for each in done.json] == ["GOOD", "FAIL", None]
+    suites = ET.parse(shell.folder / "checked.xml").getroot()  # noqa: S314 - our own
+    told = [(suite.get("failures"), suite.get("errors")) for suite in suites]
+    assert told == [("0", "0"), ("1", "0"), ("0", "1")]
+    assert suites[1][0].get("name") == "it trots"
+
+
+def test_suggested_limits_pass_the_run_and_fail_another(shell: Shell) -> None:
+    (shell.folder / "limits.toml").write_text(shell("check", "--suggest", SHORT).out)
+    assert shell("check", "--limits", "limits.toml", SHORT).code == 0
+    assert shell("check", "--limits", "limits.toml", WALK).code == 1
+
+
+def test_a_baseline_is_another_run(shell: Shell) -> None:
+    (shell.folder / "yesterday.json").write_text(shell("stats", "--json", SHORT).out)
+    limits = '[[rule]]\nfigure = "feet.*.duty_factor.median"\nbaseline = { by_percent = 5 }'
+    (shell.folder / "limits.toml").write_text(limits)
+    words = ("check", "--limits", "limits.toml")
+    assert shell(*words, SHORT, "--baseline", "yesterday.json").code == 0
+    assert shell(*words, WALK, "--baseline", "yesterday.json").code == 1
+    assert "need --baseline" in shell(*words, SHORT).err
+    assert "stats LOG --json > FILE.json" in shell(*words, SHORT, "--baseline", TROT).err
+
+
+def test_tables_are_those_of_python_to_the_bit(shell: Shell) -> None:
+    walk = walk_of(WALK)
+    for table in ("stances", "events", "base", "commands"):
+        shell("export", WALK, "--table", table, "-o", f"{table}.feather")
+        written = pyarrow.feather.read_table(shell.folder / f"{table}.feather")
+        assert written.drop_columns(["log"]) == getattr(walk, table).to_arrow()
+    shell("export", TROT, WALK, "--table", "samples", "-o", "s.parquet")
+    written = pq.read_table(shell.folder / "s.parquet").to_pandas()
+    assert written["log"].unique().tolist() == [str(TROT), str(WALK)]
+    rows = written[(written["log"] == str(WALK)) & (written["foot"] == "back_left")]
+    assert rows["force_n"].tolist() == walk.samples("back_left")["force_n"].tolist()
+
+
+def test_a_bad_log_among_others_costs_its_own_rows_only(shell: Shell) -> None:
+    (shell.folder / "bad.bag").write_text("no log")
+    done = shell("export", "bad.bag", TROT, "-o", "out.csv")
+    assert done.code == 1
+    assert "bad.bag" in done.err
+    rows = list(csv.DictReader(io.StringIO((shell.folder / "out.csv").read_text())))
+    duty = np.array([float(row["duty_factor"]) for row in rows])
+    assert duty.tobytes() == walk_of(TROT).strides["duty_factor"].tobytes()
+    (shell.folder / "kept.csv").write_text("kept")
+    assert "exists already" in shell("export", TROT, "-o", "kept.csv").err
+    assert (shell.folder / "kept.csv").read_text() == "kept"
+
+
+def test_a_layout_and_a_robot_s_file_are_files_too(shell: Shell) -> None:
+    printed = shell("layout").json
+    of_log = shell("layout", TROUBLED).json
+    assert of_log["layout"] == printed["layout"]
+    assert shell("layout", "-o", "x.json") == Outcome(0, "", "")
+    assert json.loads((shell.folder / "x.json").read_text()) == printed
+    assert shell("layout", "-o", "x.json").code == 2
+    assert shell("layout", "-o", "x.json", "--overwrite").code == 0
+    (shell.folder / "mine.toml").write_text(shell("robots", "dogbot").out)
+    assert shell("convert", TROUBLED, "--robot", "mine.toml", "-q").code == 0
+
+
+@pytest.mark.skipif(os.name == "nt", reason="as many bytes as a name may have")
+def test_targets_that_cannot_be_written(shell: Shell) -> None:
+    (shell.folder / "file").write_text("")
+    for target in ("file/x.mcap", "x" * 300 + ".mcap"):
+        done = shell("convert", TROUBLED, "-o", target)
+        assert done.code in {1, 2}
+        assert (done.err[:7], done.err.count("\n")) == ("error: ", 1)
+    name = "x" * 250 + ".mcap"
+    (shell.folder / name).write_text("the disk takes it")
+    assert shell("convert", TROUBLED, "-o", name, "--overwrite", "-q").code == 0
+    assert shell.files() == ["file", name]
