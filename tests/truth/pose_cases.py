@@ -107,6 +107,7 @@ def sound() -> Iterator[Case]:
         ("odometry starts anywhere", TROT, (starts,), ("forces", "places in the base")),
         ("20 Hz odometry", TROT, (pose.rarely(20.0),), tuple(WAYS)),
         ("planar poses on level ground", TROT, (pose.flat,), ("forces", "places in the base")),
+        ("places that are not filled in", TROT, (pose.places_unfilled,), ("places in the base",)),
         ("a run", run, (), ("contact points",)),
         ("noise of 2 mm", TROT, (world.pose_noise(0.002),), tuple(WAYS)),
     )

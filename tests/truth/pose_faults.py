@@ -33,6 +33,11 @@ def feet_in_base(recording: Recording) -> Recording:
     return replace(recording, kind="spot", places=tuple(places))
 
 
+def places_unfilled(recording: Recording) -> Recording:
+    """Let a driver fill in contact only: all places are zero."""
+    return replace(recording, places=tuple(np.zeros_like(each) for each in recording.places))
+
+
 def _base(change: Callable[[BaseRecording], BaseRecording]) -> Disturbance:
     return lambda recording: replace(recording, base=change(recording.base))
 
