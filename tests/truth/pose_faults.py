@@ -42,11 +42,11 @@ def _base(change: Callable[[BaseRecording], BaseRecording]) -> Disturbance:
     return lambda recording: replace(recording, base=change(recording.base))
 
 
-def frozen(from_s: float = 0.0, *, with_twist: bool = True) -> Disturbance:
+def frozen(from_s: float = 0.0, *, until_s: float = np.inf, with_twist: bool = True) -> Disturbance:
     """Let every message from a time on repeat the pose of that time, and perhaps no twist."""
 
     def change(base: BaseRecording) -> BaseRecording:
-        late = base.time >= from_s
+        late = (base.time >= from_s) & (base.time < until_s)
         first = int(np.argmax(late))
         position, orientation = base.position.copy(), base.orientation.copy()
         position[late], orientation[late] = position[first], orientation[first]
