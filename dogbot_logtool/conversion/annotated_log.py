@@ -14,11 +14,11 @@ from typing import BinaryIO
 from mcap import records
 
 from dogbot_logtool.conversion.annotate import Scene
-from dogbot_logtool.conversion.copying import CopiedSpan
+from dogbot_logtool.conversion.copying import CopiedSpan, as_it_stands
 from dogbot_logtool.conversion.writing import SpanWriter, time_spans
 from dogbot_logtool.core.scene.arrows import Arrows, no_arrows
 from dogbot_logtool.options import ConvertOptions
-from dogbot_logtool.reader.containers.log import Log, Loss
+from dogbot_logtool.reader.containers.log import Chunk, Log, Loss
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
 from dogbot_logtool.reader.growing import GrowingColumns
 from dogbot_logtool.reader.workers import Start, in_order
@@ -64,7 +64,11 @@ class AnnotatedLog:
     def copy(self, span: CopiedSpan) -> None:
         """Write recorded messages, and keep the arrows that are made of them."""
         for chunk in span.chunks:
-            self._writer.add_chunk(chunk)
+            if isinstance(chunk, Chunk):
+                stored = self._log.source.read(chunk.offset, chunk.index_end - chunk.offset)
+                self._writer.add_chunk(as_it_stands(chunk, stored))
+            else:
+                self._writer.add_chunk(chunk)
         self._arrows.add(span.arrows)
         self._arrow_counts += span.counts
 

@@ -14,7 +14,7 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.options import ConvertOptions
-from dogbot_logtool.reader.containers.log import Batch, Channel, LoadedChunk, Log, Messages
+from dogbot_logtool.reader.containers.log import Batch, Channel, Chunk, LoadedChunk, Log, Messages
 from dogbot_logtool.reader.messages.contact_messages import read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.robot.selection import Selection
@@ -33,7 +33,8 @@ from dogbot_logtool.writer.message_records import MESSAGE_HEAD, record_bounds, r
 class CopiedSpan:
     """What is made of the messages of some neighbouring chunks."""
 
-    chunks: tuple[FinishedChunk, ...]
+    chunks: tuple[FinishedChunk | Chunk, ...]
+    """A chunk of the log itself is copied as it stands."""
     arrows: Arrows
     """Of contact states as they are recorded, for a style that draws these."""
     counts: Counter[str]
@@ -73,7 +74,7 @@ class Copier:
 
 def copied_chunks(
     log: Log, batch: Batch, compression: Compression | None
-) -> Iterator[FinishedChunk]:
+) -> Iterator[FinishedChunk | Chunk]:
     """Yield the messages of a batch: whole chunks of an MCAP verbatim, others in new chunks."""
     partial: list[slice] = []
     for loaded in batch.chunks:
@@ -81,7 +82,9 @@ def copied_chunks(
         if log.copies_chunks and loaded.whole and compression in {None, stored}:
             yield from _new_chunks(batch, partial, compression)
             partial = []
-            yield _unchanged(batch.messages, loaded)
+            # Where processes share the file, its bytes need not be sent from one to another.
+            is_sent = not (loaded.indexed and log.can_fork)
+            yield _unchanged(batch.messages, loaded) if is_sent else loaded.chunk
         else:
             partial.append(loaded.rows)
     yield from _new_chunks(batch, partial, compression)
@@ -111,14 +114,30 @@ def _new_chunks(
 def _unchanged(messages: Messages, loaded: LoadedChunk) -> FinishedChunk:
     """Return a recorded chunk verbatim, with a new message index if its own is not sound."""
     chunk = loaded.chunk
-    sizes = chunk.data_size, chunk.size
-    record, index = np.split(np.frombuffer(loaded.stored, np.uint8), [chunk.end - chunk.offset])
     if loaded.indexed:
-        times = chunk.start_time or 0, chunk.end_time or 0
-        return as_indexed(record, index, times, chunk.compression, *sizes)
+        return as_it_stands(chunk, loaded.stored)
     rows = messages.pick(loaded.rows)
-    start = rows.start - MESSAGE_HEAD.itemsize - loaded.base
-    return indexed_chunk(record, rows.channel, rows.log_time, start, chunk.compression, *sizes)
+    return indexed_chunk(
+        np.frombuffer(loaded.stored[: chunk.end - chunk.offset], np.uint8),
+        rows.channel,
+        rows.log_time,
+        rows.start - MESSAGE_HEAD.itemsize - loaded.base,
+        chunk.compression,
+        chunk.data_size,
+        chunk.size,
+    )
+
+
+def as_it_stands(chunk: Chunk, stored: bytes | memoryview) -> FinishedChunk:
+    """Return a chunk of an MCAP with its own index, both of which are known to be sound.
+
+    Args:
+        chunk: in the log.
+        stored: its bytes, those of the index included.
+    """
+    record, index = np.split(np.frombuffer(stored, np.uint8), [chunk.end - chunk.offset])
+    times = chunk.start_time or 0, chunk.end_time or 0
+    return as_indexed(record, index, times, chunk.compression, chunk.data_size, chunk.size)
 
 
 def make_copier(log: Log, selection: Selection, options: ConvertOptions) -> Copier:

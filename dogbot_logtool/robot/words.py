@@ -107,6 +107,7 @@ USABLE: Final = -2
 
 _LONGEST: Final = 300
 """Characters of names that are looked at; nothing that a person named is longer."""
+_LONGEST_WORD: Final = 40
 _MOST_WORDS: Final = 32
 _PIECES: Final = frozenset({*ENDS, "left", "right", *LETTERS, *PARTS, *NEUTRAL})
 _LEADING: Final = frozenset({"l", "r"})
@@ -190,19 +191,16 @@ def _split_capitals(match: re.Match[str]) -> str:
 
 
 def _split_word(word: str) -> tuple[str, ...]:
-    """Take a word apart if all its pieces are known; else it stays whole."""
-    if word in WHOLE:
-        return WHOLE[word]
-    if word in _PIECES or len(word) > 40:
+    """Take a word apart if all its pieces are known, the longest first; else it stays whole."""
+    return WHOLE.get(word) or _pieces(word[:_LONGEST_WORD], _PIECES | _LEADING) or (word,)
+
+
+@lru_cache(maxsize=4096)
+def _pieces(word: str, known: frozenset[str]) -> tuple[str, ...]:
+    """Return the known pieces that a word is made of; none if it is not."""
+    if word in _PIECES:
         return (word,)
-    # The fewest pieces for each beginning of the word; of equals, the first found.
-    best: list[tuple[str, ...] | None] = [()] + [None] * len(word)
-    for end in range(1, len(word) + 1):
-        for start in range(end):
-            before, piece = best[start], word[start:end]
-            known = piece in _PIECES or (start == 0 and piece in _LEADING)
-            if known and before is not None:
-                better = best[end]
-                if better is None or len(before) + 1 < len(better):
-                    best[end] = (*before, piece)
-    return best[-1] or (word,)
+    for size in range(len(word) - 1, 0, -1):
+        if word[:size] in known and (rest := _pieces(word[size:], _PIECES)):
+            return (word[:size], *rest)
+    return ()

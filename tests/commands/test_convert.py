@@ -10,7 +10,6 @@ import itertools
 import json
 import re
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -38,7 +37,6 @@ from tests.commands.conversions import (
 from tests.measured import measured_contact
 from tests.oracles.annotated_file import (
     described_robots,
-    of_encoding,
     read_written,
     written_arrows,
     written_loads,
@@ -46,27 +44,17 @@ from tests.oracles.annotated_file import (
 )
 from tests.oracles.conversion import LOGS, TICK_NS, expected_arrows, expected_loads, expected_poses
 from tests.oracles.recorded import (
-    CONTACTS_TYPE,
     FEET,
-    ODOMETRY,
-    ODOMETRY_TYPE,
-    TEXT_TYPE,
     S,
     arrow_topic,
-    contact_topic,
-    load_topic,
     read_log,
 )
 from tests.oracles.ros1_logs import (
-    HUMBLE,
-    Entry,
     odd_contacts,
     small_walk,
-    text,
     write_bag,
     write_ros1_mcap,
 )
-from tests.oracles.small_logs import first_seconds
 from tests.paths import TROT, TROUBLED, WALK
 
 STYLES = tuple(ARROW_STYLES)
@@ -213,30 +201,6 @@ def test_forces_of_all_kinds(tmp_path: Path, style: str) -> None:
 # --- Sameness -------------------------------------------------------------------------------------
 
 
-def test_the_same_bytes_whatever_the_jobs(tmp_path: Path) -> None:
-    log = write_bag(tmp_path / "log.bag", _padded_walk(), chunk_size=200_000, compressed=True)
-    outputs: set[bytes] = set()
-    for number, jobs in enumerate((1, 2, 3, 1)):
-        target = tmp_path / f"{number}.mcap"
-        convert(log, target, ConvertOptions(jobs=jobs))
-        outputs.add(target.read_bytes())
-    assert len(outputs) == 1
-    written = read_written(tmp_path / "0.mcap")
-    assert written_poses(written, "/tf", "foxglove") == expected_poses(log, at_ticks=True)
-    expected = expected_arrows(log, "front_left", "pressure", in_world=False)
-    assert_same_arrows(
-        written_arrows(written, "front_left", "foxglove", "pressure"), expected, exactly=False
-    )
-
-
-def _padded_walk() -> Iterator[Entry]:
-    """Yield a walk that fills several batches."""
-    for index, entry in enumerate(small_walk(1.5)):
-        yield entry
-        if index % 10 == 0:
-            yield Entry("/filler", TEXT_TYPE, entry.log_time, text("+" * 250_000))
-
-
 @pytest.mark.parametrize("log", LOGS, ids=lambda log: log.stem)
 def test_sample_logs_convert_to_the_same_bytes_whatever_the_jobs(
     folder: Path, tmp_path: Path, log: Path
@@ -272,52 +236,6 @@ def test_the_place_of_the_log_leaves_no_trace(folder: Path, tmp_path: Path) -> N
     copy.write_bytes(TROUBLED.read_bytes())
     convert(copy, tmp_path / "out.mcap", ConvertOptions())
     assert (tmp_path / "out.mcap").read_bytes() == converted(folder, TROUBLED).path.read_bytes()
-
-
-def test_the_same_walk_in_two_containers_has_the_same_annotations(
-    folder: Path, tmp_path: Path
-) -> None:
-    trot = first_seconds(TROT)
-    entries = [Entry(one.topic, one.type_name, one.log_time, one.data) for one in read_log(trot)]
-    log = write_ros1_mcap(tmp_path / "trot.mcap", entries)
-    for encoding in ("foxglove", "ros1"):
-        convert(log, tmp_path / f"{encoding}.mcap", ConvertOptions(encoding=encoding))
-        other = read_written(tmp_path / f"{encoding}.mcap")
-        bag = converted(folder, trot, encoding=encoding).written
-        for topic in ("/tf", "/dogbot_logtool/tf", *map(arrow_topic, FEET), *map(load_topic, FEET)):
-            here, there = (w.of(topic, of_encoding(encoding)) for w in (other, bag))
-            assert [(m.log_time, m.data) for _, m in here] == [
-                (m.log_time, m.data) for _, m in there
-            ]
-
-
-def test_the_same_walk_of_ros1_and_ros2_has_the_same_annotations(
-    folder: Path, tmp_path: Path
-) -> None:
-    kinds = {ODOMETRY: ODOMETRY_TYPE} | {contact_topic(foot): CONTACTS_TYPE for foot in FEET}
-    entries = [
-        Entry(
-            one.topic,
-            one.type_name,
-            one.log_time,
-            bytes(HUMBLE.cdr_to_ros1(one.data, one.type_name)),
-        )
-        for one in read_log(WALK)
-        if one.topic in kinds
-    ]
-    # The walk begins with another message, at whose time the first annotations stand.
-    entries.insert(0, Entry("/said", TEXT_TYPE, opening_of(WALK), text("go")))
-    log = write_bag(tmp_path / "walk.bag", entries)
-    convert(log, tmp_path / "out.mcap", ConvertOptions(style="force"))
-    ros1 = read_written(tmp_path / "out.mcap")
-    ros2 = converted(folder, WALK, style="force", encoding="foxglove").written
-    for topic in (*map(arrow_topic, FEET), *map(load_topic, FEET)):
-        assert [m.data for _, m in ros1.of(topic, "protobuf")] == [
-            m.data for _, m in ros2.of(topic, "protobuf")
-        ]
-    assert written_poses(ros1, "/tf", "foxglove") == written_poses(
-        ros2, "/dogbot_logtool/tf", "foxglove"
-    )
 
 
 # --- Progress, and an outside checker -------------------------------------------------------------
@@ -364,3 +282,17 @@ def test_the_doctor_finds_nothing(
 def test_nothing_but_the_output_is_left(tmp_path: Path) -> None:
     convert(TROUBLED, tmp_path / "out.mcap", ConvertOptions(jobs=2))
     assert [file.name for file in tmp_path.iterdir()] == ["out.mcap"]
+
+
+@pytest.mark.parametrize(
+    ("option", "sentence"),
+    [
+        (ConvertOptions(style="bold"), "no arrow style 'bold'; known: classic, pressure, force"),
+        (ConvertOptions(encoding="xml"), "no encoding 'xml'; known: foxglove, ros1, ros2"),
+    ],
+)
+def test_an_unknown_style_or_encoding_is_a_wrong_call(
+    tmp_path: Path, option: ConvertOptions, sentence: str
+) -> None:
+    with pytest.raises(CallError, match=sentence):
+        convert(TROT, tmp_path / "out.mcap", option)

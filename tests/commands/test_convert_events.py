@@ -125,12 +125,3 @@ def test_without_spans_in_the_schemas_the_rest_is_written(
     convert(TROUBLED, target, ConvertOptions(copy=False, jobs=1))
     assert messages_of(target, "/events/spans") == []
     assert messages_of(target, "/events")
-
-
-def test_bytes_do_not_depend_on_the_number_of_jobs(tmp_path: Path) -> None:
-    written = set()
-    for jobs in (1, 2):
-        target = tmp_path / f"{jobs}.mcap"
-        convert(TROT, target, ConvertOptions(jobs=jobs))
-        written.add(target.read_bytes())
-    assert len(written) == 1

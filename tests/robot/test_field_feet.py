@@ -179,10 +179,10 @@ def test_a_fixed_array_on_the_command_line(states: Path) -> None:
     ("word", "expected"),
     [
         ("/state:legs[0].forces", "nearest are legs[].force (geometry_msgs/Vector3)"),
-        ("/state:loads[4]", "the array has 4 elements"),
-        ("/state:loads", "say which element, as in loads[0]"),
+        ("/state:loads[4]", "a fixed array of at least 5 numbers"),
+        ("/state:loads", "nearest are loads[] (float64)"),
         ("/state:left", "nearest are left.force"),
-        ("/state:header[0]", "header is no array"),
+        ("/state:header[0]", "has no number or vector header[0]"),
         ("/state:legs[0]..z", "is no path of a field"),
         ("/stat:left.force", "did you mean /state?"),
         ("/state", "A field of its messages can be named: /state:legs[].force"),

@@ -1,17 +1,11 @@
 """Which channels are declared, with which ids, under which topics."""
 
-from io import BytesIO
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mcap import records
-from mcap.stream_reader import StreamReader
 
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.writer.channels import IdSource
-from dogbot_logtool.writer.encodings.encoding import MessageType
-from dogbot_logtool.writer.mcap_writer import McapWriter
 from tests.writer.annotated import ENCODINGS, declared
 
 
@@ -39,37 +33,3 @@ def test_ids_above_the_highest_come_first(used: set[int]) -> None:
     assert taken[: 65535 - highest] == list(range(highest + 1, 65536))
     with pytest.raises(LogtoolError, match="ids"):
         source.take()
-
-
-def test_topics_are_resolved_with_their_types() -> None:
-    asked: dict[str, str] = {}
-
-    def resolve(topic: str, kind: MessageType) -> str:
-        asked[topic] = kind.name
-        return f"/elsewhere{topic}"
-
-    annotations = declared(ENCODINGS[0], resolve=resolve)
-    assert {channel.topic for channel in annotations.added.channels} == {
-        f"/elsewhere{topic}" for topic in asked
-    }
-    assert asked["/tf"] == "foxglove.FrameTransforms"
-
-
-def test_the_library_reads_declared_channels() -> None:
-    """Schemas and channels are what the mcap library can write and read."""
-    for encoding in ENCODINGS:
-        annotations = declared(encoding)
-        sink = BytesIO()
-        writer = McapWriter(sink, "")
-        for schema in annotations.added.schemas:
-            writer.add_schema(schema)
-        for channel in annotations.added.channels:
-            writer.add_channel(channel)
-        writer.finish()
-        read = list(StreamReader(BytesIO(sink.getvalue())).records)
-        for kind, added in (
-            (records.Schema, annotations.added.schemas),
-            (records.Channel, annotations.added.channels),
-        ):
-            # They stand before the chunks, and in the summary.
-            assert [r for r in read if isinstance(r, kind)][: len(added)] == added

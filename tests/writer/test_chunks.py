@@ -1,6 +1,5 @@
 """Chunks, as the mcap library reads them back."""
 
-import zlib
 from collections import defaultdict
 from io import BytesIO
 from typing import get_args
@@ -18,11 +17,9 @@ from dogbot_logtool.writer.chunks import (
     CHUNK_SIZE,
     Compression,
     FinishedChunk,
-    finish_chunk,
     finish_chunks,
 )
-from dogbot_logtool.writer.message_records import MessageRecords, in_time_order, recorded
-from tests.writer.stamping import stamped
+from dogbot_logtool.writer.message_records import MessageRecords, recorded
 
 COMPRESSIONS: tuple[Compression, ...] = get_args(Compression)
 HEAD = 9
@@ -106,46 +103,9 @@ def test_any_messages(compression: Compression, rows: list[tuple[int, int, bytes
     assert [(m.channel_id, m.log_time, m.data) for m in messages] == rows
 
 
-@pytest.mark.parametrize("compression", COMPRESSIONS)
-def test_chunks_are_cut_between_messages(compression: Compression) -> None:
-    count = 30_000
-    records_ = np.random.default_rng(0).integers(0, 9, (count, 100), np.uint8).view("V100")
-    parts = [stamped(n, np.arange(n, count, 3), records_.reshape(-1)[n::3]) for n in range(3)]
-    chunks = list(finish_chunks(in_time_order(parts), compression))
-    sizes = [chunk.size for chunk in chunks]
-    assert sum(sizes) == count * 131
-    assert all(size < CHUNK_SIZE + 131 for size in sizes)
-    assert all(size > CHUNK_SIZE - 131 for size in sizes[:-1])
-    times = [m.log_time for chunk in chunks for m in check(chunk, compression)]
-    assert times == list(range(count))
-
-
 def test_a_message_larger_than_a_chunk_is_not_split() -> None:
     payloads = [b"a", bytes(CHUNK_SIZE + 5), b"b", bytes(3 * CHUNK_SIZE), b"c", b"d"]
     chunks = list(finish_chunks(outgoing([1] * 6, list(range(6)), payloads), "none"))
     messages = [[len(m.data) for m in check(chunk, "none")] for chunk in chunks]
     assert [size for chunk in messages for size in chunk] == [len(p) for p in payloads]
     assert len(chunks) >= 3
-
-
-def test_no_messages_give_no_chunk() -> None:
-    assert list(finish_chunks(outgoing([], [], []), "zstd")) == []
-
-
-@pytest.mark.parametrize("compression", COMPRESSIONS)
-def test_the_same_messages_give_the_same_bytes(compression: Compression) -> None:
-    messages = outgoing([1, 2, 1], [5, 4, 3], [b"one" * 50, b"", b"three"])
-    first, second = (
-        [
-            (bytes(chunk.record), bytes(chunk.index))
-            for chunk in finish_chunks(messages, compression)
-        ]
-        for _ in range(2)
-    )
-    assert first == second
-
-
-def test_the_checksum_is_of_the_plain_bytes() -> None:
-    messages = outgoing([7], [1], [b"payload" * 100])
-    chunk = finish_chunk(messages, "zstd")
-    assert parse(chunk).uncompressed_crc == zlib.crc32(messages.data.tobytes())

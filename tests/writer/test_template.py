@@ -36,14 +36,6 @@ def timestamps() -> Template:
     return learn(timestamp)
 
 
-def test_places_are_learnt() -> None:
-    template = learn(packed)
-    assert template.size == PAIR.size
-    assert template.dtype.fields is not None
-    places = {name: field[1] for name, field in template.dtype.fields.items()}
-    assert places == {"t.sec": 3, "t.nanosec": 7, "force": 11, "touches": 19, "red": 20}
-
-
 @given(
     st.lists(
         st.tuples(
@@ -74,20 +66,6 @@ def test_copies_are_what_the_serialiser_makes(
         assert got[:11] == want[:11]
 
 
-def test_copies_do_not_share_bytes() -> None:
-    copies = learn(packed).copies(3)
-    copies["force"][1] = 5.0
-    assert copies["force"][1] == 5.0
-    assert copies["force"][0] == copies["force"][2] != 5.0
-
-
-def test_no_copies() -> None:
-    template = timestamps()
-    copies = template.copies(0)
-    template.write_time(copies, "t", np.empty(0, np.int64))
-    assert copies.tobytes() == b""
-
-
 def test_a_number_in_two_places_is_refused() -> None:
     def serialise(fill: Fill) -> bytes:
         return struct.pack("<I10xI", *[fill(Slot("n"), Kind.UINT32)] * 2)
@@ -103,24 +81,6 @@ def test_a_number_that_changes_other_bytes_too_is_refused() -> None:
 
     with pytest.raises(AssertionError, match="more changes than n"):
         learn(serialise)
-
-
-def points_of(spacing: str, count: int) -> Template:
-    names = [f"p{number}.{axis}" for number in range(count) for axis in "xyz"]
-    return learn(
-        lambda fill: struct.pack(spacing, *(fill(Slot(name), Kind.FLOAT64) for name in names))
-    )
-
-
-@given(st.integers(0, 5), st.integers(1, 4))
-def test_points_are_written_at_once(messages: int, count: int) -> None:
-    template = points_of("<" + "3xdxdxd" * count, count)
-    points = np.arange(messages * count * 3.0).reshape(messages, count, 3)
-    copies = template.copies(messages)
-    template.point_array([f"p{number}" for number in range(count)]).view(copies)[:] = points
-    wanted = [struct.pack("<" + "3xdxdxd" * count, *rows.ravel()) for rows in points]
-    # Bytes between the numbers are the message's own.
-    assert [copy.tobytes() for copy in copies] == wanted
 
 
 @given(st.lists(INT64, min_size=1, max_size=20))

@@ -36,6 +36,17 @@ CLIMBS_M: Final = 0.05
 """m that feet rise or fall from which poses that keep their z are planar."""
 
 
+def treadmill(stats: Stats) -> Iterator[Finding]:
+    """Yield that the ground moves below a base that rests."""
+    if stats.ground is None:
+        return
+    text = (
+        f"feet that stand go back alike, at {stats.ground.speed_mps:.2f} m/s, while the base stays "
+        "where it is: a treadmill; path, speed and lengths are those against the ground"
+    )
+    yield Finding("TREADMILL", text, "base")
+
+
 def frozen(stats: Stats) -> Iterator[Finding]:
     """Yield that one pose is repeated while the robot walks on."""
     found = stats.frozen
@@ -75,7 +86,7 @@ def scale(stats: Stats) -> Iterator[Finding]:
         )
         yield Finding("POSE_SCALE", text, "base", cases=_cases(names), feet=names)
         return
-    way = usual_way_m(stats.poses, _windows(stats))
+    way = usual_way_m(stats.track.history, _windows(stats))
     longest = FURTHEST_LEGS * LONGEST_LEG_M * (stats.settings.mass_kg or HEAVIEST_KG) ** (1.0 / 3.0)
     if way is not None and way > longest:
         text = (
@@ -88,7 +99,7 @@ def scale(stats: Stats) -> Iterator[Finding]:
 def _unit(factor: float) -> str:
     near = [unit for number, unit in UNITS.items() if 0.8 <= factor / number <= 1.25]
     if near:
-        return f": positions in {near[0]}?"
+        return f": positions in {near[0]}? --set odometry_scale={1.0 / factor:.3g}"
     return ": another unit, or a clock that runs at another speed?"
 
 
@@ -204,7 +215,7 @@ def _windows(stats: Stats) -> Ints:
 def _comparisons(stats: Stats) -> Iterator[Comparison]:
     """Yield comparisons of the poses, the surest first."""
     windows = _windows(stats)
-    if not len(windows):
+    if not len(windows) or stats.ground is not None:
         return
     forward_rad = FORWARD_ANGLES[stats.settings.forward_axis]
     if stats.witness is not None:

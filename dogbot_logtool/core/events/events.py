@@ -50,6 +50,8 @@ SHORT_STANCE: Final = 0.5
 STRIDE_GOES_ON: Final = 1.4
 """Times the usual swing that two swings and a contact between them last at most, if they are one
 swing in which the foot hits something."""
+SAMPLES: Final = 2.0
+"""Sampling intervals by which a swing must be too short."""
 NEIGHBOURS: Final = 5
 """Swings before, and after, that say what is usual."""
 FEWEST_SWINGS: Final = 3
@@ -61,6 +63,7 @@ def find_events(stats: Stats) -> tuple[Event, ...]:
     found = [*_spans(stats), *_carried(stats), *gait_changes(stats.segments), *_margins(stats)]
     walks = [segment for segment in stats.segments if segment.strides]
     for row, foot in enumerate(stats.feet):
+        found += scuffs(row, foot, walks)
         early = list(early_touchdowns(row, foot, walks))
         stumbles = [each.onset for each in early if each.type is EventType.STUMBLE]
         found += early
@@ -293,6 +296,8 @@ def early_touchdowns(foot: int, steps: FootSteps, walks: Sequence[Segment]) -> I
     usual_stance = _usual(np.where(stances.whole, stance, np.nan), np.maximum)
     short = stance < SHORT_STANCE * usual_stance
     early = (swing > BOUNCE * usual_swing) & (swing < EARLY * usual_swing) & stances.whole
+    # Feet that are told rarely seem to touch down early by up to two samples.
+    early &= usual_swing - swing > SAMPLES * (steps.record.median_interval_s or 0.0)
     # After a contact that is no step, a short swing is the rest of the swing before it.
     early[1:] &= ~short[:-1]
     early &= _inside(walks, stances.touchdown)
@@ -307,6 +312,18 @@ def early_touchdowns(foot: int, steps: FootSteps, walks: Sequence[Segment]) -> I
         else:
             by_s = float(usual_swing[row] - swing[row])
             yield Event(onset, 0, EventType.EARLY_CONTACT, foot, by_s, "s")
+
+
+def scuffs(foot: int, steps: FootSteps, walks: Sequence[Segment]) -> Iterator[Event]:
+    """Yield touches of the ground in mid-swing that are too short and light to be stances."""
+    spans, stances = steps.record.scuffs, steps.stances
+    inside = _inside(walks, spans[:, 0])
+    for onset, end in spans[inside].tolist():
+        after = int(np.searchsorted(stances.touchdown, onset))
+        if 0 < after < len(stances.touchdown):
+            lifted, lands = int(stances.liftoff[after - 1]), int(stances.touchdown[after])
+            done = (onset - lifted) / max(lands - lifted, 1)
+            yield Event(onset, end - onset, EventType.STUMBLE, foot, done, "swing")
 
 
 def _swings_s(stances: Stances, gaps: Ints) -> Floats:

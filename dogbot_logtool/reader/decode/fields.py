@@ -1,13 +1,8 @@
-"""The fields that an adapter reads, as it declares them, and their check against a definition.
-
-    FIELDS = (
-        time("header.stamp"),
-        table("states", text("info"), vector("total_wrench.force")),
-    )
+"""The fields that are read of a message, and their check against its definition.
 
 A path is dotted, from the message, or inside a table from its element. `check_fields` compares the
-declaration with the recorded definition once, before any message is decoded, so that reading the
-columns cannot fail.
+fields with the recorded definition once, before any message is decoded, so that reading the columns
+cannot fail.
 """
 
 from collections.abc import Iterator, Mapping
@@ -43,7 +38,7 @@ class Kind(Enum):
     FIXED_NUMBERS = "a fixed array of at least {length} numbers"
     NUMBERS = "a sequence of numbers"
     TEXTS = "a sequence of strings"
-    TABLE = "an array of messages"
+    TABLE = "an array of at least {length} messages"
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,55 +56,6 @@ class Field:
 
 
 Fields = tuple[Field, ...]
-
-
-def number(path: str) -> Field:
-    """Declare a number of any width."""
-    return Field(path, Kind.NUMBER)
-
-
-def optional_number(path: str) -> Field:
-    """Declare a number that messages of protobuf and JSON may lack."""
-    return Field(path, Kind.NUMBER, optional=True)
-
-
-def vector(path: str, components: str = "xyz") -> Fields:
-    """Declare a message of numbers, such as a `geometry_msgs/Vector3`."""
-    return tuple(number(f"{path}.{each}" if path else each) for each in components)
-
-
-def text(path: str) -> Field:
-    """Declare a string."""
-    return Field(path, Kind.TEXT)
-
-
-def time(path: str) -> Field:
-    """Declare a time or a duration."""
-    return Field(path, Kind.TIME)
-
-
-HEADER: Final[Fields] = (time("header.stamp"), text("header.frame_id"))
-"""Fields that most messages of ROS begin with."""
-
-
-def fixed_numbers(path: str, at_least: int) -> Field:
-    """Declare an array whose definition gives its length."""
-    return Field(path, Kind.FIXED_NUMBERS, at_least)
-
-
-def numbers(path: str) -> Field:
-    """Declare an array of recorded length."""
-    return Field(path, Kind.NUMBERS)
-
-
-def texts(path: str) -> Field:
-    """Declare an array of strings."""
-    return Field(path, Kind.TEXTS)
-
-
-def table(path: str, *inside: Field) -> Field:
-    """Declare an array of messages, of either sort."""
-    return Field(path, Kind.TABLE, inside=inside)
 
 
 def column_paths(fields: Fields) -> tuple[str, ...]:
@@ -141,7 +87,7 @@ def _check_inside(struct: Struct, fields: Fields, type_name: str, prefix: str) -
     for field in fields:
         found, path = _found(struct, field.path, type_name, prefix)
         if not _fits(found, field):
-            expected = field.kind.value.format(length=field.length)
+            expected = field.kind.value.format(length=field.length).replace("at least 0 ", "")
             raise _mismatch(type_name, path, expected, f"has {type_text(found)}")
         if field.kind is Kind.TABLE:
             element = _element(found)
@@ -192,7 +138,8 @@ def _fits(found: FieldType, field: Field) -> bool:
             element = Primitive if field.kind is Kind.NUMBERS else Text
             return isinstance(found, VariableArray) and isinstance(found.element, element)
         case Kind.TABLE:
-            return isinstance(_element(found), Struct)
+            is_short = isinstance(found, FixedArray) and found.length < field.length
+            return isinstance(_element(found), Struct) and not is_short
         case _:
             assert_never(field.kind)
 

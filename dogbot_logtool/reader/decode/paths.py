@@ -27,7 +27,7 @@ from dogbot_logtool.reader.decode.definition import (
     Struct,
     VariableArray,
 )
-from dogbot_logtool.reader.decode.fields import Field, Fields, Kind, vector
+from dogbot_logtool.reader.decode.fields import Field, Fields, Kind
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
 
 Want = Literal["number", "xyz", "xyzw", "text", "time"]
@@ -92,11 +92,11 @@ class FieldPath:
         """What must be decoded."""
         inside: Fields = (Field(self.leaf, self.kind, optional=self.optional),)
         if self.components:
-            inside = vector(self.leaf, self.components)
+            before = f"{self.leaf}." if self.leaf else ""
+            inside = tuple(Field(f"{before}{each}", Kind.NUMBER) for each in self.components)
         for array in reversed(self.arrays):
-            fewest = array.last or 0 if array.kind is Kind.FIXED_NUMBERS else 0
             kept = inside if array.kind is Kind.TABLE else ()
-            inside = (Field(array.path, array.kind, fewest, kept),)
+            inside = (Field(array.path, array.kind, array.last or 0, kept),)
         return inside
 
     def values(self, table: Table) -> Floats:
@@ -304,7 +304,8 @@ def merged(fields: Iterable[Field]) -> Fields:
         known = found.get(each.path)
         kept = each
         if known is not None and each.kind is Kind.TABLE:
-            kept = Field(each.path, each.kind, 0, merged((*known.inside, *each.inside)))
+            inside = merged((*known.inside, *each.inside))
+            kept = Field(each.path, each.kind, max(known.length, each.length), inside)
         elif known is not None:
             kept = max(known, each, key=lambda field: field.length)
         found[each.path] = kept

@@ -15,7 +15,7 @@ from dogbot_logtool.reader.decode.field_path import parse_field_path
 from dogbot_logtool.reader.decode.paths import FieldPath
 from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.feet import ContactSamples, FootChannels, read_feet
-from dogbot_logtool.reader.messages.gazebo import StepTiming, foot_links, read_pairs, step_timing
+from dogbot_logtool.reader.messages.gazebo import StepTiming, read_pairs, step_timing
 from dogbot_logtool.reader.messages.message_type import FEET, MessageType
 from dogbot_logtool.reader.messages.messages import (
     DecodedMessages,
@@ -99,12 +99,9 @@ class DecodedContacts:
     @property
     def links(self) -> Mapping[int, set[str]]:
         """Frames that the forces may be in, by foot."""
-        row, contacts = self.source.row, self.reduced.contacts
-        if row.axes == "sensor":
+        if self.source.row.axes == "sensor":
             return _sensor_frames(self.source, self.messages, self.feet)
-        if row.pairs is None or contacts is None or row.axes == "world":
-            return {}
-        return foot_links(row.pairs, self.messages, contacts)
+        return {} if self.source.row.axes == "world" else self.reduced.links
 
     @property
     def timing(self) -> StepTiming | None:

@@ -1,6 +1,7 @@
 """The columns of each foot, read of messages by any row of the table."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import field
 from typing import Final
 
 import numpy as np
@@ -64,6 +65,8 @@ class ContactSamples:
     """Messages of several states whose `info` tells no time: read as one physics step."""
     foreign_states: int = 0
     """States of pairs in which not exactly one body is the foot, or both are of one robot."""
+    links: Mapping[int, set[str]] = field(default_factory=dict)
+    """Links of the feet's own collisions, by foot."""
     implausible: int = 0
     """Samples with numbers that no robot reaches; those are NaN."""
 

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Bytes, Flags, Ints, distinct, sum_by_group
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints, sum_by_group
 from dogbot_logtool.core.contact.contacts import (
     FOOT_IS_COLLISION1,
     FOOT_IS_COLLISION2,
@@ -76,7 +76,7 @@ def read_pairs(
         newest, untimed = newest_step(inside.texts(pairs.info), states.parent, messages.table.rows)
     foot = feet.single(messages.channel)
     names = inside.texts(pairs.bodies[0]), inside.texts(pairs.bodies[1])
-    side = foot_sides(*names, foot[states.parent], feet.feet)
+    side, links = foot_sides(*names, foot[states.parent], feet.feet)
     contacts = Contacts(
         foot=foot,
         log_time=messages.log_time,
@@ -96,23 +96,7 @@ def read_pairs(
     if not pairs.info:
         # The new Gazebo writes wrenches along the world's axes.
         samples = replace(samples, in_world=samples.in_contact)
-    return ContactSamples(samples, contacts, untimed, int((side == NOT_THIS_FOOT).sum()))
-
-
-def foot_links(pairs: Pairs, messages: DecodedMessages, contacts: Contacts) -> dict[int, set[str]]:
-    """Return the links that the feet's own collisions belong to, by foot.
-
-    Only pairs with the foot named first count: their wrenches are in that link's frame.
-    """
-    inside = messages.table.nested(pairs.array).table
-    code, names = inside.texts(pairs.bodies[0]).encode()
-    pair = contacts.foot[contacts.state_message] * len(names) + code
-    links: dict[int, set[str]] = {}
-    for number in distinct(pair[contacts.foot_side == FOOT_IS_COLLISION1]).tolist():
-        link = link_of_collision(names[number % len(names)])
-        if link is not None:
-            links.setdefault(number // len(names), set()).add(link)
-    return links
+    return ContactSamples(samples, contacts, untimed, int((side == NOT_THIS_FOOT).sum()), links)
 
 
 def step_timing(pairs: Pairs, messages: DecodedMessages, stamp: Ints) -> StepTiming:
@@ -267,7 +251,7 @@ def _padded_nanoseconds(characters: Bytes) -> Ints | None:
 
 def foot_sides(
     first_names: Texts, second_names: Texts, foot: Ints, feet: Sequence[Foot]
-) -> NDArray[np.int8]:
+) -> tuple[NDArray[np.int8], dict[int, set[str]]]:
     """Tell which body of each pair is the foot.
 
     Args:
@@ -277,18 +261,24 @@ def foot_sides(
         feet: the robot's feet.
 
     Returns:
-        (s,) as in `Contacts.foot_side`.
+        (s,) as in `Contacts.foot_side`; and by foot the links that forces are in the frames of:
+        those of its own collisions, where they are named first.
     """
     # Few pairs of names make few cases: each is judged once, and looked up. Whatever stands between
     # two names, their lengths for one, can only make more pairs of them. Each foot has its own.
     start = np.minimum(first_names.start, second_names.start)
     end = np.maximum(first_names.end, second_names.end)
     pair, rows = Texts(first_names.buffer, start, end - start).alike(foot)
-    sides = [
-        _side(feet[int(foot[row])], first_names.text(row), second_names.text(row)) for row in rows
-    ]
+    sides: list[int] = []
+    links: dict[int, set[str]] = {}
+    for row in rows:
+        number, first = int(foot[row]), first_names.text(row)
+        sides.append(_side(feet[number], first, second_names.text(row)))
+        link = link_of_collision(first)
+        if sides[-1] == FOOT_IS_COLLISION1 and link is not None:
+            links.setdefault(number, set()).add(link)
     side: NDArray[np.int8] = np.array(sides, np.int8)[pair]
-    return side
+    return side, links
 
 
 def _side(foot: Foot, first: str, second: str) -> int:

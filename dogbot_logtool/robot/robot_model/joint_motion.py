@@ -12,7 +12,7 @@ from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
-from dogbot_logtool.reader.decode.fields import text
+from dogbot_logtool.reader.decode.fields import Field, Kind
 from dogbot_logtool.reader.messages.joints import JOINT_TYPES, check_joints, read_joints
 from dogbot_logtool.reader.messages.messages import check_channel, decode_channels
 from dogbot_logtool.robot.robot_model.urdf import parse_urdf, urdf_joints
@@ -22,7 +22,7 @@ _MOST_CHUNKS: Final = 64
 """Chunks that are searched for a first message."""
 _NOT_MEASURED: Final = ("command", "cmd", "desired", "target", "goal", "reference", "foot")
 """Words in topics whose joint states are no positions of joints."""
-_DESCRIPTION: Final = (text("data"),)
+_DESCRIPTION: Final = (Field("data", Kind.TEXT),)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -10,7 +9,6 @@ from hypothesis import strategies as st
 from dogbot_logtool.reader.decode.columns import Table, Texts
 from tests.reader.decode.decoded_messages import (
     decode_alone,
-    decode_at,
     decode_messages,
     messages_of,
 )
@@ -87,41 +85,6 @@ def is_wanted(path: str, wanted: Sequence[str]) -> bool:
     return any(f"{path}.".startswith(f"{want}.") for want in wanted)
 
 
-def test_no_messages_give_an_empty_table_with_every_column() -> None:
-    definition = define(1, Root="uint8 a\nstring b\nInner[] c\nstring[2] d", Inner="string x")
-
-    decoded = decode_at(definition.layout("ros1"), b"", np.zeros(0, np.int64), [])
-
-    assert decoded.sound.tolist() == []
-    assert decoded.table.rows == 0
-    assert set(decoded.table.columns) == {"b", "c", "d"}
-    assert decoded.table.numbers("a").shape == (0,)
-    assert set(decoded.table.nested("c").table.columns) == {"x"}
-
-
-def test_elements_of_one_message_stay_in_their_order() -> None:
-    definition = define(1, Root="Inner[] inner", Inner="uint32 number\nstring text")
-    author = Author(definition, "ros1", 0)
-    counts = [3, 0, 5, 1]
-    messages = [
-        author.serialise(
-            author.message(
-                ROOT,
-                inner=[
-                    author.message("demo/Inner", number=number, text="x" * (5 - number))
-                    for number in range(count)
-                ],
-            )
-        )
-        for count in counts
-    ]
-
-    nested = decode_messages(definition.layout("ros1"), messages).table.nested("inner")
-
-    for row, count in enumerate(counts):
-        assert nested.table.numbers("number")[nested.parent == row].tolist() == list(range(count))
-
-
 def test_ros1_times_are_unsigned_and_durations_are_signed() -> None:
     definition = define(1, Root="time at\nduration lasting")
     data = bytes.fromhex("ffffffff fffffffe ffffffff fffffffe")
@@ -186,37 +149,6 @@ def test_an_empty_message_takes_nothing_in_ros1() -> None:
     assert decoded.table.nested("many").table.rows == 0
 
 
-def test_a_fixed_array_of_empty_messages_takes_nothing_in_ros1() -> None:
-    definition = define(1, Root="Empty[2] nothing\nuint8 number\nEmpty[3] none", Empty="")
-
-    decoded = decode_alone(definition.layout("ros1"), b"\x2a")
-
-    assert decoded.sound.all()
-    assert decoded.table.numbers("number").tolist() == [42]
-    assert decoded.table.nested("none").parent.tolist() == [0, 0, 0]
-
-
-def test_an_array_of_no_elements_is_a_column_of_no_width() -> None:
-    definition = define(1, Root="uint8 before\nfloat64[0] none\nuint8 after")
-
-    table = decode_alone(definition.layout("ros1"), b"\x01\x02").table
-
-    assert table.numbers("none").shape == (1, 0)
-    assert table.numbers("after").tolist() == [2]
-
-
-def test_a_cdr_string_of_recorded_length_zero_is_empty() -> None:
-    # Some writers leave the terminator of an empty string out; rosbags refuses that.
-    definition = define(2, Root="string text\nuint32 number")
-    data = bytes.fromhex("00010000 00000000 2a000000")
-
-    decoded = decode_alone(definition.layout("cdr little-endian"), data)
-
-    assert decoded.sound.all()
-    assert decoded.table.texts("text").text(0) == ""
-    assert decoded.table.numbers("number").tolist() == [42]
-
-
 def test_text_that_is_not_utf_8_is_replaced() -> None:
     definition = define(1, Root="string text")
 
@@ -236,19 +168,3 @@ def test_encoded_texts_are_numbered_by_their_first_appearance(texts: list[str]) 
 
     assert list(names) == list(dict.fromkeys(texts))
     assert [names[number] for number in code] == texts
-
-
-def test_cdr_elements_are_padded_between_but_not_after_the_last() -> None:
-    definition = define(2, Root="Pair[] pairs\nuint8 after", Pair="float64 x\nuint8 y")
-    count, gap = bytes.fromhex("00010000 02000000 00000000"), bytes(7)
-    pairs = [np.float64(x).tobytes() + bytes([y]) for x, y in ((1.5, 7), (2.5, 8))]
-    message = count + gap.join(pairs) + b"\x09"
-    layout = definition.layout("cdr little-endian")
-
-    decoded = decode_messages(layout, [message, message[:-1], message[:-2]])
-
-    assert decoded.sound.tolist() == [True, False, False]
-    nested = decoded.table.nested("pairs").table
-    assert nested.numbers("x").tolist() == [1.5, 2.5]
-    assert nested.numbers("y").tolist() == [7, 8]
-    assert decoded.table.numbers("after").tolist() == [9]

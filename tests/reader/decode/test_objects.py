@@ -7,14 +7,19 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.errors import DefinitionError
-from dogbot_logtool.reader.decode.fields import number, table, text, time
+from dogbot_logtool.reader.decode.fields import Field, Kind
 from dogbot_logtool.reader.decode.objects import (
     check_object_type,
     decode_object,
     table_of_rows,
 )
 
-FIELDS = (time("stamp"), text("name"), number("at.x"), table("parts", number("size")))
+FIELDS = (
+    Field("stamp", Kind.TIME),
+    Field("name", Kind.TEXT),
+    Field("at.x", Kind.NUMBER),
+    Field("parts", Kind.TABLE, inside=(Field("size", Kind.NUMBER),)),
+)
 SOUND = {
     "stamp": {"sec": 5, "nsec": 7},
     "name": "é",

@@ -1,36 +1,19 @@
 """The synthetic walk in messages that tell of all feet: the same contacts, forces and arrows."""
 
-from collections.abc import Callable
-from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from mcap.reader import make_reader
-from mcap_ros2.decoder import DecoderFactory
 from rosbags.typesys import get_types_from_msg
 
-from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.option import part_of
-from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
+from dogbot_logtool.options import InfoOptions, MeasureOptions
 from dogbot_logtool.report.documents import stats_json
 from tests.oracles import state_walks, walks
 from tests.oracles.state_walks import StateWalk
 from tests.reader.messages.test_sources import steps
-
-Figures = Callable[[str], dict[str, Any]]
-POINTS = ("quad_msgs/msg/GRFArray", "go2_interfaces/msg/Go2State", "dwl_msgs/msg/WholeBodyState")
-"""Kinds with points in the world, and from the base in swing, too, or only in stance."""
-FRAMES = (
-    "quad_msgs/msg/GRFArray",
-    "anymal_msgs/msg/AnymalState",
-    "pronto_msgs/msg/QuadrupedForceTorqueSensors",
-)
-"""Kinds with forces in the world, by evidence, and in a frame that nobody knows."""
 
 
 def written(folder: Path, kind: str, walk: StateWalk | None = None) -> Path:
@@ -55,69 +38,6 @@ def robot_file(folder: Path) -> Path:
 def figures(path: Path, topics: MeasureOptions) -> dict[str, Any]:
     done = measure(path, topics)
     return stats_json(done)
-
-
-@pytest.fixture(scope="module")
-def figures_of(tmp_path_factory: pytest.TempPathFactory) -> Figures:
-    """Figures of the walk in a kind of message, measured once."""
-
-    @cache
-    def measured(kind: str) -> dict[str, Any]:
-        folder = tmp_path_factory.mktemp("walk")
-        return figures(written(folder, kind), options(folder, kind))
-
-    return measured
-
-
-@pytest.mark.parametrize("kind", FRAMES)
-def test_forces_are_those_of_the_walk(figures_of: Figures, kind: str) -> None:
-    got = figures_of(kind)
-    for leg in walks.LEGS:
-        vertical = walks.FORCES[leg][:, 2]
-        peak = got["feet"][leg]["peak_force_n"]
-        assert (peak["min"], peak["max"]) == pytest.approx((vertical.max(),) * 2, rel=2e-5)
-        impulse = got["feet"][leg]["vertical_impulse_ns"]
-        if kind in (*state_walks.IN_WORLD, "anymal_msgs/msg/AnymalState"):
-            times = np.arange(walks.SAMPLES) * walks.STEP / 1e9
-            assert impulse == pytest.approx(np.trapezoid(vertical, times), rel=1e-6)
-        else:
-            assert impulse is None
-
-
-@pytest.mark.parametrize("kind", POINTS)
-def test_arrows_start_at_the_feet(tmp_path: Path, kind: str) -> None:
-    path, target = written(tmp_path, kind), tmp_path / "out.mcap"
-    convert(
-        path,
-        target,
-        replace(part_of(options(tmp_path, kind), ConvertOptions), encoding="ros2", copy=False),
-    )
-    places, feet, lengths = [], [], set()
-    topics = [f"/marker_basic_{leg}_foot" for leg in walks.LEGS]
-    with target.open("rb") as stream:
-        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
-        for _, channel, message, marker in reader.iter_decoded_messages(topics):
-            leg = channel.topic.removeprefix("/marker_basic_").removesuffix("_foot")
-            sample = (message.log_time - walks.START) // walks.STEP
-            if marker.action != 0:
-                continue
-            assert walks.TOUCHES[leg][sample]
-            at = marker.pose.position
-            places.append((at.x, at.y, at.z))
-            feet.append(state_walks.foot_position(leg, sample))
-            lengths.add(round(marker.scale.x / walks.FORCES[leg][sample, 2], 8))
-    assert len(lengths) == 1
-    assert len(places) == sum(int(touch.sum()) for touch in walks.TOUCHES.values())
-    np.testing.assert_allclose(places, feet, rtol=0.0, atol=1e-6)
-
-
-@pytest.mark.parametrize("kind", POINTS)
-def test_stride_length_comes_from_the_feet(figures_of: Figures, kind: str) -> None:
-    got = figures_of(kind)
-    for leg in walks.LEGS:
-        length = got["feet"][leg]["stride_length_m"]
-        assert length["median"] == pytest.approx(0.003 * walks.PERIOD, abs=1e-5)
-        assert got["feet"][leg]["contact_travel_m"]["max"] == pytest.approx(0.0, abs=1e-5)
 
 
 @pytest.mark.parametrize("kind", state_walks.KINDS)

@@ -10,7 +10,6 @@ from mcap.reader import make_reader
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.writer.encodings.registry import (
-    DEFAULT_ENCODING,
     ENCODINGS,
     OutputEncoding,
 )
@@ -23,24 +22,6 @@ TROT = SAMPLE_LOGS / "dogbot_trot.bag"
 def header_profile(path: Path) -> str:
     with path.open("rb") as file:
         return make_reader(file).get_header().profile
-
-
-@pytest.mark.parametrize(
-    ("name", "profile", "message_encoding"),
-    [("foxglove", "", "protobuf"), ("ros1", "ros1", "ros1"), ("ros2", "ros2", "cdr")],
-)
-def test_profile_and_messages(
-    tmp_path: Path, name: str, profile: str, message_encoding: str
-) -> None:
-    assert ENCODINGS[name].load().load_type.message_encoding == message_encoding
-    target = tmp_path / "out.mcap"
-    convert(TROT, target, ConvertOptions(encoding=name, copy=False, end=0.1))
-    assert header_profile(target) == ENCODINGS[name].profile == profile
-
-
-def test_the_names() -> None:
-    assert list(ENCODINGS) == ["foxglove", "ros1", "ros2"]
-    assert DEFAULT_ENCODING == "foxglove"
 
 
 def test_a_row_is_all_that_an_encoding_needs(
