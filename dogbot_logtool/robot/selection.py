@@ -86,11 +86,6 @@ class Selection:
         return bool(self.odometry) or self.base_from_legs
 
     @property
-    def has_feet(self) -> bool:
-        """Whether there are contacts of feet, recorded or worked out."""
-        return bool(self.contacts) or bool(self.contact_from)
-
-    @property
     def has_points(self) -> bool:
         """Whether feet have contact points."""
         return bool(self.contact_from) or any(source.has_points for source in self.sources)

@@ -7,7 +7,15 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, norms, percentiles_of
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Floats,
+    Ints,
+    median_of,
+    median_of_known,
+    norms,
+    percentiles_of,
+)
 from dogbot_logtool.core.base.jumps import SMALLEST_JUMP_M
 from dogbot_logtool.core.checks.sensors import foot_is_saturated
 from dogbot_logtool.core.contact.stances import Cut, Stances
@@ -292,8 +300,8 @@ def early_touchdowns(foot: int, steps: FootSteps, walks: Sequence[Segment]) -> I
     if len(stance) < FEWEST_SWINGS + 2:
         return
     swing = _swings_s(stances, steps.record.gaps)
-    usual_swing = _usual(swing, np.minimum)
-    usual_stance = _usual(np.where(stances.whole, stance, np.nan), np.maximum)
+    usual_swing = _usual(swing, np.fmin)
+    usual_stance = _usual(np.where(stances.whole, stance, np.nan), np.fmax)
     short = stance < SHORT_STANCE * usual_stance
     early = (swing > BOUNCE * usual_swing) & (swing < EARLY * usual_swing) & stances.whole
     # Feet that are told rarely seem to touch down early by up to two samples.
@@ -344,19 +352,14 @@ def _usual(values: Floats, of: np.ufunc) -> Floats:
     unknown = np.full(NEIGHBOURS, np.nan)
     padded = np.concatenate([unknown, np.where(np.isfinite(values), values, np.nan), unknown])
     windows = np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS)
-    before, after = _medians(windows[: len(values)]), _medians(windows[NEIGHBOURS + 1 :])
-    both = of(before, after)
-    usual: Floats = np.where(np.isnan(before), after, np.where(np.isnan(after), before, both))
+    usual: Floats = of(_medians(windows[: len(values)]), _medians(windows[NEIGHBOURS + 1 :]))
     return usual
 
 
 def _medians(windows: Floats) -> Floats:
     """(n,) the median of what each row, (n, w), knows; NaN of fewer than `FEWEST_SWINGS`."""
-    known = np.isfinite(windows).sum(axis=1)
-    # NaN is sorted to the end.
-    ordered, rows = np.sort(windows, axis=1), np.arange(len(windows))
-    middle = ordered[rows, np.maximum(known - 1, 0) // 2] + ordered[rows, known // 2]
-    return np.where(known < FEWEST_SWINGS, np.nan, middle / 2.0)
+    few = np.isfinite(windows).sum(axis=1) < FEWEST_SWINGS
+    return np.where(few, np.nan, median_of_known(windows, axis=1))
 
 
 def _inside(segments: Sequence[Segment], time: Ints) -> Flags:
