@@ -85,7 +85,9 @@ def _measured(walk: Stats, corrected: Corrected) -> Stats:
     origin, end = _extent(records, walk.poses)
     positions = [foot.leg_position for foot in settings.feet]
     forward_rad = FORWARD_ANGLES[settings.forward_axis]
-    swapped, pairs = swapped_pairs(walk.placed_poses, records, positions, forward_rad)
+    # In another world, contact points tell nothing of the body's sides.
+    placed = walk.poses.without_poses() if walk.worlds_differ else walk.placed_poses
+    swapped, pairs = swapped_pairs(placed, records, positions, forward_rad)
     stable, unstable = stability_in(walk)
     # In segments with strides the robot steps.
     steps = [each.spans for each in segments if each.strides]
@@ -144,7 +146,8 @@ def _command_track(
     from dogbot_logtool.core.commands import follow_commands  # noqa: PLC0415
 
     axis, jumps = walk.settings.forward_axis, walk.jumps.spans
-    return follow_commands(commands, walk.poses, jumps, axis, stepping, walk.period_s)
+    poses = walk.track.history
+    return follow_commands(commands, poses, jumps, axis, stepping, walk.period_s)
 
 
 def _imu(walk: Stats, inertial: "VectorHistory | None") -> "ImuComparison | None":
