@@ -203,6 +203,8 @@ class _Part:
 
 def _link(source: Path, path: Path) -> bool:
     """Give a file one more name; tell whether that was free."""
+    if not callable(getattr(os, "link", None)):
+        raise NotImplementedError("this system has no hard links")
     folder = os.open(path.parent, getattr(os, "O_PATH", os.O_RDONLY))
     try:
         # Only with a directory given does Python follow the link that stands for an open file.
