@@ -215,6 +215,8 @@ def part_of(options: object, record: Callable[..., R]) -> R:
 
 def _unknown(name: str, known: Sequence[str]) -> str:
     instead = instead_of("--" + name.replace("_", "-"))
+    if instead and "--set" in instead:
+        instead += '; in Python set={"FIELD": value}'
     return (
         f"{name!r} is gone: {instead}"
         if instead

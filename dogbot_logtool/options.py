@@ -74,7 +74,7 @@ class JobOptions:
     """How much is done at once."""
 
     jobs: Annotated[int, As("N", range=Range(1, 256, is_whole=True))] = 1
-    """Processes; default: as many as there are cores. The result is the same."""
+    """Processes at work; default: all cores, in Python 1. The result is the same."""
 
 
 @dataclass(frozen=True)

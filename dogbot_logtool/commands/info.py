@@ -1,5 +1,6 @@
 """`dogbot-logtool info`: what is in a log, what will be used, and what is wrong with it."""
 
+from collections.abc import Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from typing import Final
@@ -25,7 +26,7 @@ from dogbot_logtool.robot.frames.frames import Frames, read_frames
 from dogbot_logtool.robot.measuring.plan import settings_of
 from dogbot_logtool.robot.measuring.side_topics import side_topics
 from dogbot_logtool.robot.message_feet import is_planned
-from dogbot_logtool.robot.robot_model.joint_motion import joint_channels
+from dogbot_logtool.robot.robot_model.joint_motion import joint_channels, own_description
 from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.run.runner import OnProgress
 
@@ -67,6 +68,7 @@ def describe(
             known = _with_all_frames(known, frames, ours)
         findings, added = _outlook(recorded, selection, known)
         findings += stamps
+        findings = _with_legs(recorded, selection, options, findings)
         if frames is not None:
             findings += frame_findings(frames, added)
         duration_ns = None
@@ -93,6 +95,25 @@ def describe(
         )
     finally:
         log.close()
+
+
+def _with_legs(
+    log: Log, selection: Selection, options: InfoOptions, findings: Sequence[Finding]
+) -> list[Finding]:
+    """Say that joints stand in for feet and poses that the log lacks, where they may."""
+    lacking = {"NO_FEET": not selection.contacts, "NO_BASE": not selection.odometry}
+    missing = {code for code, lacks in lacking.items() if lacks}
+    if not missing or not joint_channels(log):
+        return list(findings)
+    if options.urdf is None and own_description(log) is None:
+        return list(findings)
+    text = "joint states and the robot description stand in for {}, as far as they fit: estimated"
+    found = [each for each in findings if each.code not in missing]
+    if "NO_FEET" in missing:
+        found.append(Finding("CONTACT_ESTIMATED", text.format("sensors of the feet")))
+    if "NO_BASE" in missing:
+        found.append(Finding("BASE_FROM_LEGS", text.format("poses of the base")))
+    return found
 
 
 def _first_seconds(log: Log, selection: Selection) -> tuple[KnownFrames, list[Finding], int]:

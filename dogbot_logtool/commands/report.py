@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
+from pathlib import Path
 from typing import Any, BinaryIO
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_log
@@ -16,6 +17,7 @@ from dogbot_logtool.report.page.render import ALONE, Beside, page
 from dogbot_logtool.report.page.replay import frame_times, replay
 from dogbot_logtool.results import Measurement, Page
 from dogbot_logtool.robot.annotated import open_recorded
+from dogbot_logtool.robot.robot_model.description import read_urdf
 from dogbot_logtool.robot.robot_model.joint_motion import joint_motion
 from dogbot_logtool.robot.robot_model.limbs import find_limbs
 from dogbot_logtool.run.runner import OnProgress
@@ -79,7 +81,7 @@ class Reports:
         log = open_recorded(source, self._options.joined)
         try:
             found = measure_log(log, self._options, progress)
-            replay = replay_of(log, found) if self._with_replay else None
+            replay = replay_of(log, found, self._options.urdf) if self._with_replay else None
             return found.measurement, replay
         finally:
             log.close()
@@ -126,17 +128,18 @@ def _page_of(
     return page(measured, size, replay=replay, beside=beside)
 
 
-def replay_of(log: Log, found: MeasuredLog) -> dict[str, Any] | None:
+def replay_of(log: Log, found: MeasuredLog, urdf: Path | None = None) -> dict[str, Any] | None:
     """Return what the page's replay draws; None without poses of the base.
 
     Args:
         log: an open log.
         found: its figures and columns.
+        urdf: the user's robot description.
     """
     walk = found.measurement.stats
     if not len(walk.base_history.time):
         return None
     frames, time, settings = walk.frames, frame_times(walk), walk.settings
-    motion = joint_motion(log, frames, frames.base, None)
+    motion = joint_motion(log, frames, frames.base, read_urdf(urdf) if urdf else None)
     limbs = find_limbs(walk.recording, found.selection, frames, motion, settings.clock, time)
     return replay(walk, time, limbs)

@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Final
 
 from dogbot_logtool.conversion.copying import channels_left_out, copy_findings
+from dogbot_logtool.core.checks.frames import stamp_findings
 from dogbot_logtool.core.checks.sensors import sensor_findings
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.known_frames import KnownFrames
@@ -70,7 +71,7 @@ def make_plan(
     """
     style, encoding = ARROW_STYLES[options.style], ENCODINGS[options.encoding]
     robot, settings, frames = selection.robot, walk.settings, walk.frames
-    findings = [*selection.findings]
+    findings = [*selection.findings, *stamp_findings(walk.recording, settings)]
     known_weight_n = body_weight_n(robot.mass_kg)
     weight_n = known_weight_n or settings.estimated_weight_n
     sensors = [settings.sensor(row) for row in range(len(robot.feet))]

@@ -107,7 +107,8 @@ def correct(recording: Recording, settings: StatsSettings) -> Corrected:
     places = _places(samples, recording.base, settings)
     turned = None
     if turning is None:
-        samples = _without_places(samples, places)
+        # Places that legs tell are in the world already.
+        samples = samples if settings.contact_from else _without_places(samples, places)
     else:
         tracks = turning.tracks(recording.transforms, recording.base)
         samples, counts = turning.place(samples, tracks)

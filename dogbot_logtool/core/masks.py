@@ -13,6 +13,7 @@ from dogbot_logtool.core.base.frozen import find_frozen, without_frozen
 from dogbot_logtool.core.base.ground import height_drift_m, height_over_feet
 from dogbot_logtool.core.base.jumps import find_jumps, without_jumps
 from dogbot_logtool.core.base.motion import BaseTrack, base_motion, find_travel
+from dogbot_logtool.core.base.moving_ground import find_moving_ground
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.base.witness import feet_witness
 from dogbot_logtool.core.consistency.stopped import without_stopped
@@ -113,7 +114,10 @@ def mask_walk(corrected: Corrected) -> Stats:
     delay = None if apart else _long_delay(records, base, period_s, strides)
     apart = apart | {settings.odometry_topic} if delay else apart
     rise_m = height_drift_m(base, height, strides)
-    track = BaseTrack(base, find_travel(base), height, records, standing.still)
+    placed_by_poses = any(path is not None for path in corrected.places)
+    ground = find_moving_ground(records, base, placed_by_poses=placed_by_poses)
+    walked = base if ground is None else ground.on_ground(base)
+    track = BaseTrack(walked, find_travel(walked), height, records, standing.still)
     guessed = settings.forward_axis
     motion = base_motion(track, guessed)
     settings = with_forward_axis(settings, track, motion)
@@ -128,6 +132,7 @@ def mask_walk(corrected: Corrected) -> Stats:
             fallen,
             standing,
             path=None if path is None else path.in_world(base),
+            ground=ground,
             is_dead=dead[row],
         )
         for row, (record, path) in enumerate(zip(records, corrected.places, strict=True))
@@ -147,6 +152,7 @@ def mask_walk(corrected: Corrected) -> Stats:
         jumps=jumps,
         frozen=frozen,
         witness=witness,
+        ground=ground,
         placed_poses=placed,
         track=track,
         base=motion,

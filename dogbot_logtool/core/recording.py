@@ -6,6 +6,7 @@ from dataclasses import field
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.corrections.clock import Stamped
 from dogbot_logtool.core.frames.transforms import RecordedTransforms, no_transforms
 from dogbot_logtool.core.legs.joints import JointTable
 from dogbot_logtool.core.vectors import VectorSamples
@@ -63,3 +64,15 @@ class Recording:
     """Contact states between other bodies than the foot."""
     out_of_order: int = 0
     """Messages that stand behind later ones of their channel in the file."""
+
+
+def has_own_stamps(columns: Stamped) -> bool:
+    """Tell whether messages have stamps, and not only the log times that stand in for them."""
+    return bool(columns.stamp.any() and (columns.stamp != columns.log_time).any())
+
+
+def is_stamped(recording: Recording) -> bool:
+    """Tell whether feet and base have stamps of their own, or have been given them."""
+    used: list[Stamped] = [each for each in recording.feet if len(each.log_time)]
+    used += [recording.base] if len(recording.base.log_time) else []
+    return all(has_own_stamps(each) for each in used)

@@ -9,6 +9,7 @@ from dogbot_logtool.core.base.falls import Tipping
 from dogbot_logtool.core.base.frozen import Frozen
 from dogbot_logtool.core.base.jumps import PoseJumps
 from dogbot_logtool.core.base.motion import BaseTrack
+from dogbot_logtool.core.base.moving_ground import MovingGround
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.base.witness import Witness
 from dogbot_logtool.core.consistency.worlds import Worlds
@@ -70,6 +71,8 @@ class Stats:
     none."""
     witness: Witness | None
     """The base's motion by its feet; None: their places are not known."""
+    ground: MovingGround | None
+    """How the ground moves; None: it rests."""
     placed_poses: BaseHistory
     """Poses among the contact points: with jumps, if these jump with the odometry."""
     track: BaseTrack

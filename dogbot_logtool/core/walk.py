@@ -144,7 +144,8 @@ def _command_track(
     from dogbot_logtool.core.commands import follow_commands  # noqa: PLC0415
 
     axis, jumps = walk.settings.forward_axis, walk.jumps.spans
-    return follow_commands(commands, walk.poses, jumps, axis, stepping, walk.period_s)
+    poses = walk.track.history
+    return follow_commands(commands, poses, jumps, axis, stepping, walk.period_s)
 
 
 def _imu(walk: Stats, inertial: "VectorHistory | None") -> "ImuComparison | None":

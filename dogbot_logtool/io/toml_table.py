@@ -178,11 +178,22 @@ class TomlTable:
             raise self._wrong(key, value, "a table")
         return TomlTable(self._file, (*self._keys, key))
 
+    def take(self, key: str, is_right: Callable[[Any], bool], wanted: str) -> Any:  # noqa: ANN401 - any TOML value
+        """Take a value; None where there is none.
+
+        Args:
+            key: of the value.
+            is_right: tells whether it may be so.
+            wanted: what it must be, to end a sentence with.
+        """
+        value = self._values.pop(key, None)
+        if value is not None and not is_right(value):
+            raise self._wrong(key, value, wanted)
+        return value
+
     def text(self, key: str) -> str | None:
         """Take a text."""
-        value = self._values.pop(key, None)
-        if value is not None and not isinstance(value, str):
-            raise self._wrong(key, value, "a text")
+        value: str | None = self.take(key, _is_text, "a text")
         return value
 
     def frame(self, key: str) -> str | None:
@@ -192,61 +203,40 @@ class TomlTable:
             raise self._wrong(key, value, "a frame name without a leading slash")
         return value
 
-    def choice(self, key: str, choices: tuple[str, ...]) -> str | None:
-        """Take one of some words."""
-        value = self.text(key)
-        if value is not None and value not in choices:
-            raise self._wrong(key, value, f"one of {', '.join(choices)}")
-        return value
-
     def positive(self, key: str) -> float | None:
         """Take a number above 0."""
-        value = self._values.pop(key, None)
-        if value is None:
-            return None
-        if not _is_number(value) or value <= 0:
-            raise self._wrong(key, value, "a number above 0")
-        return float(value)
+        value = self.take(key, lambda one: _is_number(one) and one > 0, "a number above 0")
+        return None if value is None else float(value)
 
     def number(self, key: str) -> float | None:
         """Take a number."""
-        value = self._values.pop(key, None)
-        if value is None:
-            return None
-        if not _is_number(value):
-            raise self._wrong(key, value, "a number")
-        return float(value)
+        value = self.take(key, _is_number, "a number")
+        return None if value is None else float(value)
 
     def count(self, key: str) -> int | None:
         """Take an index into an array."""
-        value = self._values.pop(key, None)
-        if value is None:
-            return None
-        if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 100:
-            raise self._wrong(key, value, "an index into an array, counted from 0")
+        wanted = "an index into an array, counted from 0"
+        value: int | None = self.take(key, lambda one: type(one) is int and 0 <= one < 100, wanted)
         return value
 
     def vector(self, key: str) -> tuple[float, float, float] | None:
         """Take x, y and z."""
-        value = self._values.pop(key, None)
-        if value is None:
-            return None
-        if not isinstance(value, list) or len(value) != 3 or not all(map(_is_number, value)):
-            raise self._wrong(key, value, "three numbers such as [0.0, 0.0, -0.02]")
-        x, y, z = map(float, value)
-        return x, y, z
+        value = self.take(key, _is_vector, "three numbers such as [0.0, 0.0, -0.02]")
+        return None if value is None else (float(value[0]), float(value[1]), float(value[2]))
 
     def words(
         self, key: str, choices: tuple[frozenset[str], frozenset[str]], example: str
     ) -> tuple[str, str] | None:
         """Take a pair of words, each one of its own choices."""
-        value = self._values.pop(key, None)
-        if value is None:
-            return None
-        match value:
-            case [str(first), str(second)] if first in choices[0] and second in choices[1]:
-                return first, second
-        raise self._wrong(key, value, f"a pair such as {example}")
+
+        def is_right(value: object) -> bool:
+            match value:
+                case [str(first), str(second)]:
+                    return first in choices[0] and second in choices[1]
+            return False
+
+        value = self.take(key, is_right, f"a pair such as {example}")
+        return None if value is None else (value[0], value[1])
 
     def refuse_leftovers(self, hint: str) -> None:
         """Refuse keys that were not read.
@@ -259,6 +249,14 @@ class TomlTable:
 
     def _wrong(self, key: str, value: object, wanted: str) -> CallError:
         return self.fault(key, f"{self.path(key)} is {shortened(value)}; it must be {wanted}")
+
+
+def _is_text(value: object) -> bool:
+    return isinstance(value, str)
+
+
+def _is_vector(value: object) -> bool:
+    return isinstance(value, list) and len(value) == 3 and all(map(_is_number, value))
 
 
 def _is_number(value: object) -> bool:
@@ -283,7 +281,8 @@ def toml_field(
 
 def one_of(*choices: str) -> Callable[[TomlTable, str], str | None]:
     """Return what takes one of some words."""
-    return lambda table, key: table.choice(key, choices)
+    wanted = f"one of {', '.join(choices)}"
+    return lambda table, key: table.take(key, lambda one: one in choices, wanted)
 
 
 def take_fields(record: type[Any], table: TomlTable, hint: str) -> dict[str, Any]:

@@ -34,6 +34,7 @@ from dogbot_logtool.robot.base_candidates import (
     frame_pair,
     likely_base,
 )
+from dogbot_logtool.robot.other_robots import is_of_another_robot, of_another_robot
 from dogbot_logtool.robot.readable import require_topic, split_topic
 from dogbot_logtool.robot.robot import Robot
 
@@ -79,6 +80,10 @@ def choose_base(
     if own is not None:
         return _chosen(log, robot, own, findings)
     found = base_candidates(log, robot, feet)
+    foreign = [each.topic for each in found if is_of_another_robot(each.topic, feet)]
+    if foreign:
+        found = [each for each in found if each.topic not in foreign]
+        findings.append(of_another_robot(foreign, [each.name for each in found], feet))
     best = next((each for each in found if each.is_sure), None)
     others = [each for each in found if each is not best]
     if best is None:

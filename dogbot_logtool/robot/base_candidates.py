@@ -30,6 +30,7 @@ from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.first_messages import first_messages
+from dogbot_logtool.robot.readable import message_count, why_unreadable
 from dogbot_logtool.robot.robot import Robot
 
 _DEEPEST: Final = 4
@@ -154,15 +155,10 @@ def base_candidates(log: Log, robot: Robot, feet: Collection[str]) -> list[BaseC
             sure = _of_same_robot(sure, feet)
             sure = [] if of_type[0].source.anything and len(sure) > 1 else sure
         if type_name == ODOMETRY_TYPE:
-            of_type.sort(key=lambda each: _frequency(log, each.topic))
+            of_type.sort(key=lambda each: (-message_count(log, each.topic), len(each.topic)))
         found += [replace(each, is_sure=each.name in sure) for each in of_type]
     found += _in_unknown_messages(log)
     return sorted(found, key=lambda each: (not each.is_sure, each.is_planned))
-
-
-def _frequency(log: Log, topic: str) -> tuple[int, int]:
-    """Sort topics by their messages, the most first, then by the length of their names."""
-    return -sum(log.counts.get(c.id, 0) for c in log.channels_by_topic[topic]), len(topic)
 
 
 def _sources(log: Log, type_name: str) -> Mapping[str, Source]:
@@ -193,7 +189,7 @@ def elements_in(log: Log, topic: str, source: Source) -> frozenset[str]:
     """Return what a topic's messages hold poses of, by its first messages."""
     found: set[str] = set()
     for channel in log.channels_by_topic[topic]:
-        if base_type(channel.type_name) == source.type_name:
+        if base_type(channel.type_name) == source.type_name and not why_unreadable(channel):
             for messages in first_messages(log, channel, source.fields):
                 found |= choices(source, messages)
     return frozenset(found)

@@ -6,7 +6,6 @@ from dataclasses import replace
 from itertools import islice
 from typing import Final
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, DefinitionError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed, shell_quoted
@@ -21,6 +20,7 @@ from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.source import FOOT_TYPES, Source
 from dogbot_logtool.robot.message_feet import feet_of_messages, front_to_back
 from dogbot_logtool.robot.names import FootSet, leg_position, name_feet
+from dogbot_logtool.robot.offers import alternatives
 from dogbot_logtool.robot.readable import (
     most_frequent,
     require_topic,
@@ -38,20 +38,6 @@ _RARE: Final = 2
 """States that come less often than this fraction of others are rare."""
 _MOST_OFFERED: Final = 16
 """Sets of topics of a type that are looked at more closely."""
-_ALTERNATIVES: Final = 3
-"""Sets of topics that are offered beside the most likely one."""
-
-
-@dataclass(frozen=True, slots=True)
-class FootOffer:
-    """Topics that may be feet, for the user to decide."""
-
-    text: str
-    """Which topics, and which feet they seem to be."""
-    options: str
-    """Words for a shell that choose the most likely ones: ``--foot left=/left_foot/wrench``."""
-    topics: frozenset[str]
-    """Those of the most likely ones."""
 
 
 # --- by the user's word --------------------------------------------------------------------------
@@ -146,7 +132,7 @@ def foot_channels(log: Log, robot: Robot, topic: str) -> list[Channel]:
 # --- by types and names --------------------------------------------------------------------------
 
 
-def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, FootOffer | None]:
+def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, Sequence[FootSet]]:
     """Find a robot's feet in a log.
 
     Args:
@@ -159,7 +145,7 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, F
         CallError: two feet would be the same in the messages of a topic.
 
     Returns:
-        the robot with its feet, and other topics that may be feet if none surely are.
+        the robot with its feet, and sets of topics that may be feet if none surely are.
     """
     types = contact_types(log.channels.values())
     named = {foot.topic for foot in robot.feet if foot.field is not None}
@@ -179,12 +165,12 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, F
             findings.append(Finding("NO_MESSAGES", text, foot.topic))
         # Their messages are not read, so that what rests on all feet is not known.
         missing = (replace(foot, topic="", element=None, label="") for foot in unnamed)
-        return replace(robot, feet=(*feet, *missing)), None
+        return replace(robot, feet=(*feet, *missing)), ()
     findings += told
     if not found and not offered:
         is_recorded = any(channel.type_name in types for channel in log.channels.values())
         findings.append(Finding("NO_FEET", _without_feet(sorted(topics), is_recorded=is_recorded)))
-    return replace(robot, feet=found), _offer(offered) if offered and not found else None
+    return replace(robot, feet=found), () if found else offered
 
 
 def _unnamed(found: Sequence[Foot], feet: Sequence[Foot]) -> list[Foot]:
@@ -296,26 +282,8 @@ def _missing(text: str, where: str, foot: str) -> Finding:
 def _found(feet: Sequence[Foot], others: Sequence[FootSet] = ()) -> Finding:
     text = f"feet are found by type and name: {', '.join(f'{f.name} = {f.topic}' for f in feet)}"
     if others:
-        text += f"; not chosen, but possible: {_alternatives(others)}"
+        text += f"; not chosen, but possible: {alternatives(others)}"
     return Finding("TOPICS_CHOSEN", text)
-
-
-def _alternatives(sets: Sequence[FootSet]) -> str:
-    return " or ".join(_foot_options(one) for one in sets[:_ALTERNATIVES])
-
-
-def _offer(offered: Sequence[FootSet]) -> FootOffer:
-    first, *others = offered
-    text = ", ".join(f"{foot.name} = {foot.topic}" for foot in first.feet)
-    text += f"; or {_alternatives(others)}" if others else ""
-    if len(others) > _ALTERNATIVES:
-        text += f" or {len(others) - _ALTERNATIVES} other sets of topics"
-    return FootOffer(text, _foot_options(first), first.topics)
-
-
-def _foot_options(feet: FootSet) -> str:
-    """Return the words for a shell that choose these feet."""
-    return " ".join(f"--foot {foot.name}={shell_quoted(foot.topic)}" for foot in feet.feet)
 
 
 def _without_feet(topics: Sequence[str], *, is_recorded: bool) -> str:

@@ -1,4 +1,4 @@
-"""What is said of fields that may be feet: which, why, and the command that measures with them."""
+"""What is said of topics and fields that may be feet: which, why, and how to take them."""
 
 from collections.abc import Sequence
 from pathlib import PurePath
@@ -8,11 +8,42 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed, shell_joined, shell_quoted
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
+from dogbot_logtool.robot.names import FootSet
 from dogbot_logtool.robot.unknown import FootCandidates, word_of
 from dogbot_logtool.robot.words import ENDS, SIDES, words_of
 
+_ALTERNATIVES: Final = 3
+"""Sets of topics that are offered beside the most likely one."""
 _IN_A_SOLE: Final = frozenset({*ENDS, *SIDES, "heel", "inner", "inside", "outer", "outside", "toe"})
 """Words, beside numbers, that tell apart the sensors in a sole."""
+
+
+def topics_finding(sets: Sequence[FootSet], call: str) -> Finding:
+    """Return which topics may be feet, and the command that chooses them.
+
+    Args:
+        sets: at least one, the most likely first.
+        call: a call of `stats` without the feet.
+    """
+    first, *others = sets
+    which = ", ".join(f"{foot.name} = {foot.topic}" for foot in first.feet)
+    which += f"; or {alternatives(others)}" if others else ""
+    if len(others) > _ALTERNATIVES:
+        which += f" or {len(others) - _ALTERNATIVES} other sets of topics"
+    command = f"{call} {alternatives([first])}"
+    text = (
+        f"feet may be among the topics, but their names do not tell surely: {which}; "
+        f"no arrows, no gait, until --foot says which they are: {command}"
+    )
+    return Finding("FEET_UNSURE", text, command=command)
+
+
+def alternatives(sets: Sequence[FootSet]) -> str:
+    """Return the words for a shell that choose the first of some sets."""
+    return " or ".join(
+        " ".join(f"--foot {foot.name}={shell_quoted(foot.topic)}" for foot in one.feet)
+        for one in sets[:_ALTERNATIVES]
+    )
 
 
 def split_cells(found: Sequence[FootCandidates]) -> tuple[list[FootCandidates], list[Finding]]:

@@ -43,13 +43,14 @@ def topics_of_type(log: Log, types: AbstractSet[str]) -> list[str]:
     return sorted({channel.topic for channel in of_type if not why_unreadable(channel)})
 
 
+def message_count(log: Log, topic: str) -> int:
+    """Return how many messages of a topic the index counts."""
+    return sum(log.counts.get(channel.id, 0) for channel in log.channels_by_topic.get(topic, ()))
+
+
 def most_frequent(log: Log, topics: Iterable[str]) -> str:
     """Return the topic with the most messages; of several, the one with the shortest name."""
-    counts = {
-        topic: sum(log.counts.get(c.id, 0) for c in log.channels_by_topic.get(topic, ()))
-        for topic in topics
-    }
-    return max(counts, key=lambda one: (counts[one], -len(one), one))
+    return max(topics, key=lambda topic: (message_count(log, topic), -len(topic), topic))
 
 
 def split_topic(name: str, topics: Container[str]) -> tuple[str, str]:

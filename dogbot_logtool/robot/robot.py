@@ -60,6 +60,8 @@ class Robot:
     """Topic of the velocity commands; None: found by type and name. Likewise `imu_topic`, of the
     base's inertial unit."""
     imu_topic: str | None = toml_field(TomlTable.text, key="topics.imu")
+    odometry_scale: float | None = toml_field(TomlTable.positive)
+    """Metres in one unit of the recorded positions of the base; None: they are in metres."""
     world_frame: str | None = toml_field(TomlTable.frame, key="frames.world")
     base_frame: str | None = toml_field(TomlTable.frame, key="frames.base")
     feet: tuple[Foot, ...] = ()

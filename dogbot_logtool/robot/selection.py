@@ -34,7 +34,7 @@ from dogbot_logtool.robot.feet import (
     find_feet,
     foot_channels,
 )
-from dogbot_logtool.robot.offers import candidates_finding, split_cells
+from dogbot_logtool.robot.offers import candidates_finding, split_cells, topics_finding
 from dogbot_logtool.robot.readable import (
     own_definition_findings,
     reasons,
@@ -84,11 +84,6 @@ class Selection:
     def has_base(self) -> bool:
         """Whether there are poses of the base, recorded or worked out."""
         return bool(self.odometry) or self.base_from_legs
-
-    @property
-    def has_feet(self) -> bool:
-        """Whether there are contacts of feet, recorded or worked out."""
-        return bool(self.contacts) or bool(self.contact_from)
 
     @property
     def has_points(self) -> bool:
@@ -185,28 +180,23 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
         findings.append(Finding("ANNOTATED", f"the log is annotated already: {text}"))
     named = _with_options(log, _choose_robot(log, options, findings), options)
     of_feet: list[Finding] = []
-    robot, offer = find_feet(log, named, of_feet)
+    robot, unsure = find_feet(log, named, of_feet)
     robot = with_settings(robot, options.set)
     contacts, feet_of = _contacts(log, robot)
-    found = find_candidates(log) if not contacts and offer is None else []
+    found = find_candidates(log) if not (contacts or unsure) else []
     possible, cells = split_cells(found)
     of_robot = {foot.topic for foot in (possible[0].feet if possible else robot.feet)}
-    of_robot = {*offer.topics} if offer is not None else of_robot
+    of_robot = {*unsure[0].topics} if unsure else of_robot
     chosen = choose_base(log, robot, findings, of_robot, is_asked=options.odom_topic is not None)
     if options.robot is not None and not _shows(log, named, chosen.channels):
         findings.extend(_without_topics(named))
     call = _call(log, options, chosen.offered)
-    if offer is not None:
-        command = f"{call} {offer.options}"
-        text = (
-            f"feet may be among the topics, but their names do not tell surely: {offer.text}; "
-            f"no arrows, no gait, until --foot says which they are: {command}"
-        )
-        of_feet.append(Finding("FEET_UNSURE", text, command=command))
+    if unsure:
+        of_feet.append(topics_finding(unsure, call))
     findings += [*of_feet, *cells]
     if possible:
         findings.append(candidates_finding(log, possible, call, chosen.offered))
-    elif offer is None and chosen.offered:
+    elif not unsure and chosen.offered:
         findings = [_with_command(each, call) for each in findings]
     levels = with_raw_levels(log, contacts, feet_of, chosen.robot)
     findings += source_findings(contacts, levels)

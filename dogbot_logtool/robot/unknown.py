@@ -30,6 +30,7 @@ from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.labels import array_labels
 from dogbot_logtool.robot.names import leg_position, name_feet
+from dogbot_logtool.robot.readable import message_count
 from dogbot_logtool.robot.score import (
     CONTACT_WORDS,
     FORCE_WORDS,
@@ -260,8 +261,8 @@ def _rate_hz(log: Log, topics: Collection[str]) -> float | None:
     """Return the messages a second of the slowest topic."""
     if log.start_time is None or log.end_time is None or log.end_time <= log.start_time:
         return None
-    counts = [sum(log.counts.get(c.id, 0) for c in log.channels_by_topic[t]) for t in topics]
-    return min(counts) / ((log.end_time - log.start_time) / 1e9)
+    slowest = min(message_count(log, topic) for topic in topics)
+    return slowest / ((log.end_time - log.start_time) / 1e9)
 
 
 def _read_fields(log: Log, sets: Sequence[FootCandidates]) -> Mapping[str, Samples]:

@@ -1,10 +1,6 @@
 """`compare --gait` as a user calls it, on the sample logs."""
 
-import json
-import shutil
 from pathlib import Path
-
-import pytest
 
 from dogbot_logtool.commands.compare_gait import compare_gait
 from dogbot_logtool.commands.tasks import figures
@@ -18,14 +14,6 @@ from tests.truth.walking import Walk
 
 TROT = SAMPLE_LOGS / "dogbot_trot.bag"
 WALK = SAMPLE_LOGS / "dogbot_walk.mcap"
-
-
-def test_a_run_and_its_copy_walk_alike(tmp_path: Path) -> None:
-    shutil.copy(TROT, tmp_path / "again.bag")
-    ended = run("compare", "--gait", str(TROT), "again.bag", folder=tmp_path)
-
-    assert (ended.returncode, ended.stderr) == (0, "")
-    assert ended.stdout.startswith("0 of ")
 
 
 def test_two_halves_of_a_run_walk_alike(tmp_path: Path) -> None:
@@ -47,19 +35,3 @@ def test_another_gait_is_not_comparable(tmp_path: Path) -> None:
 
     assert ended.returncode == 1
     assert ended.stdout == "not comparable\n  the gaits differ: trot against walk\n"
-
-
-def test_the_same_as_json(tmp_path: Path) -> None:
-    ended = run("compare", "--gait", "--json", str(TROT), str(TROT), folder=tmp_path)
-    found = json.loads(ended.stdout)
-
-    assert found["comparable"]
-    assert {each["differs"] for each in found["differences"]} == {False}
-
-
-@pytest.mark.parametrize("words", [["--atol", "1"], ["--junit", "a.xml"]])
-def test_options_of_files_have_no_meaning_with_it(tmp_path: Path, words: list[str]) -> None:
-    ended = run("compare", "--gait", *words, str(TROT), str(WALK), folder=tmp_path)
-
-    assert ended.returncode == 2
-    assert f"{words[0]} has no meaning with it" in ended.stderr

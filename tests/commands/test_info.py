@@ -6,13 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from mcap.reader import make_reader
 from mcap.writer import Writer as McapWriter
 from rich.console import Console
 from rosbags.rosbag1 import Reader as BagReader
 
 from dogbot_logtool.commands.info import describe
-from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.options import InfoOptions
 from dogbot_logtool.report.info_report import info_json, print_info
 from dogbot_logtool.results import LogInfo
@@ -66,17 +64,6 @@ def test_a_bag_is_what_rosbags_says() -> None:
     assert describe(TROUBLED, InfoOptions()).compressions == ("bz2",)
 
 
-def test_an_mcap_is_what_the_library_says() -> None:
-    info = describe(WALK, InfoOptions())
-    with WALK.open("rb") as stream:
-        summary = make_reader(stream).get_summary()
-    assert summary is not None
-    assert info.chunks == len(summary.chunk_indexes)
-    assert {topic.topic for topic in info.topics} == {c.topic for c in summary.channels.values()}
-    assert (info.container, info.profile, info.compressions) == ("MCAP", "ros2", ("zstd",))
-    assert {topic.encoding for topic in info.topics} == {"cdr"}
-
-
 @pytest.mark.parametrize("log", LOGS, ids=lambda log: log.stem)
 def test_uses(log: Path) -> None:
     uses = {topic.topic: topic.use for topic in describe(log, InfoOptions()).topics}
@@ -85,31 +72,6 @@ def test_uses(log: Path) -> None:
     wanted |= {"/dogbot/imu": "accelerometer", "/dogbot/cmd_vel": "commands"}
     wanted |= dict.fromkeys(uses.keys() & {"/tf", "/tf_static"}, "frames")
     assert uses == wanted
-
-
-@pytest.mark.parametrize("log", LOGS, ids=lambda log: log.stem)
-def test_findings(log: Path) -> None:
-    codes = {finding.code for finding in describe(log, InfoOptions()).findings}
-    wanted = {"ROBOT_GUESSED"}
-    if log == TROUBLED:
-        wanted |= {"BAD_STAMPS", "FRAME_NAMES"}
-    assert codes == wanted
-
-
-def test_the_transform_that_would_be_added() -> None:
-    assert describe(WALK, InfoOptions()).added_transform == ("world", "base_link")
-
-
-def test_json_is_plain_and_complete() -> None:
-    info = describe(TROUBLED, InfoOptions())
-    told = json.loads(json.dumps(info_json(info), allow_nan=False))
-    assert told["path"] == str(TROUBLED)
-    assert told["size_bytes"] == TROUBLED.stat().st_size
-    assert [t["topic"] for t in told["topics"] if t["use"] is None] == []
-    assert told["start_time_ns"] == truth(TROUBLED)["log"]["first_log_time_ns"]
-    assert told["frames"]["added"] == ["world", "base_link"]
-    assert told["damage"] == {"text": None, "messages": 0, "bytes": 0, "places": []}
-    assert {f["code"] for f in told["findings"]} == {f.code for f in info.findings}
 
 
 @pytest.mark.parametrize("width", [40, 80, 109, 110, 200])
@@ -153,11 +115,3 @@ def test_a_log_of_one_instant_has_no_rate(tmp_path: Path) -> None:
     text = printed(info)
     assert "2023-11-14 22:13:20 UTC" in text
     assert "no type" in text
-
-
-def test_what_is_no_log(tmp_path: Path) -> None:
-    with pytest.raises(CallError, match="no such file"):
-        describe(tmp_path / "none.bag", InfoOptions())
-    (tmp_path / "text").write_text("hello, this is no log at all")
-    with pytest.raises(LogError, match="neither"):
-        describe(tmp_path / "text", InfoOptions())

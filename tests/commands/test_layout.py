@@ -16,7 +16,7 @@ from dogbot_logtool.commands.layout import view_of
 from dogbot_logtool.core.scene.foot_style import FOOT_COLOURS
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.options import ConvertOptions, MeasureOptions
-from dogbot_logtool.report.layouts import View, foxglove_layout, rviz_config, upper_bound
+from dogbot_logtool.report.layouts import View, foxglove_layout, rviz_config
 from tests.oracles.standing_log import write_standing_log
 from tests.paths import SAMPLE_LOGS
 
@@ -69,18 +69,6 @@ def test_every_topic_and_field_is_in_a_converted_log(tmp_path: Path) -> None:
             assert field in fields[topic]
 
 
-def test_the_robot_is_followed_and_its_arrows_are_visible() -> None:
-    scene = panel(foxglove_layout(View(FEET, "map", "trunk")), "3D")
-    assert (scene["followTf"], scene["followMode"]) == ("trunk", "follow-position")
-    drawn = ["/support", "/legs", "/robot_description"]
-    drawn += [name for foot in FEET for name in (f"/marker_basic_{foot}_foot", f"/label/{foot}")]
-    assert scene["topics"] == {topic: {"visible": True} for topic in drawn}
-    assert scene["scene"]["transforms"]["enablePreloading"] is True
-    assert scene["scene"]["transforms"]["showLabel"] is False
-    assert scene["scene"]["transforms"]["axisScale"] == 0
-    assert scene["transforms"] == {f"frame:{name}": {"visible": False} for name in ("map", "trunk")}
-
-
 @pytest.mark.parametrize(("axis", "side"), [("+x", (1, 0)), ("+y", (0, 1)), ("-x", (-1, 0))])
 def test_the_camera_stands_before_the_robot(axis: str, side: tuple[int, int]) -> None:
     offset = panel(foxglove_layout(View(FEET, "world", "base", axis)), "3D")["cameraState"]
@@ -89,12 +77,6 @@ def test_the_camera_stands_before_the_robot(axis: str, side: tuple[int, int]) ->
     yaw = rviz_config(View(FEET, "world", "base", axis))["Visualization Manager"]["Views"]
     angle = yaw["Current"]["Yaw"]
     assert 0.2 < cos(angle) * side[0] + sin(angle) * side[1] < 0.5
-
-
-def test_the_ground_stays_in_the_world() -> None:
-    scene = panel(foxglove_layout(View(FEET, "map", "trunk")), "3D")
-    (grid,) = scene["layers"].values()
-    assert (grid["layerId"], grid["frameId"]) == ("foxglove.Grid", "map")
 
 
 def test_loads_and_gait() -> None:
@@ -110,82 +92,12 @@ def test_loads_and_gait() -> None:
     assert panel(layout, "RosOut")["topicToRender"] == "/events"
 
 
-def test_loads_and_gait_share_one_time_axis() -> None:
-    layout = foxglove_layout(View(FEET, "world", "base_link"))
-    panels = [one for name, one in layout["configById"].items() if name[:4] in {"Plot", "Stat"}]
-    assert len(panels) == len(FEET) + 1
-    own_axes = {"minXValue", "maxXValue", "followingViewWidth", "xAxisRange"}
-    for each in panels:
-        assert each["isSynced"] is True
-        assert not own_axes & each.keys()
-
-
-def test_every_panel_has_a_title_where_viewers_look_for_it() -> None:
-    layout = foxglove_layout(View(FEET, "world", "base_link"))
-    titles = {"Robot", *(f"{foot}  [N]" for foot in FEET), "Gait diagram", "Events"}
-    for key in ("foxglovePanelTitle", "lichtblickPanelTitle"):
-        assert {config[key] for config in layout["configById"].values()} == titles
-
-
-def column(node: Any, height: float) -> dict[str, float]:
-    """The heights of panels that stand one below the other."""
-    if isinstance(node, str):
-        return {node: height}
-    assert node["direction"] == "column"
-    first = height * node["splitPercentage"] / 100.0
-    return {node["first"]: first, **column(node["second"], height - first)}
-
-
-@pytest.mark.parametrize(("feet", "most"), [(2, 2), (4, 4), (6, 3), (8, 4)])
-def test_all_rows_are_high_enough_to_read(feet: int, most: int) -> None:
-    """On a screen of 1280 x 720, of which the viewer's own bars take 107."""
-    names = tuple(f"foot_{number}" for number in range(feet))
-    layout = foxglove_layout(View(names, "w", "b"))["layout"]
-    heights = column(layout["second"], 613.0)
-    assert sum(heights.values()) == pytest.approx(613.0)
-    *curves, gait = heights.values()
-    assert len(curves) == most
-    assert min(curves) > 68.0
-    # Rows of 64 pixels, a title and a time axis; more rows are scrolled.
-    assert gait >= min(61.0 + 64.0 * feet, 330.0)
-    assert column(layout["first"], 613.0)["RosOut!events"] > 100.0
-
-
-def test_a_robot_without_feet_has_no_curves() -> None:
-    layout = foxglove_layout(View((), "w", "b"))
-    assert sorted(layout["configById"]) == ["3D!robot", "RosOut!events", "StateTransitions!gait"]
-    assert layout["layout"]["second"] == "StateTransitions!gait"
-
-
-def test_curves_have_one_scale_and_no_labels_that_would_shift_their_time_axes() -> None:
-    """Loads of the trot reach 122 N, as the simulator knows; the walk's weight is 208 N."""
-    for log, bound in ((SAMPLE_LOGS / "dogbot_trot.bag", 150.0), (None, 250.0)):
-        configs = foxglove_layout_of(log, MeasureOptions())["configById"].values()
-        curves = [config for config in configs if "minYValue" in config]
-        assert [(c["minYValue"], c["maxYValue"]) for c in curves] == [(0, bound)] * len(FEET)
-        assert not any(c["showYAxisLabels"] or c["showXAxisLabels"] for c in curves)
-        assert all(f"0 to {bound:g} N" in c["foxglovePanelTitle"] for c in curves)
-
-
-@pytest.mark.parametrize(
-    ("value", "bound"), [(1.0, 1.0), (1.01, 1.5), (208.6, 250.0), (850.0, 1000.0), (0.03, 0.03)]
-)
-def test_bounds_are_round_and_hardly_more(value: float, bound: float) -> None:
-    assert upper_bound(value) == pytest.approx(bound)
-
-
 def test_rviz_shows_what_is_written() -> None:
     displays = rviz_config(View(FEET, "map", "trunk"))["Visualization Manager"]["Displays"]
     topics = {each["Marker Topic"] for each in displays if "Marker Topic" in each}
     feet = {name for foot in FEET for name in (f"/marker_basic_{foot}_foot", f"/label/{foot}")}
     assert topics == feet | {"/support", "/legs"}
     assert {"rviz/RobotModel", "rviz/Grid"} < {each["Class"] for each in displays}
-
-
-def test_rviz_opens_a_window_of_a_screen_s_size() -> None:
-    view = rviz_config(View(FEET, "map", "trunk"))
-    assert (view["Window Geometry"]["Width"], view["Window Geometry"]["Height"]) == (1280, 720)
-    assert "rviz/Displays" in {each["Class"] for each in view["Panels"]}
 
 
 def test_the_shape_is_what_viewers_import() -> None:
@@ -202,13 +114,6 @@ def test_the_shape_is_what_viewers_import() -> None:
     assert sorted(leaves(layout["layout"])) == sorted(layout["configById"])
     assert all(re.fullmatch(r"\w+!\w+", name) for name in layout["configById"])
     assert json.loads(json.dumps(layout, allow_nan=False)) == layout
-
-
-def test_more_feet_than_colours() -> None:
-    feet = [f"foot_{number}" for number in range(len(FOOT_COLOURS) + 2)]
-    paths = plots(foxglove_layout(View(tuple(feet), "world", "base")))
-    assert len(paths) == len(feet)
-    assert paths[0]["color"] == paths[len(FOOT_COLOURS)]["color"]
 
 
 def test_without_a_log_the_feet_are_the_robot_s() -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from dogbot_logtool.commands.report import Reports
-from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.targets import Output
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.page.assets import shared_name
@@ -78,21 +78,6 @@ def test_the_index_leads_to_pages_of_any_name(tmp_path: Path) -> None:
     assert "is neither a ROS 1 bag" in index
 
 
-def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:
-    target = tmp_path / "x.html"
-    target.write_text("mine")
-    with pytest.raises(CallError, match="exists already"):
-        Reports(
-            [TROUBLED], Output(target, is_folder=False), MeasureOptions(), overwrite=False
-        ).write(TROUBLED)
-    assert target.read_text() == "mine"
-    (tmp_path / "index.html").write_text("mine")
-    with pytest.raises(CallError, match="exists already"):
-        Reports(
-            [TROT, TROUBLED], Output(tmp_path, is_folder=True), MeasureOptions(), overwrite=False
-        )
-
-
 def test_without_the_extra_a_sentence_says_what_to_install(tmp_path: Path) -> None:
     blocked = (
         "import sys; sys.modules['jinja2'] = None; from dogbot_logtool.cli import main; main()"
@@ -108,16 +93,3 @@ def test_without_the_extra_a_sentence_says_what_to_install(tmp_path: Path) -> No
     assert re.search(r"pip install .*(jinja2|\[report\])", done.stderr)
     assert "Traceback" not in done.stderr
     assert names(tmp_path) == []
-
-
-def test_the_other_commands_do_without_the_extra(tmp_path: Path) -> None:
-    blocked = (
-        "import sys; sys.modules.update(jinja2=None); from dogbot_logtool.cli import main; main()"
-    )
-    done = subprocess.run(  # noqa: S603
-        [sys.executable, "-c", blocked, "stats", str(TROUBLED), "--json"],
-        cwd=tmp_path,
-        capture_output=True,
-        check=False,
-    )
-    assert done.returncode == 0

@@ -15,7 +15,6 @@ from mcap.writer import Writer
 
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.metrics import NEEDS, WalkMetrics
-from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.schema import schema
@@ -23,7 +22,6 @@ from tests.measured import measured
 from tests.oracles.walks import Walk as ContactWalk
 from tests.oracles.walks import write_mcap
 from tests.paths import ROOT, SAMPLE_LOGS
-from tests.reader.mcap_bytes import small_mcap
 
 WALKS = ("dogbot_trot.bag", "dogbot_walk.mcap")
 
@@ -94,10 +92,6 @@ def test_the_gait_is_true(walk: Walk) -> None:
         assert gait["support"][feet] == pytest.approx(fraction, abs=0.02)
 
 
-def test_the_walk_is_a_lateral_sequence() -> None:
-    assert figures("dogbot_walk.mcap")["gait"]["sequence"] == "lateral"
-
-
 def test_the_feet_carry_the_weight(walk: Walk) -> None:
     """In the trot the wrenches are in the links' frames, and the log's /tf turns them."""
     got, true = walk
@@ -138,12 +132,6 @@ def test_without_its_transforms_a_link_frame_log_has_no_vertical_figures(tmp_pat
     )
 
 
-def test_figures_do_not_depend_on_threads() -> None:
-    assert figures("dogbot_walk.mcap", MeasureOptions(jobs=1)) == figures(
-        "dogbot_walk.mcap", MeasureOptions(jobs=3)
-    )
-
-
 def test_the_troubled_log_is_told_as_it_is() -> None:
     got = figures("dogbot_troubled.bag")
     known = truth("dogbot_troubled.bag")["damage"]
@@ -165,24 +153,6 @@ def test_the_json_is_what_the_schema_says() -> None:
     validator = Draft202012Validator(schema(WalkMetrics))
     for log in (*WALKS, "dogbot_troubled.bag"):
         validator.validate(json.loads(json.dumps(figures(log), allow_nan=False)))
-
-
-def test_a_part_of_a_log_is_measured_alone() -> None:
-    got = figures("dogbot_trot.bag", MeasureOptions(start=2.0, end=6.0))
-    assert got["base"]["duration_s"] == pytest.approx(4.0, abs=0.01)
-    assert got["feet"]["front_left"]["strides"] == 2
-
-
-def test_a_log_with_nothing_to_measure_is_an_error(tmp_path: Path) -> None:
-    log = tmp_path / "log.mcap"
-    log.write_bytes(small_mcap("").build())
-    with pytest.raises(LogError, match="neither nav_msgs/Odometry nor"):
-        measure(log, MeasureOptions())
-
-
-def test_a_missing_file_is_a_wrong_call(tmp_path: Path) -> None:
-    with pytest.raises(CallError, match="no such file"):
-        measure(tmp_path / "log.bag", MeasureOptions())
 
 
 def test_times_of_several_senders_of_a_topic_stand_in_the_order_of_the_log(tmp_path: Path) -> None:

@@ -54,6 +54,12 @@ def test_random_harm_makes_nothing_up_and_hides_nothing(
     read_harmed(tmp_path, case, mutations)
 
 
+def test_a_false_message_that_takes_the_end_of_the_data_is_left_out(tmp_path: Path) -> None:
+    """A message's head from a chunk, once more behind the last chunk's index."""
+    case = next(case for case in CASES if case.name == "mcap none without summary")
+    read_harmed(tmp_path, case, [Mutation(Kind.DUPLICATE, 56009, 30, 52235)])
+
+
 def outcome(reading: Reading) -> object:
     return (
         reading.messages,

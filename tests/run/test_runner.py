@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from dogbot_logtool.errors import CallError, StoreError
+from dogbot_logtool.errors import StoreError
 from dogbot_logtool.run import processes
 from dogbot_logtool.run.processes import ProcessRunner
 from dogbot_logtool.run.runner import Failure, OnProgress, Runner, attempt, runner_for
@@ -218,12 +218,6 @@ def test_a_store_that_fails_is_tried_once_more() -> None:
     calls.clear()
     failed = attempt(always_fails, None, lambda _done, _total: None)
     assert (failed, len(calls)) == (Failure("the store fails", 1), 2)
-
-
-@pytest.mark.parametrize("word", ["nonsense", "local:0", "local:", "http://x"])
-def test_a_scheduler_is_an_address(word: str) -> None:
-    with pytest.raises(CallError, match="must be an address"):
-        runner_for("info", 2, 2, word)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")

@@ -11,6 +11,7 @@ from rosbags.rosbag1 import Writer as BagWriter
 from tests.oracles.mcap_file import Entry, write_mcap
 from tests.truth.messages import (
     CONTACTS,
+    FLAGS,
     GZ_CONTACTS,
     IMU,
     ODOMETRY,
@@ -62,7 +63,7 @@ def _entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
 
 
 def _base_entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
-    base, topic = recording.base, recording.robot.odometry_topic
+    base, topic = recording.base, recording.odometry or recording.robot.odometry_topic
     template = messages.odometry(WORLD, recording.child_frame)
     numbers = np.concatenate([base.position, base.orientation, base.velocity], axis=1)
     data = template.all_filled(base.stamp, numbers)
@@ -142,11 +143,24 @@ def _spot_entries(recording: Recording, messages: Messages, foot: int) -> Iterat
     yield from _rows(first.log_time, "/status/feet", SPOT, filled)
 
 
+def _flag_entries(recording: Recording, messages: Messages, foot: int) -> Iterator[Entry]:
+    """Tell contact of all feet, once, with the first foot."""
+    if foot:
+        return
+    first = recording.feet[0]
+    touching = np.stack([each.touching for each in recording.feet], axis=1)
+    feet = len(recording.feet)
+    data = messages.flags(feet).all_filled(first.stamp, np.empty((len(first.stamp), 0)))
+    filled = [each[:-feet] + bytes(row) for each, row in zip(data, touching.tolist(), strict=True)]
+    yield from _rows(first.log_time, "/foot_contacts", FLAGS, filled)
+
+
 _SENSORS: Final = {
     "contacts": _bumper_entries,
     "gz_contacts": _gz_entries,
     "wrench": _force_entries,
     "spot": _spot_entries,
+    "flags": _flag_entries,
 }
 
 

@@ -17,6 +17,7 @@ TF: Final = "tf2_msgs/msg/TFMessage"
 TWIST: Final = "geometry_msgs/msg/Twist"
 TWIST_STAMPED: Final = "geometry_msgs/msg/TwistStamped"
 IMU: Final = "sensor_msgs/msg/Imu"
+FLAGS: Final = "champ_msgs/msg/ContactsStamped"
 SPOT: Final = "spot_msgs/msg/FootStateArray"
 GROUND: Final = "ground_plane::link::collision"
 GZ_CONTACTS: Final = "ros_gz_interfaces/msg/Contacts"
@@ -28,6 +29,7 @@ _NEEDED: Final = (
     "ros_gz_interfaces/msg/JointWrench",
     "ros_gz_interfaces/msg/Contact",
     GZ_CONTACTS,
+    FLAGS,
 )
 FOOT_STATES: Final = "std_msgs/Header header\nspot_msgs/FootState[] states"
 """As a fork has it: with a header."""
@@ -137,6 +139,11 @@ class Messages:
         return self._template(
             SPOT, self._make(SPOT, header=self._header(""), states=states), 3 * feet
         )
+
+    def flags(self, feet: int) -> Template:
+        """Nothing to fill but the flags, which are the last bytes, one a foot."""
+        message = self._make(FLAGS, header=self._header(""), contacts=np.zeros(feet, np.bool_))
+        return self._template(FLAGS, message, 0)
 
     def with_contacts(self, data: Sequence[bytes], feet: int, touching: Flags) -> list[bytes]:
         """Set the contacts, (n, feet), in messages that `spot` made: 1 made, 2 lost."""

@@ -72,6 +72,12 @@ def faults() -> Iterator[Case]:
         (("poses of the imu's link", ON_THE_SPOT, (pose.of_link((0.25, 0.1, 0.05)),), ""), every),
         (("poses of the imu's link, circle", CIRCLE, (pose.of_link((0.25, 0.1, 0.05)),), ""),
          every),
+        (("a quarter of real time, feet without stamps", TROT, (pose.quarter_speed(feet=True),),
+          "CLOCK_SPEED"), every),
+        (("a quarter of real time, poses without stamps", TROT, (pose.quarter_speed(feet=False),),
+          "CLOCK_SPEED"), every),
+        (("another robot's poses", TROT, (pose.of_robot("other"),), "POSE_OTHER_ROBOT"),
+         every[:2]),
         (("planar poses uphill", UPHILL, (pose.flat,), "POSE_PLANAR"), every),
     )  # fmt: skip
     for (name, walk, disturbances, says), ways in table:

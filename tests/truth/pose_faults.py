@@ -15,6 +15,7 @@ from tests.truth.recording import (
     product,
     turned,
 )
+from tests.truth.time_faults import slow_simulation
 
 
 def feet_in_base(recording: Recording) -> Recording:
@@ -182,6 +183,29 @@ def of_link(
             child_frame=frame,
             statics=statics,
         )
+
+    return change
+
+
+def quarter_speed(*, feet: bool) -> Disturbance:
+    """Let a simulation go at a quarter of real time, and feet, or the base, have no stamps."""
+
+    def change(recording: Recording) -> Recording:
+        slow = slow_simulation(4.0)(recording)
+        if feet:
+            return slow.each_foot(lambda _, foot: replace(foot, stamp=np.zeros_like(foot.stamp)))
+        return replace(slow, base=replace(slow.base, stamp=np.zeros_like(slow.base.stamp)))
+
+    return change
+
+
+def of_robot(name: str) -> Disturbance:
+    """Let the only poses be those of another robot, which goes elsewhere."""
+
+    def change(recording: Recording) -> Recording:
+        other = started_anywhere((5.0, -3.0, 0.0), 1.0)(recording)
+        moved = replace(other.base, position=other.base.position * [1.6, 1.6, 1.0])
+        return replace(recording, base=moved, odometry=f"/{name}/odom")
 
     return change
 

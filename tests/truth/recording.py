@@ -140,10 +140,10 @@ class VectorRecording:
     frame: str = "base_link"
 
 
-SensorKind = Literal["contacts", "gz_contacts", "wrench", "spot"]
+SensorKind = Literal["contacts", "gz_contacts", "wrench", "spot", "flags"]
 """Contact states with points and normals of Gazebo classic or of the new Gazebo, which speaks in
-contact only; a force sensor that reports no contact; or flags and places in the base's axes of all
-feet in one message."""
+contact only; a force sensor that reports no contact; or in one message of all feet flags and places
+in the base's axes, or flags alone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,6 +168,8 @@ class Recording:
     """Topics beside feet and base."""
     places: tuple[Floats, ...] = ()
     """(n, 3) m, of each foot in the base's axes, at the times of its messages."""
+    odometry: str = ""
+    """Topic of the odometry; empty: the robot's."""
     child_frame: str = "base_link"
     """What the odometry says that its poses are of."""
     statics: tuple[tuple[str, tuple[float, ...]], ...] = ()

@@ -1,12 +1,15 @@
 """Gait, base and forces of robots without foot sensors and odometry, against a physics engine."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
 
 import dogbot_logtool as dl
 from tests.truth.recording import Floats
@@ -105,6 +108,39 @@ def test_turns_are_told_by_the_feet_without_a_gyroscope(tmp_path: Path) -> None:
     walk = measured(tmp_path, robot("turn"), with_imu=False)
     turned = robot("turn").base_velocity[:, 2].mean()
     assert walk.stats["base"]["yaw_rate_radps"] == pytest.approx(turned, rel=0.05)
+
+
+def test_the_robot_walks_through_the_world_of_the_output(tmp_path: Path) -> None:
+    log = write_log(tmp_path / "log.mcap", robot("trot"))
+    dl.convert(log, tmp_path / "out.mcap", encoding="ros2")
+    with (tmp_path / "out.mcap").open("rb") as stream:
+        messages = make_reader(stream, decoder_factories=[DecoderFactory()])
+        told = [each[3] for each in messages.iter_decoded_messages(topics=["/tf"])]
+    found = [each for message in told for each in message.transforms]
+    base = [each for each in found if each.child_frame_id == "base_link"]
+    assert {each.header.frame_id for each in base} == {"odom"}
+    way = base[-1].transform.translation.x - base[0].transform.translation.x
+    assert way == pytest.approx(6.0 * robot("trot").speed_mps, rel=0.05)
+    assert {each.child_frame_id for each in found} >= {"FL_hip", "FL_thigh", "FL_calf", "FL_foot"}
+
+
+def test_an_inertial_unit_is_turned_as_the_description_says(tmp_path: Path) -> None:
+    truth = robot("turn")
+    mount = (
+        '<link name="imu"/><joint name="imu_joint" type="fixed"><parent link="base_link"/>'
+        '<child link="imu"/><origin rpy="1.5707963 0 0"/></joint></robot>'
+    )
+    turned = replace(truth, urdf=truth.urdf.replace("</robot>", mount))
+    walk = dl.measure(write_log(tmp_path / "log.mcap", turned, imu_frame="imu"))
+    rate = truth.base_velocity[:, 2].mean()
+    assert walk.stats["base"]["yaw_rate_radps"] == pytest.approx(rate, abs=0.01)
+    assert abs(walk.stats["base"]["roll_rad"]["median"]) < 0.02
+
+
+def test_names_of_joints_may_have_a_namespace(tmp_path: Path) -> None:
+    named = tuple(f"quad/{name.upper()}" for name in robot("trot").joints)
+    walk = measured(tmp_path, replace(robot("trot"), joints=named))
+    assert walk.gait.name == "trot"
 
 
 def test_without_a_description_the_line_to_paste_is_printed(tmp_path: Path) -> None:

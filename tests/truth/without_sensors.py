@@ -89,6 +89,7 @@ def write_log(
     change: Change | None = None,
     with_imu: bool = True,
     with_urdf: bool = True,
+    imu_frame: str = "base_link",
     every: int = 5,
 ) -> Path:
     """Write what a robot without foot sensors and odometry records.
@@ -99,6 +100,7 @@ def write_log(
         change: takes and returns position, velocity and effort.
         with_imu: whether there is an inertial unit.
         with_urdf: whether there is a robot description.
+        imu_frame: that of the base, or one that is turned by 90 degrees about its x axis.
         every: rows between messages.
     """
     make, rows = physics.messages(), slice(0, None, every)
@@ -119,9 +121,11 @@ def write_log(
         back = inverse(walk.attitude)
         moved = np.gradient(walk.base_velocity[:, 3:], walk.time, axis=0)
         moved[:, 2] += GRAVITY
-        read = turned(back, moved), turned(back, walk.base_velocity[:, :3])
+        read = [turned(back, moved), turned(back, walk.base_velocity[:, :3])]
+        if imu_frame != "base_link":
+            read = [each[:, [0, 2, 1]] * [1.0, 1.0, -1.0] for each in read]
         numbers = np.concatenate(read, axis=1)[rows]
-        sent = make.imu("base_link", turns=True).all_filled(time, numbers)
+        sent = make.imu(imu_frame, turns=True).all_filled(time, numbers)
         entries += [(at, "/imu", IMU, data) for at, data in zip(time.tolist(), sent, strict=True)]
     entries.sort(key=lambda entry: entry[0])
     return write_mcap(path, entries, make.definition, 1 << 18, "zstd")

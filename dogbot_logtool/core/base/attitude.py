@@ -14,6 +14,8 @@ LONG_S: Final = 2.0
 """The same, over which a robot's own accelerations average to nothing beside gravity."""
 RATE_HZ: Final = 50.0
 """At which turns are added up."""
+LONGEST_PER_READING_S: Final = 1.0
+"""s from reading to reading on average, beyond which they tell no turns."""
 GRAVITY_IS: Final = (7.0, 13.0)
 """m/s^2: an accelerometer that usually reads less or more tells nothing of gravity."""
 
@@ -88,6 +90,8 @@ def inertial_at(
         turn: (m, 3) rad/s.
         gravity_mps2: m/s^2.
     """
+    if seconds[-1] - seconds[0] > LONGEST_PER_READING_S * len(seconds):
+        return level(len(at), gravity_mps2)
     ticks = np.arange(seconds[0], seconds[-1] + 1.0 / RATE_HZ, 1.0 / RATE_HZ)
     turned = _added_up(_means(seconds, turn, ticks, 0.5 / RATE_HZ) / RATE_HZ)
     fixed = rotate(turned, _means(seconds, acceleration, ticks, 0.5 / RATE_HZ))

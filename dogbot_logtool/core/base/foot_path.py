@@ -105,9 +105,14 @@ def known_path(time: Ints, position: Floats | Float32s) -> FootPath:
     return FootPath(time[known], position[known], silent_before(time[known]))
 
 
-def places_on_path(path: FootPath, stances: Stances) -> Floats:
-    """(k, 3) m, where a foot is in the middle half of each stance, by its path in the world."""
+def places_on_path(path: FootPath, stances: Stances) -> tuple[Ints, Floats]:
+    """Return the middle of each stance, (k,) ns, and where a foot is in its middle half, (k, 3) m.
+
+    Args:
+        path: of the foot in the world.
+        stances: of the foot.
+    """
     shares = np.array([0.25, 0.375, 0.5, 0.625, 0.75])
     duration = (stances.liftoff - stances.touchdown)[:, None]
     time = stances.touchdown[:, None] + np.rint(duration * shares).astype(np.int64)
-    return np.asarray(path.at(time).mean(axis=1))
+    return time[:, 2], np.asarray(path.at(time).mean(axis=1))

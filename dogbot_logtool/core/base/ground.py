@@ -14,6 +14,8 @@ from dogbot_logtool.core.rotations import along_heading
 
 LOWEST_M: Final = 1e-3
 """m, lowest usual height of a base over its feet."""
+LOWEST: Final = 0.15
+"""The same as a share of the feet's spread: poses that count z from the ground are lower."""
 FURTHEST: Final = 1.5
 """Times height and spread of the feet by which the base may be away from them, seen from above."""
 FLAT: Final = 0.1
@@ -45,7 +47,7 @@ def height_over_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
         return np.full(len(base.time), np.nan)
     aside = median_of(np.hypot(known[:, 0], known[:, 1]))
     height, spread = median_of(known[:, 2]), median_of(known[:, 3])
-    if height < LOWEST_M or aside > FURTHEST * (height + spread):
+    if height < max(LOWEST_M, LOWEST * spread) or aside > FURTHEST * (height + spread):
         return np.full(len(base.time), np.nan)
     normal = _ground_normal(feet, None)
     if normal is None:

@@ -8,52 +8,40 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.base.axes import WALKED_M
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.finding import Finding, counted
+from dogbot_logtool.finding import Finding, found
 
 
 def worlds_differ(stats: Stats) -> Iterator[Finding]:
-    """Yield where base and contact points are not in one world, or drift apart."""
+    """Yield where base and contact points are not in one world, or drift apart.
+
+    The base may also not be above the contact points although it is among them.
+    """
     worlds = stats.worlds
-    if worlds is None:
-        return
-    if not stats.worlds_differ:
-        yield from _heights_differ(stats)
-        return
-    text = (
-        "contact points and odometry are not in one world, or one drifts: the base is "
-        f"{worlds.distance_m:.2f} m from the centroid of the feet (at most {worlds.largest_m:.2f} "
-        f"m), which are {worlds.spread_m:.2f} m from it; from the log's start to its end that "
-        f"changes by {max(worlds.change_m, worlds.drift_m):.2f} m"
-    )
-    cases = ("aside", "loses_way") if stats.loses_way else ("aside",)
-    yield Finding("WORLDS_DIFFER", text, "stability", cases=cases)
-
-
-def _heights_differ(stats: Stats) -> Iterator[Finding]:
-    """Yield that the base is not above the contact points although it is among them."""
-    if stats.base is not None and stats.base.height_m is None:
-        text = "no height of the base over the contact points: z of one is counted from elsewhere"
-        yield Finding("WORLDS_DIFFER", text, "base.height_m", cases=("below",))
+    if worlds is not None and stats.worlds_differ:
+        yield found(
+            "WORLDS_DIFFER",
+            "aside",
+            *(("loses_way",) if stats.loses_way else ()),
+            where="stability",
+            distance=worlds.distance_m,
+            largest=worlds.largest_m,
+            spread=worlds.spread_m,
+            change=max(worlds.change_m, worlds.drift_m),
+        )
+    elif worlds is not None and stats.base is not None and stats.base.height_m is None:
+        yield found("WORLDS_DIFFER", "below", where="base.height_m")
 
 
 def falls(stats: Stats) -> Iterator[Finding]:
     """Yield when the robot falls, or tips over as the recording ends."""
+    tipping = stats.tipping
     if len(stats.fallen):
-        at = stats.seconds(stats.fallen[:, 0])[0]
-        lies = timespans.total(stats.fallen) / 1e9
-        text = (
-            f"the robot falls at {at:.2f} s and lies for {lies:.1f} s in all; "
-            "steps in that time are left out"
-        )
-        yield Finding("FALL", text, "base")
-    elif stats.tipping is not None:
-        tipping = stats.tipping
-        since = (tipping.since - stats.origin) / 1e9
-        text = (
-            f"the recording ends while the robot tips: its {tipping.angle} leaves the usual range "
-            f"at {since:.2f} s and is {tipping.last_rad:.2f} rad at the end"
-        )
-        yield Finding("FALL", text, f"base.{tipping.angle}_rad")
+        at, seconds = stats.seconds(stats.fallen[:, 0])[0], timespans.total(stats.fallen) / 1e9
+        yield found("FALL", where="base", at=at, seconds=seconds)
+    elif tipping is not None:
+        at, last = (tipping.since - stats.origin) / 1e9, tipping.last_rad
+        where, angle = f"base.{tipping.angle}_rad", tipping.angle
+        yield found("FALL", where=where, say="tips", angle=angle, at=at, last=last)
 
 
 def poses(stats: Stats) -> Iterator[Finding]:
@@ -62,72 +50,39 @@ def poses(stats: Stats) -> Iterator[Finding]:
     if stats.base is None and (stats.leaning_rad is not None or stats.frozen is not None):
         return
     if record.messages and record.not_usable == record.messages:
-        all_poses = counted(record.messages, "pose")
-        text = f"the odometry is useless: {all_poses}, all with NaN, infinity or a zero quaternion"
-        yield Finding("NOT_FINITE", text, "base", cases=("base",))
+        yield found("NOT_FINITE", "base", where="base", say="useless", poses=record.messages)
     elif stats.base is None:
-        yield Finding("NO_BASE", "fewer than two poses of the base", "base", cases=("few_poses",))
+        yield found("NO_BASE", "few_poses", where="base")
     else:
-        yield from _left_out(stats)
-
-
-def _left_out(stats: Stats) -> Iterator[Finding]:
-    record = stats.base_history
-    if record.not_usable:
-        unusable = counted(record.not_usable, "pose")
-        text = f"{unusable} with a zero quaternion or a number that is not finite; left out"
-        yield Finding("NOT_FINITE", text, "base", cases=("base",))
-    if record.not_advancing:
-        repeated = counted(record.not_advancing, "pose")
-        text = f"{repeated} with a time that repeats or steps back; left out"
-        yield Finding("BAD_STAMPS", text, "base")
+        if record.not_usable:
+            yield found("NOT_FINITE", "base", where="base", say="poses", poses=record.not_usable)
+        if record.not_advancing:
+            yield found("BAD_STAMPS", where="base", say="poses", poses=record.not_advancing)
 
 
 def up_axis(stats: Stats) -> Iterator[Finding]:
     """Yield that z is not up: such poses are left out of all that is computed."""
-    if stats.leaning_rad is None:
-        return
-    text = (
-        f"the base leans by up to {np.degrees(stats.leaning_rad):.0f} degrees while the robot "
-        "walks on: the z axis of the poses' world or body is not up, as with motion capture "
-        "whose y is up"
-    )
-    yield Finding("UP_AXIS", text, "base")
+    if stats.leaning_rad is not None:
+        yield found("UP_AXIS", where="base", degrees=np.degrees(stats.leaning_rad))
 
 
 def height_drifts(stats: Stats) -> Iterator[Finding]:
     """Yield that the base rises or sinks over the contact points while it walks."""
-    if not stats.rise_m:
-        return
-    rises = stats.rise_m > 0.0
-    text = (
-        f"the base {'rises' if rises else 'sinks'} steadily by {abs(stats.rise_m):.2f} m against "
-        "the contact points while it walks: z of the odometry or of the contact points drifts, or "
-        f"the robot {'stretches' if rises else 'bends'} its legs more and more"
-    )
-    yield Finding("HEIGHT_DRIFTS", text, "base.height_m")
+    if stats.rise_m:
+        goes, does = ("rises", "stretches") if stats.rise_m > 0.0 else ("sinks", "bends")
+        where, metres = "base.height_m", abs(stats.rise_m)
+        yield found("HEIGHT_DRIFTS", where=where, goes=goes, does=does, metres=metres)
 
 
 def sides_swapped(stats: Stats) -> Iterator[Finding]:
     """Yield where left feet touch on the right; where all do, the walk is a mirror image."""
-    if not stats.swapped:
+    if stats.swapped and len(stats.swapped) == stats.pairs:
+        yield found("SIDES_SWAPPED", where="base.yaw_change_rad")
         return
-    if len(stats.swapped) == stats.pairs:
-        text = (
-            "all left feet touch to the right of the right ones: the base's y axis points to the "
-            "right, as in NED and in left-handed frames, or all sides are swapped; turns, the "
-            "speed to the left and the centre of pressure may have the wrong sign"
-        )
-        yield Finding("SIDES_SWAPPED", text, "base.yaw_change_rad")
-        return
-    for left, right in stats.swapped:
-        names = stats.feet[left].name, stats.feet[right].name
-        text = (
-            f"{names[0]} touches to the right of {names[1]}: their topics seem to be swapped; "
-            "phases and sums over sides are those of the wrong feet"
-        )
-        where = f"feet.{names[0]}.topic"
-        yield Finding("SIDES_SWAPPED", text, where, cases=("one_pair",))
+    for pair in stats.swapped:
+        left, right = (stats.feet[row].name for row in pair)
+        where = f"feet.{left}.topic"
+        yield found("SIDES_SWAPPED", "one_pair", where=where, left=left, right=right)
 
 
 def forward_axis(stats: Stats) -> Iterator[Finding]:
@@ -135,33 +90,34 @@ def forward_axis(stats: Stats) -> Iterator[Finding]:
     settings, base = stats.settings, stats.base
     if base is None:
         return
-    if settings.forward_axis_reason:
-        text = f"forward is the body's {settings.forward_axis} axis: {settings.forward_axis_reason}"
-        yield Finding("FORWARD_AXIS", text, "settings.forward_axis")
+    axis, why = settings.forward_axis, settings.forward_axis_reason
+    if why:
+        yield found("FORWARD_AXIS", where="settings.forward_axis", axis=axis, why=why)
     forward, left = base.forward_speed_mps, base.lateral_speed_mps
     if forward is None or left is None or abs(left) * (base.duration_s or 0.0) < WALKED_M:
         return
     if abs(left) > 2.0 * abs(forward):
-        axis, side = settings.forward_axis, "left" if left > 0.0 else "right"
-        text = (
-            f"the robot moves to the {side} of its forward axis {axis}, at {abs(left):.2f} m/s "
-            f"against {forward:.2f} m/s forward: if it does not walk sideways, another "
-            "forward_axis is right"
+        yield found(
+            "FORWARD_AXIS",
+            where="base.forward_speed_mps",
+            say="sideways",
+            side="left" if left > 0.0 else "right",
+            axis=axis,
+            speed=abs(left),
+            forward=forward,
         )
-        yield Finding("FORWARD_AXIS", text, "base.forward_speed_mps")
 
 
 def pose_jumps(stats: Stats) -> Iterator[Finding]:
     """Yield that the pose jumps."""
     jumps = stats.jumps
-    if len(jumps.spans) == 0:
-        return
-    size = norms(jumps.size_m)
-    turn = np.degrees(np.abs(jumps.turn_rad))
-    at = stats.seconds(jumps.spans[:, 1])[int((size + np.radians(turn)).argmax())]
-    text = (
-        f"the base's pose has {counted(len(jumps.spans), 'jump')} that neither the speeds nor the "
-        f"turns around them explain, of up to {size.max():.2f} m and {turn.max():.0f} degrees, the "
-        f"largest at {at:.2f} s; path, speeds, turns and stride lengths leave them out"
-    )
-    yield Finding("POSE_JUMP", text, "base.path_length_m")
+    if len(jumps.spans):
+        size, turn = norms(jumps.size_m), np.abs(jumps.turn_rad)
+        yield found(
+            "POSE_JUMP",
+            where="base.path_length_m",
+            jumps=len(jumps.spans),
+            metres=size.max(),
+            degrees=np.degrees(turn).max(),
+            at=stats.seconds(jumps.spans[:, 1])[int((size + turn).argmax())],
+        )

@@ -8,12 +8,23 @@ from collections.abc import Callable, Iterator
 from inspect import isgeneratorfunction
 from typing import Final
 
-from dogbot_logtool.core.checks import base, clock, commands, gait, imu, legs, loads, poses, sensors
+from dogbot_logtool.core.checks import (
+    base,
+    clock,
+    commands,
+    feet,
+    gait,
+    imu,
+    legs,
+    loads,
+    poses,
+    sensors,
+)
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 
 Check = Callable[[Stats], Iterator[Finding]]
-MODULES: Final = (clock, base, poses, sensors, gait, loads, legs, commands, imu)
+MODULES: Final = (clock, base, poses, sensors, feet, gait, loads, legs, commands, imu)
 CHECKS: Final[tuple[Check, ...]] = tuple(
     each
     for module in MODULES

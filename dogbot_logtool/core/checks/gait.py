@@ -4,14 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dogbot_logtool.core.gait.classes import (
-    BIPED,
-    CONSISTENT,
-    HEXAPOD,
-    IRREGULAR,
-    QUADRUPED,
-    TOLERANCE,
-)
+from dogbot_logtool.core.gait.classes import CONSISTENT, IRREGULAR, TOLERANCE
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.leg_position import legs_in_order
 from dogbot_logtool.core.loads import LARGEST_FOOT_M
@@ -116,7 +109,7 @@ def slips(stats: Stats) -> Iterator[Finding]:
 
 
 def _why_no_class(stats: Stats, main: Segment) -> str:
-    if len(stats.feet) not in {BIPED, QUADRUPED, HEXAPOD}:
+    if len(stats.feet) not in {2, 4, 6}:
         return f"only gaits of two, four or six feet have names; this robot has {len(stats.feet)}"
     if legs_in_order([foot.leg_position for foot in stats.feet]) is None:
         return (

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Final
 
-from dogbot_logtool.core.loads import WEIGHT_TOLERANCE, is_stuck
+from dogbot_logtool.core.loads import REFUTED, WEIGHT_TOLERANCE, is_stuck
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding, found
@@ -53,7 +53,8 @@ def impulse_is_not_weight(stats: Stats) -> Iterator[Finding]:
         yield found(code, *cases, where=_RATIO, say="magnitude", ratio=magnitude, cause=cause)
     if ratio is None and (loads.mean_vertical_n or 0.0) < 0.0:
         yield found(code, *cases, where=_RATIO, say="downwards", newtons=loads.mean_vertical_n)
-    if ratio is not None and abs(ratio - 1.0) > WEIGHT_TOLERANCE:
+    tolerance = REFUTED if stats.settings.contact_from else WEIGHT_TOLERANCE
+    if ratio is not None and abs(ratio - 1.0) > tolerance:
         yield found(code, *cases, where=_RATIO, ratio=ratio, cause=_likely_cause(stats, ratio))
 
 

@@ -12,7 +12,7 @@ from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.witness import stride_windows
 from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.finding import Finding, counted
+from dogbot_logtool.finding import Finding, found
 
 SCALES: Final = (0.8, 1.25)
 """Ways by poses over those by a witness that are alike: feet roll and slip."""
@@ -36,32 +36,40 @@ CLIMBS_M: Final = 0.05
 """m that feet rise or fall from which poses that keep their z are planar."""
 
 
+def treadmill(stats: Stats) -> Iterator[Finding]:
+    """Yield that the ground moves below a base that rests."""
+    if stats.ground is None:
+        return
+    text = (
+        f"feet that stand go back alike, at {stats.ground.speed_mps:.2f} m/s, while the base stays "
+        "where it is: a treadmill; path, speed and lengths are those against the ground"
+    )
+    yield Finding("TREADMILL", text, "base")
+
+
 def frozen(stats: Stats) -> Iterator[Finding]:
     """Yield that one pose is repeated while the robot walks on."""
-    found = stats.frozen
-    if found is None:
+    still = stats.frozen
+    if still is None:
         return
-    seconds = timespans.total(found.spans) / 1e9
-    start = stats.seconds(found.spans[:, 0])[0]
-    steps = sum(len(foot.record.stances.touchdown) for foot in stats.feet)
-    if found.by:
-        why = f"by {found.by} the base moves at {found.moves_mps or 0.0:.2f} m/s"
-        if found.turns_radps:
-            why += f" and turns at {found.turns_radps:.2f} rad/s"
-    else:
-        why = "nothing else in the log tells whether the base stays where it is"
-    text = (
-        f"the pose is the same to the bit for {seconds:.1f} s from {start:.1f} s on, while the "
-        f"feet step ({steps} touchdowns in the log): {why}"
+    why = "nothing else in the log tells whether the base stays where it is"
+    if still.by:
+        why = f"by {still.by} the base moves at {still.moves_mps or 0.0:.2f} m/s"
+        if still.turns_radps:
+            why += f" and turns at {still.turns_radps:.2f} rad/s"
+    yield _doubted(
+        stats,
+        "POSE_FROZEN",
+        "whole" if still.whole else "part",
+        seconds=timespans.total(still.spans) / 1e9,
+        at=stats.seconds(still.spans[:, 0])[0],
+        steps=sum(len(foot.record.stances.touchdown) for foot in stats.feet),
+        why=why,
     )
-    names = _placed_by_poses(stats)
-    cases = ("whole",) if found.whole else ("part",)
-    yield Finding("POSE_FROZEN", text, "base", cases=(*cases, *_cases(names)), feet=names)
 
 
 def scale(stats: Stats) -> Iterator[Finding]:
     """Yield that poses go further, or less far, than the feet walk or the twist tells."""
-    names = _placed_by_poses(stats)
     for compared in _comparisons(stats):
         factor = compared.scale
         if factor is None:
@@ -69,26 +77,27 @@ def scale(stats: Stats) -> Iterator[Finding]:
         if SCALES[0] <= factor <= SCALES[1]:
             break
         walked, told = compared.walked_m
-        text = (
-            f"the poses go {factor:.3g} times as far as {compared.by} in {len(compared.way)} "
-            f"strides, {walked:.3g} m against {told:.3g} m{_unit(factor)}"
+        yield _doubted(
+            stats,
+            "POSE_SCALE",
+            factor=factor,
+            by=compared.by,
+            strides=len(compared.way),
+            walked=walked,
+            told=told,
+            unit=_unit(factor),
         )
-        yield Finding("POSE_SCALE", text, "base", cases=_cases(names), feet=names)
         return
-    way = usual_way_m(stats.poses, _windows(stats))
+    way = usual_way_m(stats.track.history, _windows(stats))
     longest = FURTHEST_LEGS * LONGEST_LEG_M * (stats.settings.mass_kg or HEAVIEST_KG) ** (1.0 / 3.0)
     if way is not None and way > longest:
-        text = (
-            f"the poses go {way:.3g} m in a stride, which no robot of this size does (at most "
-            f"{longest:.1f} m): millimetres, another unit, or another clock?"
-        )
-        yield Finding("POSE_SCALE", text, "base", cases=_cases(names), feet=names)
+        yield _doubted(stats, "POSE_SCALE", say="stride", way=way, longest=longest)
 
 
 def _unit(factor: float) -> str:
     near = [unit for number, unit in UNITS.items() if 0.8 <= factor / number <= 1.25]
     if near:
-        return f": positions in {near[0]}?"
+        return f": positions in {near[0]}? --set odometry_scale={1.0 / factor:.3g}"
     return ": another unit, or a clock that runs at another speed?"
 
 
@@ -99,14 +108,14 @@ def direction(stats: Stats) -> Iterator[Finding]:
         if angle is None:
             continue
         if abs(angle) > ASIDE_RAD:
-            side = "left" if angle > 0.0 else "right"
-            text = (
-                f"the positions go {abs(np.degrees(angle)):.0f} degrees to the {side} of where "
-                f"the base goes by {compared.by}, against its own heading, over "
-                f"{len(compared.way)} strides: positions and orientation are not of one frame"
+            yield _doubted(
+                stats,
+                "POSE_DIRECTION",
+                degrees=abs(np.degrees(angle)),
+                side="left" if angle > 0.0 else "right",
+                by=compared.by,
+                strides=len(compared.way),
             )
-            names = _placed_by_poses(stats)
-            yield Finding("POSE_DIRECTION", text, "base", cases=_cases(names), feet=names)
         return
 
 
@@ -124,14 +133,10 @@ def orientation(stats: Stats) -> Iterator[Finding]:
             break
     else:
         told = _course_turns(stats, windows)
-    if told is None:
-        return
-    text = (
-        f"the orientation turns by {np.degrees(told[0]):.0f} degrees, while the robot turns by "
-        f"{np.degrees(told[1]):.0f} degrees by {told[2]}"
-    )
-    names = _placed_by_poses(stats)
-    yield Finding("POSE_ORIENTATION", text, "base", cases=_cases(names), feet=names)
+    if told is not None:
+        own, other, by = told
+        turned = np.degrees([own, other]).tolist()
+        yield _doubted(stats, "POSE_ORIENTATION", own=turned[0], told=turned[1], by=by)
 
 
 def _course_turns(stats: Stats, windows: Ints) -> tuple[float, float, str] | None:
@@ -161,18 +166,18 @@ def planar(stats: Stats) -> Iterator[Finding]:
     flat = np.column_stack([poses.position[:, 2], poses.angles[:, :2]])
     if float(np.ptp(flat, axis=0).max()) > 0.0:
         return
-    text = "z, roll and pitch of the poses never change: they are those of a plane"
+    where = "base.climb_m"
     climbed = [float(each.told_rise.sum()) for each in _comparisons(stats) if each.by != "legs"]
     climbed = [each for each in climbed if np.isfinite(each)]
     leans = stats.witness is not None and stats.base is not None and stats.base.slope_rad
     if climbed and stats.witness is not None and abs(climbed[0]) > CLIMBS_M:
-        text += f", while the feet go {climbed[0]:+.2f} m up"
-        yield Finding("POSE_PLANAR", text, "base.climb_m", cases=("contradicted",))
+        feet = f", while the feet go {climbed[0]:+.2f} m up"
+        yield found("POSE_PLANAR", "contradicted", where=where, while_feet=feet)
     elif leans and leans > ASIDE_RAD / 3.0:
-        text += f", while the feet's plane leans by {np.degrees(leans):.0f} degrees"
-        yield Finding("POSE_PLANAR", text, "base.climb_m", cases=("contradicted",))
+        feet = f", while the feet's plane leans by {np.degrees(leans):.0f} degrees"
+        yield found("POSE_PLANAR", "contradicted", where=where, while_feet=feet)
     elif stats.poses.position[0, 2] == 0.0:
-        yield Finding("POSE_PLANAR", text, "base.climb_m")
+        yield found("POSE_PLANAR", where=where, while_feet="")
 
 
 def rate(stats: Stats) -> Iterator[Finding]:
@@ -184,12 +189,12 @@ def rate(stats: Stats) -> Iterator[Finding]:
     per_stride = period_s / interval_s
     cases = ("rare",) if per_stride < FEWEST_A_STRIDE else ()
     rates = f"{1.0 / interval_s:.2g} distinct poses a second, {per_stride:.1f} a stride"
-    if poses.repeated:
-        text = f"{counted(poses.repeated, 'pose')} of {poses.messages} repeat the one before: "
-        yield Finding("POSE_REPEATED", f"{text}{rates}", "base", cases=cases)
-    elif cases:
-        text = f"there are {rates}: too few for attitude, height and margins"
-        yield Finding("POSE_REPEATED", text, "base", cases=cases)
+    if poses.repeated or cases:
+        say = "plain" if poses.repeated else "rare"
+        count, of = poses.repeated, poses.messages
+        yield found(
+            "POSE_REPEATED", *cases, where="base", say=say, repeated=count, poses=of, rates=rates
+        )
 
 
 def _windows(stats: Stats) -> Ints:
@@ -204,7 +209,7 @@ def _windows(stats: Stats) -> Ints:
 def _comparisons(stats: Stats) -> Iterator[Comparison]:
     """Yield comparisons of the poses, the surest first."""
     windows = _windows(stats)
-    if not len(windows):
+    if not len(windows) or stats.ground is not None:
         return
     forward_rad = FORWARD_ANGLES[stats.settings.forward_axis]
     if stats.witness is not None:
@@ -216,11 +221,9 @@ def _comparisons(stats: Stats) -> Iterator[Comparison]:
         yield compared
 
 
-def _placed_by_poses(stats: Stats) -> tuple[str, ...]:
-    """Return the names of the feet whose places in the world rest on the poses."""
+def _doubted(stats: Stats, code: str, *cases: str, say: str = "", **values: object) -> Finding:
+    """Return a finding about the poses, and about the feet whose places rest on them."""
     by_points = stats.witness is not None and stats.witness.by == "contact points"
-    return () if by_points else tuple(foot.name for foot in stats.feet)
-
-
-def _cases(names: tuple[str, ...]) -> tuple[str, ...]:
-    return ("placed",) if names else ()
+    names = () if by_points else tuple(foot.name for foot in stats.feet)
+    placed = ("placed",) if names else ()
+    return found(code, *cases, *placed, where="base", say=say or "plain", feet=names, **values)

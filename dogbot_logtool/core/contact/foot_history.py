@@ -32,6 +32,11 @@ _SAME: Final = 1e-6
 """Difference of two forces, as a share of them, that is none: they have 24 bits."""
 _TOUCH_N: Final = 1.0
 """Stands for the force of a contact whose force is not known; no figure shows it."""
+FEWEST_STANCES: Final = 4
+SCUFF_DURATION: Final = 0.1
+"""Share of the usual stance below which a touch may be a scuff."""
+SCUFF_LOAD: Final = 1.0 / 3.0
+"""The same of its mean load."""
 _PORTION_ROWS: Final = 65_536
 """Samples of stances that are worked on at once, to spare memory."""
 
@@ -74,6 +79,8 @@ class FootHistory:
     """(s, 2) ns, gaps in which the sensor speaks, but has stopped to feel the foot."""
     down: Flags = field(default_factory=lambda: np.empty(0, np.bool_))
     """(n,) whether each sample of `track` is in a stance."""
+    scuffs: Ints = field(default_factory=timespans.no_spans)
+    """(u, 2) ns, short and light touches in swings; no stances."""
 
     def contact_fraction(self, within: Ints | None = None) -> float | None:
         """Return time in contact over time known; None where nothing is known.
@@ -172,6 +179,9 @@ def foot_history(
     if rule.backdates:
         contact = backdated(contact, time, force, rule.off_n)
     starts, ends, filled, dropped = find_stances(time, contact, rule)
+    is_scuff = _scuffs(track, starts, ends)
+    scuffs = np.stack([time[starts[is_scuff]], time[ends[is_scuff]]], axis=1)
+    starts, ends = starts[~is_scuff], ends[~is_scuff]
 
     gaps = track.gaps
     if breaks is not None and len(breaks):
@@ -209,8 +219,33 @@ def foot_history(
         dropped_stances=dropped,
         track=track,
         down=down,
+        scuffs=scuffs,
     )
     return history if has_force else history.without_force()
+
+
+def _scuffs(track: FootTrack, starts: Ints, ends: Ints) -> Flags:
+    """(k,) which touches are scuffs: far shorter and lighter than the usual stance, in a swing.
+
+    Usual is what half of the time on the ground is spent in.
+    """
+    nothing = np.zeros(len(starts), np.bool_)
+    if len(starts) < FEWEST_STANCES:
+        return nothing
+    duration = track.time[ends] - track.time[starts]
+    if not (duration < SCUFF_DURATION * duration.max()).any():
+        return nothing
+    order = np.argsort(duration)
+    half = np.searchsorted(np.cumsum(duration[order]), duration.sum() / 2)
+    usual = int(duration[order[min(half, len(order) - 1)]])
+    mean = (track.force_impulse[ends] - track.force_impulse[starts]) / np.maximum(
+        duration / 1e9, 1e-9
+    )
+    load = float(median_of(mean[duration > usual // 2]))
+    scuff = (duration < SCUFF_DURATION * usual) & (mean < SCUFF_LOAD * load)
+    swing = np.append(track.time[starts[1:]] - track.time[ends[:-1]], 0)
+    scuff &= (swing > duration) & (np.concatenate([[0], swing[:-1]]) > duration)
+    return np.asarray(scuff)
 
 
 def _stance_values(

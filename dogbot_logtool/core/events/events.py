@@ -7,7 +7,15 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, norms, percentiles_of
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Floats,
+    Ints,
+    median_of,
+    median_of_known,
+    norms,
+    percentiles_of,
+)
 from dogbot_logtool.core.base.jumps import SMALLEST_JUMP_M
 from dogbot_logtool.core.checks.sensors import foot_is_saturated
 from dogbot_logtool.core.contact.stances import Cut, Stances
@@ -50,6 +58,8 @@ SHORT_STANCE: Final = 0.5
 STRIDE_GOES_ON: Final = 1.4
 """Times the usual swing that two swings and a contact between them last at most, if they are one
 swing in which the foot hits something."""
+SAMPLES: Final = 2.0
+"""Sampling intervals by which a swing must be too short."""
 NEIGHBOURS: Final = 5
 """Swings before, and after, that say what is usual."""
 FEWEST_SWINGS: Final = 3
@@ -61,6 +71,7 @@ def find_events(stats: Stats) -> tuple[Event, ...]:
     found = [*_spans(stats), *_carried(stats), *gait_changes(stats.segments), *_margins(stats)]
     walks = [segment for segment in stats.segments if segment.strides]
     for row, foot in enumerate(stats.feet):
+        found += scuffs(row, foot, walks)
         early = list(early_touchdowns(row, foot, walks))
         stumbles = [each.onset for each in early if each.type is EventType.STUMBLE]
         found += early
@@ -289,10 +300,12 @@ def early_touchdowns(foot: int, steps: FootSteps, walks: Sequence[Segment]) -> I
     if len(stance) < FEWEST_SWINGS + 2:
         return
     swing = _swings_s(stances, steps.record.gaps)
-    usual_swing = _usual(swing, np.minimum)
-    usual_stance = _usual(np.where(stances.whole, stance, np.nan), np.maximum)
+    usual_swing = _usual(swing, np.fmin)
+    usual_stance = _usual(np.where(stances.whole, stance, np.nan), np.fmax)
     short = stance < SHORT_STANCE * usual_stance
     early = (swing > BOUNCE * usual_swing) & (swing < EARLY * usual_swing) & stances.whole
+    # Feet that are told rarely seem to touch down early by up to two samples.
+    early &= usual_swing - swing > SAMPLES * (steps.record.median_interval_s or 0.0)
     # After a contact that is no step, a short swing is the rest of the swing before it.
     early[1:] &= ~short[:-1]
     early &= _inside(walks, stances.touchdown)
@@ -307,6 +320,18 @@ def early_touchdowns(foot: int, steps: FootSteps, walks: Sequence[Segment]) -> I
         else:
             by_s = float(usual_swing[row] - swing[row])
             yield Event(onset, 0, EventType.EARLY_CONTACT, foot, by_s, "s")
+
+
+def scuffs(foot: int, steps: FootSteps, walks: Sequence[Segment]) -> Iterator[Event]:
+    """Yield touches of the ground in mid-swing that are too short and light to be stances."""
+    spans, stances = steps.record.scuffs, steps.stances
+    inside = _inside(walks, spans[:, 0])
+    for onset, end in spans[inside].tolist():
+        after = int(np.searchsorted(stances.touchdown, onset))
+        if 0 < after < len(stances.touchdown):
+            lifted, lands = int(stances.liftoff[after - 1]), int(stances.touchdown[after])
+            done = (onset - lifted) / max(lands - lifted, 1)
+            yield Event(onset, end - onset, EventType.STUMBLE, foot, done, "swing")
 
 
 def _swings_s(stances: Stances, gaps: Ints) -> Floats:
@@ -327,19 +352,14 @@ def _usual(values: Floats, of: np.ufunc) -> Floats:
     unknown = np.full(NEIGHBOURS, np.nan)
     padded = np.concatenate([unknown, np.where(np.isfinite(values), values, np.nan), unknown])
     windows = np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS)
-    before, after = _medians(windows[: len(values)]), _medians(windows[NEIGHBOURS + 1 :])
-    both = of(before, after)
-    usual: Floats = np.where(np.isnan(before), after, np.where(np.isnan(after), before, both))
+    usual: Floats = of(_medians(windows[: len(values)]), _medians(windows[NEIGHBOURS + 1 :]))
     return usual
 
 
 def _medians(windows: Floats) -> Floats:
     """(n,) the median of what each row, (n, w), knows; NaN of fewer than `FEWEST_SWINGS`."""
-    known = np.isfinite(windows).sum(axis=1)
-    # NaN is sorted to the end.
-    ordered, rows = np.sort(windows, axis=1), np.arange(len(windows))
-    middle = ordered[rows, np.maximum(known - 1, 0) // 2] + ordered[rows, known // 2]
-    return np.where(known < FEWEST_SWINGS, np.nan, middle / 2.0)
+    few = np.isfinite(windows).sum(axis=1) < FEWEST_SWINGS
+    return np.where(few, np.nan, median_of_known(windows, axis=1))
 
 
 def _inside(segments: Sequence[Segment], time: Ints) -> Flags:

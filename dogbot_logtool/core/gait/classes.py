@@ -16,9 +16,6 @@ from dogbot_logtool.core.gait.strides import Strides
 
 TOLERANCE: Final = 0.1
 """Cycles by which phases may differ from those of a class."""
-BIPED: Final = 2
-QUADRUPED: Final = 4
-HEXAPOD: Final = 6
 ALTERNATES: Final = 0.1
 """Cycles by which the steps of two feet may be uneven before that counts as a deviation."""
 
@@ -314,7 +311,7 @@ def classify(
 
 def _sequence(name: str, phases: Floats) -> str | None:
     """Return the order of the feet, where the class leaves it open."""
-    if len(phases) != QUADRUPED:
+    if len(phases) != 4:
         return None
     front_left, front_right, back_left, back_right = phases
     if name in {"walk", "amble"}:

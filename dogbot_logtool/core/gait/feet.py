@@ -18,6 +18,7 @@ from dogbot_logtool.core.arrays import (
 )
 from dogbot_logtool.core.base.foot_path import FootPath, places_on_path
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES, stride_lengths
+from dogbot_logtool.core.base.moving_ground import MovingGround
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.places import stance_places
@@ -176,6 +177,7 @@ def foot_steps(
     standing: Standing,
     *,
     path: FootPath | None = None,
+    ground: MovingGround | None = None,
     is_dead: bool = False,
 ) -> FootSteps:
     """Find the steps of a foot.
@@ -188,6 +190,7 @@ def foot_steps(
         fallen: (f, 2) ns, spans in which the robot lies.
         standing: spans without steps.
         path: of the foot in the world, where its messages tell its places in the base's axes.
+        ground: how the ground moves; None: it rests.
         is_dead: whether its sensor never reports a contact, and nothing says that it is lifted.
     """
     foot, rolling_m = settings.feet[row], settings.foot_rolling_m
@@ -208,7 +211,9 @@ def foot_steps(
     braking, propulsive = (
         np.where(spiked, np.nan, each) for each in fore_aft_impulses(record, heading)
     )
-    place = places_on_path(path, stances) if path is not None else stance_places(record)[1]
+    at, place = stance_places(record) if path is None else places_on_path(path, stances)
+    if ground is not None:
+        place = place - ground.way_at(at)
     length, length_from = own_lengths(place, strides), "points"
     if not np.isfinite(length).any():
         length, length_from = straight_lengths(base, strides), "base"

@@ -57,7 +57,8 @@ def settings_metrics(stats: Stats, chosen: Chosen) -> Settings:
 def _base_from(stats: Stats) -> str | None:
     if not len(stats.base_history.time):
         return None
-    return "legs" if stats.settings.base_from_legs else "pose"
+    by_legs = stats.settings.base_from_legs or stats.ground is not None
+    return "legs" if by_legs else "pose"
 
 
 def _contact_from(stats: Stats, chosen: Chosen) -> str | None:

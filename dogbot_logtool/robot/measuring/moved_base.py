@@ -32,6 +32,7 @@ def with_poses_of_base(
     Returns:
         the recording, and what was done, or could not be.
     """
+    recording = _in_metres(recording, selection.robot.odometry_scale)
     frames = [name.lstrip("/") for name in recording.base_frames if name.strip("/")]
     if len(frames) != 1:
         return recording, ()
@@ -65,6 +66,17 @@ def with_poses_of_base(
         base_frames=(slash + base,),
     )
     return moved, (Finding("POSE_FRAME", text, topic),)
+
+
+def _in_metres(recording: Recording, scale: float | None) -> Recording:
+    """Return poses in metres, where the robot's file says in what they are."""
+    if scale is None:
+        return recording
+    base = recording.base
+    moved = replace(
+        base, position=base.position * scale, linear_velocity=base.linear_velocity * scale
+    )
+    return replace(recording, base=moved)
 
 
 def _base_of(child: str, named: str | None, parents: Mapping[str, str]) -> str | None:

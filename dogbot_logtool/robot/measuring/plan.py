@@ -17,6 +17,7 @@ from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted, WantedJoints
 from dogbot_logtool.robot.measuring.moved_base import with_poses_of_base
+from dogbot_logtool.robot.measuring.one_clock import on_one_clock
 from dogbot_logtool.robot.measuring.side_topics import SideTopics, side_topics
 from dogbot_logtool.robot.message_feet import planned_feet
 from dogbot_logtool.robot.selection import Selection, nothing_to_do, select_topics
@@ -165,6 +166,7 @@ def measure_recording(
         CallError: an option names a foot that the log does not have.
     """
     recording, moved = with_poses_of_base(recording, plan.selection)
+    recording, joined = on_one_clock(recording, plan.selection)
     selection, model = plan.selection, None
     if recording.joints:
         from dogbot_logtool.robot.measuring.array_feet import named_by_legs  # noqa: PLC0415
@@ -185,12 +187,15 @@ def measure_recording(
         silent_from=log.start_time if start is None else None,
         silent_until=log.end_time if end is None else None,
     )
+    if joined and not selection.robot.clock:
+        # Messages without a header have stamps now.
+        settings = replace(settings, time_source=None, time_source_reason="")
     planned = settings_of(plan.planned, options) if plan.planned else None
     walk = analyse(recording, settings, _find_legs(selection, model), planned)
     pairs = enumerate(zip(settings.feet, walk.settings.feet, strict=True))
     forceless = (row for row, (told, found) in pairs if told.has_force and not found.has_force)
     selection = selection.without_forces(frozenset(forceless))
-    return walk, replace(selection, findings=(*selection.findings, *moved))
+    return walk, replace(selection, findings=(*selection.findings, *moved, *joined))
 
 
 def _find_legs(selection: Selection, model: "RobotOfUrdf | None") -> FindLegs:

@@ -32,6 +32,8 @@ _SAME_LEG: Final = 0.5
 """Share of the joints of the shorter chain that two ends of one leg have in common."""
 _CENTRED: Final = 0.5
 """Share of its radius that a ball may be off its link's origin."""
+MOST_JOINTS: Final = 400
+"""Joints of a robot, fixed ones too; no robot has more."""
 _MOST_LEGS: Final = 16
 _ARMS: Final = frozenset(
     {"arm", "elbow", "finger", "fingers", "gripper", "hand", "head", "neck", "palm", "shoulder"}
@@ -83,6 +85,8 @@ def read_robot(urdf: str) -> RobotOfUrdf:
     joints, left_out = urdf_joints(root)
     if not joints:
         raise ValueError("has no joints that make a tree of links")
+    if len(joints) > MOST_JOINTS:
+        raise ValueError(f"has {len(joints)} joints, more than {MOST_JOINTS}")
     links = dict(_masses(root))
     return RobotOfUrdf(
         base=_base(joints, links),

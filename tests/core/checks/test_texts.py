@@ -15,9 +15,11 @@ CHECKS = ROOT / "dogbot_logtool" / "core" / "checks"
 def calls() -> Iterator[tuple[str, ast.Call]]:
     """Each call of `found`, and where it stands."""
     for file in sorted(CHECKS.glob("*.py")):
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "found":
-                yield f"{file.stem}:{node.lineno}", node
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+        for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
+            is_of_findings = getattr(call.func, "id", "") in {"found", "_doubted"}
+            if is_of_findings and all(each.arg for each in call.keywords):
+                yield f"{file.stem}:{call.lineno}", call
 
 
 def words(node: ast.AST) -> set[str]:
@@ -32,7 +34,7 @@ def test_a_check_tells_what_its_sentence_names(where: str, call: ast.Call) -> No
     texts = {code: kind.texts for code, kind in finding_kinds().items()}
     named = {
         (code, name): {field for _, field, *_ in Formatter().parse(text) if field}
-        for code in words(call.args[0]) & texts.keys() or texts.keys()
+        for code in words(call) & texts.keys() or texts.keys()
         for name, text in texts[code].items()
     }
     assert any(fields <= told for fields in named.values()), (where, told, named)

@@ -207,8 +207,7 @@ class McapScan(Scan):
             case Opcode.MESSAGE:
                 return self._bare(offset, end)
             case Opcode.FOOTER if self._source.read(end, len(MCAP_MAGIC)) == MCAP_MAGIC:
-                self._closed = True
-                return self._end(end + len(MCAP_MAGIC))
+                return self._close(offset, end + len(MCAP_MAGIC))
             case Opcode.SCHEMA | Opcode.CHANNEL:
                 body = self._source.read(content, min(end - content, WHOLE_SMALL_RECORD))
                 trust = Trust.DATA if self._data_end is None else Trust.SUMMARY
@@ -229,6 +228,14 @@ class McapScan(Scan):
             case Opcode.DATA_END:
                 self._data_end = offset
         return end
+
+    def _close(self, footer: int, end: int) -> int:
+        """Stop behind the footer of a recording that was closed properly."""
+        self._closed = True
+        if self._data_end is None and self._chunks and self._chunks[-1].end == footer:
+            # The record that ends the data is missing: a false message may have taken it.
+            self._doubtful.add(self._chunks[-1].offset)
+        return self._end(end)
 
     def _chunk_record(self, offset: int) -> int | None:
         try:

@@ -19,7 +19,7 @@ from dogbot_logtool.reader.containers.sqlite.tree import (
 )
 
 _TABLE: Final = re.compile(
-    r'CREATE TABLE\s+("[^"]+"|[\w$]+)\s*\((.*)\)([\w\s,]*)', re.IGNORECASE | re.DOTALL
+    r'CREATE TABLE\s+("[^"]+"|[\w$]+)\s*\((.*?)(?:\)([\w\s,]*))?', re.IGNORECASE | re.DOTALL
 )
 _TEXT: Final = re.compile(r"'(?:[^']|'')*'")
 _COMMA: Final = re.compile(r",(?![^(]*\))")
@@ -77,7 +77,7 @@ def parse_table(sql: str, name: str, root: int) -> Table | None:
             integers.add(column)
         if "PRIMARY" in kinds or words[0] == "primary":
             key = column
-    has_rowids = "WITHOUT" not in match[3].upper().split()
+    has_rowids = "WITHOUT" not in (match[3] or "").upper().split()
     return Table(root, columns, columns.get(key) if key in integers else None, has_rowids)
 
 

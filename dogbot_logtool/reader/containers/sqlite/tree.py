@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Bytes, Flags, Ints
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints, distinct
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.sqlite.pages import Pages, in_pieces, unsigned
@@ -269,14 +269,8 @@ def _scatter(target: Bytes, to: Ints, source: Bytes, start: Ints, size: int) -> 
     windows[to] = content[start]
 
 
-_AT_ONCE: Final = (8, 256)
-"""Overflow pages of a row that are guessed to follow each other: at first, and at most."""
-
-
 def _chains(pages: Pages, first: Ints, needed: Ints) -> tuple[Ints, Flags]:
-    """Follow chains of overflow pages.
-
-    They mostly follow each other in the file, so some are read at once in the hope of that.
+    """Follow chains of overflow pages, which mostly stand one behind the other in the file.
 
     Args:
         pages: of the database.
@@ -287,34 +281,20 @@ def _chains(pages: Pages, first: Ints, needed: Ints) -> tuple[Ints, Flags]:
         Numbers of all pages, chain by chain (the sum of `needed`,), and which chains are complete
         and share no page, (n,).
     """
-    chain = np.zeros(int(needed.sum()), np.int64)
-    place = np.cumsum(needed) - needed
-    left, page = needed.copy(), first.copy()
-    going = np.arange(len(first))
-    width, most = _AT_ONCE
-    while len(going):
-        run, index = runs(np.minimum(left[going], width))
-        guess = page[going][run] + index
-        link = _links(pages, guess)
-        is_end = (link != guess + 1) | (index == np.minimum(left[going], width)[run] - 1)
-        ends = np.flatnonzero(is_end)
-        ends = ends[np.unique(run[ends], return_index=True)[1]]
-        known = index <= index[ends][run]
-        chain[(place[going][run] + index)[known]] = guess[known]
-        taken = index[ends] + 1
-        place[going] += taken
-        left[going] -= taken
-        page[going] = link[ends]
-        goes_on = (left[going] > 0) & pages.exist(page[going])
-        straight = link[ends] == guess[ends] + 1
-        width = min(4 * width, most) if straight[goes_on].all() else _AT_ONCE[0]
-        going = going[goes_on]
-    owner = np.repeat(np.arange(len(first)), needed)
+    owner, index = runs(needed)
+    chain = first[owner] + index
+    goes_on = index < needed[owner] - 1
+    broken = distinct(owner[goes_on & (_links(pages, chain) != chain + 1)])
+    end = np.cumsum(needed)
+    for row in broken.tolist():
+        part = chain[end[row] - needed[row] : end[row]]
+        for place in range(1, len(part)):
+            part[place] = _links(pages, part[place - 1 : place])[0]
     _, once = np.unique(chain, return_index=True)
+    is_bad = ~pages.exist(chain)
     again = np.ones(len(chain), np.bool_)
     again[once] = False
-    complete = (left == 0) & (np.bincount(owner, again | ~pages.exist(chain), len(first)) == 0)
-    return chain, complete
+    return chain, np.bincount(owner, is_bad | again, len(first)) == 0
 
 
 def _links(pages: Pages, number: Ints) -> Ints:

@@ -72,9 +72,8 @@ def gait_diagram(stats: Stats) -> Drawing | None:
     return Drawing(
         "gait",
         "Gait diagram",
-        f"A bar a foot over time, filled while the foot is down{_hatched(stats)}. "
-        f"Time in contact: {down}.",
-        "Filled: the foot is down. Hatched: nothing is known of it." + _partly(stats, parts),
+        f"A bar a foot over time, filled while the foot is down. Time in contact: {down}.",
+        _caption(stats) + _partly(stats, parts),
         figure,
         over_time=True,
         feet=_rows(len(stats.feet), 1.0),
@@ -107,15 +106,19 @@ def _stances_drawn(stats: Stats, foot: FootSteps) -> Ints:
     return spans[first : first + MOST_STANCES]
 
 
-def _hatched(stats: Stats) -> str:
-    return " (hatched: estimated from the joints)" if stats.settings.contact_from else ""
+def _caption(stats: Stats) -> str:
+    if stats.settings.contact_from:
+        return "Hatched: the foot is down, as estimated from the joints; grey: nothing is known."
+    return "Filled: the foot is down. Hatched: nothing is known of it."
 
 
 def _bars(stats: Stats, foot: FootSteps, spans: Ints, row: int) -> Trace:
     start, end = seconds(stats, spans[:, 0]), seconds(stats, spans[:, 1])
     marker: dict[str, object] = {"color": foot_colour(row), "line": {"width": 0}}
     if stats.settings.contact_from:
-        marker["pattern"] = {"shape": "\\", "fgcolor": "white", "size": 5, "solidity": 0.25}
+        colour = foot_colour(row)
+        pale = translucent(colour, 0.3)
+        marker["pattern"] = {"shape": "\\", "fgcolor": colour, "bgcolor": pale, "size": 6}
     return bars(
         base=start,
         x=end - start,

@@ -1,0 +1,79 @@
+"""Logs of feet outside the usual; each right, or null with the cause named."""
+
+from collections.abc import Iterator
+from typing import Final
+
+from tests.truth import foot_faults as foot
+from tests.truth import gaits
+from tests.truth import pose_faults as pose
+from tests.truth import sensor_faults as sensor
+from tests.truth.judging import Case, Tolerance
+from tests.truth.recorders import FORCE, recorder
+from tests.truth.walking import Walk
+
+TROT: Final = Walk()
+WALK: Final = Walk(gait=gaits.WALK, period_s=1.0)
+NO_FORCE: Final = (
+    "peak force", "braking", "load share", "impulse", "slip", "height", "froude", "verdict",
+    "margin",
+)  # fmt: skip
+
+
+def flags() -> Iterator[Case]:
+    """Contact without a force."""
+    coarse = Tolerance(event_s=0.1, duty=0.1, contact=0.1, phase=0.1, period=0.1)
+    hop = Walk(gait=gaits.PRONK, speed_mps=2.0, period_s=0.5)
+    for name, walk in (("walk", WALK), ("trot", TROT), ("pronk", hop)):
+        yield Case(f"flags, {name}", recorder(walk, foot.as_flags), skip=NO_FORCE)
+    slow = "SAMPLED_SLOWLY"
+    for rate, walk in ((10.0, TROT), (5.0, WALK)):
+        yield Case(
+            f"flags, {rate:g} Hz", recorder(walk, foot.as_flags, foot.sampled(rate)), slow, slow,
+            coarse, skip=(*NO_FORCE, "touchdowns", "lift-offs"),
+        )  # fmt: skip
+    said = "FLAGS_INVERTED"
+    for name, walk, only in (
+        ("walk", WALK, ()),
+        ("trot", TROT, ()),
+        ("walk, one foot", WALK, ("back_left",)),
+    ):
+        inverted = foot.as_flags, foot.inverted(*only)
+        yield Case(
+            f"inverted flags, {name}", recorder(walk, *inverted), said, said, skip=NO_FORCE
+        )  # fmt: skip
+    yield Case(
+        "inverted flags, walk, places in the base",
+        recorder(WALK, pose.feet_in_base, foot.inverted()), said, said, skip=NO_FORCE,
+    )  # fmt: skip
+
+
+def others() -> Iterator[Case]:
+    """Scuffs, filters, payloads, moving ground."""
+    hind = "back_left", "back_right"
+    rough = Tolerance(duty=0.05, contact=0.05)
+    for name, sensors in (("bumpers", ()), ("force sensors", (FORCE, sensor.noise(0.5)))):
+        scuff = foot.scuffs(12.0, 0.03, *hind)
+        for of, walk in (("walk", WALK), ("trot", TROT)):
+            yield Case(
+                f"hind feet scuff, {of}, {name}", recorder(walk, *sensors, scuff), "", "", rough,
+                skip=("verdict", "support"),
+            )  # fmt: skip
+    yield Case(
+        "a payload put down", recorder(TROT, foot.payload(4.0, 0.75)), "PAYLOAD|WEIGHT", "PAYLOAD",
+        skip=("peak force", "impulse", "braking"),
+    )  # fmt: skip
+    yield Case(
+        "a payload put on, force sensors",
+        recorder(WALK, FORCE, sensor.noise(0.5), foot.payload(3.0, 1.3), sensor.wrong_mass(None)),
+        "PAYLOAD|MASS", "PAYLOAD", rough, skip=("peak force", "impulse", "braking"),
+    )  # fmt: skip
+    said, tread = "TREADMILL", ("height", "froude", "slip", "margin", "verdict")
+    for name, walk in (("trot", TROT), ("walk", WALK)):
+        yield Case(
+            f"treadmill, {name}, contact points", recorder(walk, foot.treadmill), "", said,
+            skip=tread,
+        )  # fmt: skip
+        yield Case(
+            f"treadmill, {name}, places in the base",
+            recorder(walk, pose.feet_in_base, foot.treadmill), "", said, skip=(*NO_FORCE, *tread),
+        )  # fmt: skip
