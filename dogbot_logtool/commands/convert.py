@@ -8,6 +8,7 @@ from dogbot_logtool.conversion.findings import bad_poses, drawing_findings
 from dogbot_logtool.conversion.plan import make_plan, refuse_unknown_names
 from dogbot_logtool.conversion.provenance import provenance_record
 from dogbot_logtool.conversion.writing import annotations_of
+from dogbot_logtool.core.checks.frames import stamp_findings
 from dogbot_logtool.finding import by_severity
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
@@ -75,9 +76,11 @@ def convert(
         log.close()
     topics = annotations.added.topics()
     ours = {topic: output.messages.get(channel, 0) for channel, topic in topics.items()}
+    stats = measured.measurement.stats
     findings = [
         *measured.measurement.facts.findings,
-        *drawing_findings(scene, measured.measurement.stats.recording, moved, counts),
+        *stamp_findings(stats.recording, stats.settings),
+        *drawing_findings(scene, stats.recording, moved, counts),
     ]
     plan = scene.plan
     return Conversion(
@@ -94,7 +97,7 @@ def convert(
         copied=sum(n for channel, n in output.messages.items() if channel not in topics),
         annotations=ours,
         counts=counts,
-        bad_poses=bad_poses(measured.measurement.stats.recording),
+        bad_poses=bad_poses(stats.recording),
         findings=tuple(sorted(dict.fromkeys(findings), key=by_severity)),
         damage=damage_of(log, losses),
     )

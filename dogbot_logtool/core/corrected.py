@@ -104,6 +104,7 @@ def correct(recording: Recording, settings: StatsSettings) -> Corrected:
     settings = _in_frames(recording, settings, frames)
     turning = world_frames(frames, settings)
     samples = _with_swings(_without_offsets(recording.feet, settings), settings)
+    samples = _without_unfilled_places(samples, settings)
     places = _places(samples, recording.base, settings)
     turned = None
     if turning is None:
@@ -248,6 +249,22 @@ def _places(
         path_of(clock.of(samples), samples.position) if foot.in_base else None
         for foot, samples in zip(settings.feet, feet, strict=True)
     )
+
+
+def _without_unfilled_places(
+    feet: tuple[Samples, ...], settings: StatsSettings
+) -> tuple[Samples, ...]:
+    """Return samples without places in the base's axes that a driver leaves at the origin."""
+    found = []
+    for foot, samples in zip(settings.feet, feet, strict=True):
+        unfilled = np.flatnonzero(~samples.position.any(axis=1)) if foot.in_base else np.empty(0)
+        if len(unfilled):
+            position = samples.position.copy()
+            position[unfilled] = np.nan
+            found.append(replace(samples, position=position))
+        else:
+            found.append(samples)
+    return tuple(found)
 
 
 def _without_places(

@@ -92,7 +92,8 @@ def mask_walk(corrected: Corrected) -> Stats:
     """
     settings = corrected.settings
     period_s = typical_period_s([each.stances for each in corrected.feet])
-    positions = [foot.leg_position for foot in settings.feet]
+    # Feet of bipeds are named by their side only.
+    positions = [foot.leg_position or ("", foot.name) for foot in settings.feet]
     witness = feet_witness(corrected.feet, corrected.places, positions, corrected.base)
     frozen = find_frozen(corrected.base, corrected.feet, witness, period_s)
     recorded = without_frozen(corrected.base, frozen.spans) if frozen else corrected.base
@@ -120,7 +121,8 @@ def mask_walk(corrected: Corrected) -> Stats:
     track = BaseTrack(walked, find_travel(walked), height, records, standing.still)
     guessed = settings.forward_axis
     motion = base_motion(track, guessed)
-    settings = with_forward_axis(settings, track, motion)
+    in_one_world = worlds is None or worlds.agree
+    settings = with_forward_axis(settings, track, motion, in_one_world=in_one_world)
     if settings.forward_axis != guessed:
         motion = base_motion(track, settings.forward_axis)
     feet = tuple(

@@ -85,7 +85,9 @@ def _measured(walk: Stats, corrected: Corrected) -> Stats:
     origin, end = _extent(records, walk.poses)
     positions = [foot.leg_position for foot in settings.feet]
     forward_rad = FORWARD_ANGLES[settings.forward_axis]
-    swapped, pairs = swapped_pairs(walk.placed_poses, records, positions, forward_rad)
+    # In another world, contact points tell nothing of the body's sides.
+    placed = walk.poses.without_poses() if walk.worlds_differ else walk.placed_poses
+    swapped, pairs = swapped_pairs(placed, records, positions, forward_rad)
     stable, unstable = stability_in(walk)
     # In segments with strides the robot steps.
     steps = [each.spans for each in segments if each.strides]

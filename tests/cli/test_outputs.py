@@ -90,5 +90,5 @@ def test_overwriting_keeps_what_kind_of_file_there_was(shell: Shell, logs: Path)
     assert private.stat().st_size > len("old")
     done = shell("convert", logs / "one.mcap", "-o", fifo.name, "--overwrite")
     assert done.code == 2
-    assert "is a FIFO, not a file" in done.err
+    assert "is a named pipe, not a file" in done.err
     assert fifo.is_fifo()

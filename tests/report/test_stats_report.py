@@ -161,7 +161,6 @@ def test_every_null_of_a_foot_has_a_reason() -> None:
         because = figures["null_because"]
         assert nulls <= because.keys()
         assert because[f"feet.{name}.peak_vertical_force_n"] == NEEDS["vertical force"]
-        assert because[f"feet.{name}.stride_length_m"] == NEEDS["base"]
 
 
 def test_what_the_reader_lost_and_found_is_in_the_quality(trot: Stats) -> None:

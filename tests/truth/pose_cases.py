@@ -22,6 +22,7 @@ TROT: Final = Walk()
 SLOW: Final = Walk(gait=gaits.WALK, period_s=1.2, speed_mps=0.3, seconds=12.0)
 CIRCLE: Final = CurvedWalk(gait=gaits.WALK, period_s=1.0, seconds=10.0)
 ON_THE_SPOT: Final = CurvedWalk(gait=gaits.WALK, period_s=1.0, seconds=10.0, speed_mps=0.0)
+BIPED: Final = Walk(gait=gaits.BIPED_WALK, robot=biped(), period_s=1.1, speed_mps=0.8)
 STEPS: Final = Walk(speed_mps=0.0)
 UPHILL: Final = Walk(slope_rad=radians(12.0))
 
@@ -60,6 +61,10 @@ def faults() -> Iterator[Case]:
         (("yaw 30 degrees off", TROT, (pose.yaw_off(quarter),), "POSE_DIRECTION"), seen),
         (("yaw 15 degrees off, slow walk", SLOW, (pose.yaw_off(radians(-15.0)),),
           "POSE_DIRECTION"), seen),
+        (("yaw 28 degrees off, biped", BIPED, (pose.yaw_off(-0.5),), "POSE_DIRECTION"), every[:1]),
+        (("another world, circle", CIRCLE, (pose.started_anywhere((1.0, 2.0, 0.0), -2.0),),
+          "WORLDS_DIFFER"), every[:1]),
+        (("frozen from 2 to 5 s", TROT, (pose.frozen(2.0, until_s=5.0),), "POSE_FROZEN"), every),
         (("orientation constant", CIRCLE, (pose.orientation_constant,), "POSE_ORIENTATION"), every),
         (("orientation constant, on the spot", ON_THE_SPOT, (pose.orientation_constant,),
           "POSE_FROZEN|POSE_ORIENTATION"), every),
@@ -107,6 +112,7 @@ def sound() -> Iterator[Case]:
         ("odometry starts anywhere", TROT, (starts,), ("forces", "places in the base")),
         ("20 Hz odometry", TROT, (pose.rarely(20.0),), tuple(WAYS)),
         ("planar poses on level ground", TROT, (pose.flat,), ("forces", "places in the base")),
+        ("places that are not filled in", TROT, (pose.places_unfilled,), ("places in the base",)),
         ("a run", run, (), ("contact points",)),
         ("noise of 2 mm", TROT, (world.pose_noise(0.002),), tuple(WAYS)),
     )

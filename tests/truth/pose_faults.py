@@ -33,15 +33,20 @@ def feet_in_base(recording: Recording) -> Recording:
     return replace(recording, kind="spot", places=tuple(places))
 
 
+def places_unfilled(recording: Recording) -> Recording:
+    """Let a driver fill in contact only: all places are zero."""
+    return replace(recording, places=tuple(np.zeros_like(each) for each in recording.places))
+
+
 def _base(change: Callable[[BaseRecording], BaseRecording]) -> Disturbance:
     return lambda recording: replace(recording, base=change(recording.base))
 
 
-def frozen(from_s: float = 0.0, *, with_twist: bool = True) -> Disturbance:
+def frozen(from_s: float = 0.0, *, until_s: float = np.inf, with_twist: bool = True) -> Disturbance:
     """Let every message from a time on repeat the pose of that time, and perhaps no twist."""
 
     def change(base: BaseRecording) -> BaseRecording:
-        late = base.time >= from_s
+        late = (base.time >= from_s) & (base.time < until_s)
         first = int(np.argmax(late))
         position, orientation = base.position.copy(), base.orientation.copy()
         position[late], orientation[late] = position[first], orientation[first]

@@ -20,7 +20,7 @@ WALKED_M: Final = 0.5
 
 
 def with_forward_axis(
-    settings: StatsSettings, track: BaseTrack, motion: Base | None
+    settings: StatsSettings, track: BaseTrack, motion: Base | None, *, in_one_world: bool
 ) -> StatsSettings:
     """Let evidence correct a guessed forward axis.
 
@@ -31,11 +31,12 @@ def with_forward_axis(
         settings: with the forward axis of the robot.
         track: the poses of its base.
         motion: of the base along that axis; None: not known.
+        in_one_world: whether base and contact points are, so that these tell of the body.
     """
     if not settings.forward_axis_is_assumed:
         return settings
     positions = [foot.leg_position for foot in settings.feet]
-    measured = axis_by_legs(track.history, track.feet, positions)
+    measured = axis_by_legs(track.history, track.feet, positions) if in_one_world else None
     because = "the fore feet are on that side of the hind feet"
     if measured is None:
         measured = axis_by_motion(motion, settings.forward_axis)

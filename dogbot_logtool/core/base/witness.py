@@ -64,7 +64,9 @@ def by_points(
         return None
     start = max(int(tracks[row][0][0]) for row in used)
     end = min(int(tracks[row][0][-1]) for row in used)
-    time = timespans.ticks(np.array([[start, end]]), TICK_NS)
+    # Of a clock that was set by years only the time in which feet are known has ticks.
+    spans = [np.array([[start, max(end, start)]]), *(feet[row].known for row in used)]
+    time = timespans.ticks(timespans.intersect(spans), TICK_NS)
     if len(time) < FEWEST_FOOTFALLS:
         return None
     # (t, f, 3) m, where each foot's point is.

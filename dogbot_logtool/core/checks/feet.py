@@ -34,8 +34,6 @@ UNLIKE: Final = 0.3
 """By which the contact fraction of a foot differs from that of all others, if it is inverted."""
 ALIKE: Final = 0.08
 """By which those of the others, and what is left of its own, differ at most."""
-FEWEST_SAMPLES: Final = 8.0
-"""Samples a stride from which contact is not slow."""
 UNCERTAIN: Final = 0.1
 """Sampling interval over stride from which duty and phase are not known."""
 CHANGES: Final = 0.06
@@ -154,8 +152,7 @@ def sampled_slowly(stats: Stats) -> Iterator[Finding]:
         f"contact of {', '.join(slow)} is told {least:.1f} times a stride: duty and phase are "
         f"uncertain by {100.0 / least:.0f} % of a stride"
     )
-    cases = ("contact",) if least < FEWEST_SAMPLES else ("contact_little",)
-    yield Finding("SAMPLED_SLOWLY", text, cases=cases, feet=tuple(slow))
+    yield Finding("SAMPLED_SLOWLY", text, cases=("contact",), feet=tuple(slow))
 
 
 def payload(stats: Stats) -> Iterator[Finding]:

@@ -19,6 +19,7 @@ from dogbot_logtool.reader.containers.salvage.content import (
     left_out,
     undescribed,
 )
+from dogbot_logtool.reader.containers.salvage.scan import Scan
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
 
@@ -28,8 +29,16 @@ _ROUND_SIZE: Final = 1 << 20
 class ChunkedLog(Log):
     """A log of one file that is read by decompressing its chunks."""
 
-    def __init__(self, source: ByteSource, contents: Contents) -> None:
+    def __init__(self, source: ByteSource, contents: Contents, scan: Scan) -> None:
+        """Take a log.
+
+        Args:
+            source: the file.
+            contents: what was found in it.
+            scan: what found them; its code reads the chunks, too.
+        """
         super().__init__(source, contents)
+        self._scan = scan
         self._channel_ids = ChannelIds({number: number for number in contents.channels})
         self._only_batch: Batch | None = None
 
@@ -106,7 +115,7 @@ class ChunkedLog(Log):
         losses: list[Loss] = []
         for chunk in span:
             try:
-                self.check(chunk)
+                self._scan.check(chunk)
             except ChunkDamage as damage:
                 losses.append(left_out(chunk, damage))
                 damaged.append(chunk)
@@ -147,25 +156,8 @@ class ChunkedLog(Log):
         return batch, damaged
 
     @abstractmethod
-    def check(self, chunk: Chunk) -> None:
-        """Check what a chunk claims before memory is allocated for it.
-
-        Raises:
-            ChunkDamage: it cannot be true.
-        """
-
-    @abstractmethod
     def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
-        """Decompress a chunk into the target and find its messages.
-
-        Args:
-            chunk: the chunk.
-            stored: the file's bytes from `chunk.offset` to `chunk.index_end`, or fewer.
-            target: (chunk.size,) uint8.
-
-        Raises:
-            ChunkDamage: nothing in the chunk can be trusted.
-        """
+        """See `Scan.parse`; what contradicts the log's descriptions is said as well."""
 
     def describes_hidden(self, content: ChunkContent, data: Bytes) -> bool:
         """Tell whether a chunk describes what is left out: new channels may have its number."""

@@ -3,13 +3,7 @@
 from dataclasses import replace
 
 from dogbot_logtool.core.arrays import Bytes
-from dogbot_logtool.reader.containers.bag.chunk import (
-    check_bag_chunk,
-    indexed_times,
-    parse_bag_chunk,
-)
-from dogbot_logtool.reader.containers.bag.connections import Connections
-from dogbot_logtool.reader.containers.bag.format import BagFormat
+from dogbot_logtool.reader.containers.bag.chunk import indexed_times
 from dogbot_logtool.reader.containers.bag.records import BagOp
 from dogbot_logtool.reader.containers.bag.scan import BagScan
 from dogbot_logtool.reader.containers.chunked_log import ChunkedLog
@@ -24,22 +18,17 @@ class BagLog(ChunkedLog):
 
     container = "ROS 1 bag"
 
-    def __init__(self, source: ByteSource, contents: Contents, connections: Connections) -> None:
-        super().__init__(source, contents)
-        self._connections = connections
-        self._channel_ids = ChannelIds(connections.channel_ids)
-        self._numbers = {number: each for each, number in connections.channel_ids.items()}
+    def __init__(self, source: ByteSource, contents: Contents, scan: BagScan) -> None:
+        super().__init__(source, contents, scan)
+        self._connections = scan.connections
+        self._channel_ids = ChannelIds(self._connections.channel_ids)
+        self._numbers = {each: number for number, each in self._connections.channel_ids.items()}
         """Connection numbers by channel id."""
-        self._format = BagFormat()
-
-    def check(self, chunk: Chunk) -> None:
-        """See `ChunkedLog.check`."""
-        check_bag_chunk(chunk, self.source.size)
 
     def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
         """See `ChunkedLog.parse`."""
         counts = chunk.counts and {self._numbers[each]: n for each, n in chunk.counts.items()}
-        content = parse_bag_chunk(replace(chunk, counts=counts), stored, target, self._format)
+        content = self._scan.parse(replace(chunk, counts=counts), stored, target)
         found = {
             self._connections.contradiction(target[offset:end].tobytes(), chunk.offset): None
             for op, offset, end in content.others.tolist()
@@ -62,4 +51,4 @@ def open_log(source: ByteSource, distribution: str) -> BagLog:
         source = source.nearby()
         scan = BagScan(source)
         contents = scan.scanned(len(BAG_MAGIC), problem)
-    return BagLog(source, contents, scan.connections)
+    return BagLog(source, contents, scan)

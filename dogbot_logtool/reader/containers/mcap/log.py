@@ -11,9 +11,7 @@ from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.containers.chunked_log import ChunkedLog
 from dogbot_logtool.reader.containers.contents import UNKNOWN_CHANNEL, Chunk, Contents
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.mcap.chunk import check_chunk, chunk_at, parse_chunk
-from dogbot_logtool.reader.containers.mcap.descriptions import Descriptions
-from dogbot_logtool.reader.containers.mcap.format import McapFormat
+from dogbot_logtool.reader.containers.mcap.chunk import chunk_at
 from dogbot_logtool.reader.containers.mcap.records import RECORD_HEAD, decode_record
 from dogbot_logtool.reader.containers.mcap.scan import SUMMARY_CONTRADICTS, McapScan
 from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage
@@ -32,18 +30,13 @@ class McapLog(ChunkedLog):
     container = "MCAP"
     copies_chunks = True
 
-    def __init__(self, source: ByteSource, contents: Contents, descriptions: Descriptions) -> None:
-        super().__init__(source, contents)
-        self._format = McapFormat(contents.channels)
-        self._descriptions = descriptions
-
-    def check(self, chunk: Chunk) -> None:
-        """See `ChunkedLog.check`."""
-        check_chunk(chunk, self.source.size)
+    def __init__(self, source: ByteSource, contents: Contents, scan: McapScan) -> None:
+        super().__init__(source, contents, scan)
+        self._descriptions = scan.descriptions
 
     def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
         """See `ChunkedLog.parse`."""
-        content = parse_chunk(chunk, stored, target, self._format)
+        content = self._scan.parse(chunk, stored, target)
         found = self._descriptions.contradictions_in(target, content.others, chunk.offset)
         return replace(content, losses=(*content.losses, *found)) if found else content
 
@@ -94,8 +87,8 @@ class McapLog(ChunkedLog):
         for chunk, stored in zip(chunks, self.source.read_many(ranges), strict=True):
             target = np.empty(chunk.size, np.uint8)
             try:
-                self.check(chunk)
-                content = parse_chunk(chunk, memoryview(stored), target, self._format)
+                self._scan.check(chunk)
+                content = self._scan.parse(chunk, memoryview(stored), target)
             except ChunkDamage:
                 continue
             if self._descriptions.contradictions_in(target, content.others, chunk.offset):
@@ -126,14 +119,14 @@ def open_log(source: ByteSource, distribution: str) -> McapLog:
     scan = McapScan(source)
     contents, problem = scan.indexed()
     if contents is not None:
-        log = McapLog(source, _with_profile(source, contents), scan.descriptions)
+        log = McapLog(source, _with_profile(source, contents), scan)
         if not log.contradicts_summary():
             return log
         problem = Loss(0, SUMMARY_CONTRADICTS)
     source = source.nearby()
     scan = McapScan(source)
     contents = scan.scanned(len(MCAP_MAGIC), problem)
-    return McapLog(source, _with_profile(source, contents), scan.descriptions)
+    return McapLog(source, _with_profile(source, contents), scan)
 
 
 def _with_profile(source: ByteSource, contents: Contents) -> Contents:

@@ -149,6 +149,7 @@ class Scan(ABC):
         while offset < self._source.size:
             following = self._step(offset)
             offset = self._search(offset) if following is None else following
+        self._kept = 0, b""
         chunks = self._read_chunks()
         channels = self._channels()
         counts = dict.fromkeys(channels, 0)

@@ -5,8 +5,7 @@ import os
 import threading
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import Final, Self
+from typing import Final
 
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io import storage
@@ -101,17 +100,6 @@ class ByteSource:
     def close(self) -> None:
         """Close the file."""
         self._file.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def in_groups(source: ByteSource, ranges: Sequence[tuple[int, int]]) -> Iterator[bytes]:

@@ -82,7 +82,8 @@ def open_log(source: ByteSource, distribution: str) -> SqliteLog:
         LogError: it is no ROS 2 bag, or nothing of it can be read.
     """
     with ExitStack() as opened:
-        source = opened.enter_context(source.nearby())
+        source = source.nearby()
+        opened.callback(source.close)
         pages = Pages(source)
         opened.callback(pages.close)
         losses = take_journals(pages, source.path)
