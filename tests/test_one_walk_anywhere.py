@@ -132,6 +132,17 @@ def test_every_container_and_chunking_gets_the_same_annotations(
     assert found == expected_annotations[encoding]
 
 
+@pytest.mark.parametrize("rows", [300, 5000])
+def test_annotations_do_not_depend_on_where_spans_end(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    expected_annotations: dict[str, list[Annotation]],
+    rows: int,
+) -> None:
+    monkeypatch.setattr("dogbot_logtool.conversion.writing.SPAN_ROWS", rows)
+    assert annotations(tmp_path, TROT, "ros2") == expected_annotations["ros2"]
+
+
 @pytest.mark.parametrize("start", ["fork", "spawn", "threads"])
 @pytest.mark.parametrize("jobs", [2, 5])
 def test_any_workers_write_the_same_annotations(
