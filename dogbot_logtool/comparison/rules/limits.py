@@ -18,6 +18,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
+from dogbot_logtool.comparison.rules.renamed import new_name
 from dogbot_logtool.core.events.event import EventType
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
@@ -177,13 +178,39 @@ def _rule(table: Mapping[str, Any], where: str) -> Rule:
 
 
 def _check_name(subject: Subject, pattern: str, where: str) -> None:
-    """Refuse a finding or an event that no log can have: such a rule would always be kept."""
-    known = list(EventType) if subject is Subject.EVENT else [*_SEVERITIES, *finding_kinds()]
-    if subject is Subject.FIGURE or any(fnmatchcase(name, pattern) for name in known):
+    """Refuse a metric of before, and a finding or event that no log can have.
+
+    A rule about the latter would always be kept.
+    """
+    if subject is Subject.FIGURE:
+        if new := new_name(pattern):
+            raise CallError(f"{where}: {pattern} is now {new}; docs/metrics.md has all metrics")
         return
+    known = list(EventType) if subject is Subject.EVENT else [*_SEVERITIES, *finding_kinds()]
+    if any(fnmatchcase(name, pattern) for name in known):
+        return
+    if subject is Subject.FINDING and (now := _new_codes(pattern)):
+        raise CallError(
+            f"{where}: {pattern} is now {', '.join(now)}; codes have no prefix any more, and "
+            "docs/findings.md has all"
+        )
     close = get_close_matches(pattern, known, 3) or (known if subject is Subject.EVENT else [])
     near = f"; there are {', '.join(close)}" if close else "; docs/findings.md has all codes"
     raise CallError(f"{where}: no {subject} is called {pattern!r}{near}")
+
+
+def _new_codes(pattern: str) -> list[str]:
+    """Return the codes that stand for a code or a pattern of before, such as ``DEAD``."""
+    letter, _, name = pattern.partition("_")
+    if letter not in {"E", "N", "W"}:
+        return []
+    if name == "*":
+        return [each for each in _SEVERITIES if each.startswith(letter.lower())]
+    return [
+        code
+        for code, kind in finding_kinds().items()
+        if any(fnmatchcase(each, name) for each in (code, *kind.was))
+    ]
 
 
 def _range(table: Mapping[str, Any], subject: Subject, where: str) -> tuple[float, float]:
