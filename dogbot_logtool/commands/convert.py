@@ -8,7 +8,6 @@ from dogbot_logtool.conversion.findings import bad_poses, drawing_findings
 from dogbot_logtool.conversion.plan import make_plan, refuse_unknown_names
 from dogbot_logtool.conversion.provenance import provenance_record
 from dogbot_logtool.conversion.writing import annotations_of
-from dogbot_logtool.core.checks.frames import stamp_findings
 from dogbot_logtool.finding import by_severity
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
@@ -79,7 +78,6 @@ def convert(
     stats = measured.measurement.stats
     findings = [
         *measured.measurement.facts.findings,
-        *stamp_findings(stats.recording, stats.settings),
         *drawing_findings(scene, stats.recording, moved, counts),
     ]
     plan = scene.plan
