@@ -18,6 +18,8 @@ FEWEST_DOWN: Final = 1.2
 """Feet of four or more that must be down on average, unless the robot flies."""
 MOST_FLIGHT: Final = 0.02
 FLIES: Final = 0.05
+HALF: Final = 0.5
+"""Duty factor of feet above which a stride is a walk's."""
 STANDS_FROUDE: Final = 1e-3
 WALKS_FROUDE: Final = 0.06
 """Froude numbers between which robots walk and do not run; on the spot they may hop."""
@@ -85,9 +87,13 @@ def _all_inverted(stats: Stats, feet: list[FootSteps]) -> str:
 
 
 def _flies_slowly(stats: Stats, flight: float) -> bool:
-    """Tell whether a robot would fly at a speed at which none does, by its size."""
+    """Tell whether a robot would fly at a speed at which none does, by its size.
+
+    Flags that are true for most of a stride would be less likely the other way round.
+    """
     speed = None if stats.base is None else stats.base.forward_speed_mps
-    if speed is None or flight < FLIES:
+    fractions = [foot.record.contact_fraction() or 0.0 for foot in stats.feet]
+    if speed is None or flight < FLIES or float(median_of(np.array(fractions))) >= HALF:
         return False
     leg_m = LEG_M * (stats.settings.mass_kg or HEAVY_KG) ** (1.0 / 3.0)
     froude = speed**2 / (GRAVITY_MPS2 * leg_m)
