@@ -69,7 +69,8 @@ class ProcessRunner(ExecutorRunner[Result]):
         with held_back(), _started(self.capacity):
             try:
                 return self._pool.submit(_attempt, work, item)
-            except BrokenExecutor:
+            except (BrokenExecutor, ValueError):
+                # A pool that breaks just now closes the pipes of the process that it starts.
                 self._pool.shutdown()
                 self._looks = 0
                 self._pool = self._opened("spawn")
