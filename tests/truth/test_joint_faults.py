@@ -138,7 +138,7 @@ def test_positions_that_wrap_change_nothing(measure: Measure, told: float) -> No
 
 
 def test_names_of_another_robot_do_not_place_its_feet(measure: Measure) -> None:
-    names = tuple(f"{joint}_motor" for joint in physics.JOINTS)
+    names = tuple(f"robot_{joint}" for joint in physics.JOINTS)
     walk = measure(names=names, by_transforms=False)
     because = walk.stats["null_because"]["feet.front_left.clearance_m"]
     assert because == "no transforms or joints of the legs"
