@@ -547,7 +547,7 @@ def _of_contact(found: _Found, columns: _Columns) -> Finding:
         text = (
             f"contacts and forces of the feet are estimated from positions and efforts of "
             f"{columns.topic}: in a physics engine, contact times were within 0.03 of a stride, "
-            "vertical forces within 0.1 body weights rms, their sum 0.93 to 1.0 of the weight"
+            "vertical forces within 0.15 body weights rms, their sum 0.93 to 1.0 of the weight"
         )
         return Finding("CONTACT_ESTIMATED", text)
     text = (
