@@ -1,7 +1,7 @@
 """`dogbot-logtool layout`: the view of an annotated walk, set up for a viewer."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Final
 
@@ -10,22 +10,19 @@ import numpy as np
 from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.checks.frames import zero_stamps
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.corrected import correct
 from dogbot_logtool.core.known_frames import DEFAULT_BASE, DEFAULT_WORLD
 from dogbot_logtool.core.plausible import STRONGEST_N
-from dogbot_logtool.core.settings import StatsSettings, body_weight_n
-from dogbot_logtool.errors import LogError
-from dogbot_logtool.options import RobotOptions
+from dogbot_logtool.core.settings import body_weight_n
+from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.report.layouts import View, upper_bound
 from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.feet import assign_feet
-from dogbot_logtool.robot.measuring.plan import settings_of
+from dogbot_logtool.robot.measuring.plan import make_plan, measure_recording
 from dogbot_logtool.robot.robot import Robot, load_robot
 from dogbot_logtool.robot.robot_model.description import robot_shape
 from dogbot_logtool.robot.robot_model.primitives import body_size_m
-from dogbot_logtool.robot.selection import nothing_to_do, select_topics
 from dogbot_logtool.robot.settings import with_settings
 
 _NEARLY_ALL: Final = 0.995
@@ -49,17 +46,17 @@ def view_of(log: Path | None, options: RobotOptions) -> View:
         return _view(robot, robot.world_frame or DEFAULT_WORLD, robot.base_frame or DEFAULT_BASE)
     opened = open_recorded(log)
     try:
-        selection = select_topics(opened, options)
-        if not selection.odometry and not selection.contacts:
-            raise LogError(nothing_to_do(opened, selection))
-        recording = read_recording(opened, selection.wanted(), 1).recording
-        corrected = correct(recording, settings_of(selection, options))
-        settings, frames = corrected.settings, corrected.frames
+        given = {each.name: getattr(options, each.name) for each in fields(RobotOptions)}
+        measuring = MeasureOptions(**given)
+        plan = make_plan(opened, measuring)
+        read = read_recording(opened, plan.wanted, 1)
+        stats, selection = measure_recording(opened, read.recording, plan, measuring)
+        recording, settings, frames = stats.recording, stats.settings, stats.frames
         view = _view(selection.robot, frames.world, frames.base)
         shape = robot_shape(selection, frames)
         return replace(
             view,
-            peak_n=_peak_n(settings, recording.feet) or view.peak_n,
+            peak_n=_peak_n(recording.feet) or view.peak_n,
             forward_axis=shape.forward_axis,
             size_m=shape.size_m,
             turned_deg=frames.turned_deg,
@@ -82,11 +79,11 @@ def _view(robot: Robot, world: str, base: str) -> View:
     )
 
 
-def _peak_n(settings: StatsSettings, feet: Sequence[Samples]) -> float | None:
+def _peak_n(feet: Sequence[Samples]) -> float | None:
     """Return a round bound, N, of the loads that were seen, above their sensors' offsets."""
     largest = 0.0
-    for foot, samples in enumerate(feet):
-        force = norms(samples.force - settings.sensor(foot).level.offset_at(samples.log_time))
+    for samples in feet:
+        force = norms(samples.force)
         force = force[np.isfinite(force) & (force < STRONGEST_N)]
         if len(force):
             largest = max(largest, _ROOM * float(np.quantile(force, _NEARLY_ALL)))
