@@ -69,10 +69,3 @@ class Recording:
 def has_own_stamps(columns: Stamped) -> bool:
     """Tell whether messages have stamps, and not only the log times that stand in for them."""
     return bool(columns.stamp.any() and (columns.stamp != columns.log_time).any())
-
-
-def is_stamped(recording: Recording) -> bool:
-    """Tell whether feet and base have stamps of their own, or have been given them."""
-    used: list[Stamped] = [each for each in recording.feet if len(each.log_time)]
-    used += [recording.base] if len(recording.base.log_time) else []
-    return all(has_own_stamps(each) for each in used)

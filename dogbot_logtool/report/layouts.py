@@ -321,9 +321,6 @@ def _camera(view: View) -> dict[str, Any]:
     }
 
 
-DEFAULT_VIEWER: Final = "foxglove"
-
-
 @dataclass(frozen=True, slots=True)
 class Viewer:
     """One viewer."""

@@ -4,7 +4,6 @@ Drawn in text, two steps of time a character, so that it can stand in a terminal
 """
 
 import math
-from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -139,15 +138,3 @@ def _nice_step(least: float) -> float:
     """Return 1, 2 or 5 times a power of ten, at least as large."""
     power = 10.0 ** math.floor(math.log10(least))
     return next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= least)
-
-
-def support_line(stats: Stats, names: Sequence[str]) -> str:
-    """Name the most frequent support sets and their share of time."""
-    if stats.support is None:
-        return "not known"
-    sets = [
-        f"{' + '.join(names[foot] for foot in feet) or 'flight'} {share:.0%}"
-        for feet, share in stats.support.sets
-        if share >= 0.005
-    ]
-    return ", ".join(sets)

@@ -13,8 +13,6 @@ from dogbot_logtool.dataclass import dataclass
 if TYPE_CHECKING:
     from dogbot_logtool.writer.encodings.encoding import Encoding
 
-DEFAULT_ENCODING: Final = "foxglove"
-
 
 @dataclass(frozen=True, slots=True)
 class OutputEncoding:
