@@ -7,7 +7,7 @@ from dogbot_logtool.core.contact.contact_rule import FootSensor, Thresholds, con
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.core.leg_position import LegPosition, are_some_of
 from dogbot_logtool.dataclass import dataclass
 
 GRAVITY_MPS2: Final = 9.81
@@ -111,6 +111,11 @@ class StatsSettings:
     def body_weight_n(self) -> float | None:
         """N; None when the mass is not known."""
         return body_weight_n(self.mass_kg)
+
+    @property
+    def lacks_feet(self) -> bool:
+        """Whether the robot has feet beside these, so that nothing is known of all together."""
+        return are_some_of([foot.leg_position for foot in self.feet])
 
     def sensor(self, foot: int) -> FootSensor:
         """Return how a foot's sensor reads, and what counts as contact of it."""

@@ -107,6 +107,8 @@ class FootSet:
         if self.merit < USABLE or self.part < Part.UNKNOWN or self.doubtful:
             return False
         is_leg = self.part >= Part.LEG
+        if self.kind == "alone":
+            return len(self.feet) == 1 and contacts_only and self.feet[0].position is not None
         if self.kind == "numbers":
             return is_leg and len(self.feet) >= _NUMBERED
         if self.kind == "sides":
@@ -155,15 +157,14 @@ def name_feet(topics: Iterable[str], *, contacts_only: bool) -> FootNames:
     sets = _without_parts(list(_sibling_sets(names)))
     possible = [one for one in sets if _may_be_feet(one, contacts_only=contacts_only)]
     ranked = sorted(possible, key=_rank)
+    in_sets = {topic for one in sets for topic in one.topics}
+    rest = {topic: words for topic, words in names.items() if topic not in in_sets}
+    ranked += _alone(rest, contacts_only=contacts_only)
     clear = [one for one in ranked if one.is_clear(contacts_only=contacts_only)]
     chosen = None
     if clear and (len(clear) == 1 or _rank(clear[0]) < _rank(clear[1])):
         chosen = clear[0]
-    offered = [one for one in ranked if one is not chosen]
-    in_sets = {topic for one in sets for topic in one.topics}
-    rest = {topic: words for topic, words in names.items() if topic not in in_sets}
-    offered.extend(_alone(rest, contacts_only=contacts_only))
-    return FootNames(chosen, tuple(offered))
+    return FootNames(chosen, tuple(one for one in ranked if one is not chosen))
 
 
 def _rank(one: FootSet) -> tuple[int, int]:
@@ -269,7 +270,7 @@ def _alone(names: Mapping[str, Sequence[Word]], *, contacts_only: bool) -> list[
     }
     counts = Counter(topics.values())
     feet = [
-        NamedFoot(name if counts[name] == 1 else _sanitised(topic), topic)
+        NamedFoot(name if counts[name] == 1 else _sanitised(topic), topic, leg_position(name))
         for topic, name in topics.items()
     ]
     unique = tuple({foot.name: foot for foot in feet}.values())[:_MOST_LEGS]

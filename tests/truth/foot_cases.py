@@ -7,6 +7,7 @@ from tests.truth import foot_faults as foot
 from tests.truth import gaits
 from tests.truth import pose_faults as pose
 from tests.truth import sensor_faults as sensor
+from tests.truth import time_faults as time
 from tests.truth.judging import Case, Tolerance
 from tests.truth.recorders import FORCE, recorder
 from tests.truth.walking import Walk
@@ -17,6 +18,26 @@ NO_FORCE: Final = (
     "peak force", "braking", "load share", "impulse", "slip", "height", "froude", "verdict",
     "margin",
 )  # fmt: skip
+
+
+def some() -> Iterator[Case]:
+    """Some of the robot's feet have sensors: their own metrics are right, those of all are not."""
+    walk = Walk(gait=gaits.WALK, period_s=1.1, shares=(0.3, 0.28, 0.22, 0.2))
+    others, fore = {"front_left", "front_right", "back_right"}, {"back_left", "back_right"}
+    of_all = "no other foot"
+    for name, sensors in (
+        ("bumpers", ()),
+        ("force sensors", (FORCE, sensor.noise(0.5))),
+        ("silent in swing", (time.silent_in_swing,)),
+    ):
+        for of, gait in (("trot", TROT), ("walk", walk)):
+            yield Case(f"one foot, {of}, {name}", recorder(gait, *sensors, foot.without(*others)),
+                       of_all, of_all)  # fmt: skip
+    two = FORCE, sensor.noise(0.5), foot.without(*fore)
+    yield Case("fore feet, force sensors", recorder(walk, *two), of_all, of_all)
+    one = foot.without(*others)
+    yield Case("one foot, mass not given", recorder(walk, one, sensor.wrong_mass(None)),
+               f"{of_all}|mass", of_all)  # fmt: skip
 
 
 def flags() -> Iterator[Case]:

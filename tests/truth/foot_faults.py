@@ -89,3 +89,8 @@ def treadmill(recording: Recording) -> Recording:
     position = base.position - way + np.outer(sway, (0.3, 1.0, 0.5))
     still = replace(base, position=position, velocity=np.zeros_like(base.velocity))
     return replace(recording, feet=feet, base=still)
+
+
+def without(*feet: str) -> Disturbance:
+    """Let feet have no sensor."""
+    return lambda recording: replace(recording, unrecorded=tuple(feet))

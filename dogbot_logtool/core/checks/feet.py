@@ -194,6 +194,7 @@ def _weights(stats: Stats) -> tuple[Ints, Floats] | None:
     period_s = stats.period_s
     if (
         not period_s
+        or stats.settings.lacks_feet
         or not all(each.has_force for each in stats.records)
         or stats.feet_clocks_are_apart
     ):

@@ -77,6 +77,13 @@ def silent_feet(stats: Stats) -> Iterator[Finding]:
             yield found("NO_MESSAGES", "foot", say=say, feet=(foot.name,), on=on)
 
 
+def some_feet(stats: Stats) -> Iterator[Finding]:
+    """Yield that the robot has other feet, of which the log does not tell."""
+    if stats.settings.lacks_feet and any(foot.record.messages for foot in stats.feet):
+        names = ", ".join(foot.name for foot in stats.feet)
+        yield found("NO_MESSAGES", "others", where="gait", say="others", names=names)
+
+
 def dead(stats: Stats) -> Iterator[Finding]:
     """Yield feet that never touch, where nothing says that they are lifted."""
     for foot in _telling(stats):
