@@ -244,7 +244,9 @@ def loads_of(
         body_weight_n=body_weight_n,
         mass_is_assumed=mass_is_assumed,
         share_of=("vertical_impulse" if vertical else "force_impulse") if shares else None,
-        shares=tuple(each / sum(shared) for each in shared) if shares and not (in_part or lacks_feet) else None,
+        shares=tuple(each / sum(shared) for each in shared)
+        if shares and not (in_part or lacks_feet)
+        else None,
     )
 
 

@@ -1,5 +1,6 @@
 """Which topics are a robot's feet: by the user's word, by the robot's file, else by names."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
@@ -272,7 +273,22 @@ def _sources(log: Log, topic: str) -> list[Source]:
 
 
 def _feet_of(found: FootSet) -> tuple[Foot, ...]:
-    return tuple(Foot(foot.name, foot.topic, leg_position=foot.position) for foot in found.feet)
+    """Return feet with names of their own; those of one name are the sensors of one foot."""
+    number: Counter[str] = Counter()
+    feet = []
+    for foot in found.feet:
+        several = sum(other.name == foot.name for other in found.feet) > 1
+        number[foot.name] += 1
+        name = f"{foot.name}_{number[foot.name]}" if several else foot.name
+        feet.append(
+            Foot(
+                name,
+                foot.topic,
+                leg_position=foot.position,
+                sensor_of=foot.name if several else "",
+            )
+        )
+    return tuple(feet)
 
 
 def _missing(text: str, where: str, foot: str) -> Finding:

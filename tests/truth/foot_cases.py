@@ -10,6 +10,7 @@ from tests.truth import sensor_faults as sensor
 from tests.truth import time_faults as time
 from tests.truth.judging import Case, Tolerance
 from tests.truth.recorders import FORCE, recorder
+from tests.truth.robots import biped
 from tests.truth.walking import Walk
 
 TROT: Final = Walk()
@@ -38,6 +39,28 @@ def some() -> Iterator[Case]:
     one = foot.without(*others)
     yield Case("one foot, mass not given", recorder(walk, one, sensor.wrong_mass(None)),
                f"{of_all}|mass", of_all)  # fmt: skip
+
+
+def several() -> Iterator[Case]:
+    """Each foot has several sensors, told by names or by frames, or by the links of collisions."""
+    two = Walk(gait=gaits.BIPED_WALK, robot=biped(), period_s=1.1, speed_mps=0.8)
+    four = Walk(gait=gaits.WALK, period_s=1.0)
+    toe_heel = foot.several("/duo/{foot}_foot_heel", "/duo/{foot}_foot_toe")
+    cells = foot.several(*(f"/duo/{{foot}}_foot/cell_{n}/force" for n in range(1, 5)))
+    quad = foot.several("/quad/{foot}/heel", "/quad/{foot}/toe", reach_m=0.03)
+    corners = foot.several("/duo/{foot}_back", "/duo/{foot}_front", share_frames=True)
+    noisy = FORCE, sensor.noise(0.5)
+    for name, walk, split, *sensors in (
+        ("toe and heel, bumpers", two, toe_heel),
+        ("toe and heel, force sensors", two, toe_heel, *noisy),
+        ("toe and heel, silent in swing", two, toe_heel, time.silent_in_swing),
+        ("four cells, bumpers", two, cells),
+        ("four cells, force sensors", two, cells, *noisy),
+        ("toe and heel of four feet, bumpers", four, quad),
+        ("front and back of each sole, one link, bumpers", two, corners),
+        ("front and back of each sole, one frame, force sensors", two, corners, *noisy),
+    ):
+        yield Case(name, recorder(walk, *sensors, split), skip=("margin", "slip", "verdict"))
 
 
 def flags() -> Iterator[Case]:

@@ -73,6 +73,8 @@ def _foot_topics(recording: Recording) -> Mapping[str, str] | None:
         for foot, name in enumerate(robot.feet)
         if name not in recording.unrecorded
     }
+    if recording.sensors:
+        return None
     return topics if recording.kind == "wrench" and len(topics) <= 2 else None
 
 

@@ -16,6 +16,7 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted, WantedJoints
+from dogbot_logtool.robot.measuring.joined_sensors import with_joined_sensors
 from dogbot_logtool.robot.measuring.moved_base import with_poses_of_base
 from dogbot_logtool.robot.measuring.one_clock import on_one_clock
 from dogbot_logtool.robot.measuring.side_topics import SideTopics, side_topics
@@ -167,7 +168,8 @@ def measure_recording(
     """
     recording, moved = with_poses_of_base(recording, plan.selection)
     recording, joined = on_one_clock(recording, plan.selection)
-    selection, model = plan.selection, None
+    recording, selection, whole = with_joined_sensors(recording, plan.selection)
+    model = None
     if recording.joints:
         from dogbot_logtool.robot.measuring.array_feet import named_by_legs  # noqa: PLC0415
         from dogbot_logtool.robot.measuring.by_legs import read_model, told_by_legs  # noqa: PLC0415
@@ -195,7 +197,7 @@ def measure_recording(
     pairs = enumerate(zip(settings.feet, walk.settings.feet, strict=True))
     forceless = (row for row, (told, found) in pairs if told.has_force and not found.has_force)
     selection = selection.without_forces(frozenset(forceless))
-    return walk, replace(selection, findings=(*selection.findings, *moved, *joined))
+    return walk, replace(selection, findings=(*selection.findings, *moved, *joined, *whole))
 
 
 def _find_legs(selection: Selection, model: "RobotOfUrdf | None") -> FindLegs:
