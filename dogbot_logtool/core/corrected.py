@@ -27,6 +27,7 @@ from dogbot_logtool.core.corrections.clock import (
     offset_track,
     without_bad_stamps,
 )
+from dogbot_logtool.core.corrections.filtered import time_constants_s, without_filter
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.known_frames import (
     KnownFrames,
@@ -99,7 +100,8 @@ def correct(recording: Recording, settings: StatsSettings) -> Corrected:
     checks = [_check(*each, times) for each in zip(named, recording.feet, strict=True)]
     base_check = _check(settings.odometry_topic or "the odometry", recording.base, times)
     clock = choose_clock([*checks, base_check], differences, settings.time_source)
-    settings = _learnt(recording, _on_clock(settings, clock))
+    recording, settings = _without_filters(recording, _on_clock(settings, clock))
+    settings = _learnt(recording, settings)
     frames = known_frames(recording, settings)
     settings = _in_frames(recording, settings, frames)
     turning = world_frames(frames, settings)
@@ -190,6 +192,26 @@ def _on_clock(settings: StatsSettings, clock: LogClock) -> StatsSettings:
     if not clock.reason:
         return settings
     return replace(settings, time_source=clock.source, time_source_reason=clock.reason)
+
+
+def _without_filters(
+    recording: Recording, settings: StatsSettings
+) -> tuple[Recording, StatsSettings]:
+    """Take out low-pass filters that forces went through, where these decide contact."""
+    rows = [
+        row
+        for row, foot in enumerate(settings.feet)
+        if foot.has_force
+        and not (foot.has_flags or foot.lists_contacts or foot.silent_in_swing)
+        and len(recording.feet[row].log_time)
+    ]
+    samples, feet = list(recording.feet), list(settings.feet)
+    told = time_constants_s([samples[row] for row in rows])
+    for row, tau_s in zip(rows, told, strict=True):
+        if tau_s is not None:
+            samples[row] = without_filter(samples[row], tau_s)
+            feet[row] = replace(feet[row], filter_s=tau_s)
+    return replace(recording, feet=tuple(samples)), replace(settings, feet=tuple(feet))
 
 
 def _learnt(recording: Recording, settings: StatsSettings) -> StatsSettings:

@@ -41,6 +41,8 @@ class FootSettings:
     offset_n: tuple[float, float, float] | None = None
     """N, what its sensor reads without load; None: not given. Also where it is from."""
     offset_from: Origin = "option"
+    filter_s: float | None = None
+    """s, time constant of the low-pass filter that its forces went through; None: of none."""
     sensor: FootSensor | None = None
     """How its sensor reads; None: to be learnt from its samples."""
 

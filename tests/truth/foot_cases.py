@@ -63,6 +63,33 @@ def several() -> Iterator[Case]:
         yield Case(name, recorder(walk, *sensors, split), skip=("margin", "slip", "verdict"))
 
 
+def filters() -> Iterator[Case]:
+    """Forces that went through a low-pass filter: contact is that of the forces before it."""
+    said = "FORCE_FILTERED"
+    two = Walk(gait=gaits.BIPED_WALK, robot=biped(), period_s=1.1, speed_mps=0.8)
+    slow = Walk(gait=gaits.WALK, period_s=1.3, speed_mps=0.3, seconds=12.0)
+    flat = Walk(ramp=0.15, traction=0.0)
+    rough = Tolerance(event_s=0.04, duty=0.05, contact=0.05)
+    for name, walk, hertz, newtons in (
+        ("5 Hz, trot", TROT, 5.0, 0.5),
+        ("2 Hz, trot", TROT, 2.0, 0.5),
+        ("5 Hz, walk", slow, 5.0, 0.5),
+        ("4 Hz, two feet", two, 4.0, 2.0),
+        ("3 Hz, flat forces", flat, 3.0, 1.0),
+        ("8 Hz, no noise", WALK, 8.0, 0.0),
+    ):
+        yield Case(
+            f"filtered at {name}",
+            recorder(walk, FORCE, foot.filtered(hertz), sensor.noise(newtons)), "", said, rough,
+            skip=("verdict", "peak force"),
+        )  # fmt: skip
+    yield Case(
+        "filtered at 5 Hz, offset -30 N",
+        recorder(TROT, FORCE, foot.filtered(5.0), sensor.noise(0.5), sensor.offset(-30.0)),
+        "offset", said, rough, skip=("verdict", "peak force"),
+    )  # fmt: skip
+
+
 def flags() -> Iterator[Case]:
     """Contact without a force."""
     coarse = Tolerance(event_s=0.1, duty=0.1, contact=0.1, phase=0.1, period=0.1)

@@ -67,6 +67,20 @@ def sensor_findings(
             )
 
 
+def filtered(stats: Stats) -> Iterator[Finding]:
+    """Yield which forces went through a low-pass filter."""
+    told = {foot.name: foot.filter_s for foot in stats.settings.feet if foot.filter_s}
+    if told:
+        tau_s = max(told.values())
+        yield found(
+            "FORCE_FILTERED",
+            where="feet",
+            names=", ".join(told),
+            milliseconds=1e3 * tau_s,
+            hertz=1.0 / (2.0 * np.pi * tau_s),
+        )
+
+
 def silent_feet(stats: Stats) -> Iterator[Finding]:
     """Yield feet of which no message tells, or none that can be used."""
     for row, foot in enumerate(stats.feet):
