@@ -26,7 +26,8 @@ from dogbot_logtool.writer.chunks import (
     finish_chunk,
     indexed_chunk,
 )
-from dogbot_logtool.writer.message_records import MESSAGE_HEAD, record_bounds, recorded
+from dogbot_logtool.writer.message_records import record_bounds, recorded
+from dogbot_logtool.writer.template import MESSAGE_HEAD
 
 
 @dataclass(frozen=True, slots=True)
