@@ -2,10 +2,9 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.loss import SOUND, Damage
 
 # A command needs not load what only other commands' records are made of.

@@ -1,7 +1,7 @@
 """`dogbot-logtool stats`: which gait, how loaded, and can the recording be trusted."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from operator import attrgetter
 
 from dogbot_logtool.core import metrics
@@ -11,7 +11,6 @@ from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.core.walk_metrics.rest import Chosen
 from dogbot_logtool.core.walk_metrics.walk import metrics_of
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.options import MeasureOptions

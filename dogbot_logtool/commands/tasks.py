@@ -5,11 +5,10 @@ Each imports its command when it is called, so that a command need not load the 
 
 import os
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.results import Figures

@@ -1,7 +1,7 @@
 """The plan of `convert` for a log, made before the first message is written."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 from dogbot_logtool.conversion.copying import channels_left_out, copy_findings
@@ -14,7 +14,6 @@ from dogbot_logtool.core.scene.styles import ARROW_STYLES, ArrowStyle
 from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.core.world_frames import WorldFrames
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import ConvertOptions

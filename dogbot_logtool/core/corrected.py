@@ -1,7 +1,7 @@
 """Correct the columns of a recording: one clock, sensors' offsets, silences, frames of forces."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,7 +45,6 @@ from dogbot_logtool.core.recording import Recording, VectorTopic
 from dogbot_logtool.core.sensors import with_sensors
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.core.world_frames import PlacedCounts, WorldFrames
-from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.legs.joints import JointTable

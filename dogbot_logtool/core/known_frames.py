@@ -1,7 +1,7 @@
 """What a recording tells of its frames, and of the frame of its wrenches."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -28,7 +28,6 @@ from dogbot_logtool.core.soles import (
     rounded,
 )
 from dogbot_logtool.core.world_frames import WorldFrames, follow_frames
-from dogbot_logtool.dataclass import dataclass
 
 DEFAULT_WORLD: Final = "world"
 DEFAULT_BASE: Final = "base_link"

@@ -1,6 +1,6 @@
 """All that is measured of a walk: what checks read, and metrics and drawings are made of."""
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from dogbot_logtool.core import timespans
@@ -28,7 +28,6 @@ from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.stability import Unstable
 from dogbot_logtool.core.world_frames import PlacedCounts, WorldFrames
-from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands import CommandTrack

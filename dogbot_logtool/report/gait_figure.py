@@ -7,6 +7,7 @@ time. All lengths are millimetres on paper.
 
 import io
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, BinaryIO, Final, Literal
 
 import numpy as np
@@ -17,7 +18,6 @@ from dogbot_logtool.core.contact.curves import Curve, LoadCurves
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import ExtraMissingError, LogError
 from dogbot_logtool.io.printable import printable
 

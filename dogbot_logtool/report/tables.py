@@ -1,6 +1,7 @@
 """Tables of metrics: which column shows what, and how."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
 
 from dogbot_logtool.core.arrays import Aggregate
@@ -14,7 +15,6 @@ from dogbot_logtool.core.metrics import (
     WalkMetrics,
 )
 from dogbot_logtool.core.records import Number
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
 
 if TYPE_CHECKING:

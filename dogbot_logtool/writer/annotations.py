@@ -2,6 +2,7 @@
 
 import struct
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import Final
 
@@ -16,7 +17,6 @@ from dogbot_logtool.core.scene.labels import Labels
 from dogbot_logtool.core.scene.legs import LegLines
 from dogbot_logtool.core.scene.loads import Loads
 from dogbot_logtool.core.scene.support_scene import SupportScene
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.writer import drawing
 from dogbot_logtool.writer.channels import AddedChannels
 from dogbot_logtool.writer.drawing import ArrowLook, SupportLook, SupportShape

@@ -1,12 +1,12 @@
 """What is drawn in the world, in terms of no encoding: arrows, texts, lines and balls."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from enum import Enum
 from typing import Final
 
 from dogbot_logtool.core.scene.foot_style import colour_parts, foot_colour
 from dogbot_logtool.core.scene.styles import LIFETIME_S
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.writer.template import Slot
 
 Point = tuple[Slot, Slot, Slot]

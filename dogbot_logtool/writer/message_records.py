@@ -1,6 +1,7 @@
 """MCAP message records of the output, many at a time."""
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import groupby
 from typing import Any, Final
@@ -9,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Bytes, Floats, Ints
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.writer.template import TEMPLATES_KEPT, Stamps, Template
 
 MESSAGE_OPCODE: Final = 0x05

@@ -6,6 +6,7 @@ array, and the numbers are written into its columns.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from enum import Enum
 from functools import cache
 from typing import Any, Final
@@ -14,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.dataclass import dataclass
 
 Number = float | int | bool | str
 

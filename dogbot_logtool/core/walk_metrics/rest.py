@@ -1,7 +1,7 @@
 """Metrics of settings and recording, joints, commands and accelerometer: of the whole log only."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from dogbot_logtool.core.checks.questions import checks_of
 from dogbot_logtool.core.metrics import (
@@ -17,7 +17,6 @@ from dogbot_logtool.core.metrics import (
 from dogbot_logtool.core.quality.quality import TopicQuality as TopicTiming
 from dogbot_logtool.core.records import Count, unknown
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 
 

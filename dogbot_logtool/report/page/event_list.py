@@ -1,12 +1,12 @@
 """Events on the page: a list whose rows lead to the figures over time, and marks in these."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 from dogbot_logtool.core.events.event import STEPS, Event, EventType
 from dogbot_logtool.core.events.events import find_events
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.page.charts.drawing import BAD, NEUTRAL, Drawing, translucent
 
 MOST_SHOWN: Final = 200

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 from urllib.parse import quote
@@ -12,7 +13,6 @@ from markupsafe import Markup
 from dogbot_logtool import __version__
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.numbers import NOTHING
 from dogbot_logtool.report.page.assets import own, policy_of, rendered
 from dogbot_logtool.report.page.summary import recorded_at

@@ -1,6 +1,7 @@
 """The page itself: figures and tables set in a template, with all that it needs."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -10,7 +11,6 @@ from dogbot_logtool import __version__
 from dogbot_logtool.core.checks.voids import void_patterns
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.report.numbers import NOTHING, span_of
 from dogbot_logtool.report.page.assets import json_in_html, own, page_script, policy_of, rendered

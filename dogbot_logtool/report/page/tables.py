@@ -1,6 +1,7 @@
 """The tables of the page, in text; numbers of the same kind stand under one heading."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final, TypeVar
 
 import numpy as np
@@ -11,7 +12,6 @@ from dogbot_logtool.core.loads import WalkLoads
 from dogbot_logtool.core.metrics import Forces, Legs, WalkMetrics
 from dogbot_logtool.core.quality.quality import LEAST_SHARE, MOST_DEVIATIONS, Outliers, outliers
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.numbers import decimal, percent
 from dogbot_logtool.report.table_file import foot_strides
 from dogbot_logtool.report.tables import (

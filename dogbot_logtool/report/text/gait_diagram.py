@@ -4,6 +4,7 @@ Drawn in text, two steps of time a character, so that it can stand in a terminal
 """
 
 import math
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -13,7 +14,6 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.printable import printable
 
 STRIDES_SHOWN: Final = 4

@@ -1,6 +1,6 @@
 """The plan of `stats`: which topics are read, and what is known of them before they are."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool.core.contact.contact_rule import Thresholds
@@ -11,7 +11,6 @@ from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.core.walk import FindLegs, analyse
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log

@@ -6,10 +6,10 @@ every number that varies. Fields that are not named have the defaults of the mes
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, ClassVar, Final, Self
 
 from dogbot_logtool.core.events.event import EventMessage, GaitState
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.writer.drawing import Drawing, point_slots
 from dogbot_logtool.writer.template import Fill, Slot, Template, learn
 

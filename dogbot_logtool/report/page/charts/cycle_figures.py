@@ -1,6 +1,7 @@
 """Curves over the gait cycle, each with a band around it: forces, heights of the feet, joints."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -10,7 +11,6 @@ from dogbot_logtool.core.legs.legs import LegFigures
 from dogbot_logtool.core.records import Curve, Shape
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.page.charts.drawing import (
     MARGIN,

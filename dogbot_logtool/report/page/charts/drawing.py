@@ -3,7 +3,7 @@
 import base64
 import html
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, distinct
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.printable import printable
 
 Trace = dict[str, Any]

@@ -1,6 +1,7 @@
 """Motion of the base and its commands over time, in rows one above the other."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -14,7 +15,6 @@ from dogbot_logtool.core.contact.curves import CurveDetail, curve_of
 from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.core.stability import margins
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.page.charts.drawing import (
     LINE,
     MARGIN,
