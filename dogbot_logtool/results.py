@@ -11,7 +11,7 @@ from dogbot_logtool.reader.containers.loss import SOUND, Damage
 if TYPE_CHECKING:
     from dogbot_logtool.core.arrays import Floats
     from dogbot_logtool.core.metrics import WalkMetrics
-    from dogbot_logtool.core.statistics import Stats
+    from dogbot_logtool.core.walk import Walk
     from dogbot_logtool.finding import Finding
     from dogbot_logtool.io.storage import Location
     from dogbot_logtool.robot.frames.frames import Frames
@@ -118,7 +118,7 @@ class LogFacts:
 class Measurement:
     """All metrics of a log, and what is known of the log itself."""
 
-    stats: "Stats"
+    walk: "Walk"
     """What the metrics are made of."""
     facts: LogFacts
     findings: "tuple[Finding, ...]"

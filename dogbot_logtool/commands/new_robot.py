@@ -56,7 +56,7 @@ def new_robot(
     finally:
         log.close()
     selection, measured = found.selection, found.measurement
-    walk = measured.stats
+    walk = measured.walk
     evidence = RobotEvidence(
         log=file_name(path),
         world_frame=walk.frames.world,

@@ -12,7 +12,7 @@ from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, ArrowStyle
 from dogbot_logtool.core.settings import body_weight_n
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.core.world_frames import WorldFrames
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
@@ -55,7 +55,7 @@ class ConversionPlan:
 
 
 def make_plan(
-    log: Log, selection: Selection, walk: Stats, options: ConvertOptions
+    log: Log, selection: Selection, walk: Walk, options: ConvertOptions
 ) -> ConversionPlan:
     """Decide what to do.
 
@@ -236,7 +236,7 @@ def _second_parent(base: str, parents: list[str]) -> Finding:
     return Finding("TF_NOT_WRITTEN", text, cases=("other_parent",))
 
 
-def _can_draw_support(selection: Selection, walk: Stats, findings: list[Finding]) -> bool:
+def _can_draw_support(selection: Selection, walk: Walk, findings: list[Finding]) -> bool:
     """Tell whether the log has what support needs; a finding says what it lacks."""
     robot = selection.robot
     why_not = ""

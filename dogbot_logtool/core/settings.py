@@ -45,7 +45,7 @@ class FootSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class StatsSettings:
+class WalkSettings:
     """Settings of the figures; all of them are echoed beside the numbers."""
 
     feet: tuple[FootSettings, ...]

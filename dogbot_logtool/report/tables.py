@@ -19,7 +19,7 @@ from dogbot_logtool.report.numbers import NOTHING, decimal, percent
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.legs.legs import LegFoot
-    from dogbot_logtool.core.statistics import Stats
+    from dogbot_logtool.core.walk import Walk
 
 S = TypeVar("S")
 
@@ -56,7 +56,7 @@ class FootRow:
     """What else is known of its leg."""
 
 
-def foot_rows(walk: WalkMetrics, stats: "Stats") -> dict[str, FootRow]:
+def foot_rows(walk: WalkMetrics, stats: "Walk") -> dict[str, FootRow]:
     """Return the source of each foot's row, by its name."""
     shares = walk.forces.load_share.feet or {}
     legs = {} if stats.legs is None else {leg.name: leg for leg in stats.legs.feet}
