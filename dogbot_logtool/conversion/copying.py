@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 import numpy as np
@@ -9,7 +10,6 @@ import numpy as np
 from dogbot_logtool.core.arrays import concatenated
 from dogbot_logtool.core.scene.arrows import Arrows, classic_arrows, no_arrows
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed

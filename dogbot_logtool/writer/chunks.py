@@ -3,6 +3,7 @@
 import struct
 import threading
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Final, Literal
 
 import lz4.frame
@@ -14,7 +15,6 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.arrays import Bytes, Ints, stable_order
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.writer.message_records import MessageRecords
 
 Compression = Literal["zstd", "lz4", "none"]
