@@ -1,13 +1,13 @@
 """How ROS 1 bags write records: messages by their columns, and the search for sound records."""
 
 import re
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.bag.records import (
     U32,
     BagOp,
