@@ -21,10 +21,10 @@ from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.writer.chunks import (
     Compression,
     FinishedChunk,
-    as_indexed,
     chunk_rows,
     finish_chunk,
-    indexed_chunk,
+    message_index,
+    time_range,
 )
 from dogbot_logtool.writer.message_records import record_bounds, recorded
 from dogbot_logtool.writer.template import MESSAGE_HEAD
@@ -118,15 +118,11 @@ def _unchanged(messages: Messages, loaded: LoadedChunk) -> FinishedChunk:
     if loaded.indexed:
         return as_it_stands(chunk, loaded.stored)
     rows = messages.pick(loaded.rows)
-    return indexed_chunk(
-        np.frombuffer(loaded.stored[: chunk.end - chunk.offset], np.uint8),
-        rows.channel,
-        rows.log_time,
-        rows.start - MESSAGE_HEAD.itemsize - loaded.base,
-        chunk.compression,
-        chunk.data_size,
-        chunk.size,
-    )
+    record = np.frombuffer(loaded.stored[: chunk.end - chunk.offset], np.uint8)
+    offset = rows.start - MESSAGE_HEAD.itemsize - loaded.base
+    index = message_index(rows.channel, rows.log_time, offset)
+    times = time_range(rows.log_time)
+    return FinishedChunk(record, index, *times, chunk.compression, chunk.data_size, chunk.size)
 
 
 def as_it_stands(chunk: Chunk, stored: bytes | memoryview) -> FinishedChunk:
@@ -138,7 +134,7 @@ def as_it_stands(chunk: Chunk, stored: bytes | memoryview) -> FinishedChunk:
     """
     record, index = np.split(np.frombuffer(stored, np.uint8), [chunk.end - chunk.offset])
     times = chunk.start_time or 0, chunk.end_time or 0
-    return as_indexed(record, index, times, chunk.compression, chunk.data_size, chunk.size)
+    return FinishedChunk(record, index, *times, chunk.compression, chunk.data_size, chunk.size)
 
 
 def make_copier(log: Log, selection: Selection, options: ConvertOptions) -> Copier:
