@@ -2,17 +2,16 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.loss import SOUND, Damage
 
 # A command needs not load what only other commands' records are made of.
 if TYPE_CHECKING:
     from dogbot_logtool.core.arrays import Floats
     from dogbot_logtool.core.metrics import WalkMetrics
-    from dogbot_logtool.core.statistics import Stats
+    from dogbot_logtool.core.walk import Walk
     from dogbot_logtool.finding import Finding
     from dogbot_logtool.io.storage import Location
     from dogbot_logtool.robot.frames.frames import Frames
@@ -119,7 +118,7 @@ class LogFacts:
 class Measurement:
     """All metrics of a log, and what is known of the log itself."""
 
-    stats: "Stats"
+    walk: "Walk"
     """What the metrics are made of."""
     facts: LogFacts
     findings: "tuple[Finding, ...]"

@@ -42,7 +42,7 @@ def measured_contact(
     options: MeasureOptions = MeasureOptions(),  # noqa: B008 - frozen
 ) -> Mapping[int, bool] | None:
     """Whether a foot is in contact by log time of its samples, ns; None: that is not known."""
-    found = next(each for each in measured(log, options).stats.feet if each.name == foot)
+    found = next(each for each in measured(log, options).walk.feet if each.name == foot)
     if not found.contact_known:
         return None
     record = found.record

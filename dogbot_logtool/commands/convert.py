@@ -75,7 +75,7 @@ def convert(
         log.close()
     topics = annotations.added.topics()
     ours = {topic: output.messages.get(channel, 0) for channel, topic in topics.items()}
-    stats = measured.measurement.stats
+    stats = measured.measurement.walk
     findings = [
         *measured.measurement.facts.findings,
         *drawing_findings(scene, stats.recording, moved, counts),
@@ -110,7 +110,7 @@ def _half(progress: OnProgress | None, half: int) -> OnProgress | None:
 
 def _scene(log: Log, output: AnnotatedLog, measured: MeasuredLog, options: ConvertOptions) -> Scene:
     """Decide what is drawn of the walk."""
-    walk = measured.measurement.stats
+    walk = measured.measurement.walk
     plan = make_plan(log, measured.selection, walk, options)
     _, end = time_limits(log, options.start, options.end)
     last = log.end_time or 0
@@ -130,6 +130,6 @@ def _finish(log: Log, output: AnnotatedLog, measured: MeasuredLog, scene: Scene)
     if options.start is None and options.end is None:
         losses += wrong_statistics(log, read.counts, losses)
     losses += malformed_messages(log.channels, read.malformed, ": copied, but not annotated")
-    in_world = measured.measurement.stats.settings.force_in_world
+    in_world = measured.measurement.walk.settings.force_in_world
     output.finish(provenance_record(log, scene.plan, losses, force_in_world=in_world))
     return losses

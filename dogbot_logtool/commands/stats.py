@@ -1,17 +1,16 @@
 """`dogbot-logtool stats`: which gait, how loaded, and can the recording be trusted."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from operator import attrgetter
 
 from dogbot_logtool.core import metrics
 from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.core.checks.frames import columns_corrected, frames_known
 from dogbot_logtool.core.recording import Recording
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.core.walk_metrics.rest import Chosen
 from dogbot_logtool.core.walk_metrics.walk import metrics_of
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.options import MeasureOptions
@@ -51,7 +50,7 @@ def measure(
     try:
         found = measure_log(log, options, progress).measurement
         # Of the samples, only what figures draw is kept.
-        return replace(found, stats=replace(found.stats, recording=Recording()))
+        return replace(found, walk=replace(found.walk, recording=Recording()))
     finally:
         log.close()
 
@@ -98,7 +97,7 @@ def measure_planned(
     return MeasuredLog(measurement_of(walk, facts), selection, read)
 
 
-def measurement_of(stats: Stats, facts: LogFacts) -> Measurement:
+def measurement_of(stats: Walk, facts: LogFacts) -> Measurement:
     """Return the metrics and findings of a log.
 
     Args:

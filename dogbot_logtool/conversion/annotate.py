@@ -29,7 +29,7 @@ from dogbot_logtool.core.scene.labels import foot_labels
 from dogbot_logtool.core.scene.legs import leg_lines
 from dogbot_logtool.core.scene.loads import Loads, foot_loads, silences
 from dogbot_logtool.core.scene.support_scene import SupportScene, support_scene
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.recording import in_time_order
 from dogbot_logtool.writer.annotations import AnnotationColumns
@@ -63,7 +63,7 @@ class Scene:
 
 
 def draw(
-    plan: ConversionPlan, stats: Stats, metrics: WalkMetrics, end: int, recorded: Arrows
+    plan: ConversionPlan, stats: Walk, metrics: WalkMetrics, end: int, recorded: Arrows
 ) -> Scene:
     """Prepare what is drawn of a walk.
 
@@ -102,7 +102,7 @@ def draw(
 
 
 def _placed(
-    plan: ConversionPlan, recording: Recording, stats: Stats
+    plan: ConversionPlan, recording: Recording, stats: Walk
 ) -> tuple[tuple[Samples, ...], tuple[Finding, ...]]:
     """Return the samples of all feet; those without contact points are where their frames are."""
     if plan.frames is None:
@@ -119,7 +119,7 @@ def _placed(
 
 
 def _feet(
-    plan: ConversionPlan, samples: Sequence[Samples], stats: Stats, metrics: WalkMetrics
+    plan: ConversionPlan, samples: Sequence[Samples], stats: Walk, metrics: WalkMetrics
 ) -> tuple[DrawnFoot, ...]:
     """Put what was measured of all feet beside their samples."""
     settings = stats.settings

@@ -1,7 +1,7 @@
 """The plan of `convert` for a log, made before the first message is written."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 from dogbot_logtool.conversion.copying import channels_left_out, copy_findings
@@ -12,9 +12,8 @@ from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, ArrowStyle
 from dogbot_logtool.core.settings import body_weight_n
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.core.world_frames import WorldFrames
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import ConvertOptions
@@ -56,7 +55,7 @@ class ConversionPlan:
 
 
 def make_plan(
-    log: Log, selection: Selection, walk: Stats, options: ConvertOptions
+    log: Log, selection: Selection, walk: Walk, options: ConvertOptions
 ) -> ConversionPlan:
     """Decide what to do.
 
@@ -237,7 +236,7 @@ def _second_parent(base: str, parents: list[str]) -> Finding:
     return Finding("TF_NOT_WRITTEN", text, cases=("other_parent",))
 
 
-def _can_draw_support(selection: Selection, walk: Stats, findings: list[Finding]) -> bool:
+def _can_draw_support(selection: Selection, walk: Walk, findings: list[Finding]) -> bool:
     """Tell whether the log has what support needs; a finding says what it lacks."""
     robot = selection.robot
     why_not = ""

@@ -1,14 +1,12 @@
 """Columns: their types, records of columns, spans of rows, medians, summaries."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from itertools import pairwise
 from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from dogbot_logtool.dataclass import dataclass
 
 Floats = NDArray[np.float64]
 """float64; the docstring of the field gives shape and unit."""

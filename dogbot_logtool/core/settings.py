@@ -1,6 +1,6 @@
 """Settings of the figures: thresholds, mass, frames, clock."""
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Final
 
 from dogbot_logtool.core.contact.contact_rule import FootSensor, Thresholds, contact_rule
@@ -8,7 +8,6 @@ from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.leg_position import LegPosition
-from dogbot_logtool.dataclass import dataclass
 
 GRAVITY_MPS2: Final = 9.81
 """Standard in simulators (Gazebo's default world has 9.8)."""
@@ -46,7 +45,7 @@ class FootSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class StatsSettings:
+class WalkSettings:
     """Settings of the figures; all of them are echoed beside the numbers."""
 
     feet: tuple[FootSettings, ...]

@@ -3,9 +3,9 @@
 The code of a container is imported when such a log is opened.
 """
 
+from dataclasses import dataclass
 from typing import Final
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.signatures import BAG_MAGIC, MCAP_MAGIC, SQLITE_MAGIC
 
 

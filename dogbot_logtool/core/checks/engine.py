@@ -20,24 +20,24 @@ from dogbot_logtool.core.checks import (
     poses,
     sensors,
 )
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
 
-Check = Callable[[Stats], Iterator[Finding]]
+Check = Callable[[Walk], Iterator[Finding]]
 MODULES: Final = (clock, base, poses, sensors, feet, gait, loads, legs, commands, imu)
 CHECKS: Final[tuple[Check, ...]] = tuple(
     each
     for module in MODULES
     for name, each in vars(module).items()
     if isgeneratorfunction(each) and each.__module__ == module.__name__
-    if not name.startswith("_") and [*each.__annotations__] == ["stats", "return"]
+    if not name.startswith("_") and [*each.__annotations__] == ["walk", "return"]
 )
 """In order of the subjects; findings are sorted by consequence."""
 
 
-def findings_of(stats: Stats) -> tuple[Finding, ...]:
+def findings_of(walk: Walk) -> tuple[Finding, ...]:
     """Make all checks, and return what they find: what is of most consequence first."""
-    made = [finding for check in CHECKS for finding in check(stats)]
+    made = [finding for check in CHECKS for finding in check(walk)]
     return tuple(sorted(made, key=_consequence))
 
 

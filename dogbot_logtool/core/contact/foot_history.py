@@ -1,6 +1,6 @@
 """Everything that is measured on one foot, from the columns of its samples."""
 
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -14,7 +14,6 @@ from dogbot_logtool.core.contact.curves import CurveDetail, LoadCurves, curve_of
 from dogbot_logtool.core.contact.stances import Cut, StanceFigures, Stances, stance_figures
 from dogbot_logtool.core.contact.track import FootTrack, foot_track
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.dataclass import dataclass
 
 _SAME: Final = 1e-6
 """Difference of two forces, as a share of them, that is none: they have 24 bits."""

@@ -3,6 +3,7 @@
 Impulses are running totals over every sample, so that they can be asked for between any two times.
 """
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -13,7 +14,6 @@ from dogbot_logtool.core.arrays import Float32s, Floats, Ints, all_finite, norms
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource, advancing, first_at_each_tick
 from dogbot_logtool.core.quality.quality import steady_gap_ns
-from dogbot_logtool.dataclass import dataclass
 
 POINT_RATE_HZ: Final = 100.0
 """Contact points and vertical forces are compared with the base at this rate at most."""

@@ -29,7 +29,7 @@ from dogbot_logtool.core.loads import has_lone_spikes, slip_m, vertical_impulse_
 from dogbot_logtool.core.metrics import Foot
 from dogbot_logtool.core.records import Curve, Numbers, Shape, unknown
 from dogbot_logtool.core.rotations import along_heading
-from dogbot_logtool.core.settings import StatsSettings
+from dogbot_logtool.core.settings import WalkSettings
 
 CYCLE_POINTS: Final = 51
 """Points of a curve over a stride: 0, 2, ... 100 %."""
@@ -171,7 +171,7 @@ class FootSteps:
 
 
 def foot_steps(
-    settings: StatsSettings,
+    settings: WalkSettings,
     row: int,
     record: FootHistory,
     base: BaseHistory,

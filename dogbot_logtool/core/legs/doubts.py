@@ -8,6 +8,7 @@ losses, which are never negative.
 """
 
 from collections.abc import Container, Sequence
+from dataclasses import dataclass
 from itertools import product
 from typing import Final
 
@@ -23,7 +24,6 @@ from dogbot_logtool.core.legs.joints import JointTrack
 from dogbot_logtool.core.legs.legs import joint_work
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
-from dogbot_logtool.dataclass import dataclass
 
 VELOCITIES_AGREE: Final = 1.25
 """By such a factor may the velocities that messages tell differ from those of the positions."""

@@ -100,7 +100,7 @@ def print_report(console: Console, measured: Measurement, *, verbose: bool = Fal
     _print_warnings(console, quality, verbose=verbose)
     glyphs = ASCII if console.options.ascii_only else UNICODE
     if walk.feet:
-        diagram = gait_diagram(measured.stats, console.width - 4, glyphs=glyphs)
+        diagram = gait_diagram(measured.walk, console.width - 4, glyphs=glyphs)
         _print(console, Text(), *(Text.assemble("  ", line) for line in diagram))
     _print(console, Text())
     if part is not None:
@@ -113,7 +113,7 @@ def print_report(console: Console, measured: Measurement, *, verbose: bool = Fal
         if words := line(shown):
             subject = f"{name:<{_SUBJECT}}", "bold"
             _print(console, HangingIndent(Text.assemble(subject, printable(words)), _SUBJECT))
-    track = measured.stats.command_track
+    track = measured.walk.command_track
     for name, drift in track.drifts.items() if verbose and track else ():
         parts = zip(drift.tolist(), _AXES, strict=True)
         words = ", ".join(f"{round(value, 3) + 0.0:+.3f} {unit}" for value, unit in parts)

@@ -1,17 +1,16 @@
 """The plan of `stats`: which topics are read, and what is known of them before they are."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
+from dogbot_logtool.core.analysis import FindLegs, analyse
 from dogbot_logtool.core.contact.contact_rule import Thresholds
 from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.recording import Recording
-from dogbot_logtool.core.settings import FootSettings, StatsSettings
-from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.core.walk import FindLegs, analyse
-from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.core.settings import FootSettings, WalkSettings
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
@@ -78,13 +77,13 @@ def _planned(log: Log, selection: Selection, options: MeasureOptions) -> Selecti
     return select_topics(log, replace(options, foot=None, set={"tare": "none"}, feet=feet))
 
 
-def settings_of(selection: Selection, options: RobotOptions) -> StatsSettings:
+def settings_of(selection: Selection, options: RobotOptions) -> WalkSettings:
     """Return what is known of a recording before its columns are looked at."""
     robot, guessed = selection.robot, selection.robot_is_guessed
     promised = {source.frame for source in selection.sources}
     mass_is_given = options.mass is not None or robot.is_given("mass_kg")
     time_source, reason = _time_source(selection)
-    return StatsSettings(
+    return WalkSettings(
         feet=tuple(_foot(selection, row) for row in range(len(robot.feet))),
         mass_kg=robot.mass_kg,
         mass_is_assumed=guessed and not mass_is_given,
@@ -159,7 +158,7 @@ def _wanted_joints(log: Log) -> tuple[WantedJoints, ...]:
 
 def measure_recording(
     log: Log, recording: Recording, plan: MeasuringPlan, options: MeasureOptions
-) -> tuple[Stats, Selection]:
+) -> tuple[Walk, Selection]:
     """Measure a recording; return also the topics that it is measured by.
 
     Raises:

@@ -2,13 +2,13 @@
 
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.bag.records import (
     U32,
     BagOp,

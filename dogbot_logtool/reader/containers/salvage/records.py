@@ -7,12 +7,12 @@ another; behind a damaged one the search goes on at the next sound one.
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final, Protocol
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages, no_messages
 
 _FIRST_WINDOW: Final = 1 << 12

@@ -2,13 +2,12 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, time_range
 from dogbot_logtool.reader.containers.loss import Loss, Losses
 from dogbot_logtool.reader.containers.salvage.content import (
