@@ -1,8 +1,8 @@
 """The records that commands return and reports print."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from dogbot_logtool.reader.containers.loss import SOUND, Damage
@@ -93,42 +93,22 @@ class Conversion:
 
 
 @dataclass(frozen=True, slots=True)
-class LogFacts:
-    """Facts about a log, from its reader."""
-
-    path: str
-    container: str
-    profile: str
-    start_s: float | None
-    """s since the epoch, log time of the first message."""
-    duration_s: float | None
-    messages: int
-    damage: Damage = SOUND
-    findings: "Sequence[Finding]" = field(default=())
-    """Found while topics and frames were chosen."""
-    robot: str = ""
-    """Name of the robot."""
-    robot_is_guessed: bool = False
-    """Whether it was guessed from the topics."""
-    contact_is_planned: bool = False
-    """Whether contacts are what was planned, not what was measured."""
-
-
-@dataclass(frozen=True, slots=True)
 class Measurement:
-    """All metrics of a log, and what is known of the log itself."""
+    """The walk of a log, and what was lost of the log."""
 
     walk: "Walk"
-    """What the metrics are made of."""
-    facts: LogFacts
-    findings: "tuple[Finding, ...]"
-    """On the log and its metrics, the worst first."""
-    metrics: "WalkMetrics"
+    damage: Damage = SOUND
+    """What could not be read of the log."""
 
     @property
-    def damage(self) -> Damage:
-        """What could not be read of the log."""
-        return self.facts.damage
+    def findings(self) -> "tuple[Finding, ...]":
+        """On the log and its metrics, the worst first."""
+        return self.walk.findings
+
+    @property
+    def metrics(self) -> "WalkMetrics":
+        """Those of the walk; what findings void is null."""
+        return self.walk.metrics
 
 
 @dataclass(frozen=True, slots=True)

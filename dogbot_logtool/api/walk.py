@@ -57,7 +57,7 @@ class Walk:
 
     def __repr__(self) -> str:
         gait = self.gait.name or "gait not known"
-        return f"<Walk {self._measured.facts.path}: {gait}, {len(self.strides)} strides>"
+        return f"<Walk {self.metrics.log.path}: {gait}, {len(self.strides)} strides>"
 
     @property
     def start_ns(self) -> int:

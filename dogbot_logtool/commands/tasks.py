@@ -63,7 +63,7 @@ def figures_of(
         stats_json(measured, detail=detail) if as_json else {},
         stride_table(measured.walk, void_patterns(measured.findings)),
         max((each for each in intervals if each is not None), default=0.0),
-        measured.facts.robot,
+        measured.metrics.settings.robot,
         measured.damage,
         measured if whole else None,
     )

@@ -1,15 +1,15 @@
 """From the columns of a recording to all that is measured of its walk.
 
     walk = analyse(recording, WalkSettings(feet, mass_kg=19.2))
+    walk.metrics.gait.name
 
-The order is the same for every log: corrections (`corrected.py`), masks (`masks.py`), what is
-measured here. Checks (`checks/`) then look for reasons to doubt it; `walk_metrics/` makes records
-of it, and sets to null what the findings void.
+The order is the same for every log: corrections, masks, what is measured with them, checks that
+look for reasons to doubt it, and metrics, less those that are in doubt.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from dogbot_logtool.core.base.falls import find_tipping
 from dogbot_logtool.core.base.ground import swapped_pairs
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.checks.engine import consequence, findings_of
 from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected, clocks_of_joints, correct
@@ -31,10 +32,13 @@ from dogbot_logtool.core.gait.segments import (
 from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.leg_position import quadruped
 from dogbot_logtool.core.masks import loads_in, mask_walk, stability_in, support_in
+from dogbot_logtool.core.metrics import Log
 from dogbot_logtool.core.planned import follow_plan
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.walk import Walk
+from dogbot_logtool.core.walk_metrics.walk import metrics_of
+from dogbot_logtool.finding import Finding
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands import CommandTrack
@@ -43,6 +47,8 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.legs.paths import LegSettings
     from dogbot_logtool.core.vectors import VectorHistory
 
+NO_LOG: Final = Log("", "", "", None, None, 0, 0, 0)
+"""What was read, for columns that come from no log."""
 FindLegs = Callable[[Recording, Corrected], "tuple[LegSettings, TransformBuffer] | None"]
 """Says where a recording tells of legs, with their frames that transforms move; None: it does
 not."""
@@ -53,6 +59,9 @@ def analyse(
     settings: WalkSettings,
     find_legs: FindLegs | None = None,
     planned: WalkSettings | None = None,
+    *,
+    log: Log = NO_LOG,
+    known: Iterable[Finding] = (),
 ) -> Walk:
     """Measure all that a recording tells of its walk.
 
@@ -61,6 +70,8 @@ def analyse(
         settings: what is known before they are looked at.
         find_legs: finds the legs; None: nothing tells of them.
         planned: settings of the feet as a plan in the log has them; None: there is no plan.
+        log: what was read.
+        known: what was found while it was read.
     """
     corrected = correct(recording, settings)
     walk = _measured(mask_walk(corrected), corrected)
@@ -72,7 +83,13 @@ def analyse(
             recording, feet=recording.planned, links={}, commands=None, accelerations=None
         )
         walk = _with_plan(walk, mask_walk(correct(of_plan, planned)))
-    return walk
+    return judge(walk, log, known)
+
+
+def judge(walk: Walk, log: Log, known: Iterable[Finding] = ()) -> Walk:
+    """Make all checks of a walk, and its metrics, less those that findings void; see `analyse`."""
+    findings = sorted((*findings_of(walk), *known), key=consequence)
+    return replace(walk, findings=tuple(findings), metrics=metrics_of(walk, log, findings))
 
 
 def _measured(walk: Walk, corrected: Corrected) -> Walk:

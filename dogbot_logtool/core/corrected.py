@@ -197,7 +197,7 @@ def _learnt(recording: Recording, settings: WalkSettings) -> WalkSettings:
     Some physics engines tell contacts with wrenches that are all zero: these are no forces.
     """
     feet = tuple(
-        replace(foot, has_force=False)
+        replace(foot, has_force=False, forces_are_zero=foot.has_force)
         if samples.in_contact.any() and not samples.force[samples.in_contact].any()
         else foot
         for foot, samples in zip(settings.feet, recording.feet, strict=True)

@@ -27,6 +27,8 @@ class FootSettings:
     leg_position: LegPosition | None = None
     has_force: bool = True
     """Whether its sensor tells a force, not only whether the foot touches."""
+    forces_are_zero: bool = False
+    """Whether it tells forces that are zero in contact: then these are none."""
     has_flags: bool = False
     """Whether contact flags of its messages decide contact, whatever the force."""
     lists_contacts: bool = False
@@ -97,6 +99,10 @@ class WalkSettings:
     """ns, log time from which silence of sensors that are silent in swing counts; None: from the
     first contact. Also `silent_until`; None: to the last contact."""
     silent_until: int | None = None
+    robot: str = ""
+    """Name of the robot's file."""
+    robot_is_guessed: bool = False
+    """Whether it was guessed from the topics."""
     imu_mounting: tuple[float, float, float, float] | None = None
     """x, y, z, w: the accelerometer's frame in the base's, from recorded transforms; None: not
     recorded, and taken to be the base's."""

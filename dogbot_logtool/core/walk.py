@@ -1,4 +1,4 @@
-"""All that is measured of a walk: what checks read, and metrics and drawings are made of."""
+"""All that is known of a walk: what it is measured by, its metrics, and what is found of it."""
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -21,13 +21,15 @@ from dogbot_logtool.core.gait.strides import typical_period_s
 from dogbot_logtool.core.gait.support import Standing, Support
 from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.loads import WalkLoads
-from dogbot_logtool.core.metrics import Base, Stability
+from dogbot_logtool.core.metrics import Base, Stability, WalkMetrics
 from dogbot_logtool.core.planned import PlannedFoot
 from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.recording import Recording
+from dogbot_logtool.core.records import unknown
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.stability import Unstable
 from dogbot_logtool.core.world_frames import PlacedCounts, WorldFrames
+from dogbot_logtool.finding import Finding
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands import CommandTrack
@@ -39,7 +41,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Walk:
-    """All that is measured of one log, before anything is set to null.
+    """All that is known of the walk in one log; nothing but `metrics` has what findings void.
 
     Masks come first: what was measured with them follows.
     """
@@ -133,6 +135,10 @@ class Walk:
     """Topic of a plan that is on another clock than the feet, and not compared; empty: none is."""
     planned: tuple[PlannedFoot | None, ...] = ()
     """How each foot follows its plan; None without one; empty: the log has no plan beside."""
+    findings: tuple[Finding, ...] = ()
+    """About the log, the walk and its metrics, the worst first."""
+    metrics: WalkMetrics = field(default_factory=lambda: unknown(WalkMetrics))
+    """Those that findings void are null."""
 
     @property
     def base_clock_is_apart(self) -> bool:

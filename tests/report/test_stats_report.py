@@ -9,7 +9,6 @@ import pytest
 from jsonschema import Draft202012Validator
 from rich.console import Console
 
-from dogbot_logtool.commands.stats import measurement_of
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
@@ -25,8 +24,8 @@ from dogbot_logtool.report.table_file import stride_table
 from dogbot_logtool.report.text.gait_diagram import ASCII, default_window, gait_diagram
 from dogbot_logtool.report.text.stats_text import print_report, print_summary
 from dogbot_logtool.report.verdict import summary_row
-from dogbot_logtool.results import LogFacts
 from tests.analysed import analysed
+from tests.measured import LogFacts, measurement_of
 
 START = 1_700_000_000_000_000_000
 PLACES = (("front", "left"), ("front", "right"), ("back", "left"), ("back", "right"))

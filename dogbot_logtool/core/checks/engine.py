@@ -13,6 +13,7 @@ from dogbot_logtool.core.checks import (
     clock,
     commands,
     feet,
+    frames,
     gait,
     imu,
     legs,
@@ -24,7 +25,7 @@ from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
 
 Check = Callable[[Walk], Iterator[Finding]]
-MODULES: Final = (clock, base, poses, sensors, feet, gait, loads, legs, commands, imu)
+MODULES: Final = (clock, base, poses, sensors, feet, gait, loads, legs, commands, imu, frames)
 CHECKS: Final[tuple[Check, ...]] = tuple(
     each
     for module in MODULES
@@ -35,12 +36,11 @@ CHECKS: Final[tuple[Check, ...]] = tuple(
 """In order of the subjects; findings are sorted by consequence."""
 
 
-def findings_of(walk: Walk) -> tuple[Finding, ...]:
-    """Make all checks, and return what they find: what is of most consequence first."""
-    made = [finding for check in CHECKS for finding in check(walk)]
-    return tuple(sorted(made, key=_consequence))
+def findings_of(walk: Walk) -> list[Finding]:
+    """Make all checks, and return what they find."""
+    return [finding for check in CHECKS for finding in check(walk)]
 
 
-def _consequence(finding: Finding) -> tuple[int, float]:
+def consequence(finding: Finding) -> tuple[int, float]:
     """Return the key that sorts findings: what makes most metrics doubtful comes first."""
     return finding.severity, float("inf") if finding.rank is None else finding.rank

@@ -22,7 +22,11 @@ def frames_known(walk: Walk) -> Iterator[Finding]:
 
 
 def columns_corrected(walk: Walk) -> Iterator[Finding]:
-    """Say what numbers were left out, what transforms did not tell, and which plan is apart."""
+    """Say what was left out, what transforms did not tell, and which plan is apart."""
+    settings = walk.settings
+    if zero := [foot.name for foot in settings.feet if foot.forces_are_zero]:
+        text = f"all wrenches of {', '.join(zero)} are zero: contacts without forces"
+        yield Finding("NO_FORCE", text)
     if walk.recording.implausible:
         yield Finding("NOT_FINITE", f"{walk.recording.implausible:,} {IMPLAUSIBLE}")
     if walk.turned is not None:

@@ -1,7 +1,7 @@
 """Metrics of settings and recording, joints, commands and accelerometer: of the whole log only."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from dogbot_logtool.core.checks.questions import checks_of
 from dogbot_logtool.core.metrics import (
@@ -20,25 +20,13 @@ from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
 
 
-@dataclass(frozen=True, slots=True)
-class Chosen:
-    """What was chosen before a log was measured."""
-
-    robot: str
-    """Name of the robot's file."""
-    robot_guessed: bool
-    """Whether it was guessed from the topics."""
-    contact_planned: bool
-    """Whether contacts are what was planned, not what was measured."""
-
-
-def settings_metrics(walk: Walk, chosen: Chosen) -> Settings:
+def settings_metrics(walk: Walk, findings: Sequence[Finding]) -> Settings:
     """Return what decided the metrics of a log."""
     settings, loads = walk.settings, walk.loads
     offset = settings.com_offset_m
     return Settings(
-        robot=chosen.robot,
-        robot_guessed=chosen.robot_guessed,
+        robot=settings.robot,
+        robot_guessed=settings.robot_is_guessed,
         clock=settings.clock.value,
         mass_kg=settings.mass_kg,
         body_weight_n=loads.weight_n,
@@ -48,7 +36,7 @@ def settings_metrics(walk: Walk, chosen: Chosen) -> Settings:
         reference_foot=walk.feet[walk.reference].name if walk.feet else None,
         com_offset_m=None if offset is None else tuple(offset),
         base_from=_base_from(walk),
-        contact_from=_contact_from(walk, chosen),
+        contact_from=_contact_from(walk, findings),
         feet={foot.name: _foot_settings(walk, row) for row, foot in enumerate(walk.feet)},
     )
 
@@ -60,10 +48,11 @@ def _base_from(walk: Walk) -> str | None:
     return "legs" if by_legs else "pose"
 
 
-def _contact_from(walk: Walk, chosen: Chosen) -> str | None:
+def _contact_from(walk: Walk, findings: Sequence[Finding]) -> str | None:
     if all(foot.record.start is None for foot in walk.feet):
         return None
-    return "plan" if chosen.contact_planned else walk.settings.contact_from or "sensor"
+    is_planned = any(each.code == "PLANNED" and not each.cases for each in findings)
+    return "plan" if is_planned else walk.settings.contact_from or "sensor"
 
 
 def _foot_settings(walk: Walk, row: int) -> FootSettings:

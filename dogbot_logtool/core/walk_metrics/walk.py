@@ -1,7 +1,7 @@
 """All metrics of a walk as records.
 
-walk = metrics_of(stats, log, chosen, findings)
-walk.gait.name, walk.feet["front_left"].stance_s.median
+metrics = metrics_of(walk, log, findings)
+metrics.gait.name, metrics.feet["front_left"].stance_s.median
 """
 
 from collections.abc import Sequence
@@ -45,7 +45,6 @@ from dogbot_logtool.core.records import fields_of, unknown, void
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.core.walk_metrics.nulls import null_because
 from dogbot_logtool.core.walk_metrics.rest import (
-    Chosen,
     commands_metrics,
     imu_metrics,
     quality_metrics,
@@ -59,13 +58,12 @@ _PAIRS: Final = {"fore": (0, 1), "hind": (2, 3)}
 """Corners, left and right, of the pairs of a quadruped."""
 
 
-def metrics_of(walk: Walk, log: Log, chosen: Chosen, findings: Sequence[Finding]) -> WalkMetrics:
+def metrics_of(walk: Walk, log: Log, findings: Sequence[Finding]) -> WalkMetrics:
     """Return all metrics of a log; those that findings void are null.
 
     Args:
         walk: all that was worked out of it.
         log: what was read.
-        chosen: robot and sources of contact.
         findings: about the log and its metrics, the worst first.
     """
     gait = _gait(walk, walk.main, walk.support, _flight(walk.support))
@@ -81,7 +79,7 @@ def metrics_of(walk: Walk, log: Log, chosen: Chosen, findings: Sequence[Finding]
     measured = WalkMetrics(
         schema_version=SCHEMA_VERSION,
         log=log,
-        settings=settings_metrics(walk, chosen),
+        settings=settings_metrics(walk, findings),
         base=walk.base or unknown(Base),
         gait=GaitOfLog(
             **{field.name: getattr(gait, field.name) for field in fields_of(Gait)},

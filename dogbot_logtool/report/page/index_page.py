@@ -67,13 +67,13 @@ class IndexRow:
 
 def index_row(measured: Measurement, page_name: str) -> IndexRow:
     """Return a log's row in the index."""
-    stats, log = measured.walk, measured.facts
+    stats, log = measured.walk, measured.metrics.log
     kinds = [event.type for event in measured.metrics.events]
     falls = kinds.count("fall") + kinds.count("tipping")
     cells = (
         str(falls) if measured.metrics.base.duration_s is not None else NOTHING,
         str(kinds.count("slip")),
-        log.robot or NOTHING,
+        measured.metrics.settings.robot or NOTHING,
         recorded_at(log.start_s),
         *cells_of(INDEX, measured.metrics),
     )

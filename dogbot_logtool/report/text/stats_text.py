@@ -108,7 +108,8 @@ def print_report(console: Console, measured: Measurement, *, verbose: bool = Fal
         _print(console, Text(f"Longest segment: {when}, {gait_name(part.gait)}", style="bold"))
     if any(foot.contact_fraction is not None for foot in shown.feet.values()):
         _print(console, _feet(console, shown))
-        _print(console, *([Text(_ESTIMATED, style="dim")] if contact_source(walk) else []), Text())
+        estimated = walk.settings.contact_from in {"joint_torques", "kinematics"}
+        _print(console, *([Text(_ESTIMATED, style="dim")] if estimated else []), Text())
     for name, line in _SUBJECTS.items():
         if words := line(shown):
             subject = f"{name:<{_SUBJECT}}", "bold"

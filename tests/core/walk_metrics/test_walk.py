@@ -6,24 +6,20 @@ from pathlib import Path
 
 import pytest
 
-from dogbot_logtool.commands.stats import measurement_of
 from dogbot_logtool.core.metrics import NEEDS, WalkMetrics
 from dogbot_logtool.core.records import values
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.walk import Walk as MeasuredWalk
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.results import LogFacts
 from tests.analysed import analysed
-from tests.measured import measured
+from tests.measured import LogFacts, measured, measurement_of
 from tests.oracles.straight_walk import Walk
 from tests.paths import TROT, TROUBLED
 
-FACTS = LogFacts("walk.bag", "ROS 1 bag", "ros1", 0.0, 10.0, 100, robot="spot")
 
-
-def metrics(stats: MeasuredWalk, findings: Sequence[Finding] = ()) -> WalkMetrics:
-    return measurement_of(stats, replace(FACTS, findings=findings)).metrics
+def metrics(walk: MeasuredWalk, findings: Sequence[Finding] = ()) -> WalkMetrics:
+    return measurement_of(walk, LogFacts(findings=findings)).metrics
 
 
 def nulls(walk: WalkMetrics) -> set[str]:
@@ -33,7 +29,8 @@ def nulls(walk: WalkMetrics) -> set[str]:
 
 
 def test_what_decided_the_metrics_is_told() -> None:
-    settings = metrics(Walk().measure()).settings
+    walk = Walk().measure()
+    settings = metrics(replace(walk, settings=replace(walk.settings, robot="spot"))).settings
 
     assert (settings.robot, settings.robot_guessed) == ("spot", False)
     assert (settings.base_from, settings.contact_from, settings.clock) == (

@@ -17,14 +17,14 @@ from pypdf import PdfReader
 from pypdf.generic import DictionaryObject
 
 from dogbot_logtool.commands.plot import draw_figure
-from dogbot_logtool.commands.stats import measure, measurement_of
+from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.gait_figure import FORMATS, gait_figure, write_figure
 from dogbot_logtool.report.text.gait_diagram import default_window
-from tests.measured import measured
+from tests.measured import LogFacts, measured, measurement_of
 from tests.oracles import walks
 from tests.paths import SAMPLE_LOGS
 
@@ -129,7 +129,7 @@ def test_the_highest_load_is_the_highest_peak(path: Path) -> None:
         for axes in gait_figure(stats, curves, window).axes
         for line in axes.lines
     }
-    told = stats_json(measurement_of(stats, measured(path, MeasureOptions()).facts))
+    told = stats_json(measurement_of(stats, LogFacts()))
     for foot in FEET:
         peak = told["feet"][foot]["peak_force_bw"]["max"]
         assert np.nanmax(lines[f"load-{foot}"]) == pytest.approx(peak, rel=1e-6)

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.report import replay_of
-from dogbot_logtool.commands.stats import measure_log, measurement_of
+from dogbot_logtool.commands.stats import measure_log
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.page.render import page
 from dogbot_logtool.report.page.replay import MOST_FRAMES, frame_times, replay
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.robot.annotated import open_recorded
 from tests.commands.test_convert_joints import urdf, write
+from tests.measured import LogFacts, measurement_of
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import numbers
 
@@ -122,10 +123,10 @@ def test_without_frames_lines_lead_to_the_feet_and_unknown_feet_are_below_the_ba
     unknown = replay(replace(stats, feet=nowhere), time, None)
     assert unknown is not None
     assert unknown["schematic"]
-    html = page(measurement_of(stats, measured().facts), 0, replay=unknown).decode()
+    html = page(measurement_of(stats, LogFacts()), 0, replay=unknown).decode()
     assert "does not tell where the feet are" in html
     assert "<canvas" in html
-    assert "<canvas" not in page(measurement_of(stats, measured().facts), 0).decode()
+    assert "<canvas" not in page(measurement_of(stats, LogFacts()), 0).decode()
 
 
 def test_a_walk_far_from_the_worlds_origin_is_as_exact() -> None:
@@ -152,6 +153,6 @@ def test_a_long_log_is_thinned() -> None:
 
 
 def test_a_page_with_its_replay_is_small() -> None:
-    stats, facts = measured().walk, measured().facts
+    stats, facts = measured().walk, LogFacts()
     html = page(measurement_of(stats, facts), 0, replay=shown())
     assert len(page(measurement_of(stats, facts), 0)) < len(html) < 2 * MB
