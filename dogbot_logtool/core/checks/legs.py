@@ -134,7 +134,7 @@ def _signs(walk: Walk, legs: LegFigures) -> dict[str, LegSigns]:
         if leg.path is None or leg.reason or not told:
             continue
         moving = [joint for joint in legs.joints_of(row) if joint.moves]
-        signs = leg_signs(foot.record.stance_forces, foot.stances, leg.path, base, moving)
+        signs = leg_signs(foot.record.track, foot.stances, leg.path, base, moving)
         if signs is not None:
             found[leg.name] = signs
     return found
