@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, distinct
 from dogbot_logtool.core.scene.foot_style import foot_colour
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.io.printable import printable
 
 NEUTRAL: Final = "#808080"
@@ -165,9 +165,9 @@ def note(text: str, **where: Any) -> dict[str, Any]:  # noqa: ANN401 - whatever 
     return {"text": text, **above, "font": {"size": 11}, **where}
 
 
-def time_axis(stats: Stats) -> dict[str, Any]:
+def time_axis(walk: Walk) -> dict[str, Any]:
     """Return the lower axis of a figure over time."""
-    end = (stats.end - stats.origin) / 1e9
+    end = (walk.end - walk.origin) / 1e9
     return {
         "title": {"text": "time since the log's start", "standoff": 10},
         "ticksuffix": " s",
@@ -179,9 +179,9 @@ def time_axis(stats: Stats) -> dict[str, Any]:
     }
 
 
-def seconds(stats: Stats, time: Ints) -> Floats:
+def seconds(walk: Walk, time: Ints) -> Floats:
     """Return times as s since the log's start."""
-    since: Floats = (time - stats.origin) / 1e9
+    since: Floats = (time - walk.origin) / 1e9
     return since
 
 
@@ -192,23 +192,23 @@ def thinned(count: int, most: int) -> Ints:
     return distinct(np.linspace(0, count - 1, most).astype(np.int64))
 
 
-def is_hind(stats: Stats, row: int) -> bool:
+def is_hind(walk: Walk, row: int) -> bool:
     """Tell whether a foot is a hind foot."""
-    leg_position = stats.feet[row].leg_position
+    leg_position = walk.feet[row].leg_position
     return leg_position is not None and leg_position[0] == "back"
 
 
-def foot_marker(stats: Stats, row: int) -> dict[str, Any]:
+def foot_marker(walk: Walk, row: int) -> dict[str, Any]:
     """Return the marker of a foot by its index: its colour and shape, hollow for a hind foot."""
-    hollow = is_hind(stats, row)
+    hollow = is_hind(walk, row)
     symbol = _SYMBOLS[row % len(_SYMBOLS)] + ("-open" if hollow else "")
     style = {"width": 2 if hollow else 0, "color": foot_colour(row)}
     return {"color": foot_colour(row), "symbol": symbol, "size": 9, "line": style}
 
 
-def foot_glyph(stats: Stats, row: int) -> str:
+def foot_glyph(walk: Walk, row: int) -> str:
     """Return the marker of a foot as a character."""
-    return _GLYPHS[row % len(_GLYPHS)][is_hind(stats, row)]
+    return _GLYPHS[row % len(_GLYPHS)][is_hind(walk, row)]
 
 
 def label(text: str) -> str:

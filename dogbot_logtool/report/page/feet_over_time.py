@@ -9,7 +9,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
 from dogbot_logtool.report.page.chart import (
     MARGIN,
@@ -35,20 +35,20 @@ _BAR: Final = 0.7
 """Height of a bar, of the distance between two feet."""
 
 
-def gait_diagram(stats: Stats) -> Drawing | None:
+def gait_diagram(walk: Walk) -> Drawing | None:
     """Draw a bar a foot, filled where the foot is down (Hildebrand's); None without feet."""
-    if not stats.feet:
+    if not walk.feet:
         return None
     data: list[Trace] = []
-    drawn = [_stances_drawn(stats, foot) for foot in stats.feet]
-    whole = np.array([[stats.origin, stats.end]], np.int64)
-    for row, (foot, spans) in enumerate(zip(stats.feet, drawn, strict=True)):
+    drawn = [_stances_drawn(walk, foot) for foot in walk.feet]
+    whole = np.array([[walk.origin, walk.end]], np.int64)
+    for row, (foot, spans) in enumerate(zip(walk.feet, drawn, strict=True)):
         unknown = timespans.subtract(whole, _known(foot))
-        data.append(_bars(stats, foot, unknown, row, _HATCHED, "not known"))
-        data.append(_bars(stats, foot, spans, row, _filling(stats, row), "down"))
+        data.append(_bars(walk, foot, unknown, row, _HATCHED, "not known"))
+        data.append(_bars(walk, foot, spans, row, _filling(walk, row), "down"))
         if len(spans) < len(foot.record.in_contact):
-            data.append(_contact_share(stats, foot, spans, row))
-    names = short_names([foot.name for foot in stats.feet])
+            data.append(_contact_share(walk, foot, spans, row))
+    names = short_names([foot.name for foot in walk.feet])
     layout = {
         "height": 46 * len(names) + 72,
         # The names of events stand above it.
@@ -56,7 +56,7 @@ def gait_diagram(stats: Stats) -> Drawing | None:
         "barmode": "overlay",
         "showlegend": False,
         "hovermode": "closest",
-        "xaxis": time_axis(stats),
+        "xaxis": time_axis(walk),
         "yaxis": {
             "tickvals": list(range(len(names))),
             "ticktext": [label(name) for name in names],
@@ -68,12 +68,12 @@ def gait_diagram(stats: Stats) -> Drawing | None:
     }
     down = ", ".join(
         f"{foot.name} {percent(fraction)}"
-        for foot in stats.feet
+        for foot in walk.feet
         if (fraction := foot.record.contact_fraction()) is not None and foot.contact_known
     )
     alt = f"A bar a foot over time, filled while the foot is down. Time in contact: {down}."
     rows = [{"yref": "y", "y0": row + 0.5, "y1": row - 0.5} for row in range(len(names))]
-    words = _what_bars_are(stats, drawn)
+    words = _what_bars_are(walk, drawn)
     return Drawing("gait", "Gait diagram", alt, words, data, layout, over_time=True, feet=rows)
 
 
@@ -81,20 +81,20 @@ def _known(foot: FootSteps) -> Ints:
     return timespans.no_spans() if foot.is_dead else foot.record.known
 
 
-def _stances_drawn(stats: Stats, foot: FootSteps) -> Ints:
+def _stances_drawn(walk: Walk, foot: FootSteps) -> Ints:
     """(s, 2) ns, the contacts around the typical strides, as many as can be drawn."""
     spans = timespans.no_spans() if foot.is_dead else foot.record.in_contact
-    middle = stats.origin + round(sum(default_window(stats)) / 2.0 * 1e9)
+    middle = walk.origin + round(sum(default_window(walk)) / 2.0 * 1e9)
     first = int(np.searchsorted(spans[:, 0], middle)) - MOST_STANCES // 2
     first = max(0, min(first, len(spans) - MOST_STANCES))
     return spans[first : first + MOST_STANCES]
 
 
-def _what_bars_are(stats: Stats, drawn: Sequence[Ints]) -> str:
+def _what_bars_are(walk: Walk, drawn: Sequence[Ints]) -> str:
     words = "Filled: the foot is down. Hatched: nothing is known of it."
-    if stats.settings.contact_from:
+    if walk.settings.contact_from:
         words = "Hatched: the foot is down, as estimated from the joints; grey: nothing is known."
-    every = sum(len(foot.record.in_contact) for foot in stats.feet)
+    every = sum(len(foot.record.in_contact) for foot in walk.feet)
     if every > sum(map(len, drawn)):
         words += (
             f" The log has {every} stances: those around the typical strides are drawn one by one, "
@@ -110,18 +110,18 @@ _HATCHED: Final = {
 }
 
 
-def _filling(stats: Stats, row: int) -> dict[str, Any]:
+def _filling(walk: Walk, row: int) -> dict[str, Any]:
     colour = foot_colour(row)
     pale = translucent(colour, 0.3)
     pattern = {"shape": "\\", "fgcolor": colour, "bgcolor": pale, "size": 6}
-    hatching = {"pattern": pattern} if stats.settings.contact_from else {}
+    hatching = {"pattern": pattern} if walk.settings.contact_from else {}
     return {"color": colour, "line": {"width": 0}, **hatching}
 
 
 def _bars(
-    stats: Stats, foot: FootSteps, spans: Ints, row: int, marker: dict[str, Any], what: str
+    walk: Walk, foot: FootSteps, spans: Ints, row: int, marker: dict[str, Any], what: str
 ) -> Trace:
-    start, end = seconds(stats, spans[:, 0]), seconds(stats, spans[:, 1])
+    start, end = seconds(walk, spans[:, 0]), seconds(walk, spans[:, 1])
     return {
         "type": "bar",
         "orientation": "h",
@@ -138,30 +138,30 @@ def _bars(
     }
 
 
-def _contact_share(stats: Stats, foot: FootSteps, drawn: Ints, row: int) -> Trace:
-    edges = np.linspace(stats.origin, stats.end, _SHARE_BINS + 1).astype(np.int64)
+def _contact_share(walk: Walk, foot: FootSteps, drawn: Ints, row: int) -> Trace:
+    edges = np.linspace(walk.origin, walk.end, _SHARE_BINS + 1).astype(np.int64)
     known = timespans.covered(foot.record.known, edges)
     down = timespans.covered(foot.record.in_contact, edges)
     share = np.divide(down, known, out=np.zeros(_SHARE_BINS), where=known > 0)
     share[(edges[1:] > drawn[0, 0]) & (edges[:-1] < drawn[-1, 1])] = 0.0
     floor = row + _BAR / 2.0
-    at = np.repeat(seconds(stats, edges), 2)[1:-1]
+    at = np.repeat(seconds(walk, edges), 2)[1:-1]
     x = np.concatenate([at, at[[-1, 0]]])
     y = np.concatenate([floor - _BAR * np.repeat(share, 2), [floor, floor]])
     return area(x, y, label(foot.name), foot_colour(row), 0.5)
 
 
-def load_curves(stats: Stats) -> Drawing | None:
+def load_curves(walk: Walk) -> Drawing | None:
     """Draw the load of each foot, one above the other on one scale; None without feet."""
-    if not stats.feet:
+    if not walk.feet:
         return None
-    lines = [_loads(stats, foot, row) for row, foot in enumerate(stats.feet)]
+    lines = [_loads(walk, foot, row) for row, foot in enumerate(walk.feet)]
     drawn = np.concatenate([[0.0, 1.0], *(each.curve.value for pair in lines for each in pair)])
     low, high = min(0.0, 1.05 * drawn.min()), 1.05 * drawn.max()
     rows = []
-    names = short_names([foot.name for foot in stats.feet])
-    for row, (foot, pair) in enumerate(zip(stats.feet, lines, strict=True)):
-        start, end = seconds(stats, _stances_drawn(stats, foot)).T
+    names = short_names([foot.name for foot in walk.feet])
+    for row, (foot, pair) in enumerate(zip(walk.feet, lines, strict=True)):
+        start, end = seconds(walk, _stances_drawn(walk, foot)).T
         nothing = np.full(len(start), np.nan)
         corners = np.stack([start, start, end, end, nothing], axis=1).ravel()
         edges = np.tile([low, high, high, low, np.nan], len(start))
@@ -170,7 +170,7 @@ def load_curves(stats: Stats) -> Drawing | None:
         rows.append(Row(f"{names[row]} (N)", traces, (low, high)))
     peaks = [
         f"{foot.name} {decimal(float(pair[0].curve.value.max()), 1)} N"
-        for foot, pair in zip(stats.feet, lines, strict=True)
+        for foot, pair in zip(walk.feet, lines, strict=True)
         if pair
     ]
     alt = f"The force of each foot over time. Highest: {', '.join(peaks) or NOTHING}."
@@ -179,26 +179,26 @@ def load_curves(stats: Stats) -> Drawing | None:
         words = "Line: |F|; dotted: its vertical part, where known; shaded: stance."
         words += _what_is_left_out(max(each.curve.bin_ns for pair in lines for each in pair))
     feet = [{"yref": f"y{row + 1} domain", "y0": 0.0, "y1": 1.0} for row in range(len(rows))]
-    drawn_rows = grid(rows, time_axis(stats), ROW_PIXELS)
+    drawn_rows = grid(rows, time_axis(walk), ROW_PIXELS)
     return Drawing("loads", "Loads", alt, words, *drawn_rows, over_time=True, feet=feet)
 
 
-def _loads(stats: Stats, foot: FootSteps, row: int) -> list[Line]:
+def _loads(walk: Walk, foot: FootSteps, row: int) -> list[Line]:
     """Return |F| and its vertical part, as far as they are known."""
     if not foot.record.has_force:
         return []
-    track, name, weight = foot.record.track, label(foot.name), stats.loads.weight_n
+    track, name, weight = foot.record.track, label(foot.name), walk.loads.weight_n
     hover = "%{y:.1f} N" + ("" if weight is None else " (%{customdata:.2f} BW)")
     # The page divides the forces by the weight.
     meta = {} if weight is None else {"meta": {"weight": weight}}
     # The whole force is drawn over its vertical part, but named before it.
     lines = (
         line_over_time(
-            stats, f"{name} |F|", (track.time, track.force), foot.record.gaps, hover,
+            walk, f"{name} |F|", (track.time, track.force), foot.record.gaps, hover,
             foot_colour(row), more={"zorder": 1, **meta},
         ),
         line_over_time(
-            stats, f"{name} vertical", (track.time, track.vertical_force), foot.record.gaps, hover,
+            walk, f"{name} vertical", (track.time, track.vertical_force), foot.record.gaps, hover,
             NEUTRAL, width=1.0, dash="dot", more=meta,
         ),
     )  # fmt: skip

@@ -10,7 +10,7 @@ from urllib.parse import quote
 import numpy as np
 
 from dogbot_logtool.core.scene.foot_style import foot_colour
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.numbers import NOTHING
 from dogbot_logtool.report.page.assets import own, policy_of, rendered
 from dogbot_logtool.report.page.summary import recorded_at
@@ -64,28 +64,28 @@ class IndexRow:
 
 def index_row(measured: Measurement, page_name: str) -> IndexRow:
     """Return a log's row in the index."""
-    stats, log, walk = measured.stats, measured.facts, measured.metrics
-    kinds = [event.type for event in walk.events]
+    walk, metrics = measured.walk, measured.metrics
+    kinds = [event.type for event in metrics.events]
     falls = kinds.count("fall") + kinds.count("tipping")
     cells = (
-        NOTHING if walk.base.duration_s is None else str(falls),
+        NOTHING if metrics.base.duration_s is None else str(falls),
         str(kinds.count("slip")),
-        log.robot or NOTHING,
-        recorded_at(log.start_s),
-        *(column.cell(walk) for column in INDEX),
+        metrics.settings.robot or NOTHING,
+        recorded_at(metrics.log.start_s),
+        *(column.cell(metrics) for column in INDEX),
     )
     # The name of a file may be any bytes.
     address = quote(os.fsencode(page_name), safe="")
-    name, bars = Path(log.path).name, tuple(_bars(stats))
+    name, bars = Path(metrics.log.path).name, tuple(_bars(walk))
     return IndexRow(
-        name, address, headline(walk), cells, quality_of(measured), bars, len(stats.feet)
+        name, address, headline(metrics), cells, quality_of(measured), bars, len(walk.feet)
     )
 
 
-def _bars(stats: Stats) -> Iterator[Bar]:
+def _bars(walk: Walk) -> Iterator[Bar]:
     """Yield the stances of the typical strides."""
-    start, end = (stats.origin + each * 1e9 for each in default_window(stats))
-    for row, foot in enumerate(stats.feet):
+    start, end = (walk.origin + each * 1e9 for each in default_window(walk))
+    for row, foot in enumerate(walk.feet):
         if not foot.is_dead and end > start:
             share = np.clip((foot.record.in_contact - start) / (end - start), 0.0, 1.0) * _WIDTH
             for first, last in np.round(share[share[:, 1] > share[:, 0]], 1).tolist():

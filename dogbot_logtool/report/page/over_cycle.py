@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core.legs.legs import LegFigures
 from dogbot_logtool.core.records import Curve, Shape
 from dogbot_logtool.core.scene.foot_style import foot_colour
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.page.chart import (
     Drawing,
@@ -47,12 +47,12 @@ _LEGS: Final = (
 )
 
 
-def force_over_cycle(stats: Stats) -> Drawing | None:
+def force_over_cycle(walk: Walk) -> Drawing | None:
     """Draw a panel a pair of legs; None where no force over a stride is known."""
-    vertical = [foot.vertical_over_stride for foot in stats.feet]
-    forward = [foot.forward_over_stride for foot in stats.feet]
+    vertical = [foot.vertical_over_stride for foot in walk.feet]
+    forward = [foot.forward_over_stride for foot in walk.feet]
     rows = [
-        _row(stats, name, "N", ".1f", _known(curves), with_zero=True)
+        _row(walk, name, "N", ".1f", _known(curves), with_zero=True)
         for name, curves in (("vertical", vertical), ("forward", forward))
         if any(curves)
     ]
@@ -61,28 +61,28 @@ def force_over_cycle(stats: Stats) -> Drawing | None:
     shown = vertical if any(vertical) else forward
     highest = [
         f"{foot.name} {max(curve.median):.0f} N"
-        for foot, curve in zip(stats.feet, shown, strict=True)
+        for foot, curve in zip(walk.feet, shown, strict=True)
         if curve
     ]
     alt = f"The usual force of each foot over its stride. Highest median: {', '.join(highest)}."
-    drawn = grid(rows, _AXIS, _FORCE_PIXELS, list(_columns(stats)))
+    drawn = grid(rows, _AXIS, _FORCE_PIXELS, list(_columns(walk)))
     return Drawing("cycle", "Force over the gait cycle", alt, _FORCES, *drawn)
 
 
-def legs_over_cycle(stats: Stats) -> Drawing | None:
+def legs_over_cycle(walk: Walk) -> Drawing | None:
     """Draw a panel a pair of legs and kind of joint; None where no legs are known."""
-    legs = stats.legs
+    legs = walk.legs
     if legs is None:
         return None
     heights = _known([leg.height for leg in legs.feet])
-    rows = [_row(stats, "foot", "mm", ".3g", heights, scale=1e3)] if heights else []
+    rows = [_row(walk, "foot", "mm", ".3g", heights, scale=1e3)] if heights else []
     rows += [
-        _row(stats, kind, "rad", ".3g", curves, least=_LEAST_RAD)
+        _row(walk, kind, "rad", ".3g", curves, least=_LEAST_RAD)
         for kind, curves in _joints(legs).items()
     ]
     if not rows:
         return None
-    drawn = grid(rows[:_MOST_ROWS], _AXIS, _LEG_PIXELS, list(_columns(stats)))
+    drawn = grid(rows[:_MOST_ROWS], _AXIS, _LEG_PIXELS, list(_columns(walk)))
     return Drawing("legs", "Legs over the gait cycle", _clearances(legs), _LEGS, *drawn)
 
 
@@ -90,19 +90,19 @@ def _known(curves: Sequence[Shape]) -> dict[int, Curve]:
     return {foot: curve for foot, curve in enumerate(curves) if curve}
 
 
-def _columns(stats: Stats) -> dict[str, list[int]]:
+def _columns(walk: Walk) -> dict[str, list[int]]:
     """Return the feet of each pair of legs by its heading, or all feet without one."""
     pairs: dict[str, list[int]] = {title: [] for title in _ENDS.values()}
-    for foot, each in enumerate(stats.feet):
+    for foot, each in enumerate(walk.feet):
         if each.leg_position is None or each.leg_position[0] not in _ENDS:
-            return {"": list(range(len(stats.feet)))}
+            return {"": list(range(len(walk.feet)))}
         pairs[_ENDS[each.leg_position[0]]].append(foot)
     pairs = {title: feet for title, feet in pairs.items() if feet}
-    return pairs if len(pairs) > 1 else {"": list(range(len(stats.feet)))}
+    return pairs if len(pairs) > 1 else {"": list(range(len(walk.feet)))}
 
 
 def _row(
-    stats: Stats,
+    walk: Walk,
     title: str,
     unit: str,
     hover: str,
@@ -115,20 +115,20 @@ def _row(
     """Return the panels of one quantity, a curve a foot."""
     traces = [
         (column, trace)
-        for column, feet in enumerate(_columns(stats).values())
+        for column, feet in enumerate(_columns(walk).values())
         for foot in feet
         if foot in curves
-        for trace in _band(stats, foot, curves[foot], scale, hover, unit)
+        for trace in _band(walk, foot, curves[foot], scale, hover, unit)
     ]
     values = np.concatenate([[*each.lower, *each.upper] for each in curves.values()]) * scale
     return Row(f"{title} ({unit})", traces, extent_of(values, least, with_zero=with_zero))
 
 
 def _band(
-    stats: Stats, foot: int, curve: Curve, scale: float, hover: str, unit: str
+    walk: Walk, foot: int, curve: Curve, scale: float, hover: str, unit: str
 ) -> tuple[Trace, Trace]:
     """Return the spread and the line of a foot, dashed on the right."""
-    record, colour = stats.feet[foot], foot_colour(foot)
+    record, colour = walk.feet[foot], foot_colour(foot)
     name, side = label(record.name), (record.leg_position or ("", record.name))[1]
     percent = np.array(curve.percent).round(3)
     lower, middle, upper = (

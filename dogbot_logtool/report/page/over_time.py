@@ -12,7 +12,7 @@ from dogbot_logtool.core.base.motion import FORWARD_ANGLES, roll_and_pitch
 from dogbot_logtool.core.contact.curves import Curve, CurveDetail, curve_of
 from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.core.stability import margins
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.page.chart import (
     LINE,
     SECOND,
@@ -42,7 +42,7 @@ class Line(NamedTuple):
 
 
 def line_over_time(
-    stats: Stats,
+    walk: Walk,
     name: str,
     curve: tuple[Ints, Floats | Float32s],
     breaks: Ints,
@@ -56,7 +56,7 @@ def line_over_time(
     """Reduce a quantity: the typical strides have every sample; None where nothing is known.
 
     Args:
-        stats: of the log.
+        walk: of the log.
         name: of the quantity.
         curve: (n,) ns, strictly increasing, and (n,) values, NaN where not known.
         breaks: (b, 2) ns, over which no line leads, beside unknown values.
@@ -70,7 +70,7 @@ def line_over_time(
     coarse = curve_of(time, value, CurveDetail(_BINS))
     if coarse is None:
         return None
-    first, last = (stats.origin + round(each * 1e9) for each in default_window(stats))
+    first, last = (walk.origin + round(each * 1e9) for each in default_window(walk))
     # Whole bins, so that each is either replaced or kept.
     window = first // coarse.bin_ns * coarse.bin_ns, -(-last // coarse.bin_ns) * coarse.bin_ns - 1
     fine = curve_of(time, value, CurveDetail(window=window))
@@ -78,7 +78,7 @@ def line_over_time(
     no_line = timespans.merge(np.concatenate([breaks, unknown]))
     x, y = (coarse if fine is None else coarse.refined(fine, window)).line(no_line)
     words = {"hovertemplate": hover} | (more or {})
-    trace = line(seconds(stats, x), y, name, colour, width=width, dash=dash, more=words)
+    trace = line(seconds(walk, x), y, name, colour, width=width, dash=dash, more=words)
     return Line(coarse, trace)
 
 
@@ -100,41 +100,41 @@ _MOTION_WORDS: Final = {
 }
 
 
-def motion(stats: Stats) -> Drawing | None:
+def motion(walk: Walk) -> Drawing | None:
     """Draw what is known of margin, speed, height and attitude; None without poses."""
-    rows = list(_motion_rows(stats)) if len(stats.base_history.time) > 1 else []
+    rows = list(_motion_rows(walk)) if len(walk.base_history.time) > 1 else []
     if not rows:
         return None
     caption = " ".join(_MOTION_WORDS[row.title] for row in rows)
-    alt, base = "The motion of the base over time.", stats.base
+    alt, base = "The motion of the base over time.", walk.base
     if base is not None and base.roll_rad is not None and base.pitch_rad is not None:
         roll, pitch = (np.degrees([each.min, each.max]) for each in (base.roll_rad, base.pitch_rad))
         alt += (
             f" Roll from {roll[0]:.1f} to {roll[1]:.1f} degrees, pitch from {pitch[0]:.1f} to "
             f"{pitch[1]:.1f}."
         )
-    drawn = grid(rows, time_axis(stats), ROW_PIXELS)
+    drawn = grid(rows, time_axis(walk), ROW_PIXELS)
     return Drawing("motion", "Motion", alt, caption, *drawn, over_time=True)
 
 
-def _motion_rows(stats: Stats) -> Iterator[Row]:
-    base, feet = stats.base_history, [foot.record for foot in stats.feet]
+def _motion_rows(walk: Walk) -> Iterator[Row]:
+    base, feet = walk.base_history, [foot.record for foot in walk.feet]
 
     def curve(name: str, value: Floats, hover: str, colour: str = LINE, dash: str = "solid") -> Any:  # noqa: ANN401
         points = base.time, value
-        return line_over_time(stats, name, points, base.gaps, hover, colour, dash=dash)
+        return line_over_time(walk, name, points, base.gaps, hover, colour, dash=dash)
 
-    if stats.stability is not None:
-        offset = stats.settings.com_offset_m or (0.0, 0.0, 0.0)
+    if walk.stability is not None:
+        offset = walk.settings.com_offset_m or (0.0, 0.0, 0.0)
         time, margin = margins(feet, base, offset)
         points = time, margin * 1e3
-        known = line_over_time(stats, "static margin", points, base.gaps, "%{y:.0f} mm")
+        known = line_over_time(walk, "static margin", points, base.gaps, "%{y:.0f} mm")
         yield from _row("margin (mm)", [known], 20.0)
-    yield from _row("speed (m/s)", [curve("speed forward", _speed(stats), "%{y:.3f} m/s")], 0.1)
-    if feet and not stats.base_clock_is_apart:
+    yield from _row("speed (m/s)", [curve("speed forward", _speed(walk), "%{y:.3f} m/s")], 0.1)
+    if feet and not walk.base_clock_is_apart:
         height = height_over_feet(base, feet)
         yield from _row("height (m)", [curve("height over the feet", height, "%{y:.3f} m")], 0.02)
-    roll, pitch = np.degrees(roll_and_pitch(base.angles, stats.settings.forward_axis))
+    roll, pitch = np.degrees(roll_and_pitch(base.angles, walk.settings.forward_axis))
     lines = (
         curve("roll", roll, "%{y:.1f} deg"),
         curve("pitch", pitch, "%{y:.1f} deg", SECOND, "dash"),
@@ -142,16 +142,16 @@ def _motion_rows(stats: Stats) -> Iterator[Row]:
     yield from _row("attitude (deg)", lines, 2.0)
 
 
-def _speed(stats: Stats) -> Floats:
+def _speed(walk: Walk) -> Floats:
     """(n,) m/s along the forward axis at each pose, over `_BESIDE_S` before and after it."""
-    base, beside = stats.base_history, round(_BESIDE_S * 1e9)
+    base, beside = walk.base_history, round(_BESIDE_S * 1e9)
     first = np.maximum(base.time - beside, base.time[0])
     last = np.minimum(base.time + beside, base.time[-1])
     step = base.position_at(last)[:, :2] - base.position_at(first)[:, :2]
-    heading = base.angles[:, 2] + FORWARD_ANGLES[stats.settings.forward_axis]
+    heading = base.angles[:, 2] + FORWARD_ANGLES[walk.settings.forward_axis]
     forward, _ = along_heading(step, heading)
     speed: Floats = forward / ((last - first) / 1e9)
-    breaks = timespans.merge(np.concatenate([stats.jumps.spans, base.gaps]))
+    breaks = timespans.merge(np.concatenate([walk.jumps.spans, base.gaps]))
     speed[timespans.touches(breaks, first, last)] = np.nan
     return speed
 
@@ -160,9 +160,9 @@ _VELOCITIES: Final = (("forward", "m/s"), ("to the left", "m/s"), ("yaw rate", "
 """Title and unit of each column of the velocities."""
 
 
-def tracked_commands(stats: Stats) -> Drawing | None:
+def tracked_commands(walk: Walk) -> Drawing | None:
     """Draw commanded and measured velocity, an axis a row; None without commands."""
-    track = stats.command_track
+    track = walk.command_track
     if track is None or len(track.time) == 0:
         return None
     rows: list[Row] = []
@@ -173,7 +173,7 @@ def tracked_commands(stats: Stats) -> Drawing | None:
             continue
         lines = [
             line_over_time(
-                stats, name, (track.time, value[:, column]), track.breaks,
+                walk, name, (track.time, value[:, column]), track.breaks,
                 f"%{{y:.3f}} {unit}", colour, dash=dash,
             )
             for name, value, colour, dash in (
@@ -189,5 +189,5 @@ def tracked_commands(stats: Stats) -> Drawing | None:
         f"there is no command. {' '.join(words)}"
     )
     alt = f"Commanded and measured velocity over time. {' '.join(words)}"
-    drawn = grid(rows, time_axis(stats), ROW_PIXELS)
+    drawn = grid(rows, time_axis(walk), ROW_PIXELS)
     return Drawing("commands", "Commands", alt, caption, *drawn, over_time=True)

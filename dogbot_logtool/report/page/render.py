@@ -9,9 +9,9 @@ from markupsafe import Markup
 
 from dogbot_logtool import __version__
 from dogbot_logtool.core.checks.voids import void_patterns
-from dogbot_logtool.core.metrics import Settings
+from dogbot_logtool.core.metrics import Settings, WalkMetrics
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.report.numbers import NOTHING, span_of
 from dogbot_logtool.report.page.assets import json_in_html, page_script, policy_of, rendered
@@ -25,9 +25,9 @@ from dogbot_logtool.report.page.summary import recorded_at, summary
 from dogbot_logtool.report.page.tables import page_tables
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.report.verdict import grouped
-from dogbot_logtool.results import LogFacts, Measurement
+from dogbot_logtool.results import Measurement
 
-FIGURES: Final[Mapping[str, Callable[[Stats], Drawing | None]]] = {
+FIGURES: Final[Mapping[str, Callable[[Walk], Drawing | None]]] = {
     "gait": gait_diagram,
     "loads": load_curves,
     "motion": motion,
@@ -67,67 +67,68 @@ def page(
         replay: the walk in 3D; None: without it.
         beside: files beside the page.
     """
-    stats, log, walk = measured.stats, measured.facts, measured.metrics
-    events = listed_events(walk)
-    drawn = {name: draw(stats) for name, draw in FIGURES.items()}
+    walk, metrics, damage = measured.walk, measured.metrics, measured.damage
+    events = listed_events(metrics)
+    drawn = {name: draw(walk) for name, draw in FIGURES.items()}
     drawings = [drawing for drawing in drawn.values() if drawing is not None]
-    mark_events(events, drawings, list(walk.feet))
+    mark_events(events, drawings, list(metrics.feet))
     script = "" if beside.script else page_script()
     return rendered(
         "page.html.j2",
         script,
         policy=policy_of(script) if script else Markup("'self' file:"),
-        name=Path(log.path).name,
-        about=_about(log),
+        name=Path(metrics.log.path).name,
+        about=_about(metrics),
         beside=beside,
         drawings=drawn,
         drawings_json=json_in_html([each.plain() for each in drawings]),
-        times_json=json_in_html(_times(stats)),
+        times_json=json_in_html(_times(walk)),
         replay=replay,
         replay_json=json_in_html(replay),
-        feet=_feet(stats),
+        feet=_feet(walk),
         summary=summary(measured),
         findings=grouped([each for each in measured.findings if each.code != "LOST"]),
         events=events[:MOST_SHOWN],
         more_events=len(events[MOST_SHOWN:]),
         minor=MINOR,
-        damage=log.damage.text,
-        losses=[loss.what for loss in log.damage.losses],
-        file_marks=_file_marks(log.damage.losses, file_size),
-        tables=page_tables(walk, stats, void_patterns(measured.findings)),
-        settings=_settings(walk.settings),
+        damage=damage.text,
+        losses=[loss.what for loss in damage.losses],
+        file_marks=_file_marks(damage.losses, file_size),
+        tables=page_tables(metrics, walk, void_patterns(measured.findings)),
+        settings=_settings(metrics.settings),
     )
 
 
-def _times(stats: Stats) -> dict[str, Any]:
+def _times(walk: Walk) -> dict[str, Any]:
     """Return the log's end, its typical strides, and every stride of each foot."""
     return {
-        "typical": default_window(stats),
-        "end": (stats.end - stats.origin) / 1e9,
-        "strides": [packed(seconds(stats, foot.strides.spans), FINE) for foot in stats.feet],
+        "typical": default_window(walk),
+        "end": (walk.end - walk.origin) / 1e9,
+        "strides": [packed(seconds(walk, foot.strides.spans), FINE) for foot in walk.feet],
     }
 
 
-def _feet(stats: Stats) -> list[dict[str, str]]:
+def _feet(walk: Walk) -> list[dict[str, str]]:
     """Return how each foot is shown in text."""
-    names = [foot.name for foot in stats.feet]
+    names = [foot.name for foot in walk.feet]
     return [
         {
             "name": name,
             "short": short,
             "colour": foot_colour(row),
-            "symbol": foot_glyph(stats, row),
+            "symbol": foot_glyph(walk, row),
         }
         for row, (name, short) in enumerate(zip(names, short_names(names), strict=True))
     ]
 
 
-def _about(log: LogFacts) -> list[tuple[str, str]]:
+def _about(metrics: WalkMetrics) -> list[tuple[str, str]]:
     """Return what the log is, by name."""
+    log = metrics.log
     duration = NOTHING if log.duration_s is None else f"{log.duration_s:.2f} s"
     container = f"{log.container} ({log.profile})" if log.profile else log.container
     return [
-        ("robot", log.robot or "not known"),
+        ("robot", metrics.settings.robot or "not known"),
         ("recorded", recorded_at(log.start_s)),
         ("log", f"{container}, {duration}, {log.messages:,} messages"),
         ("measured by", f"dogbot-logtool {__version__}"),

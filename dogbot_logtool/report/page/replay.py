@@ -13,7 +13,7 @@ from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.metrics import Event
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.page.chart import FINE, is_hind, packed, seconds, thinned
 from dogbot_logtool.report.page.events import MINOR, MOST_SHOWN
 from dogbot_logtool.report.text.gait_diagram import default_window
@@ -34,16 +34,16 @@ _ALONG: Final = {"front": 1.0, "back": -1.0}
 _ASIDE: Final = {"left": 1.0, "right": -1.0}
 
 
-def frame_times(stats: Stats, events: Sequence[Event]) -> Ints:
+def frame_times(walk: Walk, events: Sequence[Event]) -> Ints:
     """Return the times of the frames, (n,) ns, increasing, at most `MOST_FRAMES`.
 
     Silences are left out. All that is made here is bounded: a log may last for decades, when a
     clock was set while it was recorded.
     """
-    origin, recorded = stats.origin, _recorded(stats)
+    origin, recorded = walk.origin, _recorded(walk)
     if _frame_counts(recorded, origin).sum() <= MOST_FRAMES:
         return _frames(recorded, origin, MOST_FRAMES)
-    spans = [default_window(stats)]
+    spans = [default_window(walk)]
     spans += [(each.onset_s, each.onset_s + each.duration_s) for each in events[:MOST_SHOWN]
               if each.type not in MINOR]  # fmt: skip
     shown = [_frames(recorded, origin, MOST_FRAMES // 4)]
@@ -56,11 +56,11 @@ def frame_times(stats: Stats, events: Sequence[Event]) -> Ints:
     return distinct(np.concatenate(shown))
 
 
-def _recorded(stats: Stats) -> Ints:
+def _recorded(walk: Walk) -> Ints:
     """(k, 2) ns, the log without silences of base and feet; its start is always in it."""
-    whole = np.array([[stats.origin, stats.end + 1]], np.int64)
-    start = np.array([[stats.origin, stats.origin + 1]], np.int64)
-    known = [stats.base_history.known, *(foot.record.known for foot in stats.feet)]
+    whole = np.array([[walk.origin, walk.end + 1]], np.int64)
+    start = np.array([[walk.origin, walk.origin + 1]], np.int64)
+    known = [walk.base_history.known, *(foot.record.known for foot in walk.feet)]
     silent = timespans.subtract(whole, timespans.merge(np.concatenate([start, *known])))
     long = silent[:, 1] - silent[:, 0] > LONGEST_SILENCE_NS
     return timespans.subtract(whole, silent[long])
@@ -84,24 +84,24 @@ def _frames(spans: Ints, origin: int, most: int) -> Ints:
 
 
 def replay(
-    stats: Stats, events: Sequence[Event], time: Ints, limbs: Limbs | None
+    walk: Walk, events: Sequence[Event], time: Ints, limbs: Limbs | None
 ) -> dict[str, Any] | None:
     """Return what the replay draws, as JSON; None without poses of the base.
 
     Args:
-        stats: what was measured.
+        walk: what was measured.
         events: that are named.
         time: (n,) ns, of the frames; see `frame_times`.
         limbs: the robot's joints at these times; None: not known.
     """
-    base = stats.base_history
+    base = walk.base_history
     if len(base.time) == 0 or len(time) == 0:
         return None
     position, angles = base.position_at(time), base.angles_at(time)
     # Near the robot, 32 bits tell positions to less than a millimetre, wherever the world begins.
     origin = np.array([*np.round(base.position[0, :2]), 0.0])
     points = [
-        _foot_points(stats, row, time, limbs, position, angles) for row in range(len(stats.feet))
+        _foot_points(walk, row, time, limbs, position, angles) for row in range(len(walk.feet))
     ]
     ground = _ground(points, position)
     height = float(np.nanmedian(position[:, 2])) - ground if np.isfinite(position).any() else 0.5
@@ -109,29 +109,29 @@ def replay(
     if is_schematic:
         points = [
             _in_world(_nominal(foot.leg_position, row, height), position, angles)
-            for row, foot in enumerate(stats.feet)
+            for row, foot in enumerate(walk.feet)
         ]
-    short = short_names([foot.name for foot in stats.feet])
+    short = short_names([foot.name for foot in walk.feet])
     return {
-        "time": packed(seconds(stats, time), FINE),
+        "time": packed(seconds(walk, time), FINE),
         "position": packed((position - origin).ravel(), FINE),
         "angles": packed(angles.ravel(), FINE),
-        "forward": FORWARD_ANGLES[stats.settings.forward_axis],
+        "forward": FORWARD_ANGLES[walk.settings.forward_axis],
         "ground": ground,
         "height": max(height, 0.05),
-        "newtons_per_metre": _newtons_per_metre(stats, height),
+        "newtons_per_metre": _newtons_per_metre(walk, height),
         "schematic": is_schematic,
         "feet": [
             {
                 "name": foot.name,
                 "short": short[row],
                 "colour": foot_colour(row),
-                "hind": is_hind(stats, row),
+                "hind": is_hind(walk, row),
                 "point": packed((points[row] - origin).ravel(), FINE),
                 "state": packed(_states(foot.record, time, is_dead=foot.is_dead)),
                 "load": packed(_loads(foot.record, time), np.inf),
             }
-            for row, foot in enumerate(stats.feet)
+            for row, foot in enumerate(walk.feet)
         ],
         "limbs": limbs
         and {"parents": list(limbs.parents), "point": packed(limbs.point.ravel(), FINE)},
@@ -147,14 +147,14 @@ def replay(
 
 
 def _foot_points(
-    stats: Stats, row: int, time: Ints, limbs: Limbs | None, position: Floats, angles: Floats
+    walk: Walk, row: int, time: Ints, limbs: Limbs | None, position: Floats, angles: Floats
 ) -> Floats:
     """(n, 3) m, in the world: the contact point in stance, the sole or a straight line in swing."""
-    record = stats.feet[row].record
+    record = walk.feet[row].record
     point = np.full((len(time), 3), np.nan)
     at, contact_point = record.track.contact_points
     # Contact points and base may be in different worlds, or on different clocks.
-    if len(at) and not stats.base_is_apart:
+    if len(at) and not walk.base_is_apart:
         for axis in range(3):
             point[:, axis] = np.interp(time - at[0], at - at[0], contact_point[:, axis])
         after = np.clip(np.searchsorted(at, time), 1, max(len(at) - 1, 1))
@@ -193,13 +193,13 @@ def _ground(points: Sequence[Floats], position: Floats) -> float:
     return 0.0 if middle > 0.1 else middle - 0.5
 
 
-def _newtons_per_metre(stats: Stats, height: float) -> float:
+def _newtons_per_metre(walk: Walk, height: float) -> float:
     """Return the N of an arrow of 1 m: a body weight is as long as the base is high."""
-    weight = stats.loads.weight_n
+    weight = walk.loads.weight_n
     if weight is None:
         peaks = [
             float(foot.record.track.force.max())
-            for foot in stats.feet
+            for foot in walk.feet
             if foot.record.has_force and len(foot.record.track.time)
         ]
         weight = max(peaks, default=100.0)

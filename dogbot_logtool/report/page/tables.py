@@ -19,7 +19,7 @@ from dogbot_logtool.core.metrics import (
     WalkMetrics,
 )
 from dogbot_logtool.core.quality.quality import LEAST_SHARE, MOST_DEVIATIONS, outliers
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
 from dogbot_logtool.report.table_file import stride_table
 
@@ -110,12 +110,12 @@ _SYMMETRY: Final[Sequence[Column[Symmetry]]] = (
     Column("peak force %", lambda pair: pair.peak_force_n, "+z.1f"),
 )
 INDEX: Final[Sequence[Column[WalkMetrics]]] = (
-    Column("duration s", lambda walk: walk.log.duration_s, ".2f"),
-    Column("duty", lambda walk: walk.gait.duty_factor, ".3f"),
-    Column("strides/s", lambda walk: walk.gait.stride_frequency_hz, ".3f"),
-    Column("distance m", lambda walk: walk.base.path_length_m, ".2f"),
-    Column("m/s forward", lambda walk: walk.base.forward_speed_mps, "z.3f"),
-    Column("impulse/weight", lambda walk: walk.forces.vertical_impulse_over_weight, "z.3f"),
+    Column("duration s", lambda metrics: metrics.log.duration_s, ".2f"),
+    Column("duty", lambda metrics: metrics.gait.duty_factor, ".3f"),
+    Column("strides/s", lambda metrics: metrics.gait.stride_frequency_hz, ".3f"),
+    Column("distance m", lambda metrics: metrics.base.path_length_m, ".2f"),
+    Column("m/s forward", lambda metrics: metrics.base.forward_speed_mps, "z.3f"),
+    Column("impulse/weight", lambda metrics: metrics.forces.vertical_impulse_over_weight, "z.3f"),
 )
 """Several logs on the page."""
 
@@ -170,31 +170,31 @@ def _table(
     return Table((of, *(column.header for column in columns)), rows, caption, coloured)
 
 
-def page_tables(walk: WalkMetrics, stats: Stats, void: Sequence[str]) -> dict[str, Table | None]:
+def page_tables(metrics: WalkMetrics, walk: Walk, void: Sequence[str]) -> dict[str, Table | None]:
     """Return the tables of a page by the names that its template knows them by.
 
     Args:
-        walk: the metrics of the log.
-        stats: what they are made of.
+        metrics: the metrics of the log.
+        walk: what they are made of.
         void: patterns of metrics that are void.
     """
-    shares, names = walk.forces.load_share.feet or {}, list(walk.feet)
+    shares, names = metrics.forces.load_share.feet or {}, list(metrics.feet)
     feet = {
-        name: FootRow(foot, walk.gait.phase[name], shares.get(name))
-        for name, foot in walk.feet.items()
+        name: FootRow(foot, metrics.gait.phase[name], shares.get(name))
+        for name, foot in metrics.feet.items()
     }
-    has_legs = stats.legs is not None and any(leg.frame for leg in stats.legs.feet)
-    symmetry = walk.forces.symmetry_index_percent
+    has_legs = walk.legs is not None and any(leg.frame for leg in walk.legs.feet)
+    symmetry = metrics.forces.symmetry_index_percent
     return {
         "steps": _table("foot", _STEPS, feet, _STEP_WORDS, names),
-        "loads": _table("foot", _LOADS, feet, _load_words(stats.loads), names),
-        "symmetry": _table("pair", _SYMMETRY, symmetry, _symmetry_words(walk.forces.load_share))
+        "loads": _table("foot", _LOADS, feet, _load_words(walk.loads), names),
+        "symmetry": _table("pair", _SYMMETRY, symmetry, _symmetry_words(metrics.forces.load_share))
         if symmetry
         else None,
         "legs": _table("foot", _LEGS, feet, _LEG_WORDS, names) if has_legs else None,
-        "joints": _joint_table(walk),
-        "strides": _stride_table(stats, void),
-        "topics": _table("topic", _TOPICS, walk.quality.topics, _topic_words(walk)),
+        "joints": _joint_table(metrics),
+        "strides": _stride_table(walk, void),
+        "topics": _table("topic", _TOPICS, metrics.quality.topics, _topic_words(metrics)),
     }
 
 
@@ -222,16 +222,18 @@ def _symmetry_words(share: LoadShare) -> str:
     return f"{words} Load: {', '.join(parts)}." if parts else words
 
 
-def _topic_words(walk: WalkMetrics) -> str:
-    return f"{walk.log.messages:,} messages. Gap: over 5 usual intervals and 50 ms."
+def _topic_words(metrics: WalkMetrics) -> str:
+    return f"{metrics.log.messages:,} messages. Gap: over 5 usual intervals and 50 ms."
 
 
-def _joint_table(walk: WalkMetrics) -> Table | None:
+def _joint_table(metrics: WalkMetrics) -> Table | None:
     """Return the joints; None where the log tells of none."""
-    joints, feet = walk.legs.joints, list(walk.feet)
+    joints, feet = metrics.legs.joints, list(metrics.feet)
     if not joints:
         return None
-    words = f"rad and N m (m and N of those that slide) in the whole log.{_work_words(walk.legs)}"
+    words = (
+        f"rad and N m (m and N of those that slide) in the whole log.{_work_words(metrics.legs)}"
+    )
     table = _table("joint", _JOINTS, joints, words)
     coloured = [feet.index(each.foot) if each.foot in feet else None for each in joints.values()]
     return table if None in coloured else Table(table.columns, table.rows, words, coloured)
@@ -261,15 +263,15 @@ _STRIDES: Final = (
 """Columns of the table of strides: heading, metric, decimals, factor."""
 
 
-def _stride_table(stats: Stats, void: Sequence[str]) -> Table:
+def _stride_table(walk: Walk, void: Sequence[str]) -> Table:
     """Return the strides in the order of time; outliers against the foot's own segment."""
-    strides, names = stride_table(stats, void), [foot.name for foot in stats.feet]
+    strides, names = stride_table(walk, void), [foot.name for foot in walk.feet]
     start = strides.columns["start_s"]
     feet = np.array([names.index(name) for name in strides.foot], np.int64)
     segment = np.full(len(start), -1)
     middle = start + (strides.columns["stance_s"] + strides.columns["swing_s"]) / 2.0
-    for number, each in enumerate(stats.segments):
-        first, last = (each.start - stats.origin) / 1e9, (each.end - stats.origin) / 1e9
+    for number, each in enumerate(walk.segments):
+        first, last = (each.start - walk.origin) / 1e9, (each.end - walk.origin) / 1e9
         segment[(middle >= first) & (middle < last)] = number
     groups = np.where(segment < 0, -1, feet + len(names) * segment)
     columns = [
