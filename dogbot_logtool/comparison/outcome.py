@@ -1,12 +1,11 @@
 """Results of a comparison, and the words that all reports share."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Final, Literal
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DAMAGED
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.reader.containers.loss import Damage
