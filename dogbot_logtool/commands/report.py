@@ -136,7 +136,7 @@ def replay_of(log: Log, found: MeasuredLog, urdf: Path | None = None) -> dict[st
         found: its figures and columns.
         urdf: the user's robot description.
     """
-    walk = found.measurement.stats
+    walk = found.measurement.walk
     if not len(walk.base_history.time):
         return None
     frames, time, settings = walk.frames, frame_times(walk), walk.settings

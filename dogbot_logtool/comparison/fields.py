@@ -8,7 +8,7 @@ numbers, true is none.
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.comparison.tolerances import FieldRules, Tolerance
 from dogbot_logtool.core.arrays import Flags
-from dogbot_logtool.dataclass import dataclass
 
 Tree = Any
 """A decoded value; see above."""

@@ -1,12 +1,11 @@
 """Results of a comparison, and the words that all reports share."""
 
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Final, Literal
 
 from dogbot_logtool.comparison.fields import FieldDifference, Findings
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DAMAGED
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import Location

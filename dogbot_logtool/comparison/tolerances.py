@@ -8,12 +8,11 @@ beside its messages is named like fields: ``profile``, ``metadata:NAME``, ``meta
 
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, Final
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.toml_table import parse_toml, read_toml, shortened
 

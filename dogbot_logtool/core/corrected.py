@@ -1,7 +1,7 @@
 """Correct the columns of a recording: one clock, sensors' offsets, silences, frames of forces."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,9 +43,8 @@ from dogbot_logtool.core.quality.quality import (
 )
 from dogbot_logtool.core.recording import Recording, VectorTopic
 from dogbot_logtool.core.sensors import with_sensors
-from dogbot_logtool.core.settings import FootSettings, StatsSettings
+from dogbot_logtool.core.settings import FootSettings, WalkSettings
 from dogbot_logtool.core.world_frames import PlacedCounts, WorldFrames
-from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.legs.joints import JointTable
@@ -58,7 +57,7 @@ class Corrected:
 
     recording: Recording
     """With the contact samples that are measured."""
-    settings: StatsSettings
+    settings: WalkSettings
     """With the clock that is used, how sensors read, and the frame of the forces."""
     frames: KnownFrames
     turned: tuple[WorldFrames, PlacedCounts] | None
@@ -81,7 +80,7 @@ class Corrected:
     inertial: "VectorHistory | None"
 
 
-def correct(recording: Recording, settings: StatsSettings) -> Corrected:
+def correct(recording: Recording, settings: WalkSettings) -> Corrected:
     """Choose the clock, leave out bad stamps, correct forces, and find the contacts of each foot.
 
     Args:
@@ -154,7 +153,7 @@ def clocks_of_joints(
     return clock_differences(every, [foot.topic for foot in settings.feet])
 
 
-def usable_samples(recording: Recording, settings: StatsSettings) -> tuple[Samples, ...]:
+def usable_samples(recording: Recording, settings: WalkSettings) -> tuple[Samples, ...]:
     """Return the contact samples of each foot whose times can be used."""
     if settings.clock is TimeSource.LOG:
         return recording.feet
@@ -174,7 +173,7 @@ def _check(topic: str, columns: Samples | Odometry, times: Mapping[str, TopicTim
 
 
 def _offset_tracks(
-    times: Mapping[str, TopicTimes], settings: StatsSettings
+    times: Mapping[str, TopicTimes], settings: WalkSettings
 ) -> dict[str, OffsetTrack]:
     """Return how far the stamps of the feet and of the base lie behind log time, by topic."""
     measured = {*(foot.topic for foot in settings.feet), settings.odometry_topic}
@@ -185,20 +184,20 @@ def _offset_tracks(
     }
 
 
-def _on_clock(settings: StatsSettings, clock: LogClock) -> StatsSettings:
+def _on_clock(settings: WalkSettings, clock: LogClock) -> WalkSettings:
     """Return settings that say which clock is used, where no option did."""
     if not clock.reason:
         return settings
     return replace(settings, time_source=clock.source, time_source_reason=clock.reason)
 
 
-def _learnt(recording: Recording, settings: StatsSettings) -> StatsSettings:
+def _learnt(recording: Recording, settings: WalkSettings) -> WalkSettings:
     """Return settings that know how the feet's sensors read, unless they did.
 
     Some physics engines tell contacts with wrenches that are all zero: these are no forces.
     """
     feet = tuple(
-        replace(foot, has_force=False)
+        replace(foot, has_force=False, forces_are_zero=foot.has_force)
         if samples.in_contact.any() and not samples.force[samples.in_contact].any()
         else foot
         for foot, samples in zip(settings.feet, recording.feet, strict=True)
@@ -209,7 +208,7 @@ def _learnt(recording: Recording, settings: StatsSettings) -> StatsSettings:
     return with_sensors(settings, recording.feet)
 
 
-def _in_frames(recording: Recording, settings: StatsSettings, frames: KnownFrames) -> StatsSettings:
+def _in_frames(recording: Recording, settings: WalkSettings, frames: KnownFrames) -> WalkSettings:
     """Return settings with the frame of the forces, and how the accelerometer is mounted."""
     seen = frames.wrench_frame
     if settings.wrench_frame is WrenchFrame.UNKNOWN:
@@ -221,7 +220,7 @@ def _in_frames(recording: Recording, settings: StatsSettings, frames: KnownFrame
     return replace(settings, imu_mounting=imu_mounting(recording, frames))
 
 
-def _without_offsets(feet: Sequence[Samples], settings: StatsSettings) -> tuple[Samples, ...]:
+def _without_offsets(feet: Sequence[Samples], settings: WalkSettings) -> tuple[Samples, ...]:
     """Take off what unloaded sensors read."""
     found = []
     for row, recorded in enumerate(feet):
@@ -237,7 +236,7 @@ def _without_offsets(feet: Sequence[Samples], settings: StatsSettings) -> tuple[
 
 
 def _places(
-    feet: Sequence[Samples], base: Odometry, settings: StatsSettings
+    feet: Sequence[Samples], base: Odometry, settings: WalkSettings
 ) -> tuple[FootPath | None, ...]:
     """Return the places of feet in the base's axes, where messages or joints tell those."""
     clock = settings.clock
@@ -252,7 +251,7 @@ def _places(
 
 
 def _without_unfilled_places(
-    feet: tuple[Samples, ...], settings: StatsSettings
+    feet: tuple[Samples, ...], settings: WalkSettings
 ) -> tuple[Samples, ...]:
     """Return samples without places in the base's axes that a driver leaves at the origin."""
     found = []
@@ -277,7 +276,7 @@ def _without_places(
     )
 
 
-def _with_swings(feet: tuple[Samples, ...], settings: StatsSettings) -> tuple[Samples, ...]:
+def _with_swings(feet: tuple[Samples, ...], settings: WalkSettings) -> tuple[Samples, ...]:
     """Insert samples without contact where silence is swing."""
     silent = [row for row, foot in enumerate(settings.feet) if foot.silent_in_swing]
     return with_swings(feet, silent, settings.silent_from, settings.silent_until)
@@ -287,7 +286,7 @@ def _histories(
     feet: Sequence[Samples],
     recorded: Sequence[Samples],
     checks: Sequence[StampCheck],
-    settings: StatsSettings,
+    settings: WalkSettings,
     clock: LogClock,
 ) -> tuple[FootHistory, ...]:
     """Find the contacts of each foot.
@@ -326,7 +325,7 @@ def _own_check(
 
 
 def _vectors(
-    settings: StatsSettings, topic: str, recorded: VectorTopic | None, behind: OffsetTrack | None
+    settings: WalkSettings, topic: str, recorded: VectorTopic | None, behind: OffsetTrack | None
 ) -> "VectorHistory | None":
     """Return the vectors of a topic; None without any. Loaded for logs that have them."""
     if recorded is None:
@@ -337,7 +336,7 @@ def _vectors(
 
 
 def _topic_qualities(
-    settings: StatsSettings, times: Mapping[str, TopicTimes], feet: Sequence[FootHistory]
+    settings: WalkSettings, times: Mapping[str, TopicTimes], feet: Sequence[FootHistory]
 ) -> tuple[TopicQuality, ...]:
     """Return the timing of all topics; a swing is no gap of a sensor that is silent in swing.
 

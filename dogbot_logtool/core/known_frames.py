@@ -1,7 +1,7 @@
 """What a recording tells of its frames, and of the frame of its wrenches."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -18,7 +18,7 @@ from dogbot_logtool.core.frames.wrench_frame import (
 )
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import normalised, roll_pitch_yaw
-from dogbot_logtool.core.settings import StatsSettings
+from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.soles import (
     STANCE_SPREAD_M,
     FramePose,
@@ -28,7 +28,6 @@ from dogbot_logtool.core.soles import (
     rounded,
 )
 from dogbot_logtool.core.world_frames import WorldFrames, follow_frames
-from dogbot_logtool.dataclass import dataclass
 
 DEFAULT_WORLD: Final = "world"
 DEFAULT_BASE: Final = "base_link"
@@ -68,7 +67,7 @@ class KnownFrames:
 
     def follow(
         self,
-        settings: StatsSettings,
+        settings: WalkSettings,
         links: Sequence[str | None],
         points: Sequence[FramePoint | None],
     ) -> WorldFrames | None:
@@ -81,7 +80,7 @@ class KnownFrames:
         return follow_frames(parents, self.statics, links, points, names, clock, has_base=has_base)
 
 
-def known_frames(recording: Recording, settings: StatsSettings) -> KnownFrames:
+def known_frames(recording: Recording, settings: WalkSettings) -> KnownFrames:
     """Return what a recording tells of its frames.
 
     Args:
@@ -121,7 +120,7 @@ def known_frames(recording: Recording, settings: StatsSettings) -> KnownFrames:
     )
 
 
-def world_frames(frames: KnownFrames, settings: StatsSettings) -> WorldFrames | None:
+def world_frames(frames: KnownFrames, settings: WalkSettings) -> WorldFrames | None:
     """Return the frames that turn feet's forces and positions into the world, where needed.
 
     Positions of sensors are left out: the origin of a foot's frame is no contact point, so neither
@@ -161,7 +160,7 @@ def _frame(recorded: tuple[str, ...], default: str) -> str:
 
 def _wrench_frame(
     recording: Recording,
-    settings: StatsSettings,
+    settings: WalkSettings,
     followed: WorldFrames | None,
     tracks: TransformBuffer | None,
 ) -> WrenchFrameEvidence:
@@ -189,7 +188,7 @@ def _thinned(samples: Samples) -> Samples:
     return samples.pick(np.arange(0, count, count // _ENOUGH_SAMPLES + 1))
 
 
-def _followed(settings: StatsSettings, frames: KnownFrames) -> WorldFrames | None:
+def _followed(settings: WalkSettings, frames: KnownFrames) -> WorldFrames | None:
     """Return how the links of feet hang in the world."""
     in_base = FramePoint(frames.base, recorded=True)
     points = [in_base if foot.in_base else None for foot in settings.feet]
@@ -206,7 +205,7 @@ def _turned_deg(recording: Recording) -> float:
 
 
 def _stances(
-    recording: Recording, settings: StatsSettings, frames: KnownFrames
+    recording: Recording, settings: WalkSettings, frames: KnownFrames
 ) -> Mapping[int, Point]:
     """Return where feet touch the ground in the frame of the base that odometry places."""
     if not settings.odometry_topic:

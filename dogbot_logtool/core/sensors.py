@@ -17,10 +17,10 @@ from dogbot_logtool.core.corrections.weighed_levels import (
     weighed_levels,
     weight_of_levels,
 )
-from dogbot_logtool.core.settings import FootSettings, StatsSettings
+from dogbot_logtool.core.settings import FootSettings, WalkSettings
 
 
-def with_sensors(settings: StatsSettings, feet: Sequence[Samples]) -> StatsSettings:
+def with_sensors(settings: WalkSettings, feet: Sequence[Samples]) -> WalkSettings:
     """Return settings with how each foot's sensor reads, and what counts as contact.
 
     Args:

@@ -1,6 +1,7 @@
 """Forces and positions of feet turned into the world by the log's own frames."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,7 +17,6 @@ from dogbot_logtool.core.frames.transforms import (
     moving_tracks,
 )
 from dogbot_logtool.core.frames.wrench_frame import FramePoint, place_points, turn_forces
-from dogbot_logtool.dataclass import dataclass
 
 Parents = Mapping[str, str]
 """Parent by frame, without leading slashes."""

@@ -1,8 +1,8 @@
 """What is read of a log, and as what."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.messages.bases import Base
 from dogbot_logtool.reader.messages.feet import FootChannels

@@ -1,6 +1,7 @@
 """Tables of metrics: which column shows what, and how."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
 
 from dogbot_logtool.core.arrays import Aggregate
@@ -14,12 +15,11 @@ from dogbot_logtool.core.metrics import (
     WalkMetrics,
 )
 from dogbot_logtool.core.records import Number
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.legs.legs import LegFoot
-    from dogbot_logtool.core.statistics import Stats
+    from dogbot_logtool.core.walk import Walk
 
 S = TypeVar("S")
 
@@ -56,7 +56,7 @@ class FootRow:
     """What else is known of its leg."""
 
 
-def foot_rows(walk: WalkMetrics, stats: "Stats") -> dict[str, FootRow]:
+def foot_rows(walk: WalkMetrics, stats: "Walk") -> dict[str, FootRow]:
     """Return the source of each foot's row, by its name."""
     shares = walk.forces.load_share.feet or {}
     legs = {} if stats.legs is None else {leg.name: leg for leg in stats.legs.feet}

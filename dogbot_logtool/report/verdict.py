@@ -6,12 +6,11 @@ The same words stand on the terminal and on the page.
 import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import PurePath
 from typing import Final
 
 from dogbot_logtool.core.metrics import Gait, Segment, WalkMetrics
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, Severity, counted
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.numbers import NOTHING, decimal

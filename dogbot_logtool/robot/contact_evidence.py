@@ -6,7 +6,7 @@ says what a count is in newtons.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -15,7 +15,6 @@ from dogbot_logtool.core.arrays import Floats, Ints, distinct, norms, percentile
 from dogbot_logtool.core.contact.contact_rule import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.sensor import SensorLevel, estimate_level
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.reader.containers.log import Channel, Log

@@ -5,6 +5,7 @@ the same log time, when they have the same index among those in the order of the
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -15,7 +16,6 @@ from dogbot_logtool.comparison.logs.topics import Topic, kind_of
 from dogbot_logtool.comparison.logs.windows import Block
 from dogbot_logtool.comparison.outcome import Difference, Differences, Kind
 from dogbot_logtool.core.arrays import Flags, Ints
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Channel
 from dogbot_logtool.reader.decode.columns import gather
 

@@ -1,6 +1,7 @@
 """The topics of two logs, and how they are described: type, encoding, definition."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool.comparison.fields import FieldDifference, Findings, Tree, compare_fields
@@ -13,7 +14,6 @@ from dogbot_logtool.comparison.logs.decoders import (
 )
 from dogbot_logtool.comparison.outcome import Difference, Differences, Kind, Tally, field_difference
 from dogbot_logtool.comparison.tolerances import FieldRules, Rules
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Channel, Log, Schema
 
 if TYPE_CHECKING:

@@ -8,13 +8,12 @@ whatever the order of the chunks; only messages of one and the same log time can
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Floats, Ints
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import (
     Batch,
     Chunk,

@@ -1,6 +1,6 @@
 """The rule of contact: thresholds relative to the robot's weight and to the sensor's noise."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -9,7 +9,6 @@ from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.modes import ALTERNATE, NOISY, WIDE
 from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
-from dogbot_logtool.dataclass import dataclass
 
 ZERO_ON: Final = 0.05
 """Share of the weight from which a foot is in contact whose sensor reads zero in swing."""

@@ -4,7 +4,7 @@ One clock serves all feet and the base, since phases and support compare feet wi
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Final, Protocol, TypeVar
 
@@ -12,7 +12,6 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, Record, distinct, median_of
-from dogbot_logtool.dataclass import dataclass
 
 SILENCE_NS: Final = 50_000_000
 """ns: a shorter interval between messages is never a gap."""

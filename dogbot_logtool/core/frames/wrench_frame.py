@@ -1,7 +1,7 @@
 """Contact samples in the world: the frame of their forces, and turning and placing them."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Final
 
@@ -20,7 +20,6 @@ from dogbot_logtool.core.arrays import (
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.transforms import Poses
 from dogbot_logtool.core.rotations import rotate
-from dogbot_logtool.dataclass import dataclass
 
 PosesOf = Callable[[str, Samples], Poses]
 """Returns where a frame is in the world when samples were taken."""

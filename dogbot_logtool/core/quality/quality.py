@@ -1,6 +1,6 @@
 """What the times of each topic's messages say, and which values are unlike the others."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -18,7 +18,6 @@ from dogbot_logtool.core.corrections.clock import (
     first_at_each_tick,
     offset_track,
 )
-from dogbot_logtool.dataclass import dataclass
 
 _FAR_QUARTILES: Final = 10.0
 """Intervals whose quartiles are further apart are of two kinds: within bursts and between them."""

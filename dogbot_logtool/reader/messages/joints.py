@@ -1,13 +1,13 @@
 """Joint states of ROS, Foxglove and Unitree's motors: positions, velocities and efforts by name."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel

@@ -1,7 +1,7 @@
 """Rows of the table, fitted to the definitions of a log: how a channel's messages are read."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Final
 
@@ -9,7 +9,6 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.decode.definition import Struct

@@ -1,13 +1,13 @@
 """Velocity commands and inertial units: vectors that single messages hold."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import concatenated, picked, stable_order
 from dogbot_logtool.core.vectors import VectorSamples
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.messages.message_type import VECTOR, MessageType

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from statistics import median
 from typing import Any, Final
 
@@ -9,7 +10,6 @@ from markupsafe import Markup
 
 from dogbot_logtool import __version__
 from dogbot_logtool.comparison.walks.two_runs import CONFIDENCE, FigureDifference, GaitComparison
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.numbers import NOTHING
 from dogbot_logtool.report.page.assets import own, rendered
 from dogbot_logtool.report.page.charts.comparison_figures import (

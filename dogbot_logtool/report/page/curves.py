@@ -5,14 +5,14 @@ from typing import Final
 
 from dogbot_logtool.core.contact.curves import Curve, CurveDetail, LoadCurves
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.text.gait_diagram import default_window
 
 DETAIL: Final = CurveDetail(most_bins=1536)
 """As many bins as the page has columns of pixels."""
 
 
-def with_curves(stats: Stats, detail: CurveDetail = DETAIL) -> Stats:
+def with_curves(stats: Walk, detail: CurveDetail = DETAIL) -> Walk:
     """Return figures with the load curves that a page draws.
 
     Args:

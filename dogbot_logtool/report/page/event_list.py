@@ -1,12 +1,12 @@
 """Events on the page: a list whose rows lead to the figures over time, and marks in these."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 from dogbot_logtool.core.events.event import STEPS, Event, EventType
 from dogbot_logtool.core.events.events import find_events
-from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.page.charts.drawing import BAD, NEUTRAL, Drawing, translucent
 
 MOST_SHOWN: Final = 200
@@ -45,14 +45,14 @@ class EventList:
     """How many more there are."""
 
 
-def event_list(stats: Stats) -> EventList:
+def event_list(stats: Walk) -> EventList:
     """Return the events but for touchdowns and lift-offs, in the order of time."""
     found = [each for each in find_events(stats) if each.type not in STEPS]
     rows = [_row(stats, each) for each in found[:MOST_SHOWN]]
     return EventList(rows, len(found[MOST_SHOWN:]))
 
 
-def _row(stats: Stats, event: Event) -> EventRow:
+def _row(stats: Walk, event: Event) -> EventRow:
     start = (event.onset - stats.origin) / 1e9
     size = "" if event.value is None else f"{event.value:.3g} {event.unit}"
     return EventRow(

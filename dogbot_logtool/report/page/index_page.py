@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 from urllib.parse import quote
@@ -11,8 +12,7 @@ from markupsafe import Markup
 
 from dogbot_logtool import __version__
 from dogbot_logtool.core.scene.foot_style import foot_colour
-from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.numbers import NOTHING
 from dogbot_logtool.report.page.assets import own, policy_of, rendered
 from dogbot_logtool.report.page.summary import recorded_at
@@ -67,13 +67,13 @@ class IndexRow:
 
 def index_row(measured: Measurement, page_name: str) -> IndexRow:
     """Return a log's row in the index."""
-    stats, log = measured.stats, measured.facts
+    stats, log = measured.walk, measured.metrics.log
     kinds = [event.type for event in measured.metrics.events]
     falls = kinds.count("fall") + kinds.count("tipping")
     cells = (
         str(falls) if measured.metrics.base.duration_s is not None else NOTHING,
         str(kinds.count("slip")),
-        log.robot or NOTHING,
+        measured.metrics.settings.robot or NOTHING,
         recorded_at(log.start_s),
         *cells_of(INDEX, measured.metrics),
     )
@@ -85,7 +85,7 @@ def index_row(measured: Measurement, page_name: str) -> IndexRow:
     )
 
 
-def _bars(stats: Stats) -> tuple[Bar, ...]:
+def _bars(stats: Walk) -> tuple[Bar, ...]:
     """Return the stances of the typical strides."""
     start, end = (stats.origin + each * 1e9 for each in default_window(stats))
     found = []

@@ -1,6 +1,7 @@
 """The page itself: figures and tables set in a template, with all that it needs."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -8,9 +9,9 @@ from markupsafe import Markup
 
 from dogbot_logtool import __version__
 from dogbot_logtool.core.checks.voids import void_patterns
+from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
-from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.report.numbers import NOTHING, span_of
 from dogbot_logtool.report.page.assets import json_in_html, own, page_script, policy_of, rendered
@@ -33,9 +34,9 @@ from dogbot_logtool.report.page.tables import (
 )
 from dogbot_logtool.report.tables import foot_rows
 from dogbot_logtool.report.text.gait_diagram import default_window
-from dogbot_logtool.results import LogFacts, Measurement
+from dogbot_logtool.results import Measurement
 
-FIGURES: Final[Mapping[str, Callable[[Stats], Drawing | None]]] = {
+FIGURES: Final[Mapping[str, Callable[[Walk], Drawing | None]]] = {
     "gait": gait_diagram,
     "loads": load_curves,
     "motion": motion,
@@ -75,7 +76,7 @@ def page(
         replay: the walk in 3D; None: without it.
         beside: files beside the page.
     """
-    stats, log, walk = with_curves(measured.stats), measured.facts, measured.metrics
+    stats, log, walk = with_curves(measured.walk), measured.metrics.log, measured.metrics
     feet = foot_rows(walk, stats)
     events = event_list(stats)
     drawn = {name: draw(stats) for name, draw in FIGURES.items()}
@@ -90,7 +91,7 @@ def page(
         "page.html.j2",
         version=__version__,
         name=Path(log.path).name,
-        about=_about(log),
+        about=_about(walk),
         beside=beside,
         css=Markup(own("page.css")),  # noqa: S704 - our own file
         script=Markup(script),  # noqa: S704 - Plotly's and ours
@@ -104,9 +105,9 @@ def page(
         summary=summary(measured),
         findings=grouped([each for each in measured.findings if each.code != "LOST"]),
         events=events,
-        damage=log.damage.text,
-        losses=[loss.what for loss in log.damage.losses],
-        file_marks=_file_marks(log.damage.losses, file_size),
+        damage=measured.damage.text,
+        losses=[loss.what for loss in measured.damage.losses],
+        file_marks=_file_marks(measured.damage.losses, file_size),
         tables={
             "steps": step_table(feet),
             "loads": load_table(feet, stats.loads),
@@ -124,7 +125,7 @@ def _plain(drawing: Drawing) -> dict[str, Any]:
     return {"name": drawing.name, "over_time": drawing.over_time, **drawing.figure.plain()}
 
 
-def _times(stats: Stats) -> dict[str, Any]:
+def _times(stats: Walk) -> dict[str, Any]:
     """Return the log's end, its typical strides, and every stride of each foot."""
     return {
         "typical": default_window(stats),
@@ -134,7 +135,7 @@ def _times(stats: Stats) -> dict[str, Any]:
     }
 
 
-def _feet(stats: Stats) -> list[dict[str, str]]:
+def _feet(stats: Walk) -> list[dict[str, str]]:
     """Return how each foot is shown in text."""
     names = [foot.name for foot in stats.feet]
     return [
@@ -148,12 +149,13 @@ def _feet(stats: Stats) -> list[dict[str, str]]:
     ]
 
 
-def _about(log: LogFacts) -> list[tuple[str, str]]:
+def _about(walk: WalkMetrics) -> list[tuple[str, str]]:
     """Return what the log is, by name."""
+    log = walk.log
     duration = NOTHING if log.duration_s is None else f"{log.duration_s:.2f} s"
     container = f"{log.container} ({log.profile})" if log.profile else log.container
     return [
-        ("robot", log.robot or "not known"),
+        ("robot", walk.settings.robot or "not known"),
         ("recorded", recorded_at(log.start_s)),
         ("log", f"{container}, {duration}, {log.messages:,} messages"),
         ("measured by", f"dogbot-logtool {__version__}"),
@@ -172,7 +174,7 @@ def _file_marks(losses: Sequence[Loss], file_size: int) -> list[dict[str, Any]]:
     return marks
 
 
-def _settings(stats: Stats) -> str:
+def _settings(stats: Walk) -> str:
     settings = stats.settings
     rules = [settings.sensor(row).rule for row in range(len(settings.feet))]
     on_n = span_of([rule.on_n for rule in rules])

@@ -12,7 +12,7 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.page.charts.drawing import (
     LARGEST_STEP,
     drawn_seconds,
@@ -42,7 +42,7 @@ _ALONG: Final = {"front": 1.0, "back": -1.0}
 _ASIDE: Final = {"left": 1.0, "right": -1.0}
 
 
-def frame_times(stats: Stats) -> Ints:
+def frame_times(stats: Walk) -> Ints:
     """Return the times of the frames, (n,) ns, increasing, at most `MOST_FRAMES`.
 
     Silences are left out. All that is made here is bounded: a log may last for decades, when a
@@ -67,7 +67,7 @@ def frame_times(stats: Stats) -> Ints:
     return distinct(np.concatenate(shown))
 
 
-def _recorded(stats: Stats) -> Ints:
+def _recorded(stats: Walk) -> Ints:
     """(k, 2) ns, the log without silences of base and feet; its start is always in it."""
     whole = np.array([[stats.origin, stats.end + 1]], np.int64)
     start = np.array([[stats.origin, stats.origin + 1]], np.int64)
@@ -94,7 +94,7 @@ def _frames(spans: Ints, origin: int, most: int) -> Ints:
     return times
 
 
-def replay(stats: Stats, time: Ints, limbs: Limbs | None) -> dict[str, Any] | None:
+def replay(stats: Walk, time: Ints, limbs: Limbs | None) -> dict[str, Any] | None:
     """Return what the replay draws, as JSON; None without poses of the base.
 
     Args:
@@ -156,7 +156,7 @@ def replay(stats: Stats, time: Ints, limbs: Limbs | None) -> dict[str, Any] | No
 
 
 def _foot_points(
-    stats: Stats, row: int, time: Ints, limbs: Limbs | None, position: Floats, angles: Floats
+    stats: Walk, row: int, time: Ints, limbs: Limbs | None, position: Floats, angles: Floats
 ) -> Floats:
     """(n, 3) m, in the world: the contact point in stance, the sole or a straight line in swing."""
     record = stats.feet[row].record
@@ -177,7 +177,7 @@ def _foot_points(
     return point
 
 
-def _in_one_world(stats: Stats) -> bool:
+def _in_one_world(stats: Walk) -> bool:
     """Tell whether contact points and base are in one world, on one clock."""
     return not (stats.worlds_differ or stats.base_clock_is_apart)
 
@@ -208,7 +208,7 @@ def _ground(points: Sequence[Floats], position: Floats) -> float:
     return 0.0 if middle > 0.1 else middle - 0.5
 
 
-def _newtons_per_metre(stats: Stats, height: float) -> float:
+def _newtons_per_metre(stats: Walk, height: float) -> float:
     """Return the N of an arrow of 1 m: a body weight is as long as the base is high."""
     weight = stats.loads.weight_n
     if weight is None:
@@ -238,7 +238,7 @@ def _loads(record: FootHistory, time: Ints) -> Any:  # noqa: ANN401 - float32
     return force.astype(np.float32)
 
 
-def _footfalls(stats: Stats, record: FootHistory, origin: Floats) -> dict[str, Any]:
+def _footfalls(stats: Walk, record: FootHistory, origin: Floats) -> dict[str, Any]:
     """Return where and when a foot came down, as far as it is known where that is to the base."""
     time, point = record.track.contact_points
     first = np.searchsorted(time, record.stances.touchdown)

@@ -1,9 +1,9 @@
 """The summary, to be read in ten seconds: the gait, a few numbers, and whether to trust them."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from dogbot_logtool.core.metrics import WalkMetrics
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.report.numbers import date_of, decimal
 from dogbot_logtool.report.verdict import (

@@ -1,6 +1,7 @@
 """The tables of the page, in text; numbers of the same kind stand under one heading."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final, TypeVar
 
 import numpy as np
@@ -10,8 +11,7 @@ from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.loads import WalkLoads
 from dogbot_logtool.core.metrics import Forces, Legs, WalkMetrics
 from dogbot_logtool.core.quality.quality import LEAST_SHARE, MOST_DEVIATIONS, Outliers, outliers
-from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.numbers import decimal, percent
 from dogbot_logtool.report.table_file import foot_strides
 from dogbot_logtool.report.tables import (
@@ -87,7 +87,7 @@ def _cells(*texts: str) -> tuple[Cell, ...]:
     return tuple(Cell(text) for text in texts)
 
 
-def stride_table(stats: Stats, void: Sequence[str]) -> Table:
+def stride_table(stats: Walk, void: Sequence[str]) -> Table:
     """Return the strides in the order of time; outliers against the foot's own segment.
 
     Args:
@@ -123,7 +123,7 @@ def _stride_caption(every: int, marked: int, shown: int) -> str:
 
 
 def _stride_rows(
-    stats: Stats, foot: int, figures: FootSteps, void: Sequence[str]
+    stats: Walk, foot: int, figures: FootSteps, void: Sequence[str]
 ) -> list[tuple[float, int, tuple[Cell, ...]]]:
     strides = figures.strides
     columns = foot_strides(stats, foot, void)
@@ -139,7 +139,7 @@ def _stride_rows(
     ]
 
 
-def _segment_of(stats: Stats, time: Ints) -> Ints:
+def _segment_of(stats: Walk, time: Ints) -> Ints:
     """(n,) number of the segment that each time lies in; -1 for none."""
     number = np.full(len(time), -1)
     for each, segment in enumerate(stats.segments):

@@ -4,6 +4,7 @@ Drawn in text, two steps of time a character, so that it can stand in a terminal
 """
 
 import math
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -12,8 +13,7 @@ from rich.text import Text
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.scene.foot_style import foot_colour
-from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.io.printable import printable
 
 STRIDES_SHOWN: Final = 4
@@ -39,7 +39,7 @@ UNICODE: Final = Glyphs("█", "▌", "▐", "·", "?", "─", "┬")
 ASCII: Final = Glyphs("#", "#", "#", ".", "?", "-", "+")
 
 
-def default_window(stats: Stats) -> tuple[float, float]:
+def default_window(stats: Walk) -> tuple[float, float]:
     """Return a window, s since the log's start, of a few strides from the main segment's middle."""
     main = stats.main
     if main is None:
@@ -59,7 +59,7 @@ def default_window(stats: Stats) -> tuple[float, float]:
 
 
 def gait_diagram(
-    stats: Stats,
+    stats: Walk,
     width: int,
     *,
     window: tuple[float, float] | None = None,

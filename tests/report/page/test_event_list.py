@@ -13,7 +13,7 @@ from tests.report.page.page_data import drawings
 def test_events_are_listed_and_marked_in_every_figure_over_time() -> None:
     options = MeasureOptions()
     troubled = measured(SAMPLE_LOGS / "dogbot_troubled.bag", options)
-    found = event_list(troubled.stats)
+    found = event_list(troubled.walk)
     assert [row.what for row in found.rows] == ["sensor fault", "gap"]
     html = page(troubled, 0)
     for row in found.rows:

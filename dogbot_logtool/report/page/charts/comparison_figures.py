@@ -5,12 +5,12 @@ Coordinates are those of the drawing: pixels from its upper left corner.
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, median_of
-from dogbot_logtool.dataclass import dataclass
 
 WIDTH, HEIGHT = 300.0, 170.0
 """Size of a panel."""

@@ -1,6 +1,7 @@
 """Curves over the gait cycle, each with a band around it: forces, heights of the feet, joints."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -9,8 +10,7 @@ from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.legs.legs import LegFigures
 from dogbot_logtool.core.records import Curve, Shape
 from dogbot_logtool.core.scene.foot_style import foot_colour
-from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.page.charts.drawing import (
     MARGIN,
@@ -63,7 +63,7 @@ class PanelRow:
         return low - pad, high + pad
 
 
-def over_cycle(stats: Stats, rows: Sequence[PanelRow], row_pixels: int) -> Chart:
+def over_cycle(stats: Walk, rows: Sequence[PanelRow], row_pixels: int) -> Chart:
     """Draw rows of panels, one above the other."""
     columns = leg_columns(stats)
     margin = {**MARGIN, "l": 60, "r": 20, "t": 24}
@@ -82,7 +82,7 @@ def over_cycle(stats: Stats, rows: Sequence[PanelRow], row_pixels: int) -> Chart
     return figure
 
 
-def _traces(stats: Stats, foot: int, row: PanelRow, panel: int) -> Sequence[Trace]:
+def _traces(stats: Walk, foot: int, row: PanelRow, panel: int) -> Sequence[Trace]:
     """Return the band and the line of a foot, dashed on the right."""
     end = "" if panel == 1 else str(panel)
     axes = {"xaxis": f"x{end}", "yaxis": f"y{end}"}
@@ -122,7 +122,7 @@ def _traces(stats: Stats, foot: int, row: PanelRow, panel: int) -> Sequence[Trac
     )
 
 
-def leg_columns(stats: Stats) -> list[tuple[str, list[int]]]:
+def leg_columns(stats: Walk) -> list[tuple[str, list[int]]]:
     """Return the panels: the feet of each pair of legs, or all of them."""
     leg_positions = [foot.leg_position for foot in stats.feet]
     if None in leg_positions:
@@ -208,7 +208,7 @@ _FORCES: Final = (
 )
 
 
-def force_over_cycle(stats: Stats) -> Drawing | None:
+def force_over_cycle(stats: Walk) -> Drawing | None:
     """Draw a panel a pair of legs; None where no force over a stride is known."""
     vertical = [foot.vertical_over_stride for foot in stats.feet]
     forward = [foot.forward_over_stride for foot in stats.feet]
@@ -233,7 +233,7 @@ def _bands(curves: Sequence[Shape], scale: float = 1.0) -> dict[int, Band]:
     return {foot: _band(curve, scale) for foot, curve in enumerate(curves) if curve}
 
 
-def _highest(stats: Stats, curves: Sequence[Shape]) -> str:
+def _highest(stats: Walk, curves: Sequence[Shape]) -> str:
     highest = ", ".join(
         f"{foot.name} {max(curve.median):.0f} N"
         for foot, curve in zip(stats.feet, curves, strict=True)
@@ -253,7 +253,7 @@ _LEGS: Final = (
 )
 
 
-def legs_over_cycle(stats: Stats) -> Drawing | None:
+def legs_over_cycle(stats: Walk) -> Drawing | None:
     """Draw a panel a pair of legs and kind of joint; None where no legs are known."""
     legs = stats.legs
     rows = [] if legs is None else [*_heights(legs), *_joints(legs)][:_MOST_ROWS]
@@ -294,7 +294,7 @@ def _kinds(legs: LegFigures) -> dict[str, str]:
     return kinds
 
 
-def _clearances(stats: Stats, legs: LegFigures | None) -> str:
+def _clearances(stats: Walk, legs: LegFigures | None) -> str:
     known = [] if legs is None else [leg for leg in legs.feet if leg.height is not None]
     medians = (1e3 * float(np.nanmedian(leg.strides["clearance_m"])) for leg in known)
     clear = ", ".join(

@@ -3,7 +3,7 @@
 import base64
 import html
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, distinct
 from dogbot_logtool.core.scene.foot_style import foot_colour
-from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.io.printable import printable
 
 Trace = dict[str, Any]
@@ -141,13 +140,13 @@ class Drawing:
     """Lower and upper edge of each foot's row, as shares of the height; empty: no such rows."""
 
 
-def is_hind(stats: Stats, row: int) -> bool:
+def is_hind(stats: Walk, row: int) -> bool:
     """Tell whether a foot is a hind foot."""
     leg_position = stats.feet[row].leg_position
     return leg_position is not None and leg_position[0] == "back"
 
 
-def foot_marker(stats: Stats, row: int) -> dict[str, Any]:
+def foot_marker(stats: Walk, row: int) -> dict[str, Any]:
     """Return the marker of a foot by its index: its colour and shape, hollow for a hind foot."""
     hollow = is_hind(stats, row)
     symbol = SYMBOLS[row % len(SYMBOLS)] + ("-open" if hollow else "")
@@ -155,7 +154,7 @@ def foot_marker(stats: Stats, row: int) -> dict[str, Any]:
     return {"color": foot_colour(row), "symbol": symbol, "size": 9, "line": line}
 
 
-def foot_glyph(stats: Stats, row: int) -> str:
+def foot_glyph(stats: Walk, row: int) -> str:
     """Return the marker of a foot as a character."""
     return GLYPHS[row % len(GLYPHS)][is_hind(stats, row)]
 
@@ -174,13 +173,13 @@ def translucent(colour: str, alpha: float) -> str:
     return f"rgba({red},{green},{blue},{alpha})"
 
 
-def seconds(stats: Stats, time: Ints) -> Floats:
+def seconds(stats: Walk, time: Ints) -> Floats:
     """Return times as s since the log's start."""
     since: Floats = (time - stats.origin) / 1e9
     return since
 
 
-def drawn_seconds(stats: Stats, time: Ints) -> Floats | Float32s:
+def drawn_seconds(stats: Walk, time: Ints) -> Floats | Float32s:
     """Return times as s since the log's start, to half a millisecond: half as many bytes."""
     exact = seconds(stats, time)
     fits = (stats.end - stats.origin) / 1e9 < LONGEST_FLOAT32_S
@@ -201,7 +200,7 @@ def thinned(count: int, most: int) -> Ints:
     return distinct(np.linspace(0, count - 1, most).astype(np.int64))
 
 
-def time_axis(stats: Stats) -> dict[str, Any]:
+def time_axis(stats: Walk) -> dict[str, Any]:
     """Return the x axis of a figure over time."""
     end = (stats.end - stats.origin) / 1e9
     pad = 0.005 * end

@@ -7,7 +7,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats, Ints, distinct
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.stability import GroundPoints, footprints, pressure_path
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.page.charts.drawing import (
     MARGIN,
     NEUTRAL,
@@ -32,7 +32,7 @@ HEADINGS: Final = 12
 _AT: Final = "x %{x:.3f} m, y %{y:.3f} m<br>at %{customdata:.3f} s"
 
 
-def walk_from_above(stats: Stats) -> Drawing | None:
+def walk_from_above(stats: Walk) -> Drawing | None:
     """Draw the ground; None without odometry and contact points."""
     prints = [footprints(foot.record) for foot in stats.feet]
     base = stats.base_history
@@ -78,7 +78,7 @@ def _broken(time: Ints, gaps: Ints) -> Ints:
     return distinct(np.searchsorted(time, gaps[:, 1]))
 
 
-def _path(stats: Stats, rows: Ints) -> Trace:
+def _path(stats: Walk, rows: Ints) -> Trace:
     base = stats.base_history
     time, position = base.time[rows], drawn_metres(base.position[rows, :2])
     at = _broken(time, base.gaps)
@@ -94,7 +94,7 @@ def _path(stats: Stats, rows: Ints) -> Trace:
     )
 
 
-def _centre_of_pressure(stats: Stats) -> Trace | None:
+def _centre_of_pressure(stats: Walk) -> Trace | None:
     if stats.stability is None or stats.stability.centre_of_pressure_forward_m is None:
         return None
     centre = pressure_path([foot.record for foot in stats.feet])
@@ -110,7 +110,7 @@ def _centre_of_pressure(stats: Stats) -> Trace | None:
     )
 
 
-def _footprints(stats: Stats, name: str, points: GroundPoints, row: int) -> Trace:
+def _footprints(stats: Walk, name: str, points: GroundPoints, row: int) -> Trace:
     rows = thinned(len(points.time), MOST_FOOTPRINTS)
     return scatter(
         x=points.point[rows, 0],
@@ -123,7 +123,7 @@ def _footprints(stats: Stats, name: str, points: GroundPoints, row: int) -> Trac
     )
 
 
-def _headings(stats: Stats) -> Trace:
+def _headings(stats: Walk) -> Trace:
     base = stats.base_history
     rows = thinned(len(base.time), HEADINGS)
     heading: Floats = base.angles[rows, 2] + FORWARD_ANGLES[stats.settings.forward_axis]
@@ -145,7 +145,7 @@ def _headings(stats: Stats) -> Trace:
     )
 
 
-def _ends(stats: Stats) -> Trace:
+def _ends(stats: Walk) -> Trace:
     base = stats.base_history
     return scatter(
         x=base.position[[0, -1], 0],
@@ -159,7 +159,7 @@ def _ends(stats: Stats) -> Trace:
     )
 
 
-def _words(stats: Stats) -> str:
+def _words(stats: Walk) -> str:
     base = stats.base
     if base is None or base.path_length_m is None:
         return "The footfalls seen from above; the base's path is not known."

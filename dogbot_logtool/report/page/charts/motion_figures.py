@@ -1,6 +1,7 @@
 """Motion of the base and its commands over time, in rows one above the other."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -13,8 +14,7 @@ from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.curves import CurveDetail, curve_of
 from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.core.stability import margins
-from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.page.charts.drawing import (
     LINE,
     MARGIN,
@@ -56,7 +56,7 @@ class Row:
     lines: tuple[Line, ...]
 
 
-def stacked(stats: Stats, rows: Sequence[Row], breaks: Ints) -> Chart:
+def stacked(stats: Walk, rows: Sequence[Row], breaks: Ints) -> Chart:
     """Draw rows one above the other.
 
     Args:
@@ -97,7 +97,7 @@ def _extent(row: Row) -> list[float]:
     return [low - beside, high + beside]
 
 
-def _trace(stats: Stats, row: Row, line: Line, breaks: Ints, end: str) -> Trace:
+def _trace(stats: Walk, row: Row, line: Line, breaks: Ints, end: str) -> Trace:
     curve = curve_of(line.time, line.value, DETAIL)
     time, value = np.empty(0, np.int64), np.empty(0)
     if curve is not None:
@@ -123,7 +123,7 @@ _VELOCITIES: Final = (
 """Title of each column of the velocities, unit, and the span that fills the row at least."""
 
 
-def tracked_commands(stats: Stats) -> Drawing | None:
+def tracked_commands(stats: Walk) -> Drawing | None:
     """Draw commanded and measured velocity, an axis a row; None without commands."""
     track = stats.command_track
     if track is None or len(track.time) == 0:
@@ -153,7 +153,7 @@ BESIDE_S: Final = 0.1
 """s before and after a time between which its speed is measured."""
 
 
-def motion(stats: Stats) -> Drawing | None:
+def motion(stats: Walk) -> Drawing | None:
     """Draw what is known of margin, speed, height and attitude, one above the other.
 
     None without poses.
@@ -172,7 +172,7 @@ def motion(stats: Stats) -> Drawing | None:
     )
 
 
-def _rows(stats: Stats) -> Iterator[Row]:
+def _rows(stats: Walk) -> Iterator[Row]:
     base = stats.base_history
     if len(base.time) < 2:
         return
@@ -192,7 +192,7 @@ def _rows(stats: Stats) -> Iterator[Row]:
     yield Row("attitude", "deg", 1, 2.0, lines)
 
 
-def _speed(stats: Stats) -> Floats:
+def _speed(stats: Walk) -> Floats:
     """(n,) m/s along the forward axis at each pose, over `BESIDE_S` before and after it."""
     base, beside = stats.base_history, round(BESIDE_S * 1e9)
     first = np.maximum(base.time - beside, base.time[0])
@@ -211,7 +211,7 @@ def _across(base: BaseHistory, jumps: Ints, first: Ints, last: Ints) -> Flags:
     return timespans.touches(breaks, first, last)
 
 
-def _words(stats: Stats) -> str:
+def _words(stats: Walk) -> str:
     base = stats.base
     if base is None or base.roll_rad is None or base.pitch_rad is None:
         return "The motion of the base over time."

@@ -9,7 +9,7 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.contact.curves import Curve
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
 from dogbot_logtool.report.page.charts.drawing import (
     MARGIN,
@@ -35,7 +35,7 @@ _BAR: Final = 0.7
 """Height of a bar, of the distance between two feet."""
 
 
-def gait_diagram(stats: Stats) -> Drawing | None:
+def gait_diagram(stats: Walk) -> Drawing | None:
     """Draw a bar a foot, filled where the foot is down (Hildebrand's); None without feet."""
     if not stats.feet:
         return None
@@ -85,7 +85,7 @@ def _rows(feet: int, height: float) -> list[tuple[float, float]]:
     return [(1.0 - (row + height) / feet, 1.0 - row / feet) for row in range(feet)]
 
 
-def _partly(stats: Stats, parts: list[Ints]) -> str:
+def _partly(stats: Walk, parts: list[Ints]) -> str:
     """Say which stances are not drawn one by one."""
     shown = sum(map(len, parts))
     every = sum(len(foot.record.in_contact) for foot in stats.feet)
@@ -97,7 +97,7 @@ def _partly(stats: Stats, parts: list[Ints]) -> str:
     )
 
 
-def _stances_drawn(stats: Stats, foot: FootSteps) -> Ints:
+def _stances_drawn(stats: Walk, foot: FootSteps) -> Ints:
     """(s, 2) ns, the contacts around the typical strides, as many as can be drawn."""
     spans = timespans.no_spans() if foot.is_dead else foot.record.in_contact
     middle = stats.origin + round(sum(default_window(stats)) / 2.0 * 1e9)
@@ -106,13 +106,13 @@ def _stances_drawn(stats: Stats, foot: FootSteps) -> Ints:
     return spans[first : first + MOST_STANCES]
 
 
-def _caption(stats: Stats) -> str:
+def _caption(stats: Walk) -> str:
     if stats.settings.contact_from:
         return "Hatched: the foot is down, as estimated from the joints; grey: nothing is known."
     return "Filled: the foot is down. Hatched: nothing is known of it."
 
 
-def _bars(stats: Stats, foot: FootSteps, spans: Ints, row: int) -> Trace:
+def _bars(stats: Walk, foot: FootSteps, spans: Ints, row: int) -> Trace:
     start, end = seconds(stats, spans[:, 0]), seconds(stats, spans[:, 1])
     marker: dict[str, object] = {"color": foot_colour(row), "line": {"width": 0}}
     if stats.settings.contact_from:
@@ -132,7 +132,7 @@ def _bars(stats: Stats, foot: FootSteps, spans: Ints, row: int) -> Trace:
     )
 
 
-def _unknown_bars(stats: Stats, foot: FootSteps, row: int) -> Trace:
+def _unknown_bars(stats: Walk, foot: FootSteps, row: int) -> Trace:
     known = timespans.no_spans() if foot.is_dead else foot.record.known
     everything = np.array([[stats.origin, stats.end]], np.int64)
     spans = timespans.subtract(everything, known)
@@ -155,7 +155,7 @@ def _unknown_bars(stats: Stats, foot: FootSteps, row: int) -> Trace:
     )
 
 
-def _contact_share(stats: Stats, foot: FootSteps, drawn: Ints, row: int) -> Trace:
+def _contact_share(stats: Walk, foot: FootSteps, drawn: Ints, row: int) -> Trace:
     edges = np.linspace(stats.origin, stats.end, SHARE_BINS + 1).astype(np.int64)
     known = timespans.covered(foot.record.known, edges)
     share = np.full(SHARE_BINS, np.nan)
@@ -177,7 +177,7 @@ def _contact_share(stats: Stats, foot: FootSteps, drawn: Ints, row: int) -> Trac
     )
 
 
-def load_curves(stats: Stats) -> Drawing | None:
+def load_curves(stats: Walk) -> Drawing | None:
     """Draw the load of each foot, one above the other on one scale; None without feet."""
     if not stats.feet:
         return None
@@ -214,7 +214,7 @@ def load_curves(stats: Stats) -> Drawing | None:
     return Drawing("loads", "Loads", *words, figure, over_time=True, feet=edges)
 
 
-def _extent(stats: Stats) -> tuple[float, float]:
+def _extent(stats: Walk) -> tuple[float, float]:
     """Range of all feet's forces, N."""
     drawn = [curve for foot in stats.feet for curve in _curves(foot)]
     low = min((float(curve.value.min()) for curve in drawn), default=0.0)
@@ -228,7 +228,7 @@ def _curves(foot: FootSteps) -> list[Curve]:
 
 
 def _load_traces(
-    stats: Stats, foot: FootSteps, row: int, extent: tuple[float, float]
+    stats: Walk, foot: FootSteps, row: int, extent: tuple[float, float]
 ) -> list[Trace]:
     curves, colour = foot.record.curves, foot_colour(row)
     traces = [_shading(stats, _stances_drawn(stats, foot), colour, extent)]
@@ -245,7 +245,7 @@ def _load_traces(
     return traces
 
 
-def _line(stats: Stats, curve: Curve, breaks: Ints, name: str, line: dict[str, Any]) -> Trace:
+def _line(stats: Walk, curve: Curve, breaks: Ints, name: str, line: dict[str, Any]) -> Trace:
     time, force = curve.line(breaks)
     weight = stats.loads.weight_n
     return scatter(
@@ -262,7 +262,7 @@ def _line(stats: Stats, curve: Curve, breaks: Ints, name: str, line: dict[str, A
     )
 
 
-def _shading(stats: Stats, spans: Ints, colour: str, extent: tuple[float, float]) -> Trace:
+def _shading(stats: Walk, spans: Ints, colour: str, extent: tuple[float, float]) -> Trace:
     start, end = (drawn_seconds(stats, each) for each in spans.T)
     nothing = np.full(len(spans), np.nan, np.float32)
     low, high = (np.full(len(spans), each) for each in extent)
@@ -277,7 +277,7 @@ def _shading(stats: Stats, spans: Ints, colour: str, extent: tuple[float, float]
     )
 
 
-def _peaks(stats: Stats) -> str:
+def _peaks(stats: Walk) -> str:
     peaks = [
         f"{foot.name} {decimal(float(curves.force.value.max()), 1)} N"
         for foot in stats.feet
@@ -286,7 +286,7 @@ def _peaks(stats: Stats) -> str:
     return f"The force of each foot over time. Highest: {', '.join(peaks) or NOTHING}."
 
 
-def _what_is_drawn(stats: Stats) -> str:
+def _what_is_drawn(stats: Walk) -> str:
     words = "Line: |F|; dotted: its vertical part, where known; shaded: stance."
     bins = [curves.bin_ns for foot in stats.feet if (curves := foot.record.curves)]
     if not bins:
