@@ -155,26 +155,6 @@ def _check(topic: str, columns: Samples | Odometry) -> StampCheck:
     return check_stamps(topic, columns.stamp, columns.log_time)
 
 
-<<<<<<< HEAD
-def _offset_tracks(
-    times: Mapping[str, TopicTimes], settings: WalkSettings
-) -> dict[str, OffsetTrack]:
-    """Return how far the stamps of the feet and of the base lie behind log time, by topic."""
-    measured = {*(foot.topic for foot in settings.feet), settings.odometry_topic}
-    return {
-        topic: times[topic].offset_track()
-        for topic in sorted(measured & times.keys())
-        if times[topic].has_stamps
-    }
-
-
-def _on_clock(settings: WalkSettings, clock: LogClock) -> WalkSettings:
-    """Return settings that say which clock is used, where no option did."""
-    if not clock.reason:
-        return settings
-    return replace(settings, time_source=clock.source, time_source_reason=clock.reason)
-
-
 def _without_filters(
     recording: Recording, settings: WalkSettings
 ) -> tuple[Recording, WalkSettings]:
@@ -195,22 +175,6 @@ def _without_filters(
     return replace(recording, feet=tuple(samples)), replace(settings, feet=tuple(feet))
 
 
-def _learnt(recording: Recording, settings: WalkSettings) -> WalkSettings:
-    """Return settings that know how the feet's sensors read, unless they did.
-
-    Some physics engines tell contacts with wrenches that are all zero: these are no forces.
-    """
-    feet = tuple(
-        replace(foot, has_force=False, forces_are_zero=foot.has_force)
-        if samples.in_contact.any() and not samples.force[samples.in_contact].any()
-        else foot
-        for foot, samples in zip(settings.feet, recording.feet, strict=True)
-    )
-    settings = replace(settings, feet=feet)
-    if all(foot.sensor is not None for foot in feet):
-        return settings
-    return with_sensors(settings, recording.feet)
-=======
 def _joint_clocks(
     joints: "Sequence[JointTable]", offsets: Mapping[str, OffsetTrack], feet: Sequence[str]
 ) -> tuple[ClockDifference, ...]:
@@ -222,7 +186,6 @@ def _joint_clocks(
         stamped = own.stamp != own.log_time
         tracks[table.topic] = offset_track(own.log_time[stamped], own.stamp[stamped])
     return clock_differences({**tracks, **offsets}, feet) if tracks else ()
->>>>>>> int
 
 
 def _in_frames(recording: Recording, settings: WalkSettings, frames: KnownFrames) -> WalkSettings:
