@@ -1,18 +1,17 @@
 """The records that commands return and reports print."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import field
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.loss import SOUND, Damage
 
 # A command needs not load what only other commands' records are made of.
 if TYPE_CHECKING:
     from dogbot_logtool.core.arrays import Floats
     from dogbot_logtool.core.metrics import WalkMetrics
-    from dogbot_logtool.core.statistics import Stats
+    from dogbot_logtool.core.walk import Walk
     from dogbot_logtool.finding import Finding
     from dogbot_logtool.io.storage import Location
     from dogbot_logtool.robot.frames.frames import Frames
@@ -94,42 +93,22 @@ class Conversion:
 
 
 @dataclass(frozen=True, slots=True)
-class LogFacts:
-    """Facts about a log, from its reader."""
-
-    path: str
-    container: str
-    profile: str
-    start_s: float | None
-    """s since the epoch, log time of the first message."""
-    duration_s: float | None
-    messages: int
-    damage: Damage = SOUND
-    findings: "Sequence[Finding]" = field(default=())
-    """Found while topics and frames were chosen."""
-    robot: str = ""
-    """Name of the robot."""
-    robot_is_guessed: bool = False
-    """Whether it was guessed from the topics."""
-    contact_is_planned: bool = False
-    """Whether contacts are what was planned, not what was measured."""
-
-
-@dataclass(frozen=True, slots=True)
 class Measurement:
-    """All metrics of a log, and what is known of the log itself."""
+    """The walk of a log, and what was lost of the log."""
 
-    stats: "Stats"
-    """What the metrics are made of."""
-    facts: LogFacts
-    findings: "tuple[Finding, ...]"
-    """On the log and its metrics, the worst first."""
-    metrics: "WalkMetrics"
+    walk: "Walk"
+    damage: Damage = SOUND
+    """What could not be read of the log."""
 
     @property
-    def damage(self) -> Damage:
-        """What could not be read of the log."""
-        return self.facts.damage
+    def findings(self) -> "tuple[Finding, ...]":
+        """On the log and its metrics, the worst first."""
+        return self.walk.findings
+
+    @property
+    def metrics(self) -> "WalkMetrics":
+        """Those of the walk; what findings void is null."""
+        return self.walk.metrics
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+from dogbot_logtool.core.analysis import analyse
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contact_rule import FootSensor, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
@@ -10,12 +11,11 @@ from dogbot_logtool.core.corrections.sensor import estimate_level
 from dogbot_logtool.core.gait.feet import foot_metrics
 from dogbot_logtool.core.metrics import Foot
 from dogbot_logtool.core.recording import Recording, Times, VectorTopic
-from dogbot_logtool.core.settings import StatsSettings
-from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.core.walk import analyse
+from dogbot_logtool.core.settings import WalkSettings
+from dogbot_logtool.core.walk import Walk
 
 
-def with_learnt_sensors(settings: StatsSettings, samples: Sequence[Samples]) -> StatsSettings:
+def with_learnt_sensors(settings: WalkSettings, samples: Sequence[Samples]) -> WalkSettings:
     """Return settings that know what each foot's own samples show of its sensor."""
     feet = []
     for foot, own in zip(settings.feet, samples, strict=True):
@@ -26,11 +26,11 @@ def with_learnt_sensors(settings: StatsSettings, samples: Sequence[Samples]) -> 
 
 
 def analysed(
-    settings: StatsSettings,
+    settings: WalkSettings,
     samples: Sequence[Samples] = (),
     odometry: Odometry | None = None,
     accelerations: VectorTopic | None = None,
-) -> Stats:
+) -> Walk:
     """Analyse the samples of some feet, each with its own topic, and the poses of a base."""
     poses = odometry or no_odometry()
     topics = {
@@ -45,6 +45,6 @@ def analysed(
     return analyse(recording, settings)
 
 
-def feet_of(stats: Stats) -> list[Foot]:
+def feet_of(stats: Walk) -> list[Foot]:
     """Return the metrics of each foot over the whole log, before any is void."""
     return [foot_metrics(foot, stats.loads.weight_n, stats.origin) for foot in stats.feet]

@@ -1,6 +1,7 @@
 """Sample logs as they are measured: once for all tests that only look at what comes out."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -8,9 +9,14 @@ import numpy as np
 
 import dogbot_logtool as dl
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.core.analysis import judge
 from dogbot_logtool.core.arrays import Flags, Ints
 from dogbot_logtool.core.contact.stances import Cut, Stances
+from dogbot_logtool.core.metrics import Log
+from dogbot_logtool.core.walk import Walk
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.reader.containers.loss import SOUND, Damage
 from dogbot_logtool.results import Measurement
 
 
@@ -18,6 +24,38 @@ from dogbot_logtool.results import Measurement
 def measured(log: Path, options: MeasureOptions = MeasureOptions()) -> Measurement:  # noqa: B008 - frozen
     """Measure a log, as the commands do."""
     return measure(log, options)
+
+
+@dataclass(frozen=True)
+class LogFacts:
+    """A log that a test makes up."""
+
+    path: str = "walk.bag"
+    container: str = "ROS 1 bag"
+    profile: str = "ros1"
+    start_s: float | None = 0.0
+    duration_s: float | None = 10.0
+    messages: int = 100
+    damage: Damage = SOUND
+    findings: Sequence[Finding] = ()
+
+
+def measurement_of(walk: Walk, facts: LogFacts = LogFacts()) -> Measurement:
+    """Judge a walk, which a test may have changed, as that of some log."""
+    damage, known = facts.damage, list(facts.findings)
+    if damage.losses:
+        known.insert(0, Finding("LOST", damage.text))
+    log = Log(
+        facts.path,
+        facts.container,
+        facts.profile,
+        facts.start_s,
+        facts.duration_s,
+        facts.messages,
+        damage.messages,
+        damage.bytes,
+    )
+    return Measurement(judge(walk, log, known), damage)
 
 
 @cache
@@ -42,7 +80,7 @@ def measured_contact(
     options: MeasureOptions = MeasureOptions(),  # noqa: B008 - frozen
 ) -> Mapping[int, bool] | None:
     """Whether a foot is in contact by log time of its samples, ns; None: that is not known."""
-    found = next(each for each in measured(log, options).stats.feet if each.name == foot)
+    found = next(each for each in measured(log, options).walk.feet if each.name == foot)
     if not found.contact_known:
         return None
     record = found.record

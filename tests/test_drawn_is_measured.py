@@ -26,7 +26,7 @@ def test_every_sample_is_drawn_in_the_contact_state_that_is_measured(
 ) -> None:
     log, written, counts = drawn
     missing = 0
-    for foot in measured(log).stats.feet:
+    for foot in measured(log).walk.feet:
         contact = measured_contact(log, foot.name)
         loads = {load.log_time: load for load in written_loads(written, foot.name, "foxglove")}
         arrows = {
@@ -52,7 +52,7 @@ def test_load_states_and_contact_say_the_same(
 ) -> None:
     """Stances have the state `stance`, and silences, or a dead sensor, `unknown`."""
     log, written, _ = drawn
-    for foot in measured(log).stats.feet:
+    for foot in measured(log).walk.feet:
         states = written.of(f"/load/{foot.name}", "protobuf")
         assert len(states) >= len(foot.record.track.log_time)
         told = {b"stance": 0, b"swing": 0, b"unknown": 0}

@@ -32,10 +32,9 @@ FLOORS: Final = (
     ("option",),
     ("errors", "finding", "gone", "provenance", "signals"),
     ("extras",),
-    ("dataclass",),
 )
 """Rooms, the highest first. A room imports only rooms on floors below its own."""
-ALONE: Final = {"core": {"finding", "dataclass"}}
+ALONE: Final = {"core": {"finding"}}
 """What else rooms may import that are to stand on their own."""
 SIDEWAYS: Final = {("writer", "io")}
 """Rooms of one floor of which the first may import the second."""

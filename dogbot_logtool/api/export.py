@@ -1,11 +1,11 @@
 """`export` of a log: one of a walk's tables, behind the log's name."""
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dogbot_logtool.api.table import Table, texts
 from dogbot_logtool.api.walk import Walk
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.storage import Location, shown
 
 if TYPE_CHECKING:

@@ -33,8 +33,8 @@ from dogbot_logtool.core.metrics import (
     WalkMetrics,
 )
 from dogbot_logtool.core.records import fields_of
-from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.core.timespans import covers
+from dogbot_logtool.core.walk import Walk as MeasuredWalk
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import Location, location
@@ -57,7 +57,7 @@ class Walk:
 
     def __repr__(self) -> str:
         gait = self.gait.name or "gait not known"
-        return f"<Walk {self._measured.facts.path}: {gait}, {len(self.strides)} strides>"
+        return f"<Walk {self.metrics.log.path}: {gait}, {len(self.strides)} strides>"
 
     @property
     def start_ns(self) -> int:
@@ -257,7 +257,7 @@ class Walk:
             CallError: the page may not be written.
             LogtoolError: it cannot be written, or the extra `report` is not installed.
         """
-        from dogbot_logtool.report.page.libraries import require_libraries  # noqa: PLC0415
+        from dogbot_logtool.report.page import require_libraries  # noqa: PLC0415
 
         require_libraries()
         from dogbot_logtool.commands.report import Reports  # noqa: PLC0415
@@ -286,7 +286,7 @@ class Walk:
         """Read the contact samples of each foot, as they were measured."""
         log = open_recorded(self.path, self._options.joined)
         try:
-            walk = measure_log(log, self._options).measurement.stats
+            walk = measure_log(log, self._options).measurement.walk
         finally:
             log.close()
         return usable_samples(walk.recording, walk.settings)
@@ -307,8 +307,8 @@ class Walk:
         }
 
     @property
-    def _stats(self) -> Stats:
-        return self._measured.stats
+    def _stats(self) -> MeasuredWalk:
+        return self._measured.walk
 
     def _seconds(self, time: Ints) -> Floats:
         """Return times as seconds since the start, (n,)."""

@@ -8,6 +8,7 @@ from dogbot_logtool.conversion.findings import bad_poses, drawing_findings
 from dogbot_logtool.conversion.plan import make_plan, refuse_unknown_names
 from dogbot_logtool.conversion.provenance import provenance_record
 from dogbot_logtool.conversion.writing import annotations_of
+from dogbot_logtool.core.checks.frames import columns_corrected, frames_known
 from dogbot_logtool.finding import by_severity
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
@@ -75,10 +76,12 @@ def convert(
         log.close()
     topics = annotations.added.topics()
     ours = {topic: output.messages.get(channel, 0) for channel, topic in topics.items()}
-    stats = measured.measurement.stats
+    walk = measured.measurement.walk
     findings = [
-        *measured.measurement.facts.findings,
-        *drawing_findings(scene, stats.recording, moved, counts),
+        *measured.known,
+        *frames_known(walk),
+        *columns_corrected(walk),
+        *drawing_findings(scene, walk.recording, moved, counts),
     ]
     plan = scene.plan
     return Conversion(
@@ -95,7 +98,7 @@ def convert(
         copied=sum(n for channel, n in output.messages.items() if channel not in topics),
         annotations=ours,
         counts=counts,
-        bad_poses=bad_poses(stats.recording),
+        bad_poses=bad_poses(walk.recording),
         findings=tuple(sorted(dict.fromkeys(findings), key=by_severity)),
         damage=damage_of(log, losses),
     )
@@ -110,14 +113,13 @@ def _half(progress: OnProgress | None, half: int) -> OnProgress | None:
 
 def _scene(log: Log, output: AnnotatedLog, measured: MeasuredLog, options: ConvertOptions) -> Scene:
     """Decide what is drawn of the walk."""
-    walk = measured.measurement.stats
+    walk = measured.measurement.walk
     plan = make_plan(log, measured.selection, walk, options)
     _, end = time_limits(log, options.start, options.end)
     last = log.end_time or 0
     return draw(
         plan,
         walk,
-        measured.measurement.metrics,
         last if end is None else min(end, last),
         output.recorded_arrows(),
     )
@@ -130,6 +132,6 @@ def _finish(log: Log, output: AnnotatedLog, measured: MeasuredLog, scene: Scene)
     if options.start is None and options.end is None:
         losses += wrong_statistics(log, read.counts, losses)
     losses += malformed_messages(log.channels, read.malformed, ": copied, but not annotated")
-    in_world = measured.measurement.stats.settings.force_in_world
+    in_world = measured.measurement.walk.settings.force_in_world
     output.finish(provenance_record(log, scene.plan, losses, force_in_world=in_world))
     return losses

@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.commands.stats import measure_log
 from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.checks.frames import zero_stamps
 from dogbot_logtool.core.contact.contacts import Samples
@@ -14,12 +15,10 @@ from dogbot_logtool.core.known_frames import DEFAULT_BASE, DEFAULT_WORLD
 from dogbot_logtool.core.plausible import STRONGEST_N
 from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.options import MeasureOptions, RobotOptions
-from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.report.layouts import View, upper_bound
 from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.feet import assign_feet
-from dogbot_logtool.robot.measuring.plan import make_plan, measure_recording
 from dogbot_logtool.robot.robot import Robot, load_robot
 from dogbot_logtool.robot.robot_model.description import robot_shape
 from dogbot_logtool.robot.robot_model.primitives import body_size_m
@@ -47,11 +46,9 @@ def view_of(log: Path | None, options: RobotOptions) -> View:
     opened = open_recorded(log)
     try:
         given = {each.name: getattr(options, each.name) for each in fields(RobotOptions)}
-        measuring = MeasureOptions(**given)
-        plan = make_plan(opened, measuring)
-        read = read_recording(opened, plan.wanted, 1)
-        stats, selection = measure_recording(opened, read.recording, plan, measuring)
-        recording, settings, frames = stats.recording, stats.settings, stats.frames
+        measured = measure_log(opened, MeasureOptions(**given))
+        walk, selection = measured.measurement.walk, measured.selection
+        recording, settings, frames = walk.recording, walk.settings, walk.frames
         view = _view(selection.robot, frames.world, frames.base)
         shape = robot_shape(selection, frames)
         return replace(

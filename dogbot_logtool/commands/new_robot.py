@@ -1,9 +1,8 @@
 """`dogbot-logtool robots new`: a robot's file from a log, with the evidence for each line."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from dogbot_logtool.commands.stats import measure_log
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.options import MeasureOptions
@@ -57,7 +56,7 @@ def new_robot(
     finally:
         log.close()
     selection, measured = found.selection, found.measurement
-    walk = measured.stats
+    walk = measured.walk
     evidence = RobotEvidence(
         log=file_name(path),
         world_frame=walk.frames.world,

@@ -42,7 +42,7 @@ def draw_figure(measured: Measurement, target: Path, *, overwrite: bool) -> tupl
     Raises:
         LogtoolError: there are no feet, or the file cannot be written.
     """
-    stats = measured.stats
+    stats = measured.walk
     window = default_window(stats)
     first, last = (stats.origin + round(each * 1e9) for each in window)
     detail = CurveDetail(window=(first, last))

@@ -1,10 +1,10 @@
 """The story of `report --against`: a page that shows two runs, or groups of runs, side by side."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from dogbot_logtool.commands.compare_gait import compare_gait
 from dogbot_logtool.comparison.walks.two_runs import GaitComparison
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, file_stem
 from dogbot_logtool.io.targets import Output

@@ -1,17 +1,11 @@
 """`dogbot-logtool stats`: which gait, how loaded, and can the recording be trusted."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from operator import attrgetter
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 from dogbot_logtool.core import metrics
-from dogbot_logtool.core.checks.engine import findings_of
-from dogbot_logtool.core.checks.frames import columns_corrected, frames_known
+from dogbot_logtool.core.analysis import analyse
 from dogbot_logtool.core.recording import Recording
-from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.core.walk_metrics.rest import Chosen
-from dogbot_logtool.core.walk_metrics.walk import metrics_of
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.options import MeasureOptions
@@ -23,18 +17,16 @@ from dogbot_logtool.reader.salvage.losses import (
     wrong_statistics,
 )
 from dogbot_logtool.reader.workers import Start
-from dogbot_logtool.results import LogFacts, Measurement
+from dogbot_logtool.results import Measurement
 from dogbot_logtool.robot.annotated import open_recorded
-from dogbot_logtool.robot.measuring.plan import MeasuringPlan, make_plan, measure_recording
+from dogbot_logtool.robot.measuring.plan import MeasuringPlan, make_plan, prepare
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.time_span import TimeLimits, refuse_empty_span
 from dogbot_logtool.run.runner import OnProgress
 
 
 def measure(
-    path: Location,
-    options: MeasureOptions,
-    progress: OnProgress | None = None,
+    path: Location, options: MeasureOptions, progress: OnProgress | None = None
 ) -> Measurement:
     """Work out all metrics of a log.
 
@@ -51,18 +43,20 @@ def measure(
     try:
         found = measure_log(log, options, progress).measurement
         # Of the samples, only what figures draw is kept.
-        return replace(found, stats=replace(found.stats, recording=Recording()))
+        return replace(found, walk=replace(found.walk, recording=Recording()))
     finally:
         log.close()
 
 
 @dataclass(frozen=True, slots=True)
 class MeasuredLog:
-    """All metrics of a log, and what they were read from."""
+    """A measured log, and what it was measured by."""
 
     measurement: Measurement
     selection: Selection
     read: ReadLog
+    known: tuple[Finding, ...]
+    """Found before the walk was measured."""
 
 
 def measure_log(
@@ -85,42 +79,19 @@ def measure_planned(
     read = read_recording(
         log, plan.wanted, options.jobs, progress, start=start, alongside=alongside
     )
-    losses = _losses(log, read, plan.wanted.limits)
-    walk, selection = measure_recording(log, read.recording, plan, options)
-    found = [
-        *selection.findings,
-        *frames_known(walk),
-        *plan.side.findings,
-        *columns_corrected(walk),
-        *_order_findings(log, read.recording.out_of_order),
-    ]
-    facts = _facts(log, read, selection, found, losses)
-    return MeasuredLog(measurement_of(walk, facts), selection, read)
-
-
-def measurement_of(stats: Stats, facts: LogFacts) -> Measurement:
-    """Return the metrics and findings of a log.
-
-    Args:
-        stats: what was worked out of it.
-        facts: what is known of the log itself.
-    """
-    damage = facts.damage
+    damage = damage_of(log, _losses(log, read, plan.wanted.limits))
+    told = prepare(log, read.recording, plan, options)
+    known = (*told.findings, *_order_findings(log, read.recording.out_of_order))
     lost = [Finding("LOST", damage.text)] if damage.losses else []
-    findings = sorted([*lost, *findings_of(stats), *facts.findings], key=attrgetter("severity"))
-    log = metrics.Log(
-        path=facts.path,
-        container=facts.container,
-        profile=facts.profile,
-        start_s=facts.start_s,
-        duration_s=facts.duration_s,
-        messages=facts.messages,
-        lost_messages=damage.messages,
-        lost_bytes=damage.bytes,
+    walk = analyse(
+        told.recording,
+        told.settings,
+        told.find_legs,
+        told.planned,
+        log=_what_was_read(log, read, damage.messages, damage.bytes),
+        known=(*lost, *known),
     )
-    chosen = Chosen(facts.robot, facts.robot_is_guessed, facts.contact_is_planned)
-    found = metrics_of(stats, log, chosen, findings)
-    return Measurement(stats, facts, tuple(findings), found)
+    return MeasuredLog(Measurement(walk, damage), told.selection, read, known)
 
 
 def _losses(log: Log, read: ReadLog, limits: TimeLimits) -> list[Loss]:
@@ -137,28 +108,19 @@ def _losses(log: Log, read: ReadLog, limits: TimeLimits) -> list[Loss]:
     return losses
 
 
-def _facts(
-    log: Log,
-    read: ReadLog,
-    selection: Selection,
-    findings: Sequence[Finding],
-    losses: Sequence[Loss],
-) -> LogFacts:
-    duration = None
-    if log.start_time is not None and log.end_time is not None:
-        duration = (log.end_time - log.start_time) / 1e9
-    return LogFacts(
+def _what_was_read(
+    log: Log, read: ReadLog, lost_messages: int | None, lost_bytes: int | None
+) -> metrics.Log:
+    start, end = log.start_time, log.end_time
+    return metrics.Log(
         path=shown(log.source.path),
         container=log.container,
         profile=log.profile,
-        start_s=None if log.start_time is None else log.start_time / 1e9,
-        duration_s=duration,
+        start_s=None if start is None else start / 1e9,
+        duration_s=None if start is None or end is None else (end - start) / 1e9,
         messages=sum(read.counts.values()),
-        damage=damage_of(log, losses),
-        findings=findings,
-        robot=selection.robot.name,
-        robot_is_guessed=selection.robot_is_guessed,
-        contact_is_planned=any(f.code == "PLANNED" and not f.cases for f in findings),
+        lost_messages=lost_messages,
+        lost_bytes=lost_bytes,
     )
 
 

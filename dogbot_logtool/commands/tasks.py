@@ -5,11 +5,10 @@ Each imports its command when it is called, so that a command need not load the 
 
 import os
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.results import Figures
@@ -58,13 +57,13 @@ def figures_of(
     from dogbot_logtool.report.table_file import stride_table  # noqa: PLC0415
     from dogbot_logtool.report.verdict import summary_row  # noqa: PLC0415
 
-    intervals = [foot.record.median_interval_s for foot in measured.stats.feet]
+    intervals = [foot.record.median_interval_s for foot in measured.walk.feet]
     return Figures(
         summary_row(measured),
         stats_json(measured, detail=detail) if as_json else {},
-        stride_table(measured.stats, void_patterns(measured.findings)),
+        stride_table(measured.walk, void_patterns(measured.findings)),
         max((each for each in intervals if each is not None), default=0.0),
-        measured.facts.robot,
+        measured.metrics.settings.robot,
         measured.damage,
         measured if whole else None,
     )
@@ -135,5 +134,5 @@ def measure_entry(
     from dogbot_logtool.report.table_file import stride_table  # noqa: PLC0415
 
     measured = measure(entry.location, options, progress)
-    tables = log_tables(measured.metrics, stride_table(measured.stats))
+    tables = log_tables(measured.metrics, stride_table(measured.walk))
     return MeasuredEntry(tables, measured.damage)

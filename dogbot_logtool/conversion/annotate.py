@@ -21,7 +21,6 @@ from dogbot_logtool.core.events.event import EventMessage, GaitState
 from dogbot_logtool.core.events.log_messages import event_messages, gait_states, to_log_time
 from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.hulls import NEAR_NS
-from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.scene.arrows import Arrows, force_arrows, pressure_arrows, removals
 from dogbot_logtool.core.scene.feet import DrawnFoot, drawn_foot, from_opening
@@ -29,7 +28,7 @@ from dogbot_logtool.core.scene.labels import foot_labels
 from dogbot_logtool.core.scene.legs import leg_lines
 from dogbot_logtool.core.scene.loads import Loads, foot_loads, silences
 from dogbot_logtool.core.scene.support_scene import SupportScene, support_scene
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.recording import in_time_order
 from dogbot_logtool.writer.annotations import AnnotationColumns
@@ -62,28 +61,25 @@ class Scene:
     """Found while sensors without contact points were placed."""
 
 
-def draw(
-    plan: ConversionPlan, stats: Stats, metrics: WalkMetrics, end: int, recorded: Arrows
-) -> Scene:
+def draw(plan: ConversionPlan, walk: Walk, end: int, recorded: Arrows) -> Scene:
     """Prepare what is drawn of a walk.
 
     Args:
         plan: what is drawn.
-        stats: what was measured.
-        metrics: made of that; contact that findings void is not known.
+        walk: that is drawn; contact that findings void is not known.
         end: ns, log time of the log's last message.
         recorded: arrows of contact states, for a style that draws these.
     """
-    recording, opening = stats.recording, 0 if plan.opening is None else plan.opening
-    samples, findings = _placed(plan, recording, stats)
-    feet = _feet(plan, samples, stats, metrics)
+    recording, opening = walk.recording, 0 if plan.opening is None else plan.opening
+    samples, findings = _placed(plan, walk)
+    feet = _feet(samples, walk)
     poses = recording.base.pick(usable_poses(recording.base))
     at_ticks = first_at_each_tick(poses.time, plan.options.tf_rate)
     first = [int(foot.samples.log_time[0]) for foot in feet if len(foot.samples.log_time)]
     known_from = max([opening, *first])
-    events, gaits = event_messages(stats), gait_states(stats)
+    events, gaits = event_messages(walk), gait_states(walk)
     times = (np.array([one.time for one in each], np.int64) for each in (events, gaits))
-    event_log_time, gait_log_time = (to_log_time(stats, time, opening, end) for time in times)
+    event_log_time, gait_log_time = (to_log_time(walk, time, opening, end) for time in times)
     return Scene(
         plan=plan,
         feet=feet,
@@ -101,38 +97,35 @@ def draw(
     )
 
 
-def _placed(
-    plan: ConversionPlan, recording: Recording, stats: Stats
-) -> tuple[tuple[Samples, ...], tuple[Finding, ...]]:
+def _placed(plan: ConversionPlan, walk: Walk) -> tuple[tuple[Samples, ...], tuple[Finding, ...]]:
     """Return the samples of all feet; those without contact points are where their frames are."""
+    recording = walk.recording
     if plan.frames is None:
         return recording.feet, ()
     points = tuple(None if p and p.recorded else p for p in plan.frames.points)
     if not any(points):
         return recording.feet, ()
     # Forces are in the world already, as far as they can be turned.
-    links, clock = (None,) * len(points), stats.settings.clock
+    links, clock = (None,) * len(points), walk.settings.clock
     frames = replace(plan.frames, points=points, links=links, clock=clock)
     tracks = frames.tracks(recording.transforms, recording.base)
     samples, counts = frames.place(recording.feet, tracks)
     return samples, tuple(transform_findings(frames, counts))
 
 
-def _feet(
-    plan: ConversionPlan, samples: Sequence[Samples], stats: Stats, metrics: WalkMetrics
-) -> tuple[DrawnFoot, ...]:
+def _feet(samples: Sequence[Samples], walk: Walk) -> tuple[DrawnFoot, ...]:
     """Put what was measured of all feet beside their samples."""
-    settings = stats.settings
+    settings = walk.settings
     return tuple(
         drawn_foot(
             number,
             each,
             foot.record,
-            contact_known=metrics.feet[foot.name].contact_fraction is not None,
-            has_force=plan.selection.knows_force(number),
+            contact_known=walk.metrics.feet[foot.name].contact_fraction is not None,
+            has_force=settings.feet[number].has_force,
             force_in_world=settings.force_in_world,
         )
-        for number, (each, foot) in enumerate(zip(samples, stats.feet, strict=True))
+        for number, (each, foot) in enumerate(zip(samples, walk.feet, strict=True))
     )
 
 

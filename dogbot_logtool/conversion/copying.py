@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 import numpy as np
@@ -9,7 +10,6 @@ import numpy as np
 from dogbot_logtool.core.arrays import concatenated
 from dogbot_logtool.core.scene.arrows import Arrows, classic_arrows, no_arrows
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
@@ -21,12 +21,13 @@ from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.writer.chunks import (
     Compression,
     FinishedChunk,
-    as_indexed,
     chunk_rows,
     finish_chunk,
-    indexed_chunk,
+    message_index,
+    time_range,
 )
-from dogbot_logtool.writer.message_records import MESSAGE_HEAD, record_bounds, recorded
+from dogbot_logtool.writer.message_records import record_bounds, recorded
+from dogbot_logtool.writer.template import MESSAGE_HEAD
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,15 +118,11 @@ def _unchanged(messages: Messages, loaded: LoadedChunk) -> FinishedChunk:
     if loaded.indexed:
         return as_it_stands(chunk, loaded.stored)
     rows = messages.pick(loaded.rows)
-    return indexed_chunk(
-        np.frombuffer(loaded.stored[: chunk.end - chunk.offset], np.uint8),
-        rows.channel,
-        rows.log_time,
-        rows.start - MESSAGE_HEAD.itemsize - loaded.base,
-        chunk.compression,
-        chunk.data_size,
-        chunk.size,
-    )
+    record = np.frombuffer(loaded.stored[: chunk.end - chunk.offset], np.uint8)
+    offset = rows.start - MESSAGE_HEAD.itemsize - loaded.base
+    index = message_index(rows.channel, rows.log_time, offset)
+    times = time_range(rows.log_time)
+    return FinishedChunk(record, index, *times, chunk.compression, chunk.data_size, chunk.size)
 
 
 def as_it_stands(chunk: Chunk, stored: bytes | memoryview) -> FinishedChunk:
@@ -137,7 +134,7 @@ def as_it_stands(chunk: Chunk, stored: bytes | memoryview) -> FinishedChunk:
     """
     record, index = np.split(np.frombuffer(stored, np.uint8), [chunk.end - chunk.offset])
     times = chunk.start_time or 0, chunk.end_time or 0
-    return as_indexed(record, index, times, chunk.compression, chunk.data_size, chunk.size)
+    return FinishedChunk(record, index, *times, chunk.compression, chunk.data_size, chunk.size)
 
 
 def make_copier(log: Log, selection: Selection, options: ConvertOptions) -> Copier:

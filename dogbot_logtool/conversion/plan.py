@@ -1,7 +1,7 @@
 """The plan of `convert` for a log, made before the first message is written."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 from dogbot_logtool.conversion.copying import channels_left_out, copy_findings
@@ -11,10 +11,9 @@ from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, ArrowStyle
-from dogbot_logtool.core.settings import body_weight_n
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.settings import WalkSettings, body_weight_n
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.core.world_frames import WorldFrames
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import ConvertOptions
@@ -56,7 +55,7 @@ class ConversionPlan:
 
 
 def make_plan(
-    log: Log, selection: Selection, walk: Stats, options: ConvertOptions
+    log: Log, selection: Selection, walk: Walk, options: ConvertOptions
 ) -> ConversionPlan:
     """Decide what to do.
 
@@ -79,10 +78,10 @@ def make_plan(
     draws_support = _can_draw_support(selection, walk, findings)
     turns = settings.wrench_frame is WrenchFrame.LINK
     links = frames.links if turns else (None,) * len(robot.feet)
-    placed = frames.follow(settings, links, sensor_points(selection, frames))
+    placed = frames.follow(settings, links, sensor_points(selection, frames, settings))
     # A scale of the robot's file has colours of its own.
     scale_n = known_weight_n if robot.newtons_per_metre is not None else weight_n
-    findings.extend(_arrow_findings(selection, style, placed, settings.wrench_frame, scale_n))
+    findings.extend(_arrow_findings(selection, style, placed, settings, scale_n))
     left_out = channels_left_out(log, options)
     findings.extend(copy_findings(log, options, left_out))
     start_time, _ = time_limits(log, options.start, options.end)
@@ -116,7 +115,7 @@ def _arrow_findings(
     selection: Selection,
     style: ArrowStyle,
     frames: WorldFrames | None,
-    wrench_frame: WrenchFrame,
+    settings: WalkSettings,
     weight_n: float | None,
 ) -> Iterator[Finding]:
     """Yield findings about what arrows of a style lack.
@@ -125,11 +124,11 @@ def _arrow_findings(
         selection: topics of the feet.
         style: of the arrows.
         frames: how links hang in the world.
-        wrench_frame: of the recorded forces.
+        settings: of the walk.
         weight_n: N, by which arrows may be coloured; None: not known.
     """
-    yield from _without_points(selection, frames)
-    if style.along_force and wrench_frame is not WrenchFrame.WORLD:
+    yield from _without_points(selection, frames, settings)
+    if style.along_force and not settings.force_in_world:
         yield from _magnitude_only(selection, frames)
     if style.along_force and not weight_n:
         text = "the robot's mass is unknown: arrows are coloured by newtons (give it with --mass)"
@@ -152,7 +151,9 @@ def refuse_unknown_names(options: ConvertOptions) -> None:
             raise CallError(f"there is no {kind} {name!r}; known: {', '.join(known)}")
 
 
-def _without_points(selection: Selection, frames: WorldFrames | None) -> Iterator[Finding]:
+def _without_points(
+    selection: Selection, frames: WorldFrames | None, settings: WalkSettings
+) -> Iterator[Finding]:
     """Yield findings about sensors with forces but without contact points."""
     points = frames.points if frames else (None,) * len(selection.robot.feet)
     at_frames: list[str] = []
@@ -163,7 +164,7 @@ def _without_points(selection: Selection, frames: WorldFrames | None) -> Iterato
             continue
         if point is not None:
             at_frames.append(f"{foot.name} at {point.frame}")
-        elif selection.knows_force(number) and any(
+        elif settings.feet[number].has_force and any(
             source.in_base or not source.has_points for source in sources
         ):
             nowhere.append(foot.name)
@@ -237,7 +238,7 @@ def _second_parent(base: str, parents: list[str]) -> Finding:
     return Finding("TF_NOT_WRITTEN", text, cases=("other_parent",))
 
 
-def _can_draw_support(selection: Selection, walk: Stats, findings: list[Finding]) -> bool:
+def _can_draw_support(selection: Selection, walk: Walk, findings: list[Finding]) -> bool:
     """Tell whether the log has what support needs; a finding says what it lacks."""
     robot = selection.robot
     why_not = ""

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -10,7 +10,6 @@ from dogbot_logtool.conversion.annotate import Scene, annotations_between
 from dogbot_logtool.conversion.plan import ConversionPlan
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.scene.styles import LIFETIME_S
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.decode.definition import short_type_name
 from dogbot_logtool.writer.annotations import Annotations, WantedAnnotations, description_type

@@ -1,14 +1,12 @@
 """Columns: their types, records of columns, spans of rows, medians, summaries."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from itertools import pairwise
 from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from dogbot_logtool.dataclass import dataclass
 
 Floats = NDArray[np.float64]
 """float64; the docstring of the field gives shape and unit."""
@@ -304,14 +302,6 @@ def wrapped(phases: Floats) -> Floats:
     return wrapped_phases
 
 
-def sorted_runs(values: Floats, begin: Ints, end: Ints) -> Floats:
-    """(n,) with the values of each run in ascending order."""
-    ordered = values.copy()
-    for first, last in zip(begin.tolist(), end.tolist(), strict=True):
-        ordered[first:last].sort()
-    return ordered
-
-
 def rows_of_runs(begin: Ints, end: Ints) -> tuple[Ints, Ints, Ints]:
     """Lay runs of rows end to end.
 
@@ -326,49 +316,6 @@ def rows_of_runs(begin: Ints, end: Ints) -> tuple[Ints, Ints, Ints]:
     first = np.cumsum(length) - length
     run = np.repeat(np.arange(len(begin)), length)
     return np.arange(len(run)) + (begin - first)[run], run, first
-
-
-def first_where(flags: Flags, start: Ints) -> Ints:
-    """(k,) the first row that is flagged, at or after each start; n: there is none."""
-    rows = np.append(np.flatnonzero(flags), len(flags))
-    found: Ints = rows[np.searchsorted(rows, start)]
-    return found
-
-
-def highest(values: Floats, begin: Ints, end: Ints) -> Floats:
-    """(k,) maxima of runs, each of which ends before the last row; NaN where one is."""
-    highest: Floats = np.maximum.reduceat(values, np.stack([begin, end], axis=1).ravel())[::2]
-    return highest
-
-
-def sums(values: Floats, begin: Ints, end: Ints) -> Floats:
-    """(k,) sums of runs that have a row before and after them.
-
-    numpy adds up pairwise what follows a run's first row: a zero there makes that the whole run,
-    as if it stood alone.
-    """
-    led = values.copy()
-    led[begin - 1] = 0.0
-    sums: Floats = np.add.reduceat(led, np.stack([begin - 1, end], axis=1).ravel())[::2]
-    return sums
-
-
-def trapezoids(values: Floats, time: Floats, first: Ints) -> Floats:
-    """Integrate over real sample times: sums of (v[i] + v[i+1]) / 2 * (t[i+1] - t[i]).
-
-    Args:
-        values: (n,) any unit.
-        time: (n,) s.
-        first: (k,) the first row of each run; it ends before the next one's.
-
-    Returns:
-        (k,) unit of the values times s.
-    """
-    area = np.zeros(len(values))
-    area[1:] = (values[1:] + values[:-1]) * np.diff(time)
-    area[first] = 0.0
-    integrals: Floats = np.add.reduceat(area, first) / 2.0
-    return integrals
 
 
 def added_within(total: Floats, knots: Floats, at: Floats, half: float) -> Floats:

@@ -8,6 +8,7 @@ the base reads, and f the ground's force on the foot (Featherstone 2008); solved
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -21,7 +22,6 @@ from dogbot_logtool.core.arrays import (
     percentiles_of,
 )
 from dogbot_logtool.core.frames.kinematics import LegMotion
-from dogbot_logtool.dataclass import dataclass
 
 SLOPE_S: Final = 0.02
 """s over which velocities are differences of positions."""

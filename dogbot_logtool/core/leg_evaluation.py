@@ -26,7 +26,7 @@ from dogbot_logtool.core.legs.swings import (
 )
 from dogbot_logtool.core.loads import slip_m, symmetry_index_percent
 from dogbot_logtool.core.metrics import Joint, Legs
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 
 RESTING_M: Final = 0.02
 """m that a foot's frame may move in the middle of a stance, or `RESTING_SHARE` of its swing."""
@@ -38,34 +38,34 @@ SHORTEST_WAY_M: Final = 0.1
 
 
 def with_legs(
-    stats: Stats,
+    walk: Walk,
     tables: Sequence[JointTable],
     settings: LegSettings,
     frames: TransformBuffer,
     clocks: Sequence[ClockDifference],
-) -> Stats:
+) -> Walk:
     """Add what is known of the legs, and slips by the feet's frames where those are known.
 
     Args:
-        stats: all other figures.
+        walk: all other figures.
         tables: joint states, one table a topic, the best first.
         settings: sources of the legs.
         frames: of the legs that transforms move.
         clocks: how far topics' clocks are from that of the feet, those of joint states among them.
     """
-    joints = joint_tracks(tables, stats.settings.clock, settings.limits)
+    joints = joint_tracks(tables, walk.settings.clock, settings.limits)
     paths = [foot_path(chain, joints, frames, settings.statics) for chain in settings.chains]
     if not joints and not any(path is not None for path in paths):
-        return stats
-    period = typical_period_s([foot.stances for foot in stats.feet])
+        return walk
+    period = typical_period_s([foot.stances for foot in walk.feet])
     apart = too_far_apart(clocks, period) & set(settings.joint_topics)
-    feet = _feet(stats, settings, joints, paths, joints_apart=bool(apart))
-    strides = stats.feet[stats.reference].strides if stats.feet else None
+    feet = _feet(walk, settings, joints, paths, joints_apart=bool(apart))
+    strides = walk.feet[walk.reference].strides if walk.feet else None
     working = [each for each in joints.values() if each.moves and each.has_effort]
     work = np.empty((2, 0))
     if strides is not None:
         work = summed_work(working, strides.touchdown, strides.end)
-    found, ranges = _joints(stats, settings, joints)
+    found, ranges = _joints(walk, settings, joints)
     legs = LegFigures(
         settings=settings,
         feet=feet,
@@ -74,19 +74,19 @@ def with_legs(
         metrics=Legs(
             absolute_work_j=aggregate(work[1]),
             positive_work_j=aggregate(work[0]),
-            mechanical_cost_of_transport=_cost(stats, work[1]),
+            mechanical_cost_of_transport=_cost(walk, work[1]),
             joints=found,
             asymmetry_percent=_asymmetry(settings, ranges),
         ),
         clocks_apart={each.topic: each for each in clocks if each.topic in apart},
     )
-    slipping = zip(stats.feet, feet, strict=True)
+    slipping = zip(walk.feet, feet, strict=True)
     with_slips = tuple(_with_slips(foot, leg.slips) for foot, leg in slipping)
-    return replace(stats, legs=legs, feet=with_slips)
+    return replace(walk, legs=legs, feet=with_slips)
 
 
 def _feet(
-    stats: Stats,
+    walk: Walk,
     settings: LegSettings,
     joints: Mapping[str, JointTrack],
     paths: Sequence[FootPath | None],
@@ -94,16 +94,16 @@ def _feet(
     joints_apart: bool,
 ) -> tuple[LegFoot, ...]:
     """Return the leg of each foot."""
-    base = stats.poses
+    base = walk.poses
     legs, stood = [], []
-    for row, foot in enumerate(stats.feet):
+    for row, foot in enumerate(walk.feet):
         chain, path = settings.chains[row], paths[row]
         reason = settings.reasons[row]
         if chain is not None and path is None:
             reason = "too little of its leg is told"
-        elif path is not None and stats.base_clock_is_apart:
+        elif path is not None and walk.base_clock_is_apart:
             reason = "the clocks of odometry and feet differ"
-        elif path is not None and stats.loses_way:
+        elif path is not None and walk.loses_way:
             reason = "the odometry drifts among the contact points"
         elif path is not None and joints_apart and chain is not None and chain.joints:
             reason = "the clock of the joint states differs from that of the feet"
@@ -125,7 +125,7 @@ def _feet(
         if path is not None and not reason:
             leg, falls = _swinging(leg, foot, path.in_world(base))
         if falls is not None and chain is not None:
-            rolling = None if chain.touches else stats.settings.foot_rolling_m
+            rolling = None if chain.touches else walk.settings.foot_rolling_m
             slips = falls.slip_m, falls.largest_slip_m
             if rolling is not None:
                 slips = slip_m(slips[0], rolling), slip_m(slips[1], rolling)
@@ -134,7 +134,7 @@ def _feet(
         legs.append(leg)
         stood.append(falls)
     return tuple(
-        replace(leg, strides={**leg.strides, **_steps(stats, row, stood)})
+        replace(leg, strides={**leg.strides, **_steps(walk, row, stood)})
         for row, leg in enumerate(legs)
     )
 
@@ -169,26 +169,26 @@ def _swinging(leg: LegFoot, foot: FootSteps, path: FootPath) -> tuple[LegFoot, F
     return leg, stood
 
 
-def _steps(stats: Stats, row: int, stood: Sequence[Footfalls | None]) -> dict[str, Floats]:
+def _steps(walk: Walk, row: int, stood: Sequence[Footfalls | None]) -> dict[str, Floats]:
     """Return the steps of a foot against the other of its pair, where both are known."""
     others = [
-        number for number in range(len(stats.feet)) if number != row and paired(stats, row, number)
+        number for number in range(len(walk.feet)) if number != row and paired(walk, row, number)
     ]
     own = stood[row]
     other = stood[others[0]] if len(others) == 1 else None
     if own is None or other is None:
         return {}
-    return steps(stats.feet[row].strides, own, other, stats.feet[others[0]].stances.touchdown)
+    return steps(walk.feet[row].strides, own, other, walk.feet[others[0]].stances.touchdown)
 
 
-def paired(stats: Stats, foot: int, other: int) -> bool:
+def paired(walk: Walk, foot: int, other: int) -> bool:
     """Tell whether two feet are at the same end of the robot; both of a biped are."""
-    one, two = stats.feet[foot].leg_position, stats.feet[other].leg_position
-    return len(stats.feet) == 2 or bool(one and two and one[0] == two[0])
+    one, two = walk.feet[foot].leg_position, walk.feet[other].leg_position
+    return len(walk.feet) == 2 or bool(one and two and one[0] == two[0])
 
 
 def _joints(
-    stats: Stats, settings: LegSettings, joints: Mapping[str, JointTrack]
+    walk: Walk, settings: LegSettings, joints: Mapping[str, JointTrack]
 ) -> tuple[dict[str, Joint], dict[str, float]]:
     """Return the metrics of joints of legs and of others that move, and their usual ranges."""
     found: dict[str, Joint] = {}
@@ -199,7 +199,7 @@ def _joints(
             continue
         found[name] = joint.metrics
         if number is not None:
-            foot = stats.feet[number]
+            foot = walk.feet[number]
             curve = joint_curve(joint, foot.strides)
             ranges |= {} if curve is None else {name: curve[1]}
             position = None if curve is None else curve[0]
@@ -216,12 +216,12 @@ def _asymmetry(settings: LegSettings, ranges: Mapping[str, float]) -> dict[str, 
     return {name: index for name, index in indices.items() if index is not None}
 
 
-def _cost(stats: Stats, absolute_j: Floats) -> float | None:
+def _cost(walk: Walk, absolute_j: Floats) -> float | None:
     """Return absolute work / (weight x way), over the reference foot's strides that have both."""
-    weight = stats.loads.weight_n
-    if weight is None or not stats.feet:
+    weight = walk.loads.weight_n
+    if weight is None or not walk.feet:
         return None
-    way = stats.feet[stats.reference].base_way_m
+    way = walk.feet[walk.reference].base_way_m
     known = np.isfinite(absolute_j) & np.isfinite(way)
     total = float(way[known].sum())
     return float(absolute_j[known].sum()) / (weight * total) if total >= SHORTEST_WAY_M else None

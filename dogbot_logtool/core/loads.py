@@ -170,9 +170,8 @@ def vertical_impulse_ns(foot: FootHistory, within: Ints | None = None) -> float 
     if timespans.total(foot.in_contact) and not vertical_is_known(foot):
         return None
     known = foot.vertical_known
-    return foot.track.vertical_within(
-        known if within is None else timespans.intersect([known, within])
-    )
+    spans = known if within is None else timespans.intersect([known, within])
+    return foot.track.within(foot.track.vertical_impulse, spans)
 
 
 def whole_strides(strides: Ints, feet: Sequence[FootHistory], *, vertical: bool) -> Ints:
@@ -226,8 +225,9 @@ def loads_of(
         spans = _known_to_all(feet, vertical=vertical)
         spans = spans if within is None else timespans.intersect([spans, within])
     seconds = timespans.total(spans) / 1e9
-    magnitude = [foot.track.force_within(spans) for foot in feet]
-    upward = [foot.track.vertical_within(spans) for foot in feet]
+    tracks = [foot.track for foot in feet]
+    magnitude = [track.within(track.force_impulse, spans) for track in tracks]
+    upward = [track.within(track.vertical_impulse, spans) for track in tracks]
     has_forces = all(foot.has_force for foot in feet)
     shared = upward if vertical else magnitude
     # A part of a stride counts one foot's stance and another's swing.
@@ -316,9 +316,11 @@ def mean_impulses(feet: Sequence[FootHistory], impulse: str, time: Ints, half_ns
         time: (m,) ns.
         half_ns: half of the window.
     """
-    spans = np.stack([time - half_ns, time + half_ns], axis=1)
-    totals = [foot.track.impulse_at(getattr(foot.track, impulse), spans) for foot in feet]
-    return np.stack([total[:, 1] - total[:, 0] for total in totals], axis=1) / (2e-9 * half_ns)
+    added = [
+        foot.track.added(getattr(foot.track, impulse), time - half_ns, time + half_ns)
+        for foot in feet
+    ]
+    return np.stack(added, axis=1) / (2e-9 * half_ns)
 
 
 SAME_PHASE: Final = 0.05

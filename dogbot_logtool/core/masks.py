@@ -36,26 +36,26 @@ from dogbot_logtool.core.loads import (
     loads_of,
 )
 from dogbot_logtool.core.metrics import Base, Stability
-from dogbot_logtool.core.settings import StatsSettings
+from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.stability import Unstable, stability
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.consistency.heave import Delay
 
 
-def base_in(walk: Stats, within: Ints) -> Base | None:
+def base_in(walk: Walk, within: Ints) -> Base | None:
     """Return how the base moved in a part of the log."""
     return base_motion(walk.track, walk.settings.forward_axis, within)
 
 
-def support_in(walk: Stats, within: Ints | None = None) -> Support | None:
+def support_in(walk: Walk, within: Ints | None = None) -> Support | None:
     """Return the support pattern; where one foot's state is not known, none is."""
     return support(walk.records, within) if walk.contacts_known else None
 
 
 def stability_in(
-    walk: Stats, within: Ints | None = None
+    walk: Walk, within: Ints | None = None
 ) -> tuple[Stability, Unstable] | tuple[None, None]:
     """Return the stability, and when the robot is not stable."""
     if not walk.contacts_known or walk.base_is_apart:
@@ -72,7 +72,7 @@ def stability_in(
     return found or (None, None)
 
 
-def loads_in(walk: Stats, within: Ints | None = None) -> WalkLoads:
+def loads_in(walk: Walk, within: Ints | None = None) -> WalkLoads:
     """Return the loads of all feet over whole strides of the first foot that has any."""
     own = [foot.strides for foot in walk.feet if len(foot.strides.stance)]
     strides = [each if within is None else each.within(within) for each in own[:1]]
@@ -85,7 +85,7 @@ def loads_in(walk: Stats, within: Ints | None = None) -> WalkLoads:
     )
 
 
-def mask_walk(corrected: Corrected) -> Stats:
+def mask_walk(corrected: Corrected) -> Walk:
     """Find jumps, falls, stands, dead sensors, clocks and worlds that cannot be compared.
 
     What is measured with these masks is not in the result yet.
@@ -139,7 +139,7 @@ def mask_walk(corrected: Corrected) -> Stats:
         )
         for row, (record, path) in enumerate(zip(records, corrected.places, strict=True))
     )
-    return Stats(
+    return Walk(
         recording=corrected.recording,
         settings=settings,
         frames=corrected.frames,
@@ -201,12 +201,12 @@ def _without_stuck(feet: Sequence[FootHistory]) -> tuple[FootHistory, ...]:
     )
 
 
-def _feet_apart(settings: StatsSettings, apart: frozenset[str]) -> bool:
+def _feet_apart(settings: WalkSettings, apart: frozenset[str]) -> bool:
     return any(foot.topic in apart for foot in settings.feet)
 
 
 def _standing(
-    settings: StatsSettings,
+    settings: WalkSettings,
     records: Sequence[FootHistory],
     supported: Support | None,
     base: BaseHistory,

@@ -329,7 +329,7 @@ class Foot:
     friction_use: Annotated[Spread, Of("", *_VERTICAL, "normals", "strides")]
     """Tangential over normal force, 95th percentile of a stance."""
     vertical_over_stride_n: Annotated[Shape, Of("N", *_VERTICAL, "strides")]
-    """Vertical force over the gait cycle: means of 25 parts of a stance, 0 in swing."""
+    """Vertical force over the gait cycle, interpolated between samples."""
     forward_over_stride_n: Annotated[Shape, Of("N", *_VERTICAL, "base", "strides")]
     """Force along the base's forward axis at mid-stance, likewise."""
 

@@ -1,5 +1,6 @@
 """How a foot follows its plan: touchdowns early, late and missed."""
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -8,7 +9,6 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints, aggregate, median_of, nearest_rows
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.metrics import Planned
-from dogbot_logtool.dataclass import dataclass
 
 ON_TIME_S: Final = 0.02
 """s; touchdowns that are off by less are on time, and by less than a sample of either, too."""

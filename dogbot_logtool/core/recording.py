@@ -1,7 +1,7 @@
 """A whole log as columns: all that is measured is computed from these."""
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
@@ -10,7 +10,6 @@ from dogbot_logtool.core.corrections.clock import Stamped
 from dogbot_logtool.core.frames.transforms import RecordedTransforms, no_transforms
 from dogbot_logtool.core.legs.joints import JointTable
 from dogbot_logtool.core.vectors import VectorSamples
-from dogbot_logtool.dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ what a log must hold for it.
 import ast
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from fnmatch import fnmatchcase
 from functools import cache
 from itertools import pairwise
@@ -29,7 +29,6 @@ from typing import (
 )
 
 from dogbot_logtool.core.arrays import Aggregate
-from dogbot_logtool.dataclass import dataclass
 
 R = TypeVar("R", bound=Any)
 Json = dict[str, Any]

@@ -1,6 +1,6 @@
 """Settings of the figures: thresholds, mass, frames, clock."""
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Final
 
 from dogbot_logtool.core.contact.contact_rule import FootSensor, Thresholds, contact_rule
@@ -8,7 +8,6 @@ from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.leg_position import LegPosition
-from dogbot_logtool.dataclass import dataclass
 
 GRAVITY_MPS2: Final = 9.81
 """Standard in simulators (Gazebo's default world has 9.8)."""
@@ -28,6 +27,8 @@ class FootSettings:
     leg_position: LegPosition | None = None
     has_force: bool = True
     """Whether its sensor tells a force, not only whether the foot touches."""
+    forces_are_zero: bool = False
+    """Whether it tells forces that are zero in contact: then these are none."""
     has_flags: bool = False
     """Whether contact flags of its messages decide contact, whatever the force."""
     lists_contacts: bool = False
@@ -46,7 +47,7 @@ class FootSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class StatsSettings:
+class WalkSettings:
     """Settings of the figures; all of them are echoed beside the numbers."""
 
     feet: tuple[FootSettings, ...]
@@ -98,6 +99,10 @@ class StatsSettings:
     """ns, log time from which silence of sensors that are silent in swing counts; None: from the
     first contact. Also `silent_until`; None: to the last contact."""
     silent_until: int | None = None
+    robot: str = ""
+    """Name of the robot's file."""
+    robot_is_guessed: bool = False
+    """Whether it was guessed from the topics."""
     imu_mounting: tuple[float, float, float, float] | None = None
     """x, y, z, w: the accelerometer's frame in the base's, from recorded transforms; None: not
     recorded, and taken to be the base's."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -11,7 +12,6 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.transforms import RecordedTransforms, TransformBuffer
 from dogbot_logtool.core.rotations import conjugate, normalised, rotate
 from dogbot_logtool.core.world_frames import WorldFrames
-from dogbot_logtool.dataclass import dataclass
 
 _MOST_SAMPLES: Final = 2000
 """Contacts of a foot that are used, evenly spread over the recording."""

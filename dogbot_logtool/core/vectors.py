@@ -6,6 +6,7 @@ delay then includes that of the recorder, and a finding says so.
 """
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -24,7 +25,6 @@ from dogbot_logtool.core.corrections.clock import (
     too_far_apart,
 )
 from dogbot_logtool.core.quality.quality import steady_gap_ns
-from dogbot_logtool.dataclass import dataclass
 
 RATE_HZ: Final = 100.0
 """A day at this rate is half a gigabyte."""

@@ -1,195 +1,186 @@
-"""From the columns of a recording to all that is measured of its walk.
+"""All that is known of a walk: what it is measured by, its metrics, and what is found of it."""
 
-    stats = analyse(recording, StatsSettings(feet, mass_kg=19.2))
-
-The order is the same for every log: corrections (`corrected.py`), masks (`masks.py`), what is
-measured here. Checks (`checks/`) then look for reasons to doubt it; `walk_metrics/` makes records
-of it, and sets to null what the findings void.
-"""
-
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.base.falls import find_tipping
-from dogbot_logtool.core.base.ground import swapped_pairs
-from dogbot_logtool.core.base.motion import FORWARD_ANGLES
+from dogbot_logtool.core.base.falls import Tipping
+from dogbot_logtool.core.base.frozen import Frozen
+from dogbot_logtool.core.base.jumps import PoseJumps
+from dogbot_logtool.core.base.motion import BaseTrack
+from dogbot_logtool.core.base.moving_ground import MovingGround
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.consistency.stopped import all_silent
+from dogbot_logtool.core.base.witness import Witness
+from dogbot_logtool.core.consistency.worlds import Worlds
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.corrected import Corrected, clocks_of_joints, correct
-from dogbot_logtool.core.gait.segments import (
-    Segment,
-    find_segments,
-    main_segment,
-    reference_foot,
-)
-from dogbot_logtool.core.gait.strides import any_strides
-from dogbot_logtool.core.leg_position import quadruped
-from dogbot_logtool.core.masks import loads_in, mask_walk, stability_in, support_in
-from dogbot_logtool.core.planned import follow_plan
+from dogbot_logtool.core.corrections.clock import ClockDifference
+from dogbot_logtool.core.gait.feet import FootSteps
+from dogbot_logtool.core.gait.segments import Segment
+from dogbot_logtool.core.gait.strides import typical_period_s
+from dogbot_logtool.core.gait.support import Standing, Support
+from dogbot_logtool.core.known_frames import KnownFrames
+from dogbot_logtool.core.loads import WalkLoads
+from dogbot_logtool.core.metrics import Base, Stability, WalkMetrics
+from dogbot_logtool.core.planned import PlannedFoot
+from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.recording import Recording
-from dogbot_logtool.core.settings import StatsSettings
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.records import unknown
+from dogbot_logtool.core.settings import WalkSettings
+from dogbot_logtool.core.stability import Unstable
+from dogbot_logtool.core.world_frames import PlacedCounts, WorldFrames
+from dogbot_logtool.finding import Finding
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands import CommandTrack
-    from dogbot_logtool.core.frames.transforms import TransformBuffer
+    from dogbot_logtool.core.consistency.heave import Delay
     from dogbot_logtool.core.imu import ImuComparison
-    from dogbot_logtool.core.legs.paths import LegSettings
+    from dogbot_logtool.core.legs.legs import LegFigures
     from dogbot_logtool.core.vectors import VectorHistory
 
-FindLegs = Callable[[Recording, Corrected], "tuple[LegSettings, TransformBuffer] | None"]
-"""Says where a recording tells of legs, with their frames that transforms move; None: it does
-not."""
 
+@dataclass(frozen=True, slots=True)
+class Walk:
+    """All that is known of the walk in one log; nothing but `metrics` has what findings void.
 
-def analyse(
-    recording: Recording,
-    settings: StatsSettings,
-    find_legs: FindLegs | None = None,
-    planned: StatsSettings | None = None,
-) -> Stats:
-    """Measure all that a recording tells of its walk.
-
-    Args:
-        recording: its columns, as recorded.
-        settings: what is known before they are looked at.
-        find_legs: finds the legs; None: nothing tells of them.
-        planned: settings of the feet as a plan in the log has them; None: there is no plan.
+    Masks come first: what was measured with them follows.
     """
-    corrected = correct(recording, settings)
-    walk = _measured(mask_walk(corrected), corrected)
-    legs = find_legs(recording, corrected) if find_legs else None
-    if legs is not None:
-        walk = _with_legs(walk, recording, corrected, *legs)
-    if planned is not None:
-        of_plan = replace(
-            recording, feet=recording.planned, links={}, commands=None, accelerations=None
-        )
-        walk = _with_plan(walk, mask_walk(correct(of_plan, planned)))
-    return walk
 
+    recording: Recording
+    """The columns as they are measured: corrected."""
+    settings: WalkSettings
+    frames: KnownFrames
+    turned: tuple[WorldFrames, PlacedCounts] | None
+    """How forces and positions were turned into the world; None: none was to be."""
+    base_history: BaseHistory
+    """As recorded, jumps and all, but for time that is masked."""
+    leaning_rad: float | None
+    """rad, how far the base seems to lean while the robot walks: its poses are left out; None: it
+    does not."""
+    topics: tuple[TopicQuality, ...]
+    clocks: tuple[ClockDifference, ...]
+    """How far topics' clocks are from that of the feet; nothing on log time."""
+    beside: "tuple[VectorHistory, ...]"
+    """Records of commands and accelerometer."""
+    records: tuple[FootHistory, ...]
+    """Of each foot, without what its sensor cannot have measured."""
+    poses: BaseHistory
+    """Poses without jumps."""
+    jumps: PoseJumps
+    frozen: Frozen | None
+    """Time in which one pose is repeated although the robot walks on; masked. None: there is
+    none."""
+    witness: Witness | None
+    """The base's motion by its feet; None: their places are not known."""
+    ground: MovingGround | None
+    """How the ground moves; None: it rests."""
+    placed_poses: BaseHistory
+    """Poses among the contact points: with jumps, if these jump with the odometry."""
+    track: BaseTrack
+    base: Base | None
+    """Motion of the base in the whole log."""
+    fallen: Ints
+    """(f, 2) ns, spans in which the robot lies."""
+    standing: Standing
+    feet: tuple[FootSteps, ...]
+    """Steps of each foot."""
+    clocks_apart: frozenset[str]
+    """Topics whose clocks are too far from the others' for figures of both."""
+    base_delay: "Delay | None"
+    """By how much the base comes after the forces that drive it; None: not known, or little."""
+    worlds: Worlds | None
+    """Position of the base among the feet; None without contact points."""
+    push: float | None
+    """Share of the weight by which the feet push the robot on over whole stances; None: not
+    known."""
+    rise_m: float
+    """m, how far the base rises steadily over the contact points while it walks."""
+    vertical_known: bool
+    loads: WalkLoads
+    """Of all feet over whole strides."""
 
-def _measured(walk: Stats, corrected: Corrected) -> Stats:
-    """Measure a walk of which the masks are known."""
-    settings, records, feet = walk.settings, walk.records, walk.feet
-    supported = support_in(walk)
+    origin: int = 0
+    """ns on the clock used: the earliest time of any used message; what times are counted from."""
+    end: int = 0
+    """ns, the latest."""
+    reference: int = 0
+    """The foot that phases are measured against: left fore, or the first that has strides."""
+    corners: tuple[int, int, int, int] | None = None
+    """Which foot is front left, front right, back left, back right; None: no quadruped, or
+    not known."""
+    swapped: tuple[tuple[int, int], ...] = ()
+    """Left and right feet of the pairs that touch on the other side each; `pairs` of how many."""
+    pairs: int = 0
+    tipping: Tipping | None = None
+    """The robot is tipping when the recording ends."""
     segments: tuple[Segment, ...] = ()
-    if feet and not walk.feet_clocks_are_apart:
-        segments = find_segments(feet, walk.standing, supported)
-    origin, end = _extent(records, walk.poses)
-    positions = [foot.leg_position for foot in settings.feet]
-    forward_rad = FORWARD_ANGLES[settings.forward_axis]
-    # In another world, contact points tell nothing of the body's sides.
-    placed = walk.poses.without_poses() if walk.worlds_differ else walk.placed_poses
-    swapped, pairs = swapped_pairs(placed, records, positions, forward_rad)
-    stable, unstable = stability_in(walk)
-    # In segments with strides the robot steps.
-    steps = [each.spans for each in segments if each.strides]
-    stepping = timespans.merge(np.concatenate([timespans.no_spans(), *steps]))
-    return replace(
-        walk,
-        origin=origin,
-        end=end,
-        reference=reference_foot(feet),
-        corners=quadruped(positions),
-        swapped=swapped,
-        pairs=pairs,
-        tipping=find_tipping(walk.base_history, settings.forward_axis),
-        segments=segments,
-        main=main_segment(segments),
-        support=supported,
-        loads=loads_in(walk),
-        stability=stable,
-        unstable=unstable,
-        overlap_s=timespans.total(_overlap(records, walk.poses)) / 1e9,
-        contact_without_pose_s=tuple(
-            walk.poses.unplaced(record.in_contact) / 1e9 for record in records
-        ),
-        all_silent=all_silent(records, walk.poses),
-        command_track=_command_track(walk, corrected.commands, stepping),
-        imu=_imu(walk, corrected.inertial),
-    )
+    main: Segment | None = None
+    """The longest segment: its class is the log's."""
+    support: Support | None = None
+    stability: Stability | None = None
+    unstable: Unstable | None = None
+    overlap_s: float = 0.0
+    """s, time known to all feet that have messages and to the base."""
+    contact_without_pose_s: tuple[float, ...] = ()
+    """s a foot, time in contact further than 0.1 s from every pose."""
+    all_silent: Ints = field(default_factory=timespans.no_spans)
+    """(s, 2) ns, spans in which no foot's sensor sends anything, though the odometry does."""
+    command_track: "CommandTrack | None" = None
+    """Commanded and measured velocity; None without commands."""
+    imu: "ImuComparison | None" = None
+    """Comparison of the base's accelerometer with forces and poses; None without one."""
+    legs: "LegFigures | None" = None
+    """None where the log tells nothing of its legs."""
+    plan_apart: str = ""
+    """Topic of a plan that is on another clock than the feet, and not compared; empty: none is."""
+    planned: tuple[PlannedFoot | None, ...] = ()
+    """How each foot follows its plan; None without one; empty: the log has no plan beside."""
+    findings: tuple[Finding, ...] = ()
+    """About the log, the walk and its metrics, the worst first."""
+    metrics: WalkMetrics = field(default_factory=lambda: unknown(WalkMetrics))
+    """Those that findings void are null."""
 
+    @property
+    def base_clock_is_apart(self) -> bool:
+        """Whether the odometry's clock is too far from that of the feet."""
+        return self.settings.odometry_topic in self.clocks_apart
 
-def _with_plan(walk: Stats, planned: Stats) -> Stats:
-    """Add how the feet follow their plan, if that is on the same clock."""
-    clocks = [each.settings.clock for each in (walk, planned)]
-    plan = {foot.name: foot for foot in planned.feet}
-    if clocks[0] is not clocks[1]:
-        return replace(walk, plan_apart=min(foot.topic for foot in planned.feet))
-    found = tuple(
-        follow_plan(foot, plan[foot.name]) if foot.name in plan else None for foot in walk.feet
-    )
-    return replace(walk, planned=found)
+    @property
+    def feet_clocks_are_apart(self) -> bool:
+        """Whether the clock of a foot is too far from that of the others."""
+        return any(foot.topic in self.clocks_apart for foot in self.settings.feet)
 
+    @property
+    def worlds_differ(self) -> bool:
+        """Whether contact points and base are not in one world."""
+        if self.worlds is None or self.settings.base_from_legs:
+            return False
+        return not self.worlds.agree
 
-def _overlap(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
-    """Return the time known to all feet that have samples, and to the base if it has poses."""
-    known = [foot.known for foot in feet if foot.start is not None]
-    if len(base.time):
-        known.append(base.known)
-    return timespans.intersect(known)
+    @property
+    def base_is_apart(self) -> bool:
+        """Whether the base is on another clock than the feet, or in another world."""
+        return self.base_clock_is_apart or self.worlds_differ
 
+    @property
+    def loses_way(self) -> bool:
+        """Whether the base drifts so far among the contact points that speeds are not known."""
+        path_m = 0.0 if self.base is None else self.base.path_length_m or 0.0
+        if self.worlds is None or self.settings.base_from_legs:
+            return False
+        return self.worlds.lose_way(path_m)
 
-def _command_track(
-    walk: Stats, commands: "VectorHistory | None", stepping: Ints
-) -> "CommandTrack | None":
-    """Compare commands with the base's velocity over time, in logs that have any."""
-    if commands is None:
-        return None
-    from dogbot_logtool.core.commands import follow_commands  # noqa: PLC0415
+    @property
+    def period_s(self) -> float | None:
+        """The usual stride, s; None: there are none."""
+        return typical_period_s([each.stances for each in self.records])
 
-    axis, jumps = walk.settings.forward_axis, walk.jumps.spans
-    poses = walk.track.history
-    return follow_commands(commands, poses, jumps, axis, stepping, walk.period_s)
+    @property
+    def contacts_known(self) -> bool:
+        """Whether the contacts of all feet are known, on one clock."""
+        known = all(foot.contact_known or foot.record.start is None for foot in self.feet)
+        return known and not self.feet_clocks_are_apart
 
-
-def _imu(walk: Stats, inertial: "VectorHistory | None") -> "ImuComparison | None":
-    """Compare accelerometer, forces and poses, in logs that have all of them."""
-    if inertial is None:
-        return None
-    from dogbot_logtool.core.imu import compare_imu  # noqa: PLC0415
-
-    comparable = walk.vertical_known and not (walk.feet_clocks_are_apart or walk.base_is_apart)
-    strides = any_strides(walk.records, walk.fallen, walk.standing.without_steps)
-    return compare_imu(
-        inertial,
-        walk.poses,
-        walk.jumps.spans,
-        walk.records if comparable else (),
-        mass_kg=walk.settings.mass_kg,
-        mounting=walk.settings.imu_mounting,
-        period_s=walk.period_s,
-        fallen=walk.fallen,
-        strides=timespans.merge(strides),
-    )
-
-
-def _extent(feet: Sequence[FootHistory], base: BaseHistory) -> tuple[int, int]:
-    """First and last time of any used message, ns; zeros in an empty log."""
-    starts = [foot.start for foot in feet if foot.start is not None]
-    ends = [foot.end for foot in feet if foot.end is not None]
-    if len(base.time):
-        starts.append(int(base.time[0]))
-        ends.append(int(base.time[-1]))
-    return min(starts, default=0), max(ends, default=0)
-
-
-def _with_legs(
-    stats: Stats,
-    recording: Recording,
-    corrected: Corrected,
-    settings: "LegSettings",
-    frames: "TransformBuffer",
-) -> Stats:
-    """Add the metrics of the legs."""
-    from dogbot_logtool.core.leg_evaluation import with_legs  # noqa: PLC0415
-
-    clocks = clocks_of_joints(corrected, recording.joints)
-    return with_legs(stats, recording.joints, settings, frames, clocks)
+    def seconds(self, time: Ints) -> list[float]:
+        """Return times as seconds since the origin, to the nanosecond."""
+        return [each / 1e9 for each in (time - self.origin).tolist()]

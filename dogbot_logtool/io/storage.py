@@ -9,11 +9,11 @@ import re
 import stat
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final, TypeVar
 from urllib.parse import urlsplit
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, ExtraMissingError, LogtoolError, StoreError
 
 if TYPE_CHECKING:

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from dogbot_logtool.core.frames.transforms import (
 )
 from dogbot_logtool.core.legs.joints import MOST_JOINTS, JointSamples, JointTable
 from dogbot_logtool.core.plausible import plausible_odometry
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss
 from dogbot_logtool.reader.messages.bases import BasePoses, joined_poses
 from dogbot_logtool.reader.messages.contacts import ReadContacts, read_contacts

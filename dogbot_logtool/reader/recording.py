@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Final, Protocol, TypeVar
 
@@ -14,7 +14,6 @@ from dogbot_logtool.core.contact.contacts import Samples, no_samples, without_co
 from dogbot_logtool.core.frames.transforms import concatenate_transforms, no_transforms
 from dogbot_logtool.core.legs.joints import MOST_JOINTS, JointSamples, JointTable
 from dogbot_logtool.core.recording import Recording, Times, VectorTopic
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Loss, Span
 from dogbot_logtool.reader.growing import LARGEST_IN_MEMORY, GrowingColumns
 from dogbot_logtool.reader.messages.gazebo import UNTIMED

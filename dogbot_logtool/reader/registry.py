@@ -3,9 +3,9 @@
 The code of a container is imported when such a log is opened.
 """
 
+from dataclasses import dataclass
 from typing import Final
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.signatures import BAG_MAGIC, MCAP_MAGIC, SQLITE_MAGIC
 
 
@@ -29,8 +29,8 @@ class Container:
 
 
 CONTAINERS: Final = (
-    Container(BAG_MAGIC, ".bag", "bag.log", is_scanned=True),
-    Container(MCAP_MAGIC, ".mcap", "mcap.log", is_scanned=True, is_in_rosbag2=True),
+    Container(BAG_MAGIC, ".bag", "bag.scan", is_scanned=True),
+    Container(MCAP_MAGIC, ".mcap", "mcap.scan", is_scanned=True, is_in_rosbag2=True),
     Container(SQLITE_MAGIC, ".db3", "sqlite.log", is_in_rosbag2=True),
 )
 ROSBAG2_SUFFIXES: Final = tuple(each.suffix for each in CONTAINERS if each.is_in_rosbag2)

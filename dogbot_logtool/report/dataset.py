@@ -15,7 +15,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
@@ -23,7 +23,6 @@ from dogbot_logtool import __version__
 from dogbot_logtool.core import metrics
 from dogbot_logtool.core.metrics import SCHEMA_VERSION
 from dogbot_logtool.core.records import Field, fields_of, is_record, to_json
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import (
     DAMAGED,
     CallError,

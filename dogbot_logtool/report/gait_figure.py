@@ -7,6 +7,7 @@ time. All lengths are millimetres on paper.
 
 import io
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, BinaryIO, Final, Literal
 
 import numpy as np
@@ -16,8 +17,7 @@ from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.contact.curves import Curve, LoadCurves
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
-from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.errors import ExtraMissingError, LogError
 from dogbot_logtool.io.printable import printable
 
@@ -116,7 +116,7 @@ def _layout(names: Sequence[str], panels: int) -> _Layout:
 
 
 def gait_figure(
-    stats: Stats,
+    stats: Walk,
     curves: Sequence[LoadCurves | None],
     window: tuple[float, float],
 ) -> "Figure":
@@ -164,7 +164,7 @@ def gait_figure(
 
 
 def _draw_rows(
-    axes: "Axes", stats: Stats, names: Sequence[str], window: tuple[float, float]
+    axes: "Axes", stats: Walk, names: Sequence[str], window: tuple[float, float]
 ) -> None:
     """Draw the gait diagram: a row a foot, from top to bottom."""
     for row, (foot, name) in enumerate(zip(stats.feet, names, strict=True)):
@@ -201,7 +201,7 @@ def _name(
 
 
 def _draw_load(
-    axes: "Axes", stats: Stats, row: int, force: Curve, window: tuple[float, float]
+    axes: "Axes", stats: Walk, row: int, force: Curve, window: tuple[float, float]
 ) -> None:
     """Draw what a foot carries over time, with its stances shaded."""
     foot = stats.feet[row]
@@ -215,7 +215,7 @@ def _draw_load(
 
 
 def _line(
-    stats: Stats, foot: FootSteps, force: Curve, window: tuple[float, float]
+    stats: Walk, foot: FootSteps, force: Curve, window: tuple[float, float]
 ) -> tuple[Floats, Floats]:
     """Return s since the log's start, and body weights or N, over a window and no further."""
     time, load = force.line(foot.record.gaps)
@@ -228,7 +228,7 @@ def _line(
 
 def _shade_unknown(
     axes: "Axes",
-    stats: Stats,
+    stats: Walk,
     foot: FootSteps,
     window: tuple[float, float],
     height: Mapping[str, Any],
@@ -247,14 +247,14 @@ def _shade_unknown(
     )
 
 
-def _bars(stats: Stats, spans: Ints, window: tuple[float, float]) -> list[tuple[float, float]]:
+def _bars(stats: Walk, spans: Ints, window: tuple[float, float]) -> list[tuple[float, float]]:
     """Return start and width, s, of spans within a window."""
     inside = timespans.intersect([spans, np.array([_limits(stats, window)], np.int64)])
     edges = ((inside - stats.origin) / 1e9).tolist()
     return [(start, end - start) for start, end in edges]
 
 
-def _limits(stats: Stats, window: tuple[float, float]) -> tuple[int, int]:
+def _limits(stats: Walk, window: tuple[float, float]) -> tuple[int, int]:
     start, end = (stats.origin + round(each * 1e9) for each in window)
     return start, end
 

@@ -1,11 +1,11 @@
 """Views of annotated logs, set up for viewers."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from math import floor, log10, radians
 from typing import Any, Final
 
 from dogbot_logtool.core.scene.foot_style import foot_colour
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.reader.containers.loss import SOUND, Damage
 from dogbot_logtool.writer.topics import (

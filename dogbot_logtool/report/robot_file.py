@@ -6,11 +6,10 @@ as a comment, for a person to check.
 
 import textwrap
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 from dogbot_logtool.core.metrics import WalkMetrics
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.toml_table import to_toml, toml_values
 from dogbot_logtool.reader.foot import Foot

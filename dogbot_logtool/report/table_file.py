@@ -16,13 +16,13 @@ from dogbot_logtool.core.checks.voids import void_columns
 from dogbot_logtool.core.legs.swings import STEPS, SWINGS
 from dogbot_logtool.core.metrics import Stride
 from dogbot_logtool.core.records import fields_of
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.errors import CallError, ExtraMissingError
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.results import StrideTable
 
 
-def stride_table(stats: Stats, void: Sequence[str] = ()) -> StrideTable:
+def stride_table(stats: Walk, void: Sequence[str] = ()) -> StrideTable:
     """Gather the strides of all feet.
 
     Args:
@@ -38,7 +38,7 @@ def stride_table(stats: Stats, void: Sequence[str] = ()) -> StrideTable:
     return StrideTable(tuple(names), columns)
 
 
-def foot_strides(stats: Stats, row: int, void: Sequence[str] = ()) -> Mapping[str, Floats]:
+def foot_strides(stats: Walk, row: int, void: Sequence[str] = ()) -> Mapping[str, Floats]:
     """Return the metrics of each stride of a foot, (strides,) by name; NaN where not known."""
     foot = stats.feet[row]
     strides, figures = foot.strides, foot.stances.figures

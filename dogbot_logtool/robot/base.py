@@ -5,10 +5,9 @@ A base is a topic, and where its messages hold poses of several things an elemen
 """
 
 from collections.abc import Collection, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed

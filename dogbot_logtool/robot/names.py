@@ -19,11 +19,11 @@ One name alone misleads: ``rl_controller`` is no left hind leg and the ``front``
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import combinations
 from typing import Final
 
 from dogbot_logtool.core.leg_position import LegPosition
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.robot.readings import Reading, describing, is_doubtful, part_of, readings_of
 from dogbot_logtool.robot.words import (
     ENDS,

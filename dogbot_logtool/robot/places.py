@@ -6,12 +6,15 @@ from dogbot_logtool.core.frames.transforms import chain_of_frames
 from dogbot_logtool.core.frames.wrench_frame import FramePoint
 from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.robot.names import name_feet
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.words import Part
 
 
-def sensor_points(selection: Selection, frames: KnownFrames) -> list[FramePoint | None]:
+def sensor_points(
+    selection: Selection, frames: KnownFrames, settings: WalkSettings
+) -> list[FramePoint | None]:
     """Return the position of each foot without contact points; None: it has some, or no force.
 
     It is at the frame of the robot's file or of its messages; where the log's transforms do not
@@ -27,7 +30,7 @@ def sensor_points(selection: Selection, frames: KnownFrames) -> list[FramePoint 
         if any(source.in_base for source in sources):
             points.append(FramePoint(frames.base, recorded=True))
             continue
-        if not selection.knows_force(foot) or any(source.has_points for source in sources):
+        if not settings.feet[foot].has_force or any(source.has_points for source in sources):
             points.append(None)
             continue
         frame = described.frame or frames.links[foot]

@@ -1,11 +1,11 @@
 """All the ways in which words of a name can be read as those of a leg."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
 
 from dogbot_logtool.core.leg_position import LegPosition
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.robot.words import (
     END_FIRST,
     ENDS,

@@ -1,12 +1,11 @@
 """A robot, as known before its log is opened: feet, topics, frames, mass, thresholds."""
 
 from collections.abc import Sequence
-from dataclasses import MISSING, replace
+from dataclasses import MISSING, dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Final
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.toml_table import (
     TomlFile,

@@ -4,13 +4,13 @@ Each thing that speaks for or against them is a mark: points, and a reason for p
 """
 
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, norms, percentiles_of
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.robot.words import MERITS, Part, words_of
 
 Mark = tuple[int, str]

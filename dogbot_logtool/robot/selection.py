@@ -4,12 +4,11 @@ Topics are given by the robot's file or options, or found.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.io.printable import MOST, listed, printable, shell_joined
+from dogbot_logtool.io.printable import MOST, printable, shell_joined
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
@@ -63,8 +62,6 @@ class Selection:
     findings: tuple[Finding, ...]
     possible_feet: tuple[FootCandidates, ...] = ()
     """Fields that may be feet, the most likely first, where no topics are; see also `findings`."""
-    forceless: frozenset[int] = frozenset()
-    """Feet whose messages have forces that are always zero."""
     ignores_flags: bool = False
     """Whether forces decide contact, since they contradict the contact flags of the messages."""
     base: Base | None = None
@@ -128,19 +125,10 @@ class Selection:
         if self.contact_from:
             return self.contact_from == "joint_torques"
         scaled = self.robot.feet[foot].newtons_per_count is not None
-        return foot not in self.forceless and all(
+        return all(
             source.has_force and (scaled or source.row.unit == "N")
             for source in self.sources_of(foot)
         )
-
-    def without_forces(self, forceless: frozenset[int]) -> "Selection":
-        """Return the selection for a log whose wrenches of some feet are always zero."""
-        if not forceless or self.contact_from:
-            return self
-        names = [self.robot.feet[foot].name for foot in sorted(forceless)]
-        text = f"all wrenches of {listed(names)} are zero: contacts without forces"
-        findings = (*self.findings, Finding("NO_FORCE", text))
-        return replace(self, forceless=forceless, findings=findings)
 
     def wanted(self) -> Wanted:
         """Return what is read of base, feet and frames."""

@@ -8,12 +8,12 @@ Words that are written together are taken apart only if every piece is in the ta
 
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from enum import IntEnum
 from functools import lru_cache
 from typing import Final
 
 from dogbot_logtool.core.leg_position import LegPosition
-from dogbot_logtool.dataclass import dataclass
 
 ENDS: Final[Mapping[str, str]] = {
     **dict.fromkeys(("front", "fore", "anterior"), "front"),

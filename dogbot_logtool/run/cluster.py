@@ -10,10 +10,10 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import Any, Final
 
 from dogbot_logtool import __version__
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, ExtraMissingError, LogtoolError
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.run.executor import AHEAD, ExecutorRunner, RunLost

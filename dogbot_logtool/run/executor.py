@@ -3,12 +3,11 @@
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
-from dataclasses import field
+from dataclasses import dataclass, field
 from itertools import islice
 from queue import Empty, SimpleQueue
 from typing import Any, ClassVar, Final, Generic
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.run.runner import Failure, Progress, Result, Runner, Work
 
 AHEAD: Final = 2000

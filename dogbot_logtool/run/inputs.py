@@ -5,11 +5,10 @@ import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath, PurePosixPath
 from typing import TYPE_CHECKING, Final
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, LogtoolError
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location

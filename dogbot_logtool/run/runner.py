@@ -7,9 +7,9 @@ other.
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any, Final, Generic, Literal, Protocol, Self, TypeVar
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogtoolError, StoreError
 
 Item = TypeVar("Item")

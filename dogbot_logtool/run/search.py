@@ -5,10 +5,9 @@ import os
 import re
 from collections import deque
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path, PurePath
 from typing import Final
-
-from dogbot_logtool.dataclass import dataclass
 
 _ANY_DEPTH: Final = r"(?:^|(?<=/))\*\*(?:/+\*\*)*(?:/+|$)"
 """``**`` as a whole part of a pattern, or several in a row."""

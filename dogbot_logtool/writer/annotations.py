@@ -1,13 +1,14 @@
 """The messages that we add: transforms, arrows, loads, support and the robot, made of columns."""
 
 import struct
-from collections.abc import Iterator, Sequence
-from functools import lru_cache, partial
-from typing import Final
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Final, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, rows_by_group
 from dogbot_logtool.core.base.poses import Transforms
 from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.scene.arrows import Arrows
@@ -16,27 +17,21 @@ from dogbot_logtool.core.scene.labels import Labels
 from dogbot_logtool.core.scene.legs import LegLines
 from dogbot_logtool.core.scene.loads import Loads
 from dogbot_logtool.core.scene.support_scene import SupportScene
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.writer import drawing
 from dogbot_logtool.writer.channels import AddedChannels
-from dogbot_logtool.writer.drawing import ArrowLook, SupportLook, SupportShape
+from dogbot_logtool.writer.drawing import ArrowLook, Drawing, SupportLook, SupportShape
 from dogbot_logtool.writer.encodings.encoding import LOAD_STATES, Encoding, MessageType
-from dogbot_logtool.writer.message_records import (
-    MessageRecords,
-    by_channel,
-    kept_template,
-    recorded,
-)
+from dogbot_logtool.writer.message_records import MessageRecords, by_channel, recorded
 from dogbot_logtool.writer.messages import (
-    fill_arrows,
-    fill_labels,
-    leg_records,
-    load_records,
-    shown_records,
-    support_records,
-    transform_records,
+    arrow_columns,
+    label_columns,
+    leg_columns,
+    load_columns,
+    support_columns,
+    support_points,
+    transform_columns,
 )
-from dogbot_logtool.writer.template import TEMPLATES_KEPT, Template
+from dogbot_logtool.writer.template import Columns, Records, Template
 from dogbot_logtool.writer.topics import (
     EVENTS_TOPIC,
     GAIT_TOPIC,
@@ -50,8 +45,34 @@ from dogbot_logtool.writer.topics import (
     load_topic,
 )
 
+_TEMPLATES_KEPT: Final = 1024
+"""Templates that are kept for later messages and for other logs of a run."""
 _CDR_HEAD: Final = b"\x00\x01\x00\x00"
 """Little-endian CDR."""
+
+
+class Timed(Protocol):
+    """Columns with times."""
+
+    @property
+    def log_time(self) -> Ints:
+        """(n,) ns."""
+
+    @property
+    def stamp(self) -> Ints:
+        """(n,) ns."""
+
+
+class Shown(Timed, Protocol):
+    """Columns of what is shown at feet, or removed."""
+
+    @property
+    def foot(self) -> Ints:
+        """(n,) index of the foot."""
+
+    @property
+    def shown(self) -> Flags:
+        """(n,) False: it is removed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +120,7 @@ class Annotations:
     """The annotations of one output; called in several threads or processes at once."""
 
     def __init__(self, encoding: Encoding, wanted: WantedAnnotations, added: AddedChannels) -> None:
-        """Declare their channels, and learn the templates of their messages.
+        """Declare their channels.
 
         Args:
             encoding: of the messages.
@@ -110,35 +131,16 @@ class Annotations:
             LogtoolError: the log uses all ids that there are.
         """
         self.encoding, self.added, self._wanted = encoding, added, wanted
-        feet, frame = wanted.feet, wanted.world_frame
-        # All messages of an encoding have times in the same form.
-        self._timed = kept_template(encoding.load, 0, LOAD_STATES[0])
-        self._base: Template | None = None
-        self._links: Template | None = None
+
+        def of_feet(topic_of: Callable[[str], str], kind: MessageType) -> list[int]:
+            return [added.declare(topic_of(foot), kind) for foot in wanted.feet]
+
+        self._tf = self._support = self._legs = self._description = 0
         if wanted.base_transform or wanted.links:
-            channel = added.declare(TF_TOPIC, encoding.transform_type)
-            if wanted.base_transform:
-                pair = frame, wanted.base_frame
-                self._base = kept_template(encoding.transforms, channel, (pair,))
-            if wanted.links:
-                self._links = kept_template(encoding.transforms, channel, tuple(wanted.links))
-        arrows = [added.declare(arrow_topic(foot), encoding.arrow_type) for foot in feet]
-        loads = [added.declare(load_topic(foot), encoding.load_type) for foot in feet]
-        labels = [added.declare(label_topic(foot), encoding.arrow_type) for foot in feet]
-        self._arrows = [
-            self._shown(channel, drawing.arrow(foot, frame, wanted.arrows))
-            for foot, channel in zip(feet, arrows, strict=True)
-        ]
-        self._loads = [
-            kept_template(encoding.load, channel, state)
-            for channel in loads
-            for state in LOAD_STATES
-        ]
-        self._labels = [
-            self._shown(channel, drawing.label(foot, frame, name))
-            for foot, name, channel in zip(feet, short_names(feet), labels, strict=True)
-        ]
-        self._support = self._legs = self._description = 0
+            self._tf = added.declare(TF_TOPIC, encoding.transform_type)
+        self._arrows = of_feet(arrow_topic, encoding.arrow_type)
+        self._loads = of_feet(load_topic, encoding.load_type)
+        self._labels = of_feet(label_topic, encoding.arrow_type)
         if wanted.support is not None:
             self._support = added.declare(SUPPORT_TOPIC, encoding.support_type)
         if wanted.legs is not None:
@@ -146,14 +148,6 @@ class Annotations:
         if wanted.description is not None:
             self._description = added.declare(ROBOT_DESCRIPTION_TOPIC, wanted.description)
         self.event_channels = _event_channels(encoding, added)
-
-    def _shown(self, channel: int, drawn: drawing.Drawing) -> tuple[Template, Template]:
-        """Return the messages that draw something, and remove it."""
-        encoding = self.encoding
-        return (
-            kept_template(encoding.drawing, channel, drawn),
-            kept_template(encoding.removal, channel, drawn),
-        )
 
     def robot_description(self, urdf: str, log_time: int) -> MessageRecords:
         """Return the message that describes the robot."""
@@ -167,56 +161,129 @@ class Annotations:
         """Yield the messages of a batch; see `by_channel`."""
         return by_channel(self._parts(columns))
 
-    def _parts(self, columns: AnnotationColumns) -> Iterator[NDArray[np.void]]:
+    def _parts(self, columns: AnnotationColumns) -> Iterator[Records]:
         """Yield the records of a batch, channel by channel."""
-        stamps = partial(self._timed.stamps, "stamp")
-        if self._base is not None:
+        wanted = self._wanted
+        if wanted.base_transform:
             base = columns.transforms
-            places = base.translation[:, None], base.rotation[:, None]
-            yield transform_records(self._base, base.log_time, base.stamp, *places)
-        if self._links is not None:
-            for links in columns.links:
-                places = links.poses.translation, links.poses.rotation
-                yield transform_records(self._links, links.log_time, links.stamp, *places)
-        for arrows in columns.arrows:
-            fill = partial(fill_arrows, arrows)
-            yield from shown_records(self._arrows, arrows, stamps(arrows.stamp), fill)
-        for loads in columns.loads:
-            yield from load_records(self._loads, loads, stamps(loads.stamp))
-        for labels in columns.labels:
-            fill = partial(fill_labels, labels)
-            yield from shown_records(self._labels, labels, stamps(labels.stamp), fill)
-        yield from self._scene_parts(columns)
-
-    def _scene_parts(self, columns: AnnotationColumns) -> Iterator[NDArray[np.void]]:
-        """Yield the records of what is drawn of the whole robot."""
-        wanted, frame, stamps = self._wanted, self._wanted.world_frame, self._timed.stamps
-        if wanted.support is not None:
-            support = partial(
-                _support_template, self.encoding, self._support, frame, wanted.support
+            pair = (wanted.world_frame, wanted.base_frame)
+            yield from self._transforms(
+                (pair,), base, base.translation[:, None], base.rotation[:, None]
             )
+        for links in columns.links if wanted.links else ():
+            poses = links.poses
+            yield from self._transforms(
+                tuple(wanted.links), links, poses.translation, poses.rotation
+            )
+        draw_arrow = [
+            drawing.arrow(foot, wanted.world_frame, wanted.arrows) for foot in wanted.feet
+        ]
+        for arrows in columns.arrows:
+            yield from self._shown(self._arrows, draw_arrow, arrows, arrow_columns(arrows))
+        for loads in columns.loads:
+            group = len(LOAD_STATES) * loads.foot + loads.state
+            yield from self._grouped(group, self._load, loads, load_columns(loads))
+        names = zip(wanted.feet, short_names(wanted.feet), strict=True)
+        draw_label = [drawing.label(foot, wanted.world_frame, name) for foot, name in names]
+        for labels in columns.labels:
+            yield from self._shown(self._labels, draw_label, labels, label_columns(labels))
+        if wanted.support is not None:
             for scene in columns.support:
-                yield from support_records(support, scene, stamps("stamp", scene.stamp))
+                yield from self._supports(scene, wanted.support)
         if wanted.legs is not None:
-            legs = partial(_legs_template, self.encoding, self._legs, frame, wanted.legs)
             for lines in columns.legs:
-                yield from leg_records(legs, lines, stamps("stamp", lines.stamp))
+                yield from self._leg_lines(lines, wanted.legs)
+
+    def _transforms(
+        self,
+        pairs: tuple[tuple[str, str], ...],
+        timed: Timed,
+        translation: Floats,
+        rotation: Floats,
+    ) -> Iterator[Records]:
+        """Yield messages of the transforms of some parents and children."""
+        template = kept_template(self.encoding.transforms, pairs)
+        columns = transform_columns(translation, rotation)
+        same = np.zeros(len(timed.stamp), np.int64)
+        return self._grouped(same, lambda _: (self._tf, template), timed, columns)
+
+    def _shown(
+        self,
+        channels: Sequence[int],
+        drawings: Sequence[Drawing],
+        shown: Shown,
+        columns: Columns,
+    ) -> Iterator[Records]:
+        """Yield messages that draw something at a foot, or remove it."""
+
+        def template_of(group: int) -> tuple[int, Template]:
+            foot, removed = divmod(group, 2)
+            make = self.encoding.removal if removed else self.encoding.drawing
+            return channels[foot], kept_template(make, drawings[foot])
+
+        return self._grouped(2 * shown.foot + ~shown.shown, template_of, shown, columns)
+
+    def _load(self, group: int) -> tuple[int, Template]:
+        foot, state = divmod(group, len(LOAD_STATES))
+        return self._loads[foot], kept_template(self.encoding.load, LOAD_STATES[state])
+
+    def _supports(self, scene: SupportScene, look: SupportLook) -> Iterator[Records]:
+        """Yield messages of what the robot stands on, those of one shape at a time."""
+        points = [each for _, each in support_points(scene)]
+        sizes = [each.shape[1] + 1 for each in points]
+        counts = [np.isfinite(each[:, :, 0]).sum(axis=1) for each in points]
+
+        def template_of(group: int) -> tuple[int, Template]:
+            shape = SupportShape(*map(int, np.unravel_index(group, sizes)))
+            drawn = drawing.support(shape, self._wanted.world_frame, look)
+            return self._support, kept_template(self.encoding.drawing, drawn)
+
+        group = np.ravel_multi_index(counts, sizes)
+        return self._grouped(group, template_of, scene, support_columns(scene))
+
+    def _leg_lines(self, lines: LegLines, look: SupportLook) -> Iterator[Records]:
+        """Yield messages of legs, those of the same standing feet at a time."""
+        standing = np.isfinite(lines.ends[:, :, 0, 0])
+        patterns, group = np.unique(standing, axis=0, return_inverse=True)
+
+        def template_of(group: int) -> tuple[int, Template]:
+            feet = tuple(np.flatnonzero(patterns[group]).tolist())
+            make = self.encoding.drawing if feet else self.encoding.removal
+            drawn = drawing.legs(feet, self._wanted.world_frame, look)
+            return self._legs, kept_template(make, drawn)
+
+        return self._grouped(group.reshape(-1), template_of, lines, leg_columns(lines))
+
+    def _grouped(
+        self,
+        group: Ints,
+        template_of: Callable[[int], tuple[int, Template]],
+        timed: Timed,
+        columns: Columns,
+    ) -> Iterator[Records]:
+        """Yield the messages of rows that share a channel and a template.
+
+        Args:
+            group: (n,) number of each row's channel and template.
+            template_of: returns these.
+            timed: (n,) times.
+            columns: (n,) of all slots but the stamps.
+        """
+        stamped = {**columns, **self.encoding.stamp_columns(timed.stamp)}
+        for number, rows in rows_by_group(group):
+            channel, template = template_of(number)
+            yield template.records(channel, timed.log_time, stamped, rows)
 
 
-@lru_cache(TEMPLATES_KEPT)
-def _support_template(
-    encoding: Encoding, channel: int, frame: str, look: SupportLook, shape: SupportShape
-) -> Template:
-    return kept_template(encoding.drawing, channel, drawing.support(shape, frame, look))
+@lru_cache(_TEMPLATES_KEPT)
+def kept_template(make: Callable[..., Template], *of: Hashable) -> Template:
+    """Return a template, which outputs that are alike share.
 
-
-@lru_cache(TEMPLATES_KEPT)
-def _legs_template(
-    encoding: Encoding, channel: int, frame: str, look: SupportLook, feet: tuple[int, ...]
-) -> Template:
-    """Return a message that draws the legs of some feet; without any, one that removes them all."""
-    message = encoding.drawing if feet else encoding.removal
-    return kept_template(message, channel, drawing.legs(feet, frame, look))
+    Args:
+        make: method of an encoding that makes it.
+        of: what the method takes.
+    """
+    return make(*of)
 
 
 def description_type(profile: str) -> MessageType:

@@ -2,7 +2,8 @@
 
 import struct
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Final, Literal
 
 import lz4.frame
@@ -13,9 +14,9 @@ from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
-from dogbot_logtool.core.arrays import Bytes, Ints, stable_order
-from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.core.arrays import Bytes, Ints, rows_by_group
 from dogbot_logtool.writer.message_records import MessageRecords
+from dogbot_logtool.writer.template import RECORD_HEAD_SIZE
 
 Compression = Literal["zstd", "lz4", "none"]
 CHUNK_SIZE: Final = 1 << 20
@@ -26,7 +27,6 @@ a twelfth less time, for files of the same size. Level -1 would take another qua
 that are 2 to 3 % larger."""
 _INDEX_HEAD: Final = struct.Struct("<BQHI")
 """A message index record up to its entries: opcode, length, channel, bytes of the entries."""
-_RECORD_HEAD_SIZE: Final = 9
 _INDEX_ENTRY: Final = np.dtype([("log_time", "<i8"), ("offset", "<u8")])
 
 
@@ -48,10 +48,6 @@ class FinishedChunk:
     """The whole chunk record; an array, which is sent between processes without a copy."""
     index: Bytes
     """The message index records that follow it."""
-    index_offsets: Mapping[int, int]
-    """Offset of each channel's message index record in `index`."""
-    counts: Mapping[int, int]
-    """Messages by channel id."""
     start_time: int
     """ns, earliest log time; also `end_time`."""
     end_time: int
@@ -83,7 +79,7 @@ def chunk_rows(bounds: Ints) -> Iterator[slice]:
 def finish_chunk(messages: MessageRecords, compression: Compression) -> FinishedChunk:
     """Compress the messages of one chunk and index them."""
     data = messages.data
-    start, end = _range(messages.log_time)
+    start, end = time_range(messages.log_time)
     compressed = _compress(data, compression)
     name = "" if compression == "none" else compression
     builder = RecordBuilder()
@@ -95,90 +91,41 @@ def finish_chunk(messages: MessageRecords, compression: Compression) -> Finished
         uncompressed_crc=crc32(data.data),
         uncompressed_size=len(data),
     ).write(builder)
-    return indexed_chunk(
-        np.frombuffer(builder.end(), np.uint8),
-        messages.channel,
-        messages.log_time,
-        messages.bounds[:-1],
-        name,
-        len(compressed),
-        len(data),
-    )
+    record = np.frombuffer(builder.end(), np.uint8)
+    index = message_index(messages.channel, messages.log_time, messages.bounds[:-1])
+    return FinishedChunk(record, index, start, end, name, len(compressed), len(data))
 
 
-def indexed_chunk(
-    record: Bytes,
-    channel: Ints,
-    log_time: Ints,
-    offset: Ints,
-    compression: str,
-    compressed_size: int,
-    size: int,
-) -> FinishedChunk:
-    """Give a chunk record, new or recorded, its message index."""
-    count_of = np.bincount(channel)
-    counts = {number: int(count_of[number]) for number in np.flatnonzero(count_of).tolist()}
-    order: Ints | slice = slice(None) if len(counts) == 1 else stable_order(channel)
-    entries = np.empty(len(channel), _INDEX_ENTRY)
-    entries["log_time"] = log_time[order]
-    entries["offset"] = offset[order]
-    data = entries.tobytes()
-    pieces: list[bytes] = []
-    index_offsets: dict[int, int] = {}
-    written = first = 0
-    for number, count in counts.items():
-        index_offsets[number] = written
-        length = count * _INDEX_ENTRY.itemsize
-        pieces.append(_INDEX_HEAD.pack(Opcode.MESSAGE_INDEX, length + 6, number, length))
-        pieces.append(data[first : first + length])
-        written, first = written + _INDEX_HEAD.size + length, first + length
-    start, end = _range(log_time)
-    return FinishedChunk(
-        record=record,
-        index=np.frombuffer(b"".join(pieces), np.uint8),
-        index_offsets=index_offsets,
-        counts=counts,
-        start_time=start,
-        end_time=end,
-        compression=compression,
-        compressed_size=compressed_size,
-        size=size,
-    )
-
-
-def as_indexed(
-    record: Bytes,
-    index: Bytes,
-    times: tuple[int, int],
-    compression: str,
-    compressed_size: int,
-    size: int,
-) -> FinishedChunk:
-    """Return a recorded chunk with its recorded message index.
+def message_index(channel: Ints, log_time: Ints, offset: Ints) -> Bytes:
+    """Return the message index records of a chunk.
 
     Args:
-        record: the chunk record.
-        index: the message index records that follow it.
-        times: ns, earliest and latest log time.
-        compression: of the chunk.
-        compressed_size: bytes of its messages as they are stored.
-        size: bytes of them when decompressed.
+        channel: (n,) channel ids of its messages.
+        log_time: (n,) ns.
+        offset: (n,) of each message's record in the chunk's records.
     """
-    index_offsets: dict[int, int] = {}
-    counts: dict[int, int] = {}
+    pieces: list[bytes] = []
+    for number, rows in rows_by_group(channel):
+        entries = np.empty(len(rows), _INDEX_ENTRY)
+        entries["log_time"], entries["offset"] = log_time[rows], offset[rows]
+        pieces.append(
+            _INDEX_HEAD.pack(Opcode.MESSAGE_INDEX, entries.nbytes + 6, number, entries.nbytes)
+        )
+        pieces.append(entries.tobytes())
+    return np.frombuffer(b"".join(pieces), np.uint8)
+
+
+def indexed_channels(index: Bytes) -> Iterator[tuple[int, int, int]]:
+    """Yield channel, offset and messages of each message index record that lists any."""
     first = 0
     while first < len(index):
         opcode, length, channel, entries = _INDEX_HEAD.unpack_from(index.data, first)
         if opcode == Opcode.MESSAGE_INDEX and entries:
-            index_offsets[channel] = first
-            counts[channel] = entries // _INDEX_ENTRY.itemsize
-        first += _RECORD_HEAD_SIZE + length
-    return FinishedChunk(
-        record, index, index_offsets, counts, *times, compression, compressed_size, size
-    )
+            yield channel, first, entries // _INDEX_ENTRY.itemsize
+        first += RECORD_HEAD_SIZE + length
 
 
-def _range(log_time: Ints) -> tuple[int, int]:
+def time_range(log_time: Ints) -> tuple[int, int]:
     """Return the earliest and the latest time, 0 for none."""
     return (int(log_time.min()), int(log_time.max())) if len(log_time) else (0, 0)
 

@@ -1,12 +1,12 @@
 """What is drawn in the world, in terms of no encoding: arrows, texts, lines and balls."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from enum import Enum
-from typing import Final
+from typing import Final, NamedTuple
 
 from dogbot_logtool.core.scene.foot_style import colour_parts, foot_colour
 from dogbot_logtool.core.scene.styles import LIFETIME_S
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.writer.template import Slot
 
 Point = tuple[Slot, Slot, Slot]
@@ -81,16 +81,15 @@ class ArrowLook:
     """0: for ever."""
 
 
-@dataclass(frozen=True, slots=True)
-class SupportShape:
-    """Content of a support message; messages of one shape have one size."""
+class SupportShape(NamedTuple):
+    """How many points a support message has; messages of one shape have one size."""
 
-    line_points: int
+    line: int
     """Points of the outline."""
-    pressure: bool
-    """Whether the centre of pressure is known; also `projection`, the base's."""
-    projection: bool
-    touchdowns: int
+    pressure: int
+    """1 where the centre of pressure is known; also `projection`, the base's."""
+    projection: int
+    touchdown: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,8 +113,8 @@ def point_slots(prefix: str = "") -> Point:
     return Slot(f"{prefix}x"), Slot(f"{prefix}y"), Slot(f"{prefix}z")
 
 
-def _points(names: Sequence[str]) -> tuple[Point, ...]:
-    return tuple(point_slots(f"{name}.") for name in names)
+def _points(name: str, count: int) -> tuple[Point, ...]:
+    return tuple(point_slots(f"{name}{index}.") for index in range(count))
 
 
 def arrow(foot: str, frame: str, look: ArrowLook) -> Drawing:
@@ -138,44 +137,28 @@ def label(foot: str, frame: str, name: str) -> Drawing:
     return Drawing(foot, "label", frame, LIFETIME_S, (one,))
 
 
-def support_points(shape: SupportShape) -> tuple[list[str], ...]:
-    """Return the names of a support message's points.
-
-    Returns:
-        of the outline, the centre of pressure, the projection and the touchdowns.
-    """
-    return (
-        [f"line{number}" for number in range(shape.line_points)],
-        ["pressure"] * shape.pressure,
-        ["projection"] * shape.projection,
-        [f"touchdown{number}" for number in range(shape.touchdowns)],
-    )
-
-
 def support(shape: SupportShape, frame: str, look: SupportLook) -> Drawing:
     """Draw what the robot stands on: slots of points, and of the colours of line and touchdowns."""
-    line, pressure, projection, touchdowns = support_points(shape)
+    line, pressure, projection, touchdowns = map(_points, shape._fields, shape)
     wide, flat = 1.5 * look.mark_m, 0.25 * look.mark_m
-    colours: tuple[Colour, ...] = tuple((*colour_slots(f"{n}."), 1.0) for n in touchdowns)
     outline = (*colour_slots(), Slot("a"))
+    colours: tuple[Colour, ...] = tuple(
+        (*colour_slots(f"touchdown{index}."), 1.0) for index in range(shape.touchdown)
+    )
     every = (
-        Primitive(Shape.LINE_STRIP, _points(line), look.line_m, colour=outline),
-        Primitive(Shape.BALLS, _points(pressure), wide, wide, _PRESSURE_COLOUR),
-        Primitive(Shape.BALLS, _points(projection), wide, flat, _PROJECTION_COLOUR),
-        Primitive(Shape.BALLS, _points(touchdowns), look.mark_m, flat, _TOUCHDOWN_COLOUR, colours),
+        Primitive(Shape.LINE_STRIP, line, look.line_m, colour=outline),
+        Primitive(Shape.BALLS, pressure, wide, wide, _PRESSURE_COLOUR),
+        Primitive(Shape.BALLS, projection, wide, flat, _PROJECTION_COLOUR),
+        Primitive(Shape.BALLS, touchdowns, look.mark_m, flat, _TOUCHDOWN_COLOUR, colours),
     )
     drawn = tuple(each if each.points else None for each in every)
     return Drawing("support", "support", frame, look.lifetime_s, drawn)
 
 
-def leg_points(legs: int) -> list[str]:
-    """Return the names of the points of some legs' lines: each hip, then its foot."""
-    return [f"{end}{leg}" for leg in range(legs) for end in ("hip", "foot")]
-
-
 def legs(feet: Sequence[int], frame: str, look: SupportLook) -> Drawing:
-    """Draw lines from hips to some feet."""
+    """Draw lines from hips to some feet: slots of both ends."""
+    points = tuple(point_slots(f"{end}{foot}.") for foot in feet for end in ("hip", "foot"))
     ends: list[Colour] = [(*colour_parts(foot_colour(foot)), 1.0) for foot in feet]
     colours = tuple(colour for end in ends for colour in (_HIP_COLOUR, end))
-    lines = Primitive(Shape.LINE_LIST, _points(leg_points(len(feet))), look.mark_m, colours=colours)
+    lines = Primitive(Shape.LINE_LIST, points, look.mark_m, colours=colours)
     return Drawing("legs", "dogbot", frame, look.lifetime_s, (lines,))

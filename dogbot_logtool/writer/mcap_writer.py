@@ -9,7 +9,7 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool import __version__
-from dogbot_logtool.writer.chunks import FinishedChunk
+from dogbot_logtool.writer.chunks import FinishedChunk, indexed_channels
 
 MAGIC = b"\x89MCAP0\r\n"
 _SUMMARY_GROUPS = (
@@ -61,6 +61,7 @@ class McapWriter:
         self._write(chunk.record.data)
         index_start = self._offset
         self._write(chunk.index.data)
+        found = list(indexed_channels(chunk.index))
         index = records.ChunkIndex(
             chunk_length=len(chunk.record),
             chunk_start_offset=chunk_start,
@@ -68,17 +69,15 @@ class McapWriter:
             compressed_size=chunk.compressed_size,
             message_end_time=chunk.end_time,
             message_index_length=len(chunk.index),
-            message_index_offsets={
-                channel: index_start + offset for channel, offset in chunk.index_offsets.items()
-            },
+            message_index_offsets={channel: index_start + offset for channel, offset, _ in found},
             message_start_time=chunk.start_time,
             uncompressed_size=chunk.size,
         )
         self._summary[Opcode.CHUNK_INDEX] += _serialise(index)
         self._numbers["chunks"] += 1
-        for channel, count in chunk.counts.items():
+        for channel, _, count in found:
             self.channel_counts[channel] = self.channel_counts.get(channel, 0) + count
-        if chunk.counts:
+        if found:
             self._start = min(
                 chunk.start_time, chunk.start_time if self._start is None else self._start
             )

@@ -1,32 +1,20 @@
 """MCAP message records of the output, many at a time."""
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from functools import lru_cache
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import groupby
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Bytes, Floats, Ints
-from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.writer.template import TEMPLATES_KEPT, Stamps, Template
-
-MESSAGE_OPCODE: Final = 0x05
-MESSAGE_HEAD: Final = np.dtype(
-    [
-        ("opcode", "u1"),
-        ("length", "<u8"),
-        ("channel", "<u2"),
-        ("sequence", "<u4"),
-        ("log_time", "<i8"),
-        ("publish_time", "<i8"),
-    ]
+from dogbot_logtool.core.arrays import Bytes, Ints
+from dogbot_logtool.writer.template import (
+    MESSAGE_HEAD,
+    MESSAGE_OPCODE,
+    RECORD_HEAD_SIZE,
+    Records,
 )
-"""An MCAP message record up to its payload."""
-_RECORD_HEAD_SIZE: Final = 9
-_USED: Final = ("channel", "log_time", "publish_time")
-"""Fields of the head that are read or written in copies of a template."""
+
 _MANY: Final = 64 << 10
 """Bytes of one channel's messages from which they get chunks of their own."""
 
@@ -91,7 +79,7 @@ def recorded(
     size = end - start
     head = np.empty(len(size), MESSAGE_HEAD)
     head["opcode"] = MESSAGE_OPCODE
-    head["length"] = size + (MESSAGE_HEAD.itemsize - _RECORD_HEAD_SIZE)
+    head["length"] = size + (MESSAGE_HEAD.itemsize - RECORD_HEAD_SIZE)
     head["channel"] = channel
     head["sequence"] = sequence
     head["log_time"] = log_time
@@ -105,96 +93,7 @@ def recorded(
     return MessageRecords(data, record_bounds(size), channel, log_time)
 
 
-@lru_cache(TEMPLATES_KEPT)
-def kept_template(make: Callable[..., Template], channel: int, *of: Hashable) -> Template:
-    """Return a template of records, which outputs that are alike share; see `record_template`.
-
-    Args:
-        make: method of an encoding that makes the template of the payload.
-        channel: id of the channel.
-        of: what the method takes.
-    """
-    return record_template(_learnt(make, *of), channel)
-
-
-@lru_cache(TEMPLATES_KEPT)
-def _learnt(make: Callable[..., Template], *of: Hashable) -> Template:
-    """Return the template of a payload, which is the same on every channel."""
-    return make(*of)
-
-
-def record_template(message: Template, channel: int) -> Template:
-    """Return a template of the records of a message; `write_log_time` completes its copies.
-
-    Args:
-        message: template of the payload.
-        channel: id of the channel.
-    """
-    head = np.zeros((), MESSAGE_HEAD)
-    head["opcode"] = MESSAGE_OPCODE
-    head["length"] = message.size + (MESSAGE_HEAD.itemsize - _RECORD_HEAD_SIZE)
-    head["channel"] = channel
-    used = [field for field in _fields(MESSAGE_HEAD, 0) if field[0] in _USED]
-    numbers = _fields(message.dtype, MESSAGE_HEAD.itemsize)
-    names, formats, offsets = zip(*used, *numbers, strict=True)
-    dtype = np.dtype(
-        {
-            "names": names,
-            "formats": formats,
-            "offsets": offsets,
-            "itemsize": MESSAGE_HEAD.itemsize + message.size,
-        }
-    )
-    return Template(head.tobytes() + message.message, dtype, message.kinds)
-
-
-def _fields(dtype: "np.dtype[np.void]", first: int) -> list[tuple[str, Any, int]]:
-    """Return name, format and offset of a message's numbers; the message begins at `first`."""
-    fields: Mapping[str, tuple[Any, ...]] = dtype.fields or {}
-    return [(name, field[0], first + field[1]) for name, field in fields.items()]
-
-
-def write_log_time(records: NDArray[np.void], log_time: Ints) -> None:
-    """Write log times, ns, into copies of record templates; the publish times are the same."""
-    records["log_time"] = log_time
-    records["publish_time"] = log_time
-
-
-def timed_records(
-    template: Template, log_time: Ints, stamps: Stamps, rows: Ints
-) -> NDArray[np.void]:
-    """Return copies of a template with the times of some rows.
-
-    Args:
-        template: see `record_template`.
-        log_time: (n,) ns.
-        stamps: (n,) in the encoding's form.
-        rows: (m,) of them.
-    """
-    records = template.copies(len(rows))
-    write_log_time(records, log_time[rows])
-    template.write_stamps(records, "stamp", stamps.pick(rows))
-    return records
-
-
-def write_pose(
-    records: NDArray[np.void], position: Floats, orientation: Floats, prefix: str = ""
-) -> None:
-    """Write poses into copies of record templates.
-
-    Args:
-        records: (n,).
-        position: (n, 3) m.
-        orientation: (n, 4) quaternions, x y z w.
-        prefix: of the fields' names.
-    """
-    for axis, column in zip("xyz", position.T, strict=True):
-        records[prefix + axis] = column
-    for axis, column in zip("xyzw", orientation.T, strict=True):
-        records[f"{prefix}q{axis}"] = column
-
-
-def by_channel(parts: Iterable[NDArray[np.void]]) -> Iterator[MessageRecords]:
+def by_channel(parts: Iterable[Records]) -> Iterator[MessageRecords]:
     """Group records by channel: each channel that has many, then the rest together.
 
     Messages of one channel are similar, so they compress better together; and a reader of some
@@ -205,7 +104,7 @@ def by_channel(parts: Iterable[NDArray[np.void]]) -> Iterator[MessageRecords]:
             the other, so that few are in memory at once; parts of a channel that are not
             neighbours make several groups.
     """
-    few: list[NDArray[np.void]] = []
+    few: list[Records] = []
     for _, same in groupby(filter(len, parts), lambda part: int(part["channel"][0])):
         of_channel = list(same)
         if sum(part.nbytes for part in of_channel) < _MANY:
@@ -216,7 +115,7 @@ def by_channel(parts: Iterable[NDArray[np.void]]) -> Iterator[MessageRecords]:
         yield in_time_order(few)
 
 
-def in_time_order(parts: Sequence[NDArray[np.void]]) -> MessageRecords:
+def in_time_order(parts: Sequence[Records]) -> MessageRecords:
     """Return records sorted by log time; at equal times the earlier part comes first.
 
     Args:
@@ -240,7 +139,7 @@ def in_time_order(parts: Sequence[NDArray[np.void]]) -> MessageRecords:
     return MessageRecords(data, bounds, _joined(parts, "channel")[order], log_time[order])
 
 
-def _joined(parts: Sequence[NDArray[np.void]], field: str) -> Ints:
+def _joined(parts: Sequence[Records], field: str) -> Ints:
     return np.concatenate([np.empty(0, np.int64), *(part[field] for part in parts)])
 
 
@@ -250,7 +149,7 @@ def _bounds(size: Ints) -> Ints:
     return bounds
 
 
-def _scatter(target: Bytes, offset: Ints, data: NDArray[np.void]) -> None:
+def _scatter(target: Bytes, offset: Ints, data: Records) -> None:
     """Write pieces of one size at their offsets."""
     if len(offset):
         width = data.dtype.itemsize

@@ -1,25 +1,20 @@
-"""Records of annotations, made of columns."""
+"""What is drawn, as columns of the slots of messages."""
 
-from collections.abc import Callable, Iterator, Sequence
-from typing import Final, Protocol
+from collections.abc import Iterator
+from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, distinct, rows_by_group
+from dogbot_logtool.core.arrays import Float32s, Floats
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.core.scene.foot_style import FOOT_COLOURS, colour_parts, foot_colour
 from dogbot_logtool.core.scene.labels import Labels
 from dogbot_logtool.core.scene.legs import LegLines
 from dogbot_logtool.core.scene.loads import Loads
 from dogbot_logtool.core.scene.support_scene import SupportScene
-from dogbot_logtool.writer.drawing import SHAFT_SHARE, SupportShape, leg_points, support_points
-from dogbot_logtool.writer.encodings.encoding import LOAD_STATES
-from dogbot_logtool.writer.message_records import timed_records, write_log_time, write_pose
-from dogbot_logtool.writer.template import Stamps, Template
+from dogbot_logtool.writer.drawing import SHAFT_SHARE
+from dogbot_logtool.writer.template import Columns
 
-Records = NDArray[np.void]
-"""Copies of a template of records."""
 _COLOURS: Final = np.array([colour_parts(foot_colour(foot)) for foot in range(len(FOOT_COLOURS))])
 """(k, 3) red, green, blue of feet."""
 _LABEL_WIDTH: Final = 6
@@ -28,179 +23,79 @@ _LARGEST_N: Final = 9999.0
 _BEYOND: Final = ">10 kN"
 
 
-class Shown(Protocol):
-    """Columns of what is shown or removed."""
-
-    @property
-    def foot(self) -> Ints:
-        """(n,) index of the foot."""
-
-    @property
-    def log_time(self) -> Ints:
-        """(n,) ns."""
-
-    @property
-    def shown(self) -> Flags:
-        """(n,) False: it is removed."""
+def _parts(names: str, values: Floats | Float32s, prefix: str = "") -> Columns:
+    """Return the parts of vectors, quaternions or colours, (n, parts)."""
+    return {f"{prefix}{name}": column for name, column in zip(names, values.T, strict=True)}
 
 
-def transform_records(
-    template: Template, log_time: Ints, stamp: Ints, translation: Floats, rotation: Floats
-) -> Records:
-    """Return messages of k transforms each.
+def transform_columns(translation: Floats, rotation: Floats) -> Columns:
+    """Return the columns of messages of k transforms each.
 
     Args:
-        template: of a message.
-        log_time: (n,) ns.
-        stamp: (n,) ns.
         translation: (n, k, 3) m.
         rotation: (n, k, 4) quaternions, x y z w.
     """
-    records = template.copies(len(log_time))
-    write_log_time(records, log_time)
-    stamps = template.stamps("0.stamp", stamp)
+    columns: dict[str, Any] = {}
     for index in range(translation.shape[1]):
-        template.write_stamps(records, f"{index}.stamp", stamps)
-        write_pose(records, translation[:, index], rotation[:, index], f"{index}.")
-    return records
+        columns |= _parts("xyz", translation[:, index], f"{index}.")
+        columns |= _parts("xyzw", rotation[:, index], f"{index}.q")
+    return columns
 
 
-def shown_records(
-    templates: Sequence[tuple[Template, Template]],
-    columns: Shown,
-    stamps: Stamps,
-    fill: Callable[[Records, Ints], None],
-) -> Iterator[Records]:
-    """Yield messages that show or remove something, foot by foot.
-
-    Args:
-        templates: of each foot, shown and removed.
-        columns: (n,) of any feet.
-        stamps: their stamps in the encoding's form.
-        fill: writes some rows into copies of a template; a removal has nothing but times.
-    """
-    for group, rows in rows_by_group(2 * columns.foot + ~columns.shown):
-        records = timed_records(templates[group // 2][group % 2], columns.log_time, stamps, rows)
-        if group % 2 == 0:
-            fill(records, rows)
-        yield records
+def arrow_columns(arrows: Arrows) -> Columns:
+    """Return the columns of arrows; an encoding takes the length, or its parts."""
+    return {
+        **_parts("xyz", arrows.position),
+        **_parts("xyzw", arrows.orientation, "q"),
+        **_parts("rgba", arrows.colour),
+        "length": arrows.length,
+        "shaft": SHAFT_SHARE * arrows.length,
+        "head": (1.0 - SHAFT_SHARE) * arrows.length,
+    }
 
 
-def fill_arrows(arrows: Arrows, records: Records, rows: Ints) -> None:
-    """Write some arrows into copies of their template."""
-    write_pose(records, arrows.position.take(rows, 0), arrows.orientation.take(rows, 0))
-    length = arrows.length[rows]
-    if "length" in (records.dtype.names or ()):
-        records["length"] = length
-    else:
-        records["shaft"] = SHAFT_SHARE * length
-        records["head"] = (1.0 - SHAFT_SHARE) * length
-    for part, column in zip("rgba", arrows.colour.take(rows, 0).T, strict=True):
-        records[part] = column
-
-
-def fill_labels(labels: Labels, records: Records, rows: Ints) -> None:
-    """Write some labels into copies of their template."""
-    for axis, column in zip("xyz", labels.position.take(rows, 0).T, strict=True):
-        records[axis] = column
-    records["text"] = [
+def label_columns(labels: Labels) -> Columns:
+    """Return the columns of labels."""
+    text = np.full(len(labels.shown), b"", f"S{_LABEL_WIDTH}")
+    text[labels.shown] = [
         (_BEYOND if force > _LARGEST_N else f"{force:.0f} N").center(_LABEL_WIDTH).encode()
-        for force in labels.force[rows].tolist()
+        for force in labels.force[labels.shown].tolist()
     ]
+    return {**_parts("xyz", labels.position), "text": text}
 
 
-def load_records(templates: Sequence[Template], loads: Loads, stamps: Stamps) -> Iterator[Records]:
-    """Yield messages of loads, those of one foot and state at a time.
-
-    Args:
-        templates: of each foot and of each of its `LOAD_STATES`.
-        loads: (n,) of any feet.
-        stamps: their stamps in the encoding's form.
-    """
-    for group, rows in rows_by_group(len(LOAD_STATES) * loads.foot + loads.state):
-        records = timed_records(templates[group], loads.log_time, stamps, rows)
-        records["in_contact"] = loads.in_contact[rows]
-        records["force"] = loads.force[rows]
-        records["force_bw"] = loads.body_weights[rows]
-        yield records
+def load_columns(loads: Loads) -> Columns:
+    """Return the columns of loads."""
+    return {
+        "in_contact": loads.in_contact,
+        "force": loads.force,
+        "force_bw": loads.body_weights,
+    }
 
 
-def leg_records(
-    template_of: Callable[[tuple[int, ...]], Template], legs: LegLines, stamps: Stamps
-) -> Iterator[Records]:
-    """Yield messages of legs, those of the same standing feet at a time.
-
-    Args:
-        template_of: returns the template of a message of some feet.
-        legs: (n,) times.
-        stamps: the same times in the encoding's form.
-    """
-    standing = np.isfinite(legs.ends[:, :, 0, 0])
-    patterns, pattern = np.unique(standing, axis=0, return_inverse=True)
-    for number, flags in enumerate(patterns):
-        feet = tuple(np.flatnonzero(flags).tolist())
-        rows = np.flatnonzero(pattern.reshape(-1) == number)
-        template = template_of(feet)
-        records = timed_records(template, legs.log_time, stamps, rows)
-        if feet:
-            ends = legs.ends[rows][:, feet].reshape(len(rows), -1, 3)
-            template.point_array(leg_points(len(feet))).view(records)[:] = ends
-        yield records
+def leg_columns(legs: LegLines) -> Columns:
+    """Return the columns of lines from hips to feet."""
+    columns: dict[str, Any] = {}
+    for foot in range(legs.ends.shape[1]):
+        columns |= _parts("xyz", legs.ends[:, foot, 0], f"hip{foot}.")
+        columns |= _parts("xyz", legs.ends[:, foot, 1], f"foot{foot}.")
+    return columns
 
 
-def support_records(
-    template_of: Callable[[SupportShape], Template], scene: SupportScene, stamps: Stamps
-) -> Iterator[Records]:
-    """Yield messages of what the robot stands on, those of one shape at a time.
-
-    Args:
-        template_of: returns the template of a message of a shape.
-        scene: (n,) times.
-        stamps: the same times in the encoding's form.
-    """
-    columns = scene.outline, scene.pressure[:, None], scene.projection[:, None], scene.touchdowns
-    for shape, rows in _shapes(columns):
-        template = template_of(shape)
-        records = template.copies(len(rows))
-        write_log_time(records, scene.log_time[rows])
-        for name in template.kinds:
-            if name.endswith(".sec"):
-                template.write_stamps(records, name.removesuffix(".sec"), stamps.pick(rows))
-        names = support_points(shape)
-        for points, column in zip(names, columns, strict=True):
-            if points:
-                template.point_array(points).view(records)[:] = column[rows, : len(points)]
-        _write_colours(records, names[3], scene.touchdown_feet[rows])
-        if shape.line_points:
-            for part, parts in zip("rgba", scene.colour[rows].T, strict=True):
-                records[part] = parts
-        yield records
+def support_points(scene: SupportScene) -> Iterator[tuple[str, Floats]]:
+    """Yield the points of what the robot stands on, (n, k, 3), by the names of `SupportShape`."""
+    yield "line", scene.outline
+    yield "pressure", scene.pressure[:, None]
+    yield "projection", scene.projection[:, None]
+    yield "touchdown", scene.touchdowns
 
 
-def _write_colours(records: Records, touchdowns: Sequence[str], feet: Ints) -> None:
-    """Give touchdowns the colours of their feet.
-
-    Args:
-        records: (n,) messages of one shape.
-        touchdowns: names of k touchdowns.
-        feet: (n, at least k) indices of their feet.
-    """
-    for column, name in enumerate(touchdowns):
-        of_foot = _COLOURS[feet[:, column] % len(_COLOURS)]
-        for part, values in zip("rgb", of_foot.T, strict=True):
-            records[f"{name}.{part}"] = values
-
-
-def _shapes(columns: Sequence[Floats]) -> Iterator[tuple[SupportShape, Ints]]:
-    """Yield the shapes that occur, and their rows.
-
-    Args:
-        columns: (n, k, 3) outline, pressure, projection and touchdowns; NaN where there are none.
-    """
-    counts = [np.isfinite(column[:, :, 0]).sum(axis=1) for column in columns]
-    sizes = [column.shape[1] + 1 for column in columns]
-    code = np.ravel_multi_index(counts, sizes)
-    for number in distinct(code).tolist():
-        line, pressure, projection, touchdowns = map(int, np.unravel_index(number, sizes))
-        shape = SupportShape(line, bool(pressure), bool(projection), touchdowns)
-        yield shape, np.flatnonzero(code == number)
+def support_columns(scene: SupportScene) -> Columns:
+    """Return the columns of what the robot stands on."""
+    columns = dict(_parts("rgba", scene.colour))
+    for name, points in support_points(scene):
+        for index in range(points.shape[1]):
+            columns |= _parts("xyz", points[:, index], f"{name}{index}.")
+    for index, feet in enumerate(scene.touchdown_feet.T):
+        columns |= _parts("rgb", _COLOURS[feet % len(_COLOURS)], f"touchdown{index}.")
+    return columns

@@ -2,10 +2,11 @@
 
 No wire format is known here but that of single numbers. To find the offsets of the slots, a message
 is serialised twice with numbers that occur nowhere else in it. The copies are a numpy structured
-array, and the numbers are written into its columns.
+array of MCAP message records, and the numbers are written into its columns.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from enum import Enum
 from functools import cache
 from typing import Any, Final
@@ -14,12 +15,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.dataclass import dataclass
 
 Number = float | int | bool | str
+Columns = Mapping[str, NDArray[Any]]
+"""(n,) values of each slot, by name."""
+Records = NDArray[np.void]
+"""(n,) message records of one channel and one size."""
 
-TEMPLATES_KEPT: Final = 1024
-"""Templates that are kept for later messages and for other logs of a run."""
+MESSAGE_OPCODE: Final = 0x05
+MESSAGE_HEAD: Final = np.dtype(
+    [
+        ("opcode", "u1"),
+        ("length", "<u8"),
+        ("channel", "<u2"),
+        ("sequence", "<u4"),
+        ("log_time", "<i8"),
+        ("publish_time", "<i8"),
+    ]
+)
+"""An MCAP message record up to its payload."""
+RECORD_HEAD_SIZE: Final = 9
+"""Bytes of any record's opcode and length."""
 _VARINT_WIDTH: Final = 10
 _VARINT_SHORT: Final = 5
 """Seven-bit groups that hold every number below 2^35."""
@@ -57,104 +73,41 @@ def unfilled(slot: Slot, _kind: Kind) -> Number:
 
 
 @dataclass(frozen=True, slots=True)
-class Stamps:
-    """Times in the form in which a message has them."""
-
-    seconds: NDArray[np.generic]
-    """(n,) of the field's dtype."""
-    nanoseconds: NDArray[np.generic]
-
-    def pick(self, rows: Ints) -> "Stamps":
-        """Return the chosen rows."""
-        return Stamps(self.seconds[rows], self.nanoseconds[rows])
-
-
-@dataclass(frozen=True, slots=True)
-class PointArray:
-    """Points of a message at equal distances, which are written all at once."""
-
-    shape: tuple[int, int]
-    """Number of points, and of numbers in each."""
-    start: int
-    """First byte of the first."""
-    strides: tuple[int, int]
-    """Bytes from one point to the next, and from one number to the next."""
-
-    def view(self, records: NDArray[np.void]) -> NDArray[np.float64]:
-        """Return a view of the points of messages, (messages, points, numbers), to write into."""
-        if not len(records):
-            return np.empty((0, *self.shape))
-        return np.ndarray(
-            (len(records), *self.shape),
-            "<f8",
-            records.view(np.uint8).data,
-            self.start,
-            (records.dtype.itemsize, *self.strides),
-        )
-
-
-@dataclass(frozen=True, slots=True)
 class Template:
-    """A serialised message and the offsets of the numbers that vary."""
+    """A serialised message, and where its numbers stand."""
 
-    message: bytes
+    record: bytes
+    """The message record, of channel 0."""
     dtype: "np.dtype[np.void]"
-    """A field for every number; its size is the message's."""
-    kinds: Mapping[str, Kind]
+    """Fields of the record: those of its head, and one for each place of a number."""
+    slots: Mapping[str, str]
+    """Name of the slot of each place, by the place's field."""
 
-    @property
-    def size(self) -> int:
-        """Bytes of every message."""
-        return len(self.message)
-
-    def copies(self, count: int) -> NDArray[np.void]:
-        """Return (count,) copies of the message, to write into."""
-        records = np.empty(count, f"V{self.size}")
-        records[:] = np.void(self.message)
-        return records.view(self.dtype)
-
-    def point_array(self, points: Sequence[str]) -> PointArray:
-        """Return where some points are in the message.
+    def records(self, channel: int, log_time: Ints, columns: Columns, rows: Ints) -> Records:
+        """Return a record of each of some rows.
 
         Args:
-            points: their names; a point ``p`` has the numbers ``p.x``, ``p.y`` and ``p.z``.
+            channel: id of the channel.
+            log_time: (n,) ns; the publish time is the same.
+            columns: (n,) of at least the template's slots.
+            rows: (m,) of the columns.
         """
-        fields: Mapping[str, tuple[Any, ...]] = self.dtype.fields or {}
-        offsets = np.array([[fields[f"{name}.{axis}"][1] for axis in "xyz"] for name in points])
-        start = int(offsets[0, 0])
-        between = int(offsets[1, 0]) - start if len(points) > 1 else 0
-        within = int(offsets[0, 1]) - start
-        steps = between * np.arange(len(points))[:, None] + within * np.arange(3)
-        if (offsets != start + steps).any() or any(
-            self.kinds[f"{name}.{axis}"] is not Kind.FLOAT64 for name in points for axis in "xyz"
-        ):
-            raise AssertionError(f"{', '.join(points)} are not at equal distances")
-        return PointArray((len(points), 3), start, (between, within))
-
-    def stamps(self, name: str, time: Ints) -> Stamps:
-        """Return times, ns, in the form of the numbers ``name.sec`` and ``name.nanosec``."""
-        # numpy divides by a constant several times faster than it takes the remainder.
-        seconds = time // 1_000_000_000
-        nanoseconds = time - seconds * 1_000_000_000
-        if self.kinds[f"{name}.sec"] is Kind.VARINT:
-            return Stamps(varints(seconds), varints(nanoseconds))
-        return Stamps(seconds, nanoseconds)
-
-    def write_stamps(self, records: NDArray[np.void], name: str, stamps: Stamps) -> None:
-        """Write times into the pair of numbers ``name.sec`` and ``name.nanosec``."""
-        records[f"{name}.sec"] = stamps.seconds
-        records[f"{name}.nanosec"] = stamps.nanoseconds
-
-    def write_time(self, records: NDArray[np.void], name: str, time: Ints) -> None:
-        """Write times, ns; see `write_stamps`."""
-        self.write_stamps(records, name, self.stamps(name, time))
+        copies = np.empty(len(rows), f"V{len(self.record)}")
+        copies[:] = np.void(self.record)
+        records = copies.view(self.dtype)
+        records["channel"] = channel
+        records["log_time"] = records["publish_time"] = log_time[rows]
+        for field, slot in self.slots.items():
+            records[field] = columns[slot][rows]
+        return records
 
 
 def learn(serialise: Callable[[Fill], bytes]) -> Template:
     """Return the template of a message.
 
     Args:
-        serialise: serialises the message with its slots filled.
+        serialise: serialises the message with its slots filled; one slot may stand in several
+            places.
     """
     kinds: dict[str, Kind] = {}
     numbers: dict[str, int] = {}
@@ -167,7 +120,7 @@ def learn(serialise: Callable[[Fill], bytes]) -> Template:
     message = serialise(fill)
     changed = serialise(lambda slot, kind: fill(slot, kind, other=True))
     expected = bytearray(message)
-    offsets = []
+    places: list[tuple[str, int]] = []
     for number, (name, kind) in enumerate(kinds.items()):
         first, second = (_mark(kind, number, other).written for other in (False, True))
         if kind is Kind.BOOL:
@@ -175,21 +128,32 @@ def learn(serialise: Callable[[Fill], bytes]) -> Template:
             found = [i for i, (a, b) in enumerate(zip(message, flipped, strict=True)) if a != b]
         else:
             found = _found(message, first, changed, second)
-        if len(found) != 1:
-            raise AssertionError(f"{name} is not written once, in a fixed width")
-        offsets += found
-        expected[found[0] : found[0] + len(second)] = second
+        if not found:
+            raise AssertionError(f"{name} is not written in a fixed width")
+        for offset in found:
+            expected[offset : offset + len(second)] = second
+            places.append((name, offset))
     if expected != changed:
         raise AssertionError(f"more changes than {', '.join(kinds)}")
+    return _of_places(message, [(name, kinds[name], offset) for name, offset in places])
+
+
+def _of_places(message: bytes, places: list[tuple[str, Kind, int]]) -> Template:
+    """Return the template of a message whose slots stand at some offsets."""
+    head = np.zeros((), MESSAGE_HEAD)
+    head["opcode"] = MESSAGE_OPCODE
+    head["length"] = len(message) + (MESSAGE_HEAD.itemsize - RECORD_HEAD_SIZE)
+    of_head: Mapping[str, tuple[Any, ...]] = MESSAGE_HEAD.fields or {}
+    fields = {name: of_head[name][:2] for name in ("channel", "log_time", "publish_time")}
+    slots = {f"{name} {offset}": name for name, _, offset in places}
+    for name, kind, offset in places:
+        fields[f"{name} {offset}"] = np.dtype(kind.value), MESSAGE_HEAD.itemsize + offset
+    record = head.tobytes() + message
+    formats, offsets = zip(*fields.values(), strict=True)
     dtype = np.dtype(
-        {
-            "names": list(kinds),
-            "formats": [kind.value for kind in kinds.values()],
-            "offsets": offsets,
-            "itemsize": len(message),
-        }
+        {"names": list(fields), "formats": formats, "offsets": offsets, "itemsize": len(record)}
     )
-    return Template(message, dtype, kinds)
+    return Template(record, dtype, slots)
 
 
 @dataclass(frozen=True, slots=True)

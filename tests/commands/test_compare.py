@@ -148,7 +148,7 @@ def test_what_cannot_be_compared_is_said(expected: Path, actual: Path) -> None:
     actual.write_text("[" * 100_000, encoding="utf-8")
     assert "is nested too deeply" in refused(1)
     for path in (expected, actual):
-        path.write_text(f'{"[" * 700}"{path.name}"{"]" * 700}', encoding="utf-8")
+        path.write_text(f'{"[" * 990}"{path.name}"{"]" * 990}', encoding="utf-8")
     assert "is nested too deeply" in refused(1)
     write_log(expected, "1")
     actual.write_bytes(b"rubbish")
@@ -158,8 +158,6 @@ def test_what_cannot_be_compared_is_said(expected: Path, actual: Path) -> None:
     actual.unlink()
     actual.mkdir()
     assert refused(2) == f"{actual}: is a directory, not a log file, and holds no ROS 2 bag"
-    with pytest.raises(CallError, match="--atol"):
-        compare(expected, expected, CompareOptions(atol=-1.0))
 
 
 @pytest.fixture

@@ -52,7 +52,7 @@ def test_every_event_is_a_log_message_at_its_log_time(
     encoding: str, text: str, warning: int
 ) -> None:
     target = converted(TROUBLED, encoding)
-    stats = measured(TROUBLED).stats
+    stats = measured(TROUBLED).walk
     events = stats_json(measured(TROUBLED))["events"]
     found = messages_of(target, "/events")
     assert len(found) == len(events)
@@ -67,7 +67,7 @@ def test_every_event_is_a_log_message_at_its_log_time(
 
 def test_onsets_on_stamps_are_written_at_log_times() -> None:
     target = converted(TROT, "foxglove")
-    stats = measured(TROT).stats
+    stats = measured(TROT).walk
     record = stats.feet[0].record
     recorded = dict(zip(record.track.time.tolist(), record.track.log_time.tolist(), strict=True))
     found = [
@@ -95,7 +95,7 @@ def test_the_gait_is_written_where_it_changes_and_ends(encoding: str) -> None:
 def test_events_are_spans_where_the_schemas_have_them() -> None:
     pytest.importorskip("foxglove_schemas_protobuf.Event_pb2")
     target = converted(TROUBLED, "foxglove")
-    stats = measured(TROUBLED).stats
+    stats = measured(TROUBLED).walk
     events = stats_json(measured(TROUBLED))["events"]
     odd = [each for each in events if each["type"] not in {"touchdown", "lift_off"}]
     found = messages_of(target, "/events/spans")

@@ -57,5 +57,5 @@ def test_spot_s_feet_are_where_it_says(tmp_path: Path) -> None:
         assert feet[leg]["stride_length_m"]["median"] == pytest.approx(
             0.003 * walks.PERIOD, abs=1e-5
         )
-        places = done.stats.feet[walks.LEGS.index(leg)].record.track
+        places = done.walk.feet[walks.LEGS.index(leg)].record.track
         assert np.isfinite(places.point).any()

@@ -40,7 +40,7 @@ def truth(log: str) -> dict[str, Any]:
 @pytest.fixture(scope="module", params=WALKS)
 def walk(request: pytest.FixtureRequest) -> tuple[dict[str, Any], dict[str, Any]]:
     true = truth(request.param)
-    origin = measured(SAMPLE_LOGS / request.param, MeasureOptions()).stats.origin
+    origin = measured(SAMPLE_LOGS / request.param, MeasureOptions()).walk.origin
     true["log"]["start_s"] = true["log"]["start_stamp_s"] - origin / 1e9
     return figures(request.param), true
 

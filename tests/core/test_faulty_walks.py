@@ -10,7 +10,7 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk as MeasuredWalk
 from tests.analysed import analysed, feet_of, with_learnt_sensors
 from tests.core.checks.voided import metrics
 from tests.oracles.straight_walk import (
@@ -25,7 +25,7 @@ from tests.oracles.straight_walk import (
 
 
 @cache
-def usual() -> Stats:
+def usual() -> MeasuredWalk:
     return Walk().measure()
 
 

@@ -9,8 +9,8 @@ import pytest
 from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.core.imu import ForceComparison, ImuComparison, Reading
 from dogbot_logtool.core.recording import VectorTopic
-from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.core.vectors import VectorSamples
+from dogbot_logtool.core.walk import Walk as MeasuredWalk
 from tests.analysed import analysed
 from tests.truth.core_columns import foot_samples, odometry, stats_settings
 from tests.truth.gaits import PACE, TROT, WALK
@@ -25,7 +25,7 @@ def walk(**changes: object) -> Recording:
     return Walk(gait=WALK, seconds=12.0, **changes).recorded(200.0, 100.0)  # type: ignore[arg-type]
 
 
-def measured(recording: Recording, **changes: object) -> Stats:
+def measured(recording: Recording, **changes: object) -> MeasuredWalk:
     settings = stats_settings(recording, imu_topic="/imu/data", **changes)
     samples = [foot_samples(recording, foot) for foot in range(len(recording.feet))]
     sensed = None
@@ -36,18 +36,18 @@ def measured(recording: Recording, **changes: object) -> Stats:
     return analysed(settings, samples, odometry(recording), sensed)
 
 
-def compared(stats: Stats) -> ImuComparison:
+def compared(stats: MeasuredWalk) -> ImuComparison:
     assert stats.imu is not None
     return stats.imu
 
 
-def forces_of(stats: Stats) -> ForceComparison:
+def forces_of(stats: MeasuredWalk) -> ForceComparison:
     forces = compared(stats).forces
     assert forces is not None
     return forces
 
 
-def codes(stats: Stats) -> set[str]:
+def codes(stats: MeasuredWalk) -> set[str]:
     found = findings_of(stats)
     return {each.code for each in found if QUESTION in each.fails or each.code == "IMU_READS"}
 

@@ -9,8 +9,8 @@ from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.settings import FootSettings, StatsSettings
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.settings import FootSettings, WalkSettings
+from dogbot_logtool.core.walk import Walk as MeasuredWalk
 from tests.analysed import analysed
 
 MASS_KG = 20.0
@@ -26,7 +26,7 @@ CORNERS = {
 FEET = tuple(
     FootSettings(name, f"/{name}", (name.split("_")[0], name.split("_")[1])) for name in CORNERS
 )
-SETTINGS = StatsSettings(
+SETTINGS = WalkSettings(
     FEET,
     mass_kg=MASS_KG,
     foot_rolling_m=0.0,
@@ -91,7 +91,7 @@ class Walk:
         position = np.stack([x, zero, zero + 0.45], axis=1)
         return Odometry(stamp, stamp, position, level, velocity, np.zeros_like(position))
 
-    def measure(self, settings: StatsSettings = SETTINGS) -> Stats:
+    def measure(self, settings: WalkSettings = SETTINGS) -> MeasuredWalk:
         return measure([self.samples(foot) for foot in range(4)], self.odometry(), settings)
 
 
@@ -114,14 +114,16 @@ def foot_samples(foot: int, time: Floats, force: Floats, point: Floats) -> Sampl
     )
 
 
-def measure(feet: list[Samples], odometry: Odometry, settings: StatsSettings = SETTINGS) -> Stats:
+def measure(
+    feet: list[Samples], odometry: Odometry, settings: WalkSettings = SETTINGS
+) -> MeasuredWalk:
     return analysed(settings, feet, odometry)
 
 
-def codes(stats: Stats) -> set[str]:
+def codes(stats: MeasuredWalk) -> set[str]:
     return {remark.code for remark in findings_of(stats)}
 
 
-def main_class(stats: Stats) -> str | None:
+def main_class(stats: MeasuredWalk) -> str | None:
     assert stats.main is not None
     return stats.main.gait.name

@@ -9,14 +9,13 @@ import pytest
 from jsonschema import Draft202012Validator
 from rich.console import Console
 
-from dogbot_logtool.commands.stats import measurement_of
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.metrics import NEEDS, SCHEMA_VERSION, WalkMetrics
-from dogbot_logtool.core.settings import FootSettings, StatsSettings
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.settings import FootSettings, WalkSettings
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, finding_kinds
 from dogbot_logtool.reader.containers.loss import Damage, Loss
 from dogbot_logtool.report.documents import stats_json
@@ -25,8 +24,8 @@ from dogbot_logtool.report.table_file import stride_table
 from dogbot_logtool.report.text.gait_diagram import ASCII, default_window, gait_diagram
 from dogbot_logtool.report.text.stats_text import print_report, print_summary
 from dogbot_logtool.report.verdict import summary_row
-from dogbot_logtool.results import LogFacts
 from tests.analysed import analysed
+from tests.measured import LogFacts, measurement_of
 
 START = 1_700_000_000_000_000_000
 PLACES = (("front", "left"), ("front", "right"), ("back", "left"), ("back", "right"))
@@ -69,21 +68,21 @@ def odometry(time: Floats) -> Odometry:
 
 def measured(
     *, feet: int = 4, with_base: bool = True, wrench_frame: WrenchFrame = WrenchFrame.WORLD
-) -> Stats:
+) -> Walk:
     time = np.arange(2001, dtype=np.float64) / 200.0
     names = tuple(FootSettings("_".join(place), f"/{'_'.join(place)}", place) for place in PLACES)
-    settings = StatsSettings(names, 20.0, foot_rolling_m=0.0, wrench_frame=wrench_frame)
+    settings = WalkSettings(names, 20.0, foot_rolling_m=0.0, wrench_frame=wrench_frame)
     samples = [trot_samples(foot, time) for foot in range(feet)]
     poses = odometry(time) if with_base else None
     return analysed(settings, samples, poses)
 
 
 @pytest.fixture(scope="module")
-def trot() -> Stats:
+def trot() -> Walk:
     return measured()
 
 
-def valid_json(stats: Stats, log: LogFacts = FACTS) -> dict[str, Any]:
+def valid_json(stats: Walk, log: LogFacts = FACTS) -> dict[str, Any]:
     """The object as scripts get it: NaN is no JSON."""
     plain = stats_json(measurement_of(stats, log))
     Draft202012Validator(schema(WalkMetrics)).validate(plain)
@@ -91,7 +90,7 @@ def valid_json(stats: Stats, log: LogFacts = FACTS) -> dict[str, Any]:
     return loaded
 
 
-def text_of(stats: Stats, width: int, *, log: LogFacts = FACTS, colour: bool = False) -> str:
+def text_of(stats: Walk, width: int, *, log: LogFacts = FACTS, colour: bool = False) -> str:
     file = io.StringIO()
     console = Console(
         file=file,
@@ -110,7 +109,7 @@ def test_the_schema_is_itself_valid_and_strict() -> None:
     )
 
 
-def test_the_json_says_what_was_walked(trot: Stats) -> None:
+def test_the_json_says_what_was_walked(trot: Walk) -> None:
     figures = valid_json(trot)
     assert figures["schema_version"] == SCHEMA_VERSION
     assert figures["gait"]["name"] == "trot"
@@ -144,11 +143,11 @@ def test_the_json_says_what_was_walked(trot: Stats) -> None:
         measured(feet=2),
         measured(with_base=False),
         measured(wrench_frame=WrenchFrame.LINK),
-        analysed(StatsSettings(())),
+        analysed(WalkSettings(())),
     ],
     ids=["no feet", "nothing", "two feet", "no base", "link frame", "no robot"],
 )
-def test_whatever_is_missing_the_json_is_valid_and_the_report_printed(stats: Stats) -> None:
+def test_whatever_is_missing_the_json_is_valid_and_the_report_printed(stats: Walk) -> None:
     assert valid_json(stats)["findings"]
     for width in (80, 140):
         assert "Data quality: " in text_of(stats, width)
@@ -163,7 +162,7 @@ def test_every_null_of_a_foot_has_a_reason() -> None:
         assert because[f"feet.{name}.peak_vertical_force_n"] == NEEDS["vertical force"]
 
 
-def test_what_the_reader_lost_and_found_is_in_the_quality(trot: Stats) -> None:
+def test_what_the_reader_lost_and_found_is_in_the_quality(trot: Walk) -> None:
     said = [Finding("ROBOT_GUESSED", "a robot", ""), Finding("UNREADABLE", "bad", "/x")]
     damage = Damage("a", (Loss(9, "a chunk", 77, None),))
     log = LogFacts("a", "MCAP", "", None, None, 1, damage, said)
@@ -183,7 +182,7 @@ def test_what_the_reader_lost_and_found_is_in_the_quality(trot: Stats) -> None:
     assert "unknown number of messages and 77 bytes" in text_of(trot, 140, log=log)
 
 
-def test_a_row_a_stride(trot: Stats) -> None:
+def test_a_row_a_stride(trot: Walk) -> None:
     strides = stride_table(trot)
     assert len(strides.foot) == sum(len(foot.strides.stance) for foot in trot.feet)
     assert strides.foot[0] == "front_left"
@@ -193,7 +192,7 @@ def test_a_row_a_stride(trot: Stats) -> None:
     assert first["vertical_impulse_ns"] == pytest.approx(196.2 / 4.0)
 
 
-def test_the_verdict_comes_first(trot: Stats) -> None:
+def test_the_verdict_comes_first(trot: Walk) -> None:
     lines = text_of(trot, 140).splitlines()
     assert lines[0].startswith("trot.bag: ROS 1 bag")
     assert lines[2].startswith("Gait: trot (high confidence: ")
@@ -203,14 +202,14 @@ def test_the_verdict_comes_first(trot: Stats) -> None:
 
 @pytest.mark.parametrize("width", [80, 140])
 def test_no_line_is_wider_than_the_terminal_and_nothing_is_cut_short(
-    trot: Stats, width: int
+    trot: Walk, width: int
 ) -> None:
     text = text_of(trot, width)
     assert max(len(line) for line in text.splitlines()) <= width
     assert "\u2026" not in text
 
 
-def test_without_colour_there_are_no_escapes_and_with_it_the_same_words(trot: Stats) -> None:
+def test_without_colour_there_are_no_escapes_and_with_it_the_same_words(trot: Walk) -> None:
     plain, coloured = text_of(trot, 100), text_of(trot, 100, colour=True)
     assert "\x1b" not in plain
     assert "\x1b[" in coloured
@@ -219,7 +218,7 @@ def test_without_colour_there_are_no_escapes_and_with_it_the_same_words(trot: St
         assert word in coloured
 
 
-def test_the_diagram_is_filled_where_feet_are_down(trot: Stats) -> None:
+def test_the_diagram_is_filled_where_feet_are_down(trot: Walk) -> None:
     """Two strides of a second in 60 characters: a foot is down for 18 of each 30."""
     width = 60 + len("front_right ") + 2
     lines = gait_diagram(trot, width, window=(1.1, 3.1), glyphs=ASCII)
@@ -231,7 +230,7 @@ def test_the_diagram_is_filled_where_feet_are_down(trot: Stats) -> None:
         assert (bar.count("#"), bar[3:15]) == (36, up)
 
 
-def test_the_diagrams_axis_has_labels_under_its_ticks(trot: Stats) -> None:
+def test_the_diagrams_axis_has_labels_under_its_ticks(trot: Walk) -> None:
     width = 60 + len("front_right ") + 2
     *_, ruler, labels = gait_diagram(trot, width, window=(1.0, 4.0), glyphs=ASCII)
     ticks = [place for place, glyph in enumerate(ruler.plain) if glyph == "+"]
@@ -244,13 +243,13 @@ def test_silence_is_drawn_as_unknown_not_as_swing() -> None:
     assert set(lines[3].plain.split()[1]) == {"?"}
 
 
-def test_the_window_chosen_is_a_few_strides(trot: Stats) -> None:
+def test_the_window_chosen_is_a_few_strides(trot: Walk) -> None:
     start, end = default_window(trot)
     assert end - start == pytest.approx(4.0)
     assert 0.0 <= start < end <= 10.0
 
 
-def test_several_logs_have_a_row_each(trot: Stats) -> None:
+def test_several_logs_have_a_row_each(trot: Walk) -> None:
     file = io.StringIO()
     rows = [summary_row(measurement_of(stats, FACTS)) for stats in (trot, measured(feet=0))]
     print_summary(Console(file=file, width=80), rows)

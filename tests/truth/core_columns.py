@@ -5,8 +5,8 @@ import numpy as np
 from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.settings import FootSettings, StatsSettings
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.settings import FootSettings, WalkSettings
+from dogbot_logtool.core.walk import Walk
 from tests.analysed import analysed
 from tests.truth.recording import Recording
 
@@ -44,7 +44,7 @@ def odometry(recording: Recording) -> Odometry:
     )
 
 
-def stats_settings(recording: Recording, **changes: object) -> StatsSettings:
+def stats_settings(recording: Recording, **changes: object) -> WalkSettings:
     """Return settings that are true of the recording, but for what is changed."""
     robot = recording.robot
     lists = recording.kind != "wrench"
@@ -57,7 +57,7 @@ def stats_settings(recording: Recording, **changes: object) -> StatsSettings:
         "wrench_frame": WrenchFrame.WORLD,
         "odometry_topic": robot.odometry_topic,
     }
-    return StatsSettings(feet, **{**known, **changes})  # type: ignore[arg-type]
+    return WalkSettings(feet, **{**known, **changes})  # type: ignore[arg-type]
 
 
 def _position(name: str) -> tuple[str, str] | None:
@@ -65,7 +65,7 @@ def _position(name: str) -> tuple[str, str] | None:
     return (end, side) if side else None
 
 
-def measure(recording: Recording, settings: StatsSettings | None = None) -> Stats:
+def measure(recording: Recording, settings: WalkSettings | None = None) -> Walk:
     """Analyse a recording."""
     samples = [foot_samples(recording, foot) for foot in range(len(recording.feet))]
     return analysed(settings or stats_settings(recording), samples, odometry(recording))

@@ -50,7 +50,7 @@ def write(compression: Compression, batches: int = 3) -> tuple[bytes, list[tuple
         parts = []
         for channel_id, size, count in ((3, 40, 900), (4, 3, 50)):
             times = np.sort(rng.integers(10**9, 2 * 10**9, count)) - batch * 1000
-            payload = rng.integers(0, 256, (count, size), np.uint8).view(f"V{size}").reshape(-1)
+            payload = rng.integers(0, 256, (count, size), np.uint8)
             parts.append(stamped(channel_id, times, payload))
             rows = zip(times.tolist(), payload, strict=True)
             messages.extend((channel_id, time, row.tobytes()) for time, row in rows)
@@ -204,7 +204,7 @@ def test_a_message_at_time_zero_starts_the_file() -> None:
     writer = McapWriter(sink, "")
     writer.add_channel(CHANNELS[1])
     for times in ([5, 6], [0], [7]):
-        payload = np.zeros(len(times), "V1")
+        payload = np.zeros((len(times), 1), np.uint8)
         records_ = stamped(4, np.array(times, np.int64), payload)
         for chunk in finish_chunks(in_time_order([records_]), "none"):
             writer.add_chunk(chunk)

@@ -5,13 +5,13 @@ is not known.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from difflib import get_close_matches
 from enum import StrEnum
 from fnmatch import fnmatchcase
 from typing import Any, Final, TypeGuard
 
 from dogbot_logtool.comparison.rules.limits import Level, Null, Rule, Subject
-from dogbot_logtool.dataclass import dataclass
 
 Json = Mapping[str, Any]
 Value = float | str | bool | None

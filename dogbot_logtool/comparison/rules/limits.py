@@ -12,6 +12,7 @@ stands for dots), and says what is demanded of it.
 import math
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from difflib import get_close_matches
 from enum import StrEnum
 from fnmatch import fnmatchcase
@@ -20,7 +21,6 @@ from typing import Any, Final, TypeVar
 
 from dogbot_logtool.comparison.rules.renamed import new_name
 from dogbot_logtool.core.events.event import EventType
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Severity, finding_kinds
 from dogbot_logtool.io.toml_table import parse_toml, read_toml, shortened

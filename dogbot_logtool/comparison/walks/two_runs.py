@@ -8,12 +8,12 @@ figures, so that each interval is as wide as the number of them asks for (Bonfer
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, median_of
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.loss import Damage
 
 CONFIDENCE: Final = 0.95

@@ -1,12 +1,12 @@
 """How the base leans and turns, by its inertial unit."""
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, added_within, median_of, norms
 from dogbot_logtool.core.rotations import conjugate, multiply, normalised, rotate
-from dogbot_logtool.dataclass import dataclass
 
 SHORT_S: Final = 0.01
 """s before and after a time, over which readings are averaged."""

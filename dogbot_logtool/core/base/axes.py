@@ -13,15 +13,15 @@ from dogbot_logtool.core.base.motion import FORWARD_ANGLES, BaseTrack
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.metrics import Base
-from dogbot_logtool.core.settings import StatsSettings
+from dogbot_logtool.core.settings import WalkSettings
 
 WALKED_M: Final = 0.5
 """m, way to a side from which its direction means something."""
 
 
 def with_forward_axis(
-    settings: StatsSettings, track: BaseTrack, motion: Base | None, *, in_one_world: bool
-) -> StatsSettings:
+    settings: WalkSettings, track: BaseTrack, motion: Base | None, *, in_one_world: bool
+) -> WalkSettings:
     """Let evidence correct a guessed forward axis.
 
     The fore and hind feet's contact points decide. Where these are not known, the motion does, if

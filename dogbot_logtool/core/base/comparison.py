@@ -1,6 +1,6 @@
 """Poses against a second witness of the same motion: the feet, or the twist beside them."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -9,7 +9,6 @@ from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.base.witness import Motion, Witness, motion_in
 from dogbot_logtool.core.rotations import along_heading
-from dogbot_logtool.dataclass import dataclass
 
 FEWEST_STRIDES: Final = 2
 SHORTEST_WAY_M: Final = 0.2

@@ -1,6 +1,7 @@
 """Did the robot fall, or tip over as the recording ends?"""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -11,7 +12,6 @@ from dogbot_logtool.core.base.motion import roll_and_pitch
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.settings import GRAVITY_MPS2
-from dogbot_logtool.dataclass import dataclass
 
 TILT_RAD: Final = np.pi / 3.0
 """A base that leans further lies."""

@@ -1,5 +1,6 @@
 """The point of a foot over time, by messages, transforms or joints."""
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -9,7 +10,6 @@ from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.corrections.clock import advancing, first_at_each_tick
 from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, rotate
-from dogbot_logtool.dataclass import dataclass
 
 RATE_HZ: Final = 200.0
 """At which paths that messages tell are kept."""

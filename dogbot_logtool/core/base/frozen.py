@@ -5,7 +5,7 @@ that the base stays, one pose is right.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -15,7 +15,6 @@ from dogbot_logtool.core.arrays import Floats, Ints, median_of, norms
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.base.witness import Witness, motion_in, stride_windows
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.dataclass import dataclass
 
 SHORTEST_STRIDES: Final = 1.5
 """Strides that one pose must last for."""

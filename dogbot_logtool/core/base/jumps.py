@@ -1,6 +1,6 @@
 """Jumps of the pose: steps between neighbouring poses that are no motion of the base."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -8,7 +8,6 @@ import numpy as np
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of_known, norms
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.settings import GRAVITY_MPS2
-from dogbot_logtool.dataclass import dataclass
 
 SMALLEST_JUMP_M: Final = 0.05
 """m, what is smaller may be noise."""

@@ -7,6 +7,7 @@ With p the place of a standing foot in the base's axes and w the base's turn rat
 by ``v = -(dp/dt + w x p)`` (Roston and Krotkov 1991), in its own axes.
 """
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -14,7 +15,6 @@ import numpy as np
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of_known
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
-from dogbot_logtool.dataclass import dataclass
 
 LONGEST_FLIGHT_S: Final = 0.5
 """s without a standing foot over which the velocity is interpolated; no gait flies for longer."""

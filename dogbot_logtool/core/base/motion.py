@@ -1,6 +1,7 @@
 """How the base moved: path, speed, height, attitude. From poses, never from the recorded twist."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import hypot, prod
 from typing import Final
 
@@ -15,7 +16,6 @@ from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.metrics import Base
 from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.core.settings import GRAVITY_MPS2
-from dogbot_logtool.dataclass import dataclass
 
 AWAY_M: Final = 0.05
 """m, a base that does not get so far away goes nowhere: it stands, and sways."""

@@ -1,7 +1,7 @@
 """A ground that moves, as a treadmill's: standing feet go back alike while the base rests."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -9,7 +9,6 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats, Ints, median_of
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.dataclass import dataclass
 
 FEWEST_STANCES: Final = 6
 SLOWEST_MPS: Final = 0.05

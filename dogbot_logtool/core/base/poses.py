@@ -1,7 +1,7 @@
 """Poses of the base: as recorded, as a history at up to 100 Hz, and without jumps."""
 
 from collections.abc import Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -29,7 +29,6 @@ from dogbot_logtool.core.rotations import (
     roll_pitch_yaw,
     rotate,
 )
-from dogbot_logtool.dataclass import dataclass
 
 LARGEST_LAG_NS: Final = 100_000_000
 """ns: stamps further behind log time are of another clock."""

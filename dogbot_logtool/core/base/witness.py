@@ -6,6 +6,7 @@ from it turn as it turns. Places of feet in the base's axes tell its velocity (`
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -19,7 +20,6 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.places import stance_places
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.rotations import along_heading
-from dogbot_logtool.dataclass import dataclass
 
 TICK_NS: Final = 50_000_000
 """ns, how often feet that rest in the world are looked at."""

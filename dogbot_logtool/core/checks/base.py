@@ -7,51 +7,51 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.base.axes import WALKED_M
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, found
 
 
-def worlds_differ(stats: Stats) -> Iterator[Finding]:
+def worlds_differ(walk: Walk) -> Iterator[Finding]:
     """Yield where base and contact points are not in one world, or drift apart.
 
     The base may also not be above the contact points although it is among them.
     """
-    worlds = stats.worlds
-    if worlds is not None and stats.worlds_differ:
+    worlds = walk.worlds
+    if worlds is not None and walk.worlds_differ:
         yield found(
             "WORLDS_DIFFER",
             "aside",
-            *(("loses_way",) if stats.loses_way else ()),
+            *(("loses_way",) if walk.loses_way else ()),
             where="stability",
             distance=worlds.distance_m,
             largest=worlds.largest_m,
             spread=worlds.spread_m,
             change=max(worlds.change_m, worlds.drift_m),
         )
-    elif worlds is not None and stats.base is not None and stats.base.height_m is None:
+    elif worlds is not None and walk.base is not None and walk.base.height_m is None:
         yield found("WORLDS_DIFFER", "below", where="base.height_m")
 
 
-def falls(stats: Stats) -> Iterator[Finding]:
+def falls(walk: Walk) -> Iterator[Finding]:
     """Yield when the robot falls, or tips over as the recording ends."""
-    tipping = stats.tipping
-    if len(stats.fallen):
-        at, seconds = stats.seconds(stats.fallen[:, 0])[0], timespans.total(stats.fallen) / 1e9
+    tipping = walk.tipping
+    if len(walk.fallen):
+        at, seconds = walk.seconds(walk.fallen[:, 0])[0], timespans.total(walk.fallen) / 1e9
         yield found("FALL", where="base", at=at, seconds=seconds)
     elif tipping is not None:
-        at, last = (tipping.since - stats.origin) / 1e9, tipping.last_rad
+        at, last = (tipping.since - walk.origin) / 1e9, tipping.last_rad
         where, angle = f"base.{tipping.angle}_rad", tipping.angle
         yield found("FALL", where=where, say="tips", angle=angle, at=at, last=last)
 
 
-def poses(stats: Stats) -> Iterator[Finding]:
+def poses(walk: Walk) -> Iterator[Finding]:
     """Yield how many poses are missing or cannot be used."""
-    record = stats.base_history
-    if stats.base is None and (stats.leaning_rad is not None or stats.frozen is not None):
+    record = walk.base_history
+    if walk.base is None and (walk.leaning_rad is not None or walk.frozen is not None):
         return
     if record.messages and record.not_usable == record.messages:
         yield found("NOT_FINITE", "base", where="base", say="useless", poses=record.messages)
-    elif stats.base is None:
+    elif walk.base is None:
         yield found("NO_BASE", "few_poses", where="base")
     else:
         if record.not_usable:
@@ -60,34 +60,34 @@ def poses(stats: Stats) -> Iterator[Finding]:
             yield found("BAD_STAMPS", where="base", say="poses", poses=record.not_advancing)
 
 
-def up_axis(stats: Stats) -> Iterator[Finding]:
+def up_axis(walk: Walk) -> Iterator[Finding]:
     """Yield that z is not up: such poses are left out of all that is computed."""
-    if stats.leaning_rad is not None:
-        yield found("UP_AXIS", where="base", degrees=np.degrees(stats.leaning_rad))
+    if walk.leaning_rad is not None:
+        yield found("UP_AXIS", where="base", degrees=np.degrees(walk.leaning_rad))
 
 
-def height_drifts(stats: Stats) -> Iterator[Finding]:
+def height_drifts(walk: Walk) -> Iterator[Finding]:
     """Yield that the base rises or sinks over the contact points while it walks."""
-    if stats.rise_m:
-        goes, does = ("rises", "stretches") if stats.rise_m > 0.0 else ("sinks", "bends")
-        where, metres = "base.height_m", abs(stats.rise_m)
+    if walk.rise_m:
+        goes, does = ("rises", "stretches") if walk.rise_m > 0.0 else ("sinks", "bends")
+        where, metres = "base.height_m", abs(walk.rise_m)
         yield found("HEIGHT_DRIFTS", where=where, goes=goes, does=does, metres=metres)
 
 
-def sides_swapped(stats: Stats) -> Iterator[Finding]:
+def sides_swapped(walk: Walk) -> Iterator[Finding]:
     """Yield where left feet touch on the right; where all do, the walk is a mirror image."""
-    if stats.swapped and len(stats.swapped) == stats.pairs:
+    if walk.swapped and len(walk.swapped) == walk.pairs:
         yield found("SIDES_SWAPPED", where="base.yaw_change_rad")
         return
-    for pair in stats.swapped:
-        left, right = (stats.feet[row].name for row in pair)
+    for pair in walk.swapped:
+        left, right = (walk.feet[row].name for row in pair)
         where = f"feet.{left}.topic"
         yield found("SIDES_SWAPPED", "one_pair", where=where, left=left, right=right)
 
 
-def forward_axis(stats: Stats) -> Iterator[Finding]:
+def forward_axis(walk: Walk) -> Iterator[Finding]:
     """Yield that another axis than the guessed one is forward, or may be."""
-    settings, base = stats.settings, stats.base
+    settings, base = walk.settings, walk.base
     if base is None:
         return
     axis, why = settings.forward_axis, settings.forward_axis_reason
@@ -108,9 +108,9 @@ def forward_axis(stats: Stats) -> Iterator[Finding]:
         )
 
 
-def pose_jumps(stats: Stats) -> Iterator[Finding]:
+def pose_jumps(walk: Walk) -> Iterator[Finding]:
     """Yield that the pose jumps."""
-    jumps = stats.jumps
+    jumps = walk.jumps
     if len(jumps.spans):
         size, turn = norms(jumps.size_m), np.abs(jumps.turn_rad)
         yield found(
@@ -119,5 +119,5 @@ def pose_jumps(stats: Stats) -> Iterator[Finding]:
             jumps=len(jumps.spans),
             metres=size.max(),
             degrees=np.degrees(turn).max(),
-            at=stats.seconds(jumps.spans[:, 1])[int((size + turn).argmax())],
+            at=walk.seconds(jumps.spans[:, 1])[int((size + turn).argmax())],
         )

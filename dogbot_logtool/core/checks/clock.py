@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, found
 
 FAR_S: Final = 10.0
@@ -24,23 +24,23 @@ _ODD_TIMES: Final = (
 """Code, count among a topic's timing, and what is counted."""
 
 
-def clock_set(stats: Stats) -> Iterator[Finding]:
+def clock_set(walk: Walk) -> Iterator[Finding]:
     """Yield why stamps are not used, and where the clock was set."""
-    settings, where = stats.settings, "settings.time_source"
+    settings, where = walk.settings, "settings.time_source"
     if settings.time_source_reason:
         yield found("LOG_TIME_USED", where=where, why=settings.time_source_reason)
     on_log_time = settings.clock is TimeSource.LOG
-    steps = {step: each.topic for each in stats.topics for step in each.clock_steps}
+    steps = {step: each.topic for each in walk.topics for step in each.clock_steps}
     for step, topic in steps.items():
-        at = f" at {stats.seconds(np.array([step.after]))[0]:.2f} s" if on_log_time else ""
+        at = f" at {walk.seconds(np.array([step.after]))[0]:.2f} s" if on_log_time else ""
         way, seconds = "back" if step.by_ns < 0 else "forward", abs(step.by_ns) / 1e9
         yield found("CLOCK_SET", where=where, topic=topic, way=way, seconds=seconds, at=at)
 
 
-def clocks_differ(stats: Stats) -> Iterator[Finding]:
+def clocks_differ(walk: Walk) -> Iterator[Finding]:
     """Yield topics whose clocks differ from that of the feet, by stamps or by physics."""
-    base_topic, delay = stats.settings.odometry_topic, stats.base_delay
-    for each in stats.clocks:
+    base_topic, delay = walk.settings.odometry_topic, walk.base_delay
+    for each in walk.clocks:
         if not each.is_apart:
             continue
         case = "base" if each.topic == base_topic else "feet"
@@ -48,7 +48,7 @@ def clocks_differ(stats: Stats) -> Iterator[Finding]:
         drifts = f", drifting by {each.drift_s:+.3f} s over the log"
         yield found(
             "CLOCK_OFFSET",
-            case if each.topic in stats.clocks_apart else "little",
+            case if each.topic in walk.clocks_apart else "little",
             topic=each.topic,
             behind=abs(each.behind_s),
             way="behind" if each.behind_s > 0.0 else "ahead of",
@@ -69,21 +69,21 @@ def clocks_differ(stats: Stats) -> Iterator[Finding]:
         )
 
 
-def feet_silent(stats: Stats) -> Iterator[Finding]:
+def feet_silent(walk: Walk) -> Iterator[Finding]:
     """Yield time in which no foot tells anything, though the odometry does."""
-    silent = stats.all_silent
+    silent = walk.all_silent
     if len(silent):
-        first, seconds = stats.seconds(silent[:, 0])[0], np.diff(silent).sum() / 1e9
+        first, seconds = walk.seconds(silent[:, 0])[0], np.diff(silent).sum() / 1e9
         yield found(
             "ALL_FEET_SILENT", where="feet", times=len(silent), first=first, seconds=seconds
         )
 
 
-def topics_timed(stats: Stats) -> Iterator[Finding]:
+def topics_timed(walk: Walk) -> Iterator[Finding]:
     """Yield what is odd in the timing of topics; commands may pause while no one steers."""
-    for each in stats.topics:
+    for each in walk.topics:
         topic, offset_s, drift_ppm = each.topic, each.offset_median_s, each.offset_drift_ppm
-        if each.gaps and topic != stats.settings.command_topic:
+        if each.gaps and topic != walk.settings.command_topic:
             seconds, longest = each.gaps_total_s, each.longest_gap_s
             yield found("GAPS", topic=topic, gaps=each.gaps, seconds=seconds, longest=longest)
         for code, field, what in _ODD_TIMES:

@@ -13,6 +13,7 @@ from dogbot_logtool.core.checks import (
     clock,
     commands,
     feet,
+    frames,
     gait,
     imu,
     legs,
@@ -20,27 +21,26 @@ from dogbot_logtool.core.checks import (
     poses,
     sensors,
 )
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
 
-Check = Callable[[Stats], Iterator[Finding]]
-MODULES: Final = (clock, base, poses, sensors, feet, gait, loads, legs, commands, imu)
+Check = Callable[[Walk], Iterator[Finding]]
+MODULES: Final = (clock, base, poses, sensors, feet, gait, loads, legs, commands, imu, frames)
 CHECKS: Final[tuple[Check, ...]] = tuple(
     each
     for module in MODULES
     for name, each in vars(module).items()
     if isgeneratorfunction(each) and each.__module__ == module.__name__
-    if not name.startswith("_") and [*each.__annotations__] == ["stats", "return"]
+    if not name.startswith("_") and [*each.__annotations__] == ["walk", "return"]
 )
 """In order of the subjects; findings are sorted by consequence."""
 
 
-def findings_of(stats: Stats) -> tuple[Finding, ...]:
-    """Make all checks, and return what they find: what is of most consequence first."""
-    made = [finding for check in CHECKS for finding in check(stats)]
-    return tuple(sorted(made, key=_consequence))
+def findings_of(walk: Walk) -> list[Finding]:
+    """Make all checks, and return what they find."""
+    return [finding for check in CHECKS for finding in check(walk)]
 
 
-def _consequence(finding: Finding) -> tuple[int, float]:
+def consequence(finding: Finding) -> tuple[int, float]:
     """Return the key that sorts findings: what makes most metrics doubtful comes first."""
     return finding.severity, float("inf") if finding.rank is None else finding.rank

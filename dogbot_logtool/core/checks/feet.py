@@ -11,7 +11,7 @@ from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.loads import mean_impulses
 from dogbot_logtool.core.settings import GRAVITY_MPS2
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
 
 FEWEST_DOWN: Final = 1.2
@@ -45,15 +45,15 @@ OVER_NOISE: Final = 5.0
 FEWEST_WEIGHTS: Final = 6
 
 
-def flags_inverted(stats: Stats) -> Iterator[Finding]:
+def flags_inverted(walk: Walk) -> Iterator[Finding]:
     """Yield that contact flags seem to be true in the air and false on the ground."""
-    feet = [foot for foot in stats.feet if not foot.record.has_force and len(foot.touchdown)]
-    if not feet or stats.ground is not None or stats.frozen is not None:
+    feet = [foot for foot in walk.feet if not foot.record.has_force and len(foot.touchdown)]
+    if not feet or walk.ground is not None or walk.frozen is not None:
         return
-    why = _all_inverted(stats, feet)
+    why = _all_inverted(walk, feet)
     names = tuple(foot.name for foot in feet)
     if not why:
-        odd = _odd_foot(stats)
+        odd = _odd_foot(walk)
         if odd is None:
             return
         names, why = (odd.name,), "its flag is down when those of the other feet are up"
@@ -64,10 +64,10 @@ def flags_inverted(stats: Stats) -> Iterator[Finding]:
     yield Finding("FLAGS_INVERTED", text, feet=names)
 
 
-def _all_inverted(stats: Stats, feet: list[FootSteps]) -> str:
+def _all_inverted(walk: Walk, feet: list[FootSteps]) -> str:
     """Return why all flags seem to be inverted; empty if they do not."""
-    supported = stats.support
-    if len(feet) == len(stats.feet) >= 4 and supported is not None:
+    supported = walk.support
+    if len(feet) == len(walk.feet) >= 4 and supported is not None:
         down = sum(number * share for number, share in enumerate(supported.feet_down))
         if down < FEWEST_DOWN and supported.flight_fraction < MOST_FLIGHT:
             return f"{down:.1f} of {len(feet)} feet would be down on average, without any flight"
@@ -75,27 +75,27 @@ def _all_inverted(stats: Stats, feet: list[FootSteps]) -> str:
     known = [each for each in travels if np.isfinite(each)]
     if known and float(median_of(known)) > TRAVELS:
         return "the feet would travel on the ground, and rest in the air"
-    if supported is not None and _flies_slowly(stats, supported.flight_fraction):
+    if supported is not None and _flies_slowly(walk, supported.flight_fraction):
         share, speed = (
             100.0 * supported.flight_fraction,
-            stats.base and stats.base.forward_speed_mps,
+            walk.base and walk.base.forward_speed_mps,
         )
         return f"the robot would fly for {share:.0f} % of the time at {speed or 0.0:.2f} m/s"
-    if supported is not None and (at := _dangles(stats, supported.in_flight)) is not None:
-        return f"no foot would be down from {stats.seconds(at)[0]:.1f} s on, while the base stands"
+    if supported is not None and (at := _dangles(walk, supported.in_flight)) is not None:
+        return f"no foot would be down from {walk.seconds(at)[0]:.1f} s on, while the base stands"
     return ""
 
 
-def _flies_slowly(stats: Stats, flight: float) -> bool:
+def _flies_slowly(walk: Walk, flight: float) -> bool:
     """Tell whether a robot would fly at a speed at which none does, by its size.
 
     Flags that are true for most of a stride would be less likely the other way round.
     """
-    speed = None if stats.base is None else stats.base.forward_speed_mps
-    fractions = [foot.record.contact_fraction() or 0.0 for foot in stats.feet]
+    speed = None if walk.base is None else walk.base.forward_speed_mps
+    fractions = [foot.record.contact_fraction() or 0.0 for foot in walk.feet]
     if speed is None or flight < FLIES or float(median_of(np.array(fractions))) >= HALF:
         return False
-    leg_m = LEG_M * (stats.settings.mass_kg or HEAVY_KG) ** (1.0 / 3.0)
+    leg_m = LEG_M * (walk.settings.mass_kg or HEAVY_KG) ** (1.0 / 3.0)
     froude = speed**2 / (GRAVITY_MPS2 * leg_m)
     return bool(STANDS_FROUDE < froude < WALKS_FROUDE)
 
@@ -109,10 +109,10 @@ def _travel_share(foot: FootSteps) -> float:
     return float(median_of(both[0])) / length
 
 
-def _dangles(stats: Stats, in_flight: Ints) -> Ints | None:
+def _dangles(walk: Walk, in_flight: Ints) -> Ints | None:
     """Return a long time without contact in which the base stands as high as in its steps."""
-    poses = stats.poses
-    steps = timespans.merge(any_strides(stats.records, stats.fallen, timespans.no_spans()))
+    poses = walk.poses
+    steps = timespans.merge(any_strides(walk.records, walk.fallen, timespans.no_spans()))
     walking = poses.position[timespans.covers(steps, poses.time), 2]
     if not len(walking):
         return None
@@ -127,9 +127,9 @@ def _dangles(stats: Stats, in_flight: Ints) -> Ints | None:
     return None
 
 
-def _odd_foot(stats: Stats) -> FootSteps | None:
+def _odd_foot(walk: Walk) -> FootSteps | None:
     """Return the one foot whose flag is up as long as those of all others are down."""
-    fractions = [foot.record.contact_fraction() for foot in stats.feet]
+    fractions = [foot.record.contact_fraction() for foot in walk.feet]
     known = np.array([np.nan if each is None else each for each in fractions])
     if len(known) < 3 or not np.isfinite(known).all():
         return None
@@ -137,16 +137,16 @@ def _odd_foot(stats: Stats) -> FootSteps | None:
         others = np.delete(known, row)
         usual = float(median_of(others))
         agree = float(np.ptp(others)) < ALIKE and abs(1.0 - own - usual) < ALIKE
-        if agree and abs(own - usual) > UNLIKE and not stats.feet[row].record.has_force:
-            return stats.feet[row]
+        if agree and abs(own - usual) > UNLIKE and not walk.feet[row].record.has_force:
+            return walk.feet[row]
     return None
 
 
-def sampled_slowly(stats: Stats) -> Iterator[Finding]:
+def sampled_slowly(walk: Walk) -> Iterator[Finding]:
     """Yield feet of which contact is known too rarely in a stride."""
-    period_s = stats.period_s
+    period_s = walk.period_s
     slow = {}
-    for foot in stats.feet:
+    for foot in walk.feet:
         interval_s = foot.record.median_interval_s
         if period_s and interval_s and len(foot.strides.stance):
             slow[foot.name] = period_s / interval_s
@@ -161,9 +161,9 @@ def sampled_slowly(stats: Stats) -> Iterator[Finding]:
     yield Finding("SAMPLED_SLOWLY", text, cases=("contact",), feet=tuple(slow))
 
 
-def payload(stats: Stats) -> Iterator[Finding]:
+def payload(walk: Walk) -> Iterator[Finding]:
     """Yield that the feet's sum changes lastingly: a load is put on, or taken off."""
-    found = _weights(stats)
+    found = _weights(walk)
     if found is None:
         return
     time, weight = found
@@ -181,7 +181,7 @@ def payload(stats: Stats) -> Iterator[Finding]:
     if abs(after - before) < max(CHANGES * max(before, after), OVER_NOISE * scatter):
         return
     verb = "taken off" if after < before else "put on"
-    since = stats.seconds(time[best[1] : best[1] + 1])[0]
+    since = walk.seconds(time[best[1] : best[1] + 1])[0]
     text = (
         f"the feet carry {before:.0f} N and, from {since:.1f} s on, {after:.0f} N: a load of "
         f"{abs(after - before):.0f} N is {verb}, or sensors change"
@@ -189,22 +189,22 @@ def payload(stats: Stats) -> Iterator[Finding]:
     yield Finding("PAYLOAD", text, "forces")
 
 
-def _weights(stats: Stats) -> tuple[Ints, Floats] | None:
+def _weights(walk: Walk) -> tuple[Ints, Floats] | None:
     """Return the feet's mean load over each stride, (k,) N, and when; None: not known."""
-    period_s = stats.period_s
+    period_s = walk.period_s
     if (
         not period_s
-        or not all(each.has_force for each in stats.records)
-        or stats.feet_clocks_are_apart
+        or not all(each.has_force for each in walk.records)
+        or walk.feet_clocks_are_apart
     ):
         return None
-    known = timespans.intersect([each.known for each in stats.records])
-    known = timespans.subtract(known, stats.fallen)
+    known = timespans.intersect([each.known for each in walk.records])
+    known = timespans.subtract(known, walk.fallen)
     half = round(period_s * 5e8)
     time = timespans.ticks(known, 2 * half)
     time = time[timespans.hold_window(known, time, half, half)]
     if len(time) < FEWEST_WEIGHTS:
         return None
-    kind = "vertical_impulse" if stats.vertical_known else "force_impulse"
-    weight = mean_impulses(stats.records, kind, time, half).sum(axis=1)
+    kind = "vertical_impulse" if walk.vertical_known else "force_impulse"
+    weight = mean_impulses(walk.records, kind, time, half).sum(axis=1)
     return time, np.asarray(weight)

@@ -7,32 +7,36 @@ from dogbot_logtool.core.frames.wrench_frame import FrameFit, WrenchFrame, Wrenc
 from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.plausible import IMPLAUSIBLE
 from dogbot_logtool.core.recording import Recording
-from dogbot_logtool.core.settings import StatsSettings
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.settings import WalkSettings
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.core.world_frames import PlacedCounts, WorldFrames
 from dogbot_logtool.finding import Finding
 
 
-def frames_known(stats: Stats) -> Iterator[Finding]:
+def frames_known(walk: Walk) -> Iterator[Finding]:
     """Say what is odd in the names of frames, and which frame the wrenches are in."""
-    yield from name_findings(stats.frames)
-    settings = stats.settings
+    yield from name_findings(walk.frames)
+    settings = walk.settings
     if not settings.contact_from and any(foot.has_force for foot in settings.feet):
-        yield wrench_frame_finding(stats.frames.wrench_frame)
+        yield wrench_frame_finding(walk.frames.wrench_frame)
 
 
-def columns_corrected(stats: Stats) -> Iterator[Finding]:
-    """Say what numbers were left out, what transforms did not tell, and which plan is apart."""
-    if stats.recording.implausible:
-        yield Finding("NOT_FINITE", f"{stats.recording.implausible:,} {IMPLAUSIBLE}")
-    if stats.turned is not None:
-        yield from transform_findings(*stats.turned)
-    if topic := stats.plan_apart:
+def columns_corrected(walk: Walk) -> Iterator[Finding]:
+    """Say what was left out, what transforms did not tell, and which plan is apart."""
+    settings = walk.settings
+    if zero := [foot.name for foot in settings.feet if foot.forces_are_zero]:
+        text = f"all wrenches of {', '.join(zero)} are zero: contacts without forces"
+        yield Finding("NO_FORCE", text)
+    if walk.recording.implausible:
+        yield Finding("NOT_FINITE", f"{walk.recording.implausible:,} {IMPLAUSIBLE}")
+    if walk.turned is not None:
+        yield from transform_findings(*walk.turned)
+    if topic := walk.plan_apart:
         text = f"{topic} is a plan on another clock than the feet: they are not compared"
         yield Finding("PLANNED", text, cases=("not_compared",))
 
 
-def zero_stamps(recording: Recording, settings: StatsSettings) -> frozenset[str]:
+def zero_stamps(recording: Recording, settings: WalkSettings) -> frozenset[str]:
     """Return the topics of feet and base whose header stamps are all zero."""
     used = {*(foot.topic for foot in settings.feet), settings.odometry_topic}
     found = {topic: times.stamp for topic, times in recording.topics.items() if topic in used}
@@ -41,7 +45,7 @@ def zero_stamps(recording: Recording, settings: StatsSettings) -> frozenset[str]
     )
 
 
-def stamp_findings(recording: Recording, settings: StatsSettings) -> Iterator[Finding]:
+def stamp_findings(recording: Recording, settings: WalkSettings) -> Iterator[Finding]:
     """Say which topics have no header stamps."""
     if zeros := zero_stamps(recording, settings):
         used = {foot.topic for foot in settings.feet} | {settings.odometry_topic or min(zeros)}

@@ -8,76 +8,76 @@ from dogbot_logtool.core.gait.classes import CONSISTENT, IRREGULAR, TOLERANCE
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.leg_position import legs_in_order
 from dogbot_logtool.core.loads import LARGEST_FOOT_M
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, found
 
 
-def no_class(stats: Stats) -> Iterator[Finding]:
+def no_class(walk: Walk) -> Iterator[Finding]:
     """Yield why the gait has no name."""
-    main, where = stats.main, "gait.class"
+    main, where = walk.main, "gait.class"
     if main is None:
-        say = "clocks" if stats.feet_clocks_are_apart else "no_strides"
+        say = "clocks" if walk.feet_clocks_are_apart else "no_strides"
         yield found("CLASS_UNKNOWN", where=where, say=say)
     elif main.gait.name is None and not (main.moves_without_steps or main.is_lifted):
-        yield found("CLASS_UNKNOWN", where=where, why=_why_no_class(stats, main))
+        yield found("CLASS_UNKNOWN", where=where, why=_why_no_class(walk, main))
     elif main.gait.name == IRREGULAR:
-        yield found("CLASS_UNKNOWN", where=where, why=_why_irregular(stats, main))
+        yield found("CLASS_UNKNOWN", where=where, why=_why_irregular(walk, main))
 
 
-def other_reference_foot(stats: Stats) -> Iterator[Finding]:
+def other_reference_foot(walk: Walk) -> Iterator[Finding]:
     """Yield that phases are measured against another foot than usual."""
-    names = [foot.name for foot in stats.feet]
-    order = legs_in_order([foot.leg_position for foot in stats.feet]) or range(len(names))
-    if stats.main is not None and stats.reference != order[0]:
-        usual, other = names[order[0]], names[stats.reference]
+    names = [foot.name for foot in walk.feet]
+    order = legs_in_order([foot.leg_position for foot in walk.feet]) or range(len(names))
+    if walk.main is not None and walk.reference != order[0]:
+        usual, other = names[order[0]], names[walk.reference]
         yield found("CLASS_UNKNOWN", where="gait.phase", say="reference", foot=usual, other=other)
 
 
-def moves_without_steps(stats: Stats) -> Iterator[Finding]:
+def moves_without_steps(walk: Walk) -> Iterator[Finding]:
     """Yield time in which the base moves and no foot steps.
 
     Of feet whose unloaded level is not known, the contacts are refuted.
     """
-    moving = [segment for segment in stats.segments if segment.moves_without_steps]
+    moving = [segment for segment in walk.segments if segment.moves_without_steps]
     if not moving:
         return
     unsure = [
-        foot.name for row, foot in enumerate(stats.feet) if stats.settings.sensor(row).level.reason
+        foot.name for row, foot in enumerate(walk.feet) if walk.settings.sensor(row).level.reason
     ]
     cases = ("offset_unknown",) if unsure else ()
-    seconds, first = _lasting(stats, moving)
+    seconds, first = _lasting(walk, moving)
     yield found(
         "MOVES_WITHOUT_STEPS", *cases, where="gait.class", feet=unsure, seconds=seconds, first=first
     )
 
 
-def lifted(stats: Stats) -> Iterator[Finding]:
+def lifted(walk: Walk) -> Iterator[Finding]:
     """Yield feet that never touch and carry nothing, and time in which no foot is loaded."""
-    for row, foot in enumerate(stats.feet):
-        told = foot.record.start is not None and not stats.settings.sensor(row).rule.unusable
+    for row, foot in enumerate(walk.feet):
+        told = foot.record.start is not None and not walk.settings.sensor(row).rule.unusable
         if told and not foot.is_dead and not len(foot.stances.touchdown):
             yield found("LIFTED", foot=foot.name)
-    spans = [segment for segment in stats.segments if segment.is_lifted]
+    spans = [segment for segment in walk.segments if segment.is_lifted]
     if spans:
-        seconds, first = _lasting(stats, spans)
+        seconds, first = _lasting(walk, spans)
         yield found("LIFTED", where="gait.segments", say="robot", seconds=seconds, first=first)
 
 
-def _lasting(stats: Stats, segments: list[Segment]) -> tuple[float, float]:
+def _lasting(walk: Walk, segments: list[Segment]) -> tuple[float, float]:
     """Return how long segments last in all, and when the first begins, s."""
     lasts = sum(segment.end - segment.start for segment in segments) / 1e9
-    return lasts, (segments[0].start - stats.origin) / 1e9
+    return lasts, (segments[0].start - walk.origin) / 1e9
 
 
-def several_gaits(stats: Stats) -> Iterator[Finding]:
+def several_gaits(walk: Walk) -> Iterator[Finding]:
     """Yield that there are several gaits."""
-    if len({segment.gait.name for segment in stats.segments}) > 1:
-        yield found("SEVERAL_GAITS", where="gait.segments", segments=len(stats.segments))
+    if len({segment.gait.name for segment in walk.segments}) > 1:
+        yield found("SEVERAL_GAITS", where="gait.segments", segments=len(walk.segments))
 
 
-def against_plan(stats: Stats) -> Iterator[Finding]:
+def against_plan(walk: Walk) -> Iterator[Finding]:
     """Yield how the feet follow their plan."""
-    for foot, plan in zip(stats.feet, stats.planned, strict=False):
+    for foot, plan in zip(walk.feet, walk.planned, strict=False):
         if plan is None or not plan.touchdowns:
             continue
         delay, median = plan.metrics.delay_s, ""
@@ -98,33 +98,33 @@ def against_plan(stats: Stats) -> Iterator[Finding]:
         )
 
 
-def slips(stats: Stats) -> Iterator[Finding]:
+def slips(walk: Walk) -> Iterator[Finding]:
     """Yield contact points that travel further in a stance than a foot is long."""
-    for foot in stats.feet:
+    for foot in walk.feet:
         reach = foot.stances.figures.contact_reach_m[foot.stances.whole]
         far = int((reach > LARGEST_FOOT_M).sum())
-        if far and stats.settings.foot_rolling_m is None and foot.slip_from is None:
+        if far and walk.settings.foot_rolling_m is None and foot.slip_from is None:
             where, metres = f"feet.{foot.name}.contact_travel_m", np.nanmax(reach)
             yield found("SLIPS", where=where, foot=foot.name, metres=metres, stances=far)
 
 
-def _why_no_class(stats: Stats, main: Segment) -> str:
-    if len(stats.feet) not in {2, 4, 6}:
-        return f"only gaits of two, four or six feet have names; this robot has {len(stats.feet)}"
-    if legs_in_order([foot.leg_position for foot in stats.feet]) is None:
+def _why_no_class(walk: Walk, main: Segment) -> str:
+    if len(walk.feet) not in {2, 4, 6}:
+        return f"only gaits of two, four or six feet have names; this robot has {len(walk.feet)}"
+    if legs_in_order([foot.leg_position for foot in walk.feet]) is None:
         return (
             "a gait's name needs to know which foot is front or back, left or right: names such as "
             "--foot front_left=TOPIC say so, or `place` in a robot's file"
         )
-    feet = zip(stats.feet, main.phases, strict=True)
+    feet = zip(walk.feet, main.phases, strict=True)
     missing = ", ".join(foot.name for foot, phase in feet if phase is None)
     return f"{missing} has no touchdowns in the strides of the reference foot"
 
 
-def _why_irregular(stats: Stats, main: Segment) -> str:
+def _why_irregular(walk: Walk, main: Segment) -> str:
     loose = [
         f"{foot.name} (R = {phase.consistency:.2f})"
-        for foot, phase in zip(stats.feet, main.phases, strict=True)
+        for foot, phase in zip(walk.feet, main.phases, strict=True)
         if phase is not None and phase.consistency <= CONSISTENT
     ]
     nearest, distance = main.gait.nearest, main.gait.distance or 0.0

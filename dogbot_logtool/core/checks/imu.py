@@ -8,13 +8,13 @@ from dogbot_logtool.core.checks.loads import origin_of_mass
 from dogbot_logtool.core.imu import ForceComparison, Reading
 from dogbot_logtool.core.loads import WEIGHT_TOLERANCE
 from dogbot_logtool.core.settings import GRAVITY_MPS2
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, found
 
 
-def mounting(stats: Stats) -> Iterator[Finding]:
+def mounting(walk: Walk) -> Iterator[Finding]:
     """Yield what the accelerometer reads instead of gravity, and how it is turned."""
-    imu = stats.imu
+    imu = walk.imu
     if imu is None:
         return
     seat, topic = imu.mounting, imu.topic
@@ -46,13 +46,13 @@ def mounting(stats: Stats) -> Iterator[Finding]:
         yield found("IMU_TURNED", topic=topic, degrees=np.degrees(imu.turned_rad))
 
 
-def forces(stats: Stats) -> Iterator[Finding]:
+def forces(walk: Walk) -> Iterator[Finding]:
     """Yield that forces are not what the accelerometer and the poses say."""
-    found_forces = stats.imu.forces if stats.imu else None
+    found_forces = walk.imu.forces if walk.imu else None
     if found_forces is None:
         return
     if abs(found_forces.ratio - 1.0) > WEIGHT_TOLERANCE:
-        yield _odd_forces(stats, found_forces)
+        yield _odd_forces(walk, found_forces)
     if found_forces.turned_rad is not None:
         where, degrees = "settings.wrench_frame", np.degrees(found_forces.turned_rad)
         yield found(
@@ -60,11 +60,11 @@ def forces(stats: Stats) -> Iterator[Finding]:
         )
 
 
-def _odd_forces(stats: Stats, forces: ForceComparison) -> Finding:
+def _odd_forces(walk: Walk, forces: ForceComparison) -> Finding:
     """Return which of mass, feet and frame is wrong, as far as it can be told."""
     case, code = "accelerometer", "IMPULSE_IS_NOT_WEIGHT"
     says = f"vertical forces over the mass are {forces.ratio:.2f} of what the accelerometer says"
-    dead = [foot.name for foot in stats.feet if foot.is_dead]
+    dead = [foot.name for foot in walk.feet if foot.is_dead]
     if dead and forces.ratio < 1.0:
         feet = " and ".join(dead)
         return found(code, case, where=f"feet.{dead[0]}", say="missing", says=says, names=feet)
@@ -75,13 +75,13 @@ def _odd_forces(stats: Stats, forces: ForceComparison) -> Finding:
         )
     if forces.odd_foot is not None:
         number, factor = forces.odd_foot
-        foot = stats.feet[number].name
+        foot = walk.feet[number].name
         return found("FOOT_SCALE", feet=(foot,), says=says, share=1.0 / factor)
     if forces.is_common:
         where, mass, origin = (
             "settings.mass_kg",
-            stats.settings.mass_kg or 0.0,
-            origin_of_mass(stats),
+            walk.settings.mass_kg or 0.0,
+            origin_of_mass(walk),
         )
         right = mass * forces.ratio
         return found(

@@ -12,7 +12,7 @@ from dogbot_logtool.core.gait.strides import typical_period_s
 from dogbot_logtool.core.leg_evaluation import paired
 from dogbot_logtool.core.legs.doubts import LegSigns, contradiction, leg_signs, shortfall
 from dogbot_logtool.core.legs.legs import LegFigures
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
 
 FEWEST_STATES: Final = 16
@@ -23,17 +23,17 @@ _MOST_NAMED: Final = 6
 _WORK: Final = "legs.absolute_work_j"
 
 
-def foot_frames(stats: Stats) -> Iterator[Finding]:
+def foot_frames(walk: Walk) -> Iterator[Finding]:
     """Yield frames that move while their feet stand."""
-    for leg in stats.legs.feet if stats.legs else ():
+    for leg in walk.legs.feet if walk.legs else ():
         if leg.moves:
             text, where = f"{leg.name}: {leg.reason}", f"legs.feet.{leg.name}.clearance_m"
             yield Finding("FOOT_FRAME", text, where, feet=(leg.name,))
 
 
-def sampled_slowly(stats: Stats) -> Iterator[Finding]:
+def sampled_slowly(walk: Walk) -> Iterator[Finding]:
     """Yield what is sampled too slowly for touchdown velocities."""
-    slow = tuple(leg.name for leg in stats.legs.feet if leg.is_slow) if stats.legs else ()
+    slow = tuple(leg.name for leg in walk.legs.feet if leg.is_slow) if walk.legs else ()
     if slow:
         text = (
             f"legs or contacts of {', '.join(slow)} are sampled below 100 Hz: "
@@ -42,9 +42,9 @@ def sampled_slowly(stats: Stats) -> Iterator[Finding]:
         yield Finding("SAMPLED_SLOWLY", text, "legs.feet", cases=("touchdown",), feet=slow)
 
 
-def joint_clocks(stats: Stats) -> Iterator[Finding]:
+def joint_clocks(walk: Walk) -> Iterator[Finding]:
     """Yield joint states on another clock than the feet."""
-    for topic, clock in stats.legs.clocks_apart.items() if stats.legs else ():
+    for topic, clock in walk.legs.clocks_apart.items() if walk.legs else ():
         text = (
             f"the clock of {topic} differs by {1e3 * clock.most_s:.0f} ms from that of the feet: "
             "joints over strides are not known"
@@ -52,21 +52,21 @@ def joint_clocks(stats: Stats) -> Iterator[Finding]:
         yield Finding("CLOCK_OFFSET", text, topic, cases=("joints",))
 
 
-def joint_work(stats: Stats) -> Iterator[Finding]:
+def joint_work(walk: Walk) -> Iterator[Finding]:
     """Yield why the work of joints is not known: the first reason of those that there are."""
-    legs = stats.legs
+    legs = walk.legs
     if legs is None or legs.clocks_apart:
         return
-    if missing := _no_work(legs) or _lacking(stats, legs):
+    if missing := _no_work(legs) or _lacking(walk, legs):
         text = f"no work is known: {missing}"
         yield Finding("JOINTS_MISSING", text, _WORK, cases=("work",))
         return
-    if slow := _too_slow(stats, legs):
+    if slow := _too_slow(walk, legs):
         yield Finding("SAMPLED_SLOWLY", f"no work is known: {slow}", _WORK, cases=("work",))
         return
-    signs = _signs(stats, legs)
-    odd = contradiction(legs.moving, legs.settings.foot_of_joint, stats.loads.weight_n)
-    if odd := odd or _other_unit(stats, signs):
+    signs = _signs(walk, legs)
+    odd = contradiction(legs.moving, legs.settings.foot_of_joint, walk.loads.weight_n)
+    if odd := odd or _other_unit(walk, signs):
         cases = () if odd.startswith("velocities") else ("efforts",)
         yield Finding("JOINT_VALUES", f"no work is known: {odd}", _WORK, cases=cases)
         return
@@ -74,7 +74,7 @@ def joint_work(stats: Stats) -> Iterator[Finding]:
     if without:
         text = "joints that move without an effort, whose work is missing: "
         yield Finding("JOINTS_MISSING", text + _named(without), _WORK)
-    yield from _effort_signs(stats, legs, signs, judges_all=not without)
+    yield from _effort_signs(walk, legs, signs, judges_all=not without)
 
 
 def _named(names: list[str]) -> str:
@@ -97,14 +97,14 @@ def _no_work(legs: LegFigures) -> str:
     return f"joints of legs tell no effort: {', '.join(lacking)}" if lacking else ""
 
 
-def _lacking(stats: Stats, legs: LegFigures) -> str:
+def _lacking(walk: Walk, legs: LegFigures) -> str:
     """Say which joints of legs are missing; empty if none are known to be."""
     if legs.settings.untold:
         return f"joint states do not tell of {', '.join(legs.settings.untold)}"
     count = Counter(legs.settings.foot_of_joint.get(name) for name in legs.joints)
-    for row, foot in enumerate(stats.feet):
-        for other, beside in enumerate(stats.feet):
-            if 0 < count[row] < count[other] and paired(stats, row, other):
+    for row, foot in enumerate(walk.feet):
+        for other, beside in enumerate(walk.feet):
+            if 0 < count[row] < count[other] and paired(walk, row, other):
                 return (
                     f"joint states tell of fewer joints of {foot.name} ({count[row]}) than of "
                     f"{beside.name} ({count[other]})"
@@ -112,9 +112,9 @@ def _lacking(stats: Stats, legs: LegFigures) -> str:
     return ""
 
 
-def _too_slow(stats: Stats, legs: LegFigures) -> str:
+def _too_slow(walk: Walk, legs: LegFigures) -> str:
     """Say that joint states of legs come too rarely for work; empty if they do not."""
-    period = typical_period_s([foot.stances for foot in stats.feet])
+    period = typical_period_s([foot.stances for foot in walk.feet])
     of_legs = legs.settings.foot_of_joint
     own = [joint for joint in legs.moving if joint.name in of_legs] or legs.moving
     states = min(joint.rate_hz for joint in own) * period if period else FEWEST_STATES
@@ -123,26 +123,26 @@ def _too_slow(stats: Stats, legs: LegFigures) -> str:
     return f"joint states come {states:.3g} times in a stride of {period:.2f} s"
 
 
-def _signs(stats: Stats, legs: LegFigures) -> dict[str, LegSigns]:
+def _signs(walk: Walk, legs: LegFigures) -> dict[str, LegSigns]:
     """Judge the efforts of each leg by the force on its foot, where both are known."""
-    if not stats.feet or direction_is_doubtful(stats):
+    if not walk.feet or direction_is_doubtful(walk):
         return {}
-    base = stats.poses
+    base = walk.poses
     found = {}
-    for row, (foot, leg) in enumerate(zip(stats.feet, legs.feet, strict=True)):
+    for row, (foot, leg) in enumerate(zip(walk.feet, legs.feet, strict=True)):
         told = foot.vertical_over_stride is not None and foot.forward_over_stride is not None
         if leg.path is None or leg.reason or not told:
             continue
         moving = [joint for joint in legs.joints_of(row) if joint.moves]
-        signs = leg_signs(foot.record.stance_forces, foot.stances, leg.path, base, moving)
+        signs = leg_signs(foot.record.track, foot.stances, leg.path, base, moving)
         if signs is not None:
             found[leg.name] = signs
     return found
 
 
-def _other_unit(stats: Stats, judged: dict[str, LegSigns]) -> str:
+def _other_unit(walk: Walk, judged: dict[str, LegSigns]) -> str:
     """Say that the work of legs is of another size than that of the forces on their feet."""
-    over_weight = stats.loads.vertical_impulse_over_weight
+    over_weight = walk.loads.vertical_impulse_over_weight
     newtons = over_weight is None or 0.5 < over_weight < 2.0
     scale = median_of([signs.scale for signs in judged.values()]) if judged else 1.0
     if not newtons or 1.0 / OTHER_UNIT <= scale <= OTHER_UNIT:
@@ -151,7 +151,7 @@ def _other_unit(stats: Stats, judged: dict[str, LegSigns]) -> str:
 
 
 def _effort_signs(
-    stats: Stats, legs: LegFigures, judged: dict[str, LegSigns], *, judges_all: bool
+    walk: Walk, legs: LegFigures, judged: dict[str, LegSigns], *, judges_all: bool
 ) -> Iterator[Finding]:
     """Yield efforts of the wrong sign: of legs, or else by energy of all joints together."""
     odd = {foot: signs.odd for foot, signs in judged.items() if not signs.agree}
@@ -163,15 +163,15 @@ def _effort_signs(
         )
         where = f"legs.feet.{next(iter(odd))}.positive_work_j"
         sound = judged.keys() - odd.keys()
-        doubted = tuple(foot.name for foot in stats.feet if foot.name not in sound)
+        doubted = tuple(foot.name for foot in walk.feet if foot.name not in sound)
         yield Finding("EFFORT_SIGN", text, where, feet=doubted)
         return
-    weight = stats.loads.weight_n
-    astray = stats.base_clock_is_apart or stats.loses_way
+    weight = walk.loads.weight_n
+    astray = walk.base_clock_is_apart or walk.loses_way
     if weight is None or astray or not judges_all or len(judged) == len(legs.feet):
         return
-    strides = stats.feet[stats.reference].strides
-    base = stats.poses
+    strides = walk.feet[walk.reference].strides
+    base = walk.poses
     short = shortfall(legs.work, strides, base, weight)
     if short is not None:
         text = (
@@ -180,5 +180,5 @@ def _effort_signs(
             "(it is pushed, or goes down a slope that the poses do not tell); absolute work does "
             "not depend on signs"
         )
-        feet = tuple(foot.name for foot in stats.feet)
+        feet = tuple(foot.name for foot in walk.feet)
         yield Finding("EFFORT_SIGN", text, "legs.positive_work_j", feet=feet)

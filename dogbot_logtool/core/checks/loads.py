@@ -5,7 +5,7 @@ from typing import Final
 
 from dogbot_logtool.core.loads import REFUTED, WEIGHT_TOLERANCE, is_stuck
 from dogbot_logtool.core.settings import GRAVITY_MPS2
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, found
 
 WHOLE_TOLERANCE: Final = 0.05
@@ -19,22 +19,22 @@ MOST_PUSH: Final = 0.05
 _RATIO: Final = "forces.vertical_impulse_over_weight"
 
 
-def no_force(stats: Stats) -> Iterator[Finding]:
+def no_force(walk: Walk) -> Iterator[Finding]:
     """Yield feet whose sensors tell contact only."""
-    if stats.settings.contact_from:
+    if walk.settings.contact_from:
         return
-    for foot in stats.feet:
-        others = [each.record for each in stats.feet if each is not foot]
+    for foot in walk.feet:
+        others = [each.record for each in walk.feet if each is not foot]
         touches = len(foot.stances.touchdown) > 0
         if touches and not foot.record.has_force and not is_stuck(foot.record, others):
             yield found("NO_FORCE", where=f"feet.{foot.name}.peak_force_n", foot=foot.name)
 
 
-def mass_unknown(stats: Stats) -> Iterator[Finding]:
+def mass_unknown(walk: Walk) -> Iterator[Finding]:
     """Yield what stands for the weight of a robot whose mass is not given."""
-    if stats.settings.mass_kg is not None:
+    if walk.settings.mass_kg is not None:
         return
-    weight_n, thresholds_n = stats.loads.weight_n, stats.settings.estimated_weight_n
+    weight_n, thresholds_n = walk.loads.weight_n, walk.settings.estimated_weight_n
     thresholds = ""
     if thresholds_n is not None:
         rest = f"{thresholds_n:.3g} N, the mean sum of the feet's loads"
@@ -43,62 +43,62 @@ def mass_unknown(stats: Stats) -> Iterator[Finding]:
     yield found("MASS_UNKNOWN", where=_RATIO, say=say, weight=weight_n, thresholds=thresholds)
 
 
-def impulse_is_not_weight(stats: Stats) -> Iterator[Finding]:
+def impulse_is_not_weight(walk: Walk) -> Iterator[Finding]:
     """Yield that the feet's forces do not add up to the weight, and what that refutes."""
-    loads, code = stats.loads, "IMPULSE_IS_NOT_WEIGHT"
+    loads, code = walk.loads, "IMPULSE_IS_NOT_WEIGHT"
     cases, ratio = loads.refuted, loads.vertical_impulse_over_weight
     magnitude = loads.magnitude_over_weight
     if magnitude is not None and "shares" in cases:
-        cause = _likely_cause(stats, magnitude)
+        cause = _likely_cause(walk, magnitude)
         yield found(code, *cases, where=_RATIO, say="magnitude", ratio=magnitude, cause=cause)
     if ratio is None and (loads.mean_vertical_n or 0.0) < 0.0:
         yield found(code, *cases, where=_RATIO, say="downwards", newtons=loads.mean_vertical_n)
-    tolerance = REFUTED if stats.settings.contact_from else WEIGHT_TOLERANCE
+    tolerance = REFUTED if walk.settings.contact_from else WEIGHT_TOLERANCE
     if ratio is not None and abs(ratio - 1.0) > tolerance:
-        yield found(code, *cases, where=_RATIO, ratio=ratio, cause=_likely_cause(stats, ratio))
+        yield found(code, *cases, where=_RATIO, ratio=ratio, cause=_likely_cause(walk, ratio))
 
 
-def forces_lean(stats: Stats) -> Iterator[Finding]:
+def forces_lean(walk: Walk) -> Iterator[Finding]:
     """Yield that forces may be in the frames of legs that swing."""
-    loads = stats.loads
-    if _may_lean(stats):
+    loads = walk.loads
+    if _may_lean(walk):
         magnitude, vertical = loads.mean_magnitude_n, loads.mean_vertical_n
         yield found("DIRECTION_UNKNOWN", where="feet", magnitude=magnitude, vertical=vertical)
 
 
-def forces_push(stats: Stats) -> Iterator[Finding]:
+def forces_push(walk: Walk) -> Iterator[Finding]:
     """Yield that the forces along the ground do not add up to nothing."""
-    push = _refuted_push(stats)
+    push = _refuted_push(walk)
     if push is not None:
         way = "on" if push > 0.0 else "back"
         yield found("DIRECTION_UNKNOWN", where="feet", say="push", way=way, share=abs(push))
 
 
-def direction_is_doubtful(stats: Stats) -> bool:
+def direction_is_doubtful(walk: Walk) -> bool:
     """Tell whether the feet's forces are refuted, or their direction is."""
-    refuted = {"direction", "vertical", "units"}.intersection(stats.loads.refuted)
-    return bool(refuted) or _may_lean(stats) or _refuted_push(stats) is not None
+    refuted = {"direction", "vertical", "units"}.intersection(walk.loads.refuted)
+    return bool(refuted) or _may_lean(walk) or _refuted_push(walk) is not None
 
 
-def _may_lean(stats: Stats) -> bool:
-    return stats.settings.wrench_frame_is_inferred and stats.loads.may_be_tilted
+def _may_lean(walk: Walk) -> bool:
+    return walk.settings.wrench_frame_is_inferred and walk.loads.may_be_tilted
 
 
-def _refuted_push(stats: Stats) -> float | None:
+def _refuted_push(walk: Walk) -> float | None:
     """Return the share of the weight that the feet push on; None: no more than motion explains."""
-    push, base = stats.push, stats.base
+    push, base = walk.push, walk.base
     if push is None or base is None or not base.duration_s:
         return None
-    if "direction" in stats.loads.refuted or _may_lean(stats):
+    if "direction" in walk.loads.refuted or _may_lean(walk):
         return None
     speeds = abs(base.forward_speed_mps or 0.0) / (GRAVITY_MPS2 * base.duration_s)
     return push if abs(push) > MOST_PUSH + 2.0 * speeds else None
 
 
-def _likely_cause(stats: Stats, ratio: float) -> str:
+def _likely_cause(walk: Walk, ratio: float) -> str:
     """Return the most likely reason why the feet's vertical impulse misses the weight."""
-    mass_kg = stats.settings.mass_kg or 0.0
-    silent = [foot.name for foot in stats.feet if foot.is_dead or foot.record.start is None]
+    mass_kg = walk.settings.mass_kg or 0.0
+    silent = [foot.name for foot in walk.feet if foot.is_dead or foot.record.start is None]
     steps = round(ratio)
     if ratio < NOT_VERTICAL:
         return "the wrenches seem to be in a link's frame, or the sensors in other units"
@@ -106,10 +106,10 @@ def _likely_cause(stats: Stats, ratio: float) -> str:
         return f"the load on {' and '.join(silent)} is missing"
     if 2 <= steps <= MOST_STEPS and abs(ratio - steps) <= WHOLE_TOLERANCE * steps:
         return f"{steps} physics steps seem to be added up in each message, or the mass is wrong"
-    origin = origin_of_mass(stats)
+    origin = origin_of_mass(walk)
     return f"the feet carry {ratio * mass_kg:.3g} kg, and the mass {origin} is {mass_kg:.4g} kg"
 
 
-def origin_of_mass(stats: Stats) -> str:
+def origin_of_mass(walk: Walk) -> str:
     """Return words for where the robot's mass is from."""
-    return "assumed for the guessed robot" if stats.settings.mass_is_assumed else "given"
+    return "assumed for the guessed robot" if walk.settings.mass_is_assumed else "given"

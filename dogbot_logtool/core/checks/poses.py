@@ -11,7 +11,7 @@ from dogbot_logtool.core.base.comparison import Comparison, compare, compare_twi
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.witness import stride_windows
 from dogbot_logtool.core.gait.strides import any_strides
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, found
 
 SCALES: Final = (0.8, 1.25)
@@ -36,20 +36,20 @@ CLIMBS_M: Final = 0.05
 """m that feet rise or fall from which poses that keep their z are planar."""
 
 
-def treadmill(stats: Stats) -> Iterator[Finding]:
+def treadmill(walk: Walk) -> Iterator[Finding]:
     """Yield that the ground moves below a base that rests."""
-    if stats.ground is None:
+    if walk.ground is None:
         return
     text = (
-        f"feet that stand go back alike, at {stats.ground.speed_mps:.2f} m/s, while the base stays "
+        f"feet that stand go back alike, at {walk.ground.speed_mps:.2f} m/s, while the base stays "
         "where it is: a treadmill; path, speed and lengths are those against the ground"
     )
     yield Finding("TREADMILL", text, "base")
 
 
-def frozen(stats: Stats) -> Iterator[Finding]:
+def frozen(walk: Walk) -> Iterator[Finding]:
     """Yield that one pose is repeated while the robot walks on."""
-    still = stats.frozen
+    still = walk.frozen
     if still is None:
         return
     why = "nothing else in the log tells whether the base stays where it is"
@@ -58,19 +58,19 @@ def frozen(stats: Stats) -> Iterator[Finding]:
         if still.turns_radps:
             why += f" and turns at {still.turns_radps:.2f} rad/s"
     yield _doubted(
-        stats,
+        walk,
         "POSE_FROZEN",
         "whole" if still.whole else "part",
         seconds=timespans.total(still.spans) / 1e9,
-        at=stats.seconds(still.spans[:, 0])[0],
-        steps=sum(len(foot.record.stances.touchdown) for foot in stats.feet),
+        at=walk.seconds(still.spans[:, 0])[0],
+        steps=sum(len(foot.record.stances.touchdown) for foot in walk.feet),
         why=why,
     )
 
 
-def scale(stats: Stats) -> Iterator[Finding]:
+def scale(walk: Walk) -> Iterator[Finding]:
     """Yield that poses go further, or less far, than the feet walk or the twist tells."""
-    for compared in _comparisons(stats):
+    for compared in _comparisons(walk):
         factor = compared.scale
         if factor is None:
             continue
@@ -78,7 +78,7 @@ def scale(stats: Stats) -> Iterator[Finding]:
             break
         walked, told = compared.walked_m
         yield _doubted(
-            stats,
+            walk,
             "POSE_SCALE",
             factor=factor,
             by=compared.by,
@@ -88,10 +88,10 @@ def scale(stats: Stats) -> Iterator[Finding]:
             unit=_unit(factor),
         )
         return
-    way = usual_way_m(stats.track.history, _windows(stats))
-    longest = FURTHEST_LEGS * LONGEST_LEG_M * (stats.settings.mass_kg or HEAVIEST_KG) ** (1.0 / 3.0)
+    way = usual_way_m(walk.track.history, _windows(walk))
+    longest = FURTHEST_LEGS * LONGEST_LEG_M * (walk.settings.mass_kg or HEAVIEST_KG) ** (1.0 / 3.0)
     if way is not None and way > longest:
-        yield _doubted(stats, "POSE_SCALE", say="stride", way=way, longest=longest)
+        yield _doubted(walk, "POSE_SCALE", say="stride", way=way, longest=longest)
 
 
 def _unit(factor: float) -> str:
@@ -101,15 +101,15 @@ def _unit(factor: float) -> str:
     return ": another unit, or a clock that runs at another speed?"
 
 
-def direction(stats: Stats) -> Iterator[Finding]:
+def direction(walk: Walk) -> Iterator[Finding]:
     """Yield that positions go another way than the body's axes and the feet tell."""
-    for compared in _comparisons(stats):
+    for compared in _comparisons(walk):
         angle = compared.direction_rad
         if angle is None:
             continue
         if abs(angle) > ASIDE_RAD:
             yield _doubted(
-                stats,
+                walk,
                 "POSE_DIRECTION",
                 degrees=abs(np.degrees(angle)),
                 side="left" if angle > 0.0 else "right",
@@ -119,33 +119,33 @@ def direction(stats: Stats) -> Iterator[Finding]:
         return
 
 
-def orientation(stats: Stats) -> Iterator[Finding]:
+def orientation(walk: Walk) -> Iterator[Finding]:
     """Yield that the orientation does not turn although the robot does."""
-    windows = _windows(stats)
+    windows = _windows(walk)
     if not len(windows):
         return
     told: tuple[float, float, str] | None = None
-    for compared in _comparisons(stats):
+    for compared in _comparisons(walk):
         if compared.turn is not None:
             own, other = float(compared.turn.sum()), float(compared.told_turn.sum())
             if abs(other) > TURNS_RAD and own * np.sign(other) < TURNS_WITH * abs(other):
                 told = own, other, compared.by
             break
     else:
-        told = _course_turns(stats, windows)
+        told = _course_turns(walk, windows)
     if told is not None:
         own, other, by = told
         turned = np.degrees([own, other]).tolist()
-        yield _doubted(stats, "POSE_ORIENTATION", own=turned[0], told=turned[1], by=by)
+        yield _doubted(walk, "POSE_ORIENTATION", own=turned[0], told=turned[1], by=by)
 
 
-def _course_turns(stats: Stats, windows: Ints) -> tuple[float, float, str] | None:
+def _course_turns(walk: Walk, windows: Ints) -> tuple[float, float, str] | None:
     """Return how far a course turns beside an orientation that is one to the bit.
 
     Returns:
         None where the orientation changes, or the course does not turn.
     """
-    poses = stats.poses
+    poses = walk.poses
     if len(poses.time) < 2 or float(np.ptp(poses.angles, axis=0).max()) > 0.0:
         return None
     at = poses.position_at(windows.ravel())[:, :2].reshape(-1, 2, 2)
@@ -158,31 +158,31 @@ def _course_turns(stats: Stats, windows: Ints) -> tuple[float, float, str] | Non
     return (0.0, turned, "its course") if abs(turned) > 2.0 * TURNS_RAD else None
 
 
-def planar(stats: Stats) -> Iterator[Finding]:
+def planar(walk: Walk) -> Iterator[Finding]:
     """Yield that poses are those of a plane: z, roll and pitch never change."""
-    poses = stats.poses
-    if len(poses.time) < 2 or not len(_windows(stats)):
+    poses = walk.poses
+    if len(poses.time) < 2 or not len(_windows(walk)):
         return
     flat = np.column_stack([poses.position[:, 2], poses.angles[:, :2]])
     if float(np.ptp(flat, axis=0).max()) > 0.0:
         return
     where = "base.climb_m"
-    climbed = [float(each.told_rise.sum()) for each in _comparisons(stats) if each.by != "legs"]
+    climbed = [float(each.told_rise.sum()) for each in _comparisons(walk) if each.by != "legs"]
     climbed = [each for each in climbed if np.isfinite(each)]
-    leans = stats.witness is not None and stats.base is not None and stats.base.slope_rad
-    if climbed and stats.witness is not None and abs(climbed[0]) > CLIMBS_M:
+    leans = walk.witness is not None and walk.base is not None and walk.base.slope_rad
+    if climbed and walk.witness is not None and abs(climbed[0]) > CLIMBS_M:
         feet = f", while the feet go {climbed[0]:+.2f} m up"
         yield found("POSE_PLANAR", "contradicted", where=where, while_feet=feet)
     elif leans and leans > ASIDE_RAD / 3.0:
         feet = f", while the feet's plane leans by {np.degrees(leans):.0f} degrees"
         yield found("POSE_PLANAR", "contradicted", where=where, while_feet=feet)
-    elif stats.poses.position[0, 2] == 0.0:
+    elif walk.poses.position[0, 2] == 0.0:
         yield found("POSE_PLANAR", where=where, while_feet="")
 
 
-def rate(stats: Stats) -> Iterator[Finding]:
+def rate(walk: Walk) -> Iterator[Finding]:
     """Yield that poses are rare, or that most messages repeat the one before."""
-    poses, period_s = stats.base_history, stats.period_s
+    poses, period_s = walk.base_history, walk.period_s
     interval_s = poses.interval_s
     if not len(poses.time) or not period_s or not interval_s:
         return
@@ -197,33 +197,33 @@ def rate(stats: Stats) -> Iterator[Finding]:
         )
 
 
-def _windows(stats: Stats) -> Ints:
+def _windows(walk: Walk) -> Ints:
     """(k, 2) ns, strides one after another while the robot walks."""
-    period_s = stats.period_s
-    if not period_s or len(stats.poses.time) < 2:
+    period_s = walk.period_s
+    if not period_s or len(walk.poses.time) < 2:
         return timespans.no_spans()
-    walks = any_strides(stats.records, stats.fallen, stats.standing.without_steps)
+    walks = any_strides(walk.records, walk.fallen, walk.standing.without_steps)
     return stride_windows(timespans.merge(walks), period_s)
 
 
-def _comparisons(stats: Stats) -> Iterator[Comparison]:
+def _comparisons(walk: Walk) -> Iterator[Comparison]:
     """Yield comparisons of the poses, the surest first."""
-    windows = _windows(stats)
-    if not len(windows) or stats.ground is not None:
+    windows = _windows(walk)
+    if not len(windows) or walk.ground is not None:
         return
-    forward_rad = FORWARD_ANGLES[stats.settings.forward_axis]
-    if stats.witness is not None:
-        compared = compare(stats.poses, stats.witness, windows, forward_rad)
+    forward_rad = FORWARD_ANGLES[walk.settings.forward_axis]
+    if walk.witness is not None:
+        compared = compare(walk.poses, walk.witness, windows, forward_rad)
         if compared is not None:
             yield compared
-    compared = compare_twist(stats.poses, windows, forward_rad)
+    compared = compare_twist(walk.poses, windows, forward_rad)
     if compared is not None:
         yield compared
 
 
-def _doubted(stats: Stats, code: str, *cases: str, say: str = "", **values: object) -> Finding:
+def _doubted(walk: Walk, code: str, *cases: str, say: str = "", **values: object) -> Finding:
     """Return a finding about the poses, and about the feet whose places rest on them."""
-    by_points = stats.witness is not None and stats.witness.by == "contact points"
-    names = () if by_points else tuple(foot.name for foot in stats.feet)
+    by_points = walk.witness is not None and walk.witness.by == "contact points"
+    names = () if by_points else tuple(foot.name for foot in walk.feet)
     placed = ("placed",) if names else ()
     return found(code, *cases, *placed, where="base", say=say or "plain", feet=names, **values)

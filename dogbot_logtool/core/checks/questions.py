@@ -11,7 +11,7 @@ import numpy as np
 
 from dogbot_logtool.core.imu import Reading
 from dogbot_logtool.core.loads import vertical_is_known
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Severity
 
 
@@ -37,16 +37,16 @@ class Check:
     """Why it failed, could not be made or does not apply."""
 
 
-def checks_of(stats: Stats, findings: Iterable[Finding]) -> tuple[Check, ...]:
+def checks_of(walk: Walk, findings: Iterable[Finding]) -> tuple[Check, ...]:
     """Return all checks with what came of them.
 
     Args:
-        stats: all that is measured.
+        walk: all that is measured.
         findings: about that, and about the log.
     """
     said = [each for each in findings if each.severity is not Severity.NOTE]
     made = []
-    for name, lack, obstacle in _questions(stats):
+    for name, lack, obstacle in _questions(walk):
         against = [each.text for each in said if name in each.fails]
         outcome, reason = Outcome.PASSED, ""
         if against:
@@ -59,16 +59,16 @@ def checks_of(stats: Stats, findings: Iterable[Finding]) -> tuple[Check, ...]:
     return tuple(made)
 
 
-def _questions(stats: Stats) -> tuple[tuple[str, str, str], ...]:
+def _questions(walk: Walk) -> tuple[tuple[str, str, str], ...]:
     """Return each question, what the log lacks for it, and why else it cannot be answered."""
-    records = [foot.record for foot in stats.feet]
-    levels = [stats.settings.sensor(row).level for row in range(len(records))]
+    records = [foot.record for foot in walk.feet]
+    levels = [walk.settings.sensor(row).level for row in range(len(records))]
     assumed = [
         level.reason
         for level, record in zip(levels, records, strict=True)
         if record.has_force and level.reason
     ]
-    seen, posed = any(each.start is not None for each in records), len(stats.base_history.time)
+    seen, posed = any(each.start is not None for each in records), len(walk.base_history.time)
     pointed = any(np.isfinite(each.track.point).any() for each in records)
     no_feet = "" if seen else "the log has no usable messages of feet"
     no_poses = "" if posed else "the log has no usable poses"
@@ -76,10 +76,10 @@ def _questions(stats: Stats) -> tuple[tuple[str, str, str], ...]:
     forced = any(each.has_force for each in records)
     no_forces = "" if forced else "the sensors report no forces"
     far = "two feet are not seen to touch near poses for a second each"
-    no_worlds = "" if stats.worlds else far
-    no_legs = "" if stats.legs else "nothing tells of the legs"
-    odd_legs = [leg.reason for leg in stats.legs.feet if leg.reason] if stats.legs else []
-    no_stamps, one_clock, few_stamps = _clocks(stats)
+    no_worlds = "" if walk.worlds else far
+    no_legs = "" if walk.legs else "nothing tells of the legs"
+    odd_legs = [leg.reason for leg in walk.legs.feet if leg.reason] if walk.legs else []
+    no_stamps, one_clock, few_stamps = _clocks(walk)
     return (
         ("every foot's sensor works", no_feet, ""),
         ("what sensors read without load is known", no_forces, "".join(assumed[:1])),
@@ -89,20 +89,20 @@ def _questions(stats: Stats) -> tuple[tuple[str, str, str], ...]:
         ("no topic is silent for long", "", ""),
         ("contacts are where the base is", no_poses or no_points, no_worlds),
         ("the base moves as the feet step", no_feet or no_poses, ""),
-        ("the feet carry the weight", no_forces, _weight_not_compared(stats)),
-        ("nothing contradicts the accelerometer", *_accelerometer(stats, no_poses)),
+        ("the feet carry the weight", no_forces, _weight_not_compared(walk)),
+        ("nothing contradicts the accelerometer", *_accelerometer(walk, no_poses)),
         ("the legs move as the feet step", no_legs, "".join(odd_legs[:1])),
     )
 
 
-def _clocks(stats: Stats) -> tuple[str, str, str]:
+def _clocks(walk: Walk) -> tuple[str, str, str]:
     """Say that there are no stamps, no two clocks, or too few stamps to compare clocks."""
-    topics = {foot.topic for foot in stats.feet if foot.record.start is not None}
-    if len(stats.base_history.time):
-        topics.add(stats.settings.odometry_topic)
-    used = [topic for topic in stats.topics if topic.topic in topics]
+    topics = {foot.topic for foot in walk.feet if foot.record.start is not None}
+    if len(walk.base_history.time):
+        topics.add(walk.settings.odometry_topic)
+    used = [topic for topic in walk.topics if topic.topic in topics]
     bare = ", ".join(topic.topic for topic in used if topic.zero_stamps is None)
-    apart = ", ".join(sorted(topics - {each.topic for each in stats.clocks}))
+    apart = ", ".join(sorted(topics - {each.topic for each in walk.clocks}))
     no_stamps = f"messages of {bare} have no header stamps" if bare else ""
     one_clock = no_stamps
     if len(topics) < 2:
@@ -113,22 +113,22 @@ def _clocks(stats: Stats) -> tuple[str, str, str]:
     return no_stamps, one_clock, few_stamps
 
 
-def _weight_not_compared(stats: Stats) -> str:
-    if stats.loads.vertical_impulse_over_weight is not None:
+def _weight_not_compared(walk: Walk) -> str:
+    if walk.loads.vertical_impulse_over_weight is not None:
         return ""
-    if stats.settings.mass_kg is None:
+    if walk.settings.mass_kg is None:
         return "the mass is not known"
-    if not all(vertical_is_known(foot.record) for foot in stats.feet):
+    if not all(vertical_is_known(foot.record) for foot in walk.feet):
         return "vertical forces are not known"
     return "the vertical load of every foot is not known for long enough"
 
 
-def _accelerometer(stats: Stats, no_poses: str) -> tuple[str, str]:
-    if not stats.settings.imu_topic:
+def _accelerometer(walk: Walk, no_poses: str) -> tuple[str, str]:
+    if not walk.settings.imu_topic:
         return "the log has no accelerometer of the base", ""
-    if stats.imu is None:
+    if walk.imu is None:
         return no_poses, "accelerometer and poses are not known together for 2 s"
-    reading = stats.imu.mounting.reading
+    reading = walk.imu.mounting.reading
     unsure = "the accelerometer does not follow the base's attitude"
     lack = "all accelerations are zero" if reading is Reading.NOTHING else no_poses
     return lack, unsure if reading is Reading.UNCLEAR else ""

@@ -10,7 +10,7 @@ from dogbot_logtool.core.arrays import median_of
 from dogbot_logtool.core.contact.contact_rule import FootSensor
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.loads import is_stuck
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, found
 
 PLAIN: Final = 0.02
@@ -23,9 +23,9 @@ SOME_S: Final = 0.1
 """s, time in contact without poses from which that is worth a warning."""
 
 
-def unloaded_levels(stats: Stats) -> Iterator[Finding]:
+def unloaded_levels(walk: Walk) -> Iterator[Finding]:
     """Yield feet whose contact cannot be told, and offsets of sensors."""
-    settings = stats.settings
+    settings = walk.settings
     names = [foot.name for foot in settings.feet]
     sensors = [settings.sensor(row) for row in range(len(names))]
     weight_n = settings.body_weight_n or settings.estimated_weight_n
@@ -67,37 +67,37 @@ def sensor_findings(
             )
 
 
-def silent_feet(stats: Stats) -> Iterator[Finding]:
+def silent_feet(walk: Walk) -> Iterator[Finding]:
     """Yield feet of which no message tells, or none that can be used."""
-    for row, foot in enumerate(stats.feet):
+    for row, foot in enumerate(walk.feet):
         record, on = foot.record, f" on {foot.topic}" if foot.topic else ""
-        unusable = record.start is None and not stats.settings.sensor(row).rule.unusable
+        unusable = record.start is None and not walk.settings.sensor(row).rule.unusable
         if not record.messages or unusable:
             say = "unusable" if record.messages else "plain"
             yield found("NO_MESSAGES", "foot", say=say, feet=(foot.name,), on=on)
 
 
-def dead(stats: Stats) -> Iterator[Finding]:
+def dead(walk: Walk) -> Iterator[Finding]:
     """Yield feet that never touch, where nothing says that they are lifted."""
-    for foot in _telling(stats):
-        if foot.is_dead and not (_is_stuck(stats, foot) or len(foot.record.stopped)):
+    for foot in _telling(walk):
+        if foot.is_dead and not (_is_stuck(walk, foot) or len(foot.record.stopped)):
             yield found("DEAD", feet=(foot.name,))
 
 
-def stuck(stats: Stats) -> Iterator[Finding]:
+def stuck(walk: Walk) -> Iterator[Finding]:
     """Yield sensors that show one constant force under load while others vary."""
-    for foot in _telling(stats):
-        if _is_stuck(stats, foot):
+    for foot in _telling(walk):
+        if _is_stuck(walk, foot):
             cases = () if len(foot.stances.touchdown) > 1 else ("never_lifts",)
             yield found("STUCK", *cases, feet=(foot.name,))
 
 
-def stopped(stats: Stats) -> Iterator[Finding]:
+def stopped(walk: Walk) -> Iterator[Finding]:
     """Yield sensors that tell nothing for a time in which other feet step."""
-    for foot in _telling(stats):
+    for foot in _telling(walk):
         spans = foot.record.stopped
-        if len(spans) and not _is_stuck(stats, foot):
-            start, end = stats.seconds(spans.ravel()[[0, -1]])
+        if len(spans) and not _is_stuck(walk, foot):
+            start, end = walk.seconds(spans.ravel()[[0, -1]])
             yield found(
                 "STOPPED",
                 *(("throughout",) if foot.is_dead else ()),
@@ -108,66 +108,66 @@ def stopped(stats: Stats) -> Iterator[Finding]:
             )
 
 
-def saturated(stats: Stats) -> Iterator[Finding]:
+def saturated(walk: Walk) -> Iterator[Finding]:
     """Yield sensors that are cut off at a limit."""
-    for row, foot in enumerate(stats.feet):
-        if foot_is_saturated(stats, row) and len(foot.stances.touchdown):
-            limit_n = stats.settings.sensor(row).level.limit_n
+    for row, foot in enumerate(walk.feet):
+        if foot_is_saturated(walk, row) and len(foot.stances.touchdown):
+            limit_n = walk.settings.sensor(row).level.limit_n
             at = "" if limit_n is None else f" at {limit_n:.4g} N"
             yield found("SATURATED", feet=(foot.name,), at=at)
 
 
-def foot_is_saturated(stats: Stats, row: int) -> bool:
+def foot_is_saturated(walk: Walk, row: int) -> bool:
     """Tell whether an axis of a foot's sensor is cut off at a limit.
 
     Flat forces that carry the whole weight, as some simulators make them, are not.
     """
-    figures = stats.feet[row].record.stances.figures
+    figures = walk.feet[row].record.stances.figures
     share = (figures.mean_force_n / figures.peak_force_n)[figures.peak_force_n > 0.0]
     is_flat = len(share) > 0 and float(median_of(share)) >= FLAT
-    ratio = stats.loads.vertical_impulse_over_weight
+    ratio = walk.loads.vertical_impulse_over_weight
     carries_all = is_flat and ratio is not None and abs(ratio - 1.0) <= WHOLE_WEIGHT
-    return stats.settings.sensor(row).level.limit_n is not None and not carries_all
+    return walk.settings.sensor(row).level.limit_n is not None and not carries_all
 
 
-def spikes(stats: Stats) -> Iterator[Finding]:
+def spikes(walk: Walk) -> Iterator[Finding]:
     """Yield sensors with lone spikes."""
-    for foot in _touching(stats):
+    for foot in _touching(walk):
         if foot.spikes:
             where = f"feet.{foot.name}.peak_force_n"
             yield found("SPIKES", where=where, foot=foot.name, spikes=foot.spikes)
 
 
-def samples_left_out(stats: Stats) -> Iterator[Finding]:
+def samples_left_out(walk: Walk) -> Iterator[Finding]:
     """Yield how many messages of feet are left out, and contact that no pose is near to."""
-    for row, foot in enumerate(stats.feet):
+    for row, foot in enumerate(walk.feet):
         if not len(foot.stances.touchdown):
             continue
         record, name = foot.record, foot.name
         if count := record.not_finite:
             what = "with a force that is not finite"
-            if stats.settings.sensor(row).level.drops_out:
+            if walk.settings.sensor(row).level.drops_out:
                 what = "without a force (lone zeros under load)"
             yield found("NOT_FINITE", say="feet", foot=name, messages=count, what=what)
         if count := record.not_advancing:
             yield found("BAD_STAMPS", say="left_out", foot=name, messages=count)
-        seconds = stats.contact_without_pose_s[row]
-        if len(stats.base_history.time) and seconds > SOME_S:
+        seconds = walk.contact_without_pose_s[row]
+        if len(walk.base_history.time) and seconds > SOME_S:
             yield found("GAPS", say="no_pose", foot=name, seconds=seconds)
 
 
-def chatter(stats: Stats) -> Iterator[Finding]:
+def chatter(walk: Walk) -> Iterator[Finding]:
     """Yield feet whose contact flickers."""
-    for foot in _touching(stats):
+    for foot in _touching(walk):
         filled, dropped = foot.record.filled_swings, foot.record.dropped_stances
         if filled + dropped > max(2.0, 0.2 * len(foot.stances.touchdown)):
             where = f"feet.{foot.name}.chatter"
             yield found("CHATTER", where=where, foot=foot.name, filled=filled, dropped=dropped)
 
 
-def sampled_slowly(stats: Stats) -> Iterator[Finding]:
+def sampled_slowly(walk: Walk) -> Iterator[Finding]:
     """Yield feet that are loaded within one sampling interval."""
-    for foot in _touching(stats):
+    for foot in _touching(walk):
         whole = foot.stances.whole
         rates = foot.stances.figures.loading_rate_nps[whole]
         if whole.any() and foot.record.has_force and not np.isfinite(rates).any():
@@ -175,17 +175,17 @@ def sampled_slowly(stats: Stats) -> Iterator[Finding]:
             yield found("SAMPLED_SLOWLY", "loading", where=where, feet=(foot.name,))
 
 
-def _telling(stats: Stats) -> Iterator[FootSteps]:
+def _telling(walk: Walk) -> Iterator[FootSteps]:
     """Yield the feet with usable messages from which contact can be told."""
-    for row, foot in enumerate(stats.feet):
-        if foot.record.start is not None and not stats.settings.sensor(row).rule.unusable:
+    for row, foot in enumerate(walk.feet):
+        if foot.record.start is not None and not walk.settings.sensor(row).rule.unusable:
             yield foot
 
 
-def _touching(stats: Stats) -> Iterator[FootSteps]:
+def _touching(walk: Walk) -> Iterator[FootSteps]:
     """Yield those that touch the ground."""
-    return (foot for foot in _telling(stats) if len(foot.stances.touchdown))
+    return (foot for foot in _telling(walk) if len(foot.stances.touchdown))
 
 
-def _is_stuck(stats: Stats, foot: FootSteps) -> bool:
-    return is_stuck(foot.record, [other.record for other in stats.feet if other is not foot])
+def _is_stuck(walk: Walk, foot: FootSteps) -> bool:
+    return is_stuck(foot.record, [other.record for other in walk.feet if other is not foot])

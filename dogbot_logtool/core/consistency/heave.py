@@ -1,6 +1,7 @@
 """Whether the base goes up and down when the feet's forces drive it: clocks compared by physics."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -12,7 +13,6 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import CLOCK_SHARE_OF_STRIDE, LONGEST_DELAY_S
 from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
 from dogbot_logtool.core.settings import GRAVITY_MPS2
-from dogbot_logtool.dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -104,7 +104,8 @@ def _load_is_missing(foot: FootHistory, feet: Sequence[FootHistory], span: Ints)
     if 2 * timespans.total(inside) < timespans.total(span) or not len(usual):
         return True
     own, now, before = (
-        sum(each.track.force_within(spans) for each in those) / timespans.total(spans)
+        sum(each.track.within(each.track.force_impulse, spans) for each in those)
+        / timespans.total(spans)
         for those, spans in (((foot,), usual), (feet, inside), (feet, usual))
     )
     return now < before - LACKS * own

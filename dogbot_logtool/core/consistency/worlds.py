@@ -1,6 +1,7 @@
 """Whether base and feet are in one world: two world frames, or a drifting odometry, part them."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -11,7 +12,6 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.contact.track import FootTrack
 from dogbot_logtool.core.rotations import along_heading
-from dogbot_logtool.dataclass import dataclass
 
 WINDOW_S: Final = 2.0
 """s: a foot's position is averaged over so long: a stride or more of most gaits."""

@@ -5,8 +5,9 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.contact.stance_samples import StanceSamples
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, rows_of_runs
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.contact.track import FootTrack
 
 LOADED: Final = 0.5
 """Share of a stance's mean force from which its foot is loaded."""
@@ -16,6 +17,9 @@ LEAST_M: Final = 0.005
 """m: a shorter quick way is none."""
 FASTEST_MPS: Final = 2.0
 """m/s: a contact point that goes faster has jumped to another part of the foot."""
+
+Complexes = NDArray[np.complex128]
+"""Horizontal places or ways, m, x + i y."""
 
 
 class Ways(NamedTuple):
@@ -28,41 +32,58 @@ class Ways(NamedTuple):
     ends_s: Floats
 
 
-def contact_ways(samples: StanceSamples) -> tuple[Floats, Floats]:
+def contact_ways(samples: Samples, time: Ints, begin: Ints, end: Ints) -> tuple[Floats, Floats]:
     """(k,) m, net travel of the contact point from 10 % to 90 % of a stance, and its reach.
 
     The reach is the largest distance from where the point is at 10 %. Both are horizontal.
 
     A round foot that rolls moves its contact point without slipping, so this is not slip yet.
     NaN when no samples with a contact point surround both instants.
+
+    Args:
+        samples: n samples of a foot.
+        time: (n,) ns.
+        begin: (k,) rows of touchdowns.
+        end: (k,) rows that end the stances.
     """
-    travel, reach = np.full((2, len(samples.end)), np.nan)
-    known = np.isfinite(samples.point)
-    phase, stance, point = samples.phase[known], samples.stance[known], samples.point[known]
+    travel, reach = np.full((2, len(begin)), np.nan)
+    rows, stance, _ = rows_of_runs(np.maximum(begin - 1, 0), end + 1)
+    point = _points(samples, rows)
+    known = np.isfinite(point)
+    rows, stance, point = rows[known], stance[known], point[known]
+    phase = (time[rows] - time[begin][stance]) / (time[end] - time[begin])[stance]
     of, first, count = np.unique(stance, return_index=True, return_counts=True)
-    around = (phase[first] <= 0.1) & (phase[first + count - 1] >= 0.9) & (count >= 2)
-    of = of[around]
+    of = of[(phase[first] <= 0.1) & (phase[first + count - 1] >= 0.9) & (count >= 2)]
     if not len(of):
         return travel, reach
     # Stances follow each other on one axis, so that all are interpolated at once.
     axis = 4.0 * stance + np.clip(phase, -1.0, 1.0)
-    start, end = (np.interp(4.0 * of + share, axis, point) for share in (0.1, 0.9))
-    travel[of] = np.abs(end - start)
-    origin = np.full(len(travel), np.nan, np.complex128)
-    origin[of] = start
+    origin = np.full(len(begin), np.nan, np.complex128)
+    origin[of], last = (np.interp(4.0 * of + share, axis, point) for share in (0.1, 0.9))
+    travel[of] = reach[of] = np.abs(last - origin[of])
     away = np.abs(point - origin[stance])
-    reach[of] = travel[of]
     counts = (phase >= 0.1) & (phase <= 0.9) & np.isfinite(away)
     np.maximum.at(reach, stance[counts], away[counts])
     return travel, reach
 
 
-def ways_under_load(samples: StanceSamples, mean: Floats) -> tuple[Ways, Ways]:
+def _points(samples: Samples, rows: Ints) -> Complexes:
+    """(m,) m, contact points in the world; not finite where there are none."""
+    x, y, _ = samples.position.take(rows, axis=0).astype(np.float64, copy=False).T
+    return np.asarray(x + 1j * y)
+
+
+def ways_under_load(
+    samples: Samples, track: FootTrack, begin: Ints, end: Ints, mean: Floats
+) -> tuple[Ways, Ways]:
     """Find how far contact points go from 10 % to 90 % of a stance, while loaded.
 
     Args:
-        samples: of k stances.
-        mean: (k,) N, mean of |F| in each.
+        samples: n samples of a foot.
+        track: their times and forces.
+        begin: (k,) rows of touchdowns.
+        end: (k,) rows that end the stances.
+        mean: (k,) N, mean of |F| in each stance.
 
     Returns:
         the largest distance from where the point began, by steps between neighbouring loaded
@@ -70,18 +91,21 @@ def ways_under_load(samples: StanceSamples, mean: Floats) -> tuple[Ways, Ways]:
         shorter than `LEAST_M`. A foot that rolls moves its contact point, too, but slowly; one
         that slips does so at once.
     """
-    found, phase = np.full((2, len(Ways._fields), len(mean)), np.nan), samples.phase
-    inside = (phase >= 0.1) & (phase <= 0.9) & np.isfinite(samples.point)
-    rows = np.flatnonzero(inside & samples.own)
-    time, stance = samples.time[rows], samples.stance[rows]
-    of, first, own = np.unique(stance, return_index=True, return_inverse=True)
-    if len(rows):
+    found = np.full((2, len(Ways._fields), len(mean)), np.nan)
+    rows, stance, _ = rows_of_runs(begin, end)
+    since = track.time[rows] - track.time[begin][stance]
+    phase = since / (track.time[end] - track.time[begin])[stance]
+    point = _points(samples, rows)
+    inside = (phase >= 0.1) & (phase <= 0.9) & np.isfinite(point)
+    if inside.any():
+        rows, stance, time, point = rows[inside], stance[inside], since[inside] / 1e9, point[inside]
+        of, first, own = np.unique(stance, return_index=True, return_inverse=True)
         last = np.append(first[1:], len(rows)) - 1
-        step = np.diff(samples.point[rows], prepend=samples.point[rows[0]])
-        loaded = samples.force[rows] >= (LOADED * mean)[stance]
+        step = np.diff(point, prepend=point[0])
+        loaded = track.force[rows] >= (LOADED * mean)[stance]
         path = _path(step, _follows(loaded, own), first, own)
         found[0][:, of] = _ways(time, path, own, first, first, last)
-        single = _follows(loaded & samples.single[rows], own)
+        single = _follows(loaded & (samples.points[rows] == 1), own)
         single &= np.abs(step) <= FASTEST_MPS * np.diff(time, prepend=time[0])
         path = _path(step, single, first, own)
         quick = _quick_ways(time, path, own, first, last)
@@ -98,10 +122,8 @@ def _follows(counts: Flags, own: Ints) -> Flags:
     return follows
 
 
-def _path(
-    step: NDArray[np.complex128], counts: Flags, first: Ints, own: Ints
-) -> NDArray[np.complex128]:
-    """(n,) m, x + i y: how far the contact point has gone since the stance's first row.
+def _path(step: Complexes, counts: Flags, first: Ints, own: Ints) -> Complexes:
+    """(n,) m: how far the contact point has gone since the stance's first row.
 
     Args:
         step: (n,) m, from the row before.
@@ -113,9 +135,7 @@ def _path(
     return np.asarray(total - total[first][own])
 
 
-def _quick_ways(
-    time: Floats, path: NDArray[np.complex128], own: Ints, first: Ints, last: Ints
-) -> Floats:
+def _quick_ways(time: Floats, path: Complexes, own: Ints, first: Ints, last: Ints) -> Floats:
     """Find the furthest way of each stance within `QUICK_S`; arguments as for `_ways`."""
     # Times of one stance after those of the one before, more than a window apart.
     begun = np.cumsum(np.append(0.0, time[last] - time[first] + 2.0 * QUICK_S))[:-1]
@@ -130,14 +150,7 @@ def _quick_ways(
     return found
 
 
-def _ways(
-    time: Floats,
-    path: NDArray[np.complex128],
-    own: Ints,
-    first: Ints,
-    start: Ints,
-    last: Ints,
-) -> Floats:
+def _ways(time: Floats, path: Complexes, own: Ints, first: Ints, start: Ints, last: Ints) -> Floats:
     """(3, m): how far contact points go between two rows of each of m stances; see `Ways`.
 
     Args:

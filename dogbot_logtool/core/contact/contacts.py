@@ -1,6 +1,6 @@
 """Contact messages as columns, reduced to one sample a message."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -15,7 +15,6 @@ from dogbot_logtool.core.arrays import (
     picked,
     sum_by_group,
 )
-from dogbot_logtool.dataclass import dataclass
 
 FOOT_IS_COLLISION1: Final = 1
 FOOT_IS_COLLISION2: Final = 2

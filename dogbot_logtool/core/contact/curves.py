@@ -7,12 +7,12 @@ point of the curve is a sample as it was recorded.
 """
 
 from bisect import bisect_left
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, distinct
-from dogbot_logtool.dataclass import dataclass
 
 MOST_BINS: Final = 8192
 """More than a wide screen has columns of pixels."""

@@ -1,32 +1,19 @@
 """Everything that is measured on one foot, from the columns of its samples."""
 
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
+from dogbot_logtool.core.arrays import Flags, Ints, median_of
 from dogbot_logtool.core.contact.contact_detection import backdated, find_stances, schmitt
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.contact.curves import CurveDetail, LoadCurves, curve_of
-from dogbot_logtool.core.contact.stance_samples import (
-    AXES,
-    PARTS,
-    mean_forces,
-    stance_samples,
-)
-from dogbot_logtool.core.contact.stances import (
-    LONGEST_STANCE_S,
-    Cut,
-    StanceFigures,
-    Stances,
-    reduce_stances,
-)
+from dogbot_logtool.core.contact.stances import Cut, StanceFigures, Stances, stance_figures
 from dogbot_logtool.core.contact.track import FootTrack, foot_track
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.dataclass import dataclass
 
 _SAME: Final = 1e-6
 """Difference of two forces, as a share of them, that is none: they have 24 bits."""
@@ -37,8 +24,6 @@ SCUFF_DURATION: Final = 0.1
 """Share of the usual stance below which a touch may be a scuff."""
 SCUFF_LOAD: Final = 1.0 / 3.0
 """The same of its mean load."""
-_PORTION_ROWS: Final = 65_536
-"""Samples of stances that are worked on at once, to spare memory."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,9 +48,6 @@ class FootHistory:
     known: Ints
     """(k, 2) ns, the time about which this foot's sensor says something."""
     stances: Stances
-    stance_forces: Floats
-    """(stances, 3, PARTS) N, mean force along the world's axes in each part of each stance; NaN
-    where its direction is not known, and in stances too long to be a step's."""
     in_contact: Ints
     """(c, 2) ns, the time that is known to be in contact."""
     filled_swings: int
@@ -100,7 +82,6 @@ class FootHistory:
             self,
             has_force=False,
             stances=replace(self.stances, figures=nothing),
-            stance_forces=np.full_like(self.stance_forces, np.nan),
             curves=None,
         )
 
@@ -121,7 +102,6 @@ class FootHistory:
             gaps=gaps,
             known=timespans.subtract(self.known, spans),
             stances=replace(stances, cut=cut, liftoff=liftoff).pick(kept),
-            stance_forces=self.stance_forces[kept],
             in_contact=timespans.subtract(self.in_contact, spans),
             stopped=spans,
         )
@@ -200,7 +180,7 @@ def foot_history(
     down = np.cumsum(change[:-1], dtype=np.int8) > 0
     # The last sample is in a stance where the log ends in one.
     down[-1:] |= contact[-1:]
-    figures, stance_forces = _stance_values(samples, track, starts, ends, rule.on_n)
+    figures = stance_figures(samples, track, starts, ends, rule.on_n)
     history = FootHistory(
         messages=messages,
         not_finite=not_finite,
@@ -213,7 +193,6 @@ def foot_history(
         gaps=gaps,
         known=known,
         stances=Stances(touchdown, liftoff, cut, figures),
-        stance_forces=stance_forces,
         in_contact=timespans.intersect([np.stack([touchdown, liftoff], axis=1), known]),
         filled_swings=filled,
         dropped_stances=dropped,
@@ -246,31 +225,3 @@ def _scuffs(track: FootTrack, starts: Ints, ends: Ints) -> Flags:
     swing = np.append(track.time[starts[1:]] - track.time[ends[:-1]], 0)
     scuff &= (swing > duration) & (np.concatenate([[0], swing[:-1]]) > duration)
     return np.asarray(scuff)
-
-
-def _stance_values(
-    samples: Samples, track: FootTrack, starts: Ints, ends: Ints, on_n: float
-) -> tuple[StanceFigures, Floats]:
-    """Reduce stances that are short enough to be a step's; the others are NaN.
-
-    Args:
-        samples: n samples of a foot that are used.
-        track: their times and forces.
-        starts: (k,) rows of touchdowns.
-        ends: (k,) rows that end the stances.
-        on_n: N, load from which friction tells something.
-
-    Returns:
-        figures, and (k, AXES, PARTS) N, see `mean_forces`.
-    """
-    figures = np.full((len(StanceFigures._fields), len(starts)), np.nan)
-    forces = np.full((len(starts), AXES, PARTS), np.nan)
-    duration = track.time[ends] - track.time[starts]
-    steps = np.flatnonzero((duration > 0) & (duration <= LONGEST_STANCE_S * 1e9))
-    portion = np.cumsum((ends - starts)[steps]) // _PORTION_ROWS
-    for part in np.split(steps, np.flatnonzero(np.diff(portion)) + 1):
-        if len(part):
-            own = stance_samples(samples, track, starts[part], ends[part], on_n)
-            figures[:, part] = np.stack(reduce_stances(own))
-            forces[part] = mean_forces(own)
-    return StanceFigures(*figures), forces

@@ -7,6 +7,7 @@ a drop-out, unless it is no longer than the flight of every stride.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -14,7 +15,6 @@ import numpy as np
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, concatenated, median_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import SILENCE_NS, TimeSource
-from dogbot_logtool.dataclass import dataclass
 
 MISSED_INTERVALS: Final = 2.5
 """A silence of more than so many intervals is a swing."""

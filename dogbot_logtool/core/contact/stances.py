@@ -1,4 +1,4 @@
-"""One stance, reduced to the figures that are reported of it."""
+"""Stances of a foot, each reduced to the figures that are reported of it."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -7,19 +7,10 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import (
-    Flags,
-    Floats,
-    Ints,
-    first_where,
-    highest,
-    quantiles,
-    sorted_runs,
-    sums,
-    trapezoids,
-)
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, dots, quantiles, rows_of_runs
 from dogbot_logtool.core.contact.contact_way import contact_ways, ways_under_load
-from dogbot_logtool.core.contact.stance_samples import StanceSamples
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.contact.track import FootTrack
 
 IMPACT_S: Final = 0.050
 """The impact is looked for in the first 50 ms of a stance."""
@@ -30,12 +21,12 @@ RISE_TO: Final = 0.8
 """The loading rate is the slope between 20 % and 80 % of the rise."""
 FIRST_PEAK: Final = 0.5
 """Ripples on the rise that stay below half of the stance's peak are not its first peak."""
-
-
 SPIKE: Final = 2.0
 """Times its neighbours and the rest of its stance that a lone spike is at least."""
 FEWEST_FOR_SPIKES: Final = 5
 """Samples of a stance from which one of them can stand out."""
+_PORTION_ROWS: Final = 65_536
+"""Samples of stances that are worked on at once, to spare memory."""
 
 
 class Cut(IntEnum):
@@ -109,10 +100,10 @@ class Stances:
         whole: Flags = self.cut == Cut.WHOLE
         return whole
 
-    def pick(self, rows: Flags) -> "Stances":
-        """Return the chosen stances."""
-        figures = StanceFigures(*(each[rows] for each in self.figures))
-        return Stances(self.touchdown[rows], self.liftoff[rows], self.cut[rows], figures)
+    @property
+    def middle(self) -> Ints:
+        """(n,) ns, half-way between touchdown and lift-off."""
+        return self.touchdown + (self.liftoff - self.touchdown) // 2
 
     @property
     def duration_s(self) -> Floats:
@@ -120,42 +111,72 @@ class Stances:
         duration: Floats = (self.liftoff - self.touchdown) / 1e9
         return duration
 
+    def pick(self, rows: Flags) -> "Stances":
+        """Return the chosen stances."""
+        figures = StanceFigures(*(each[rows] for each in self.figures))
+        return Stances(self.touchdown[rows], self.liftoff[rows], self.cut[rows], figures)
 
-@np.errstate(over="ignore", divide="ignore", invalid="ignore")
-def reduce_stances(samples: StanceSamples) -> StanceFigures:
-    """Reduce the samples of stances, at least one, to their figures.
+
+def stance_figures(
+    samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: float
+) -> StanceFigures:
+    """Reduce stances that are short enough to be a step's; figures of the others are NaN.
 
     Forces may be anything finite: what overflows is infinite, and no warning.
+
+    Args:
+        samples: n samples of a foot that are used.
+        track: their times and forces.
+        begin: (k,) rows of touchdowns.
+        end: (k,) rows that end the stances.
+        on_n: N, load from which friction tells something.
     """
-    begin, end = samples.touchdown, samples.end
-    force, vertical = samples.force, samples.vector[:, 2]
-    ordered = sorted_runs(force, begin, end)
-    peak, median = ordered[end - 1], quantiles(ordered, begin, end, 0.5)
-    mean = sums(force, begin, end) / (end - begin)
-    travel, reach = contact_ways(samples)
-    loaded, quick = ways_under_load(samples, mean)
-    spike = _spikes(samples)
-    spikes = np.flatnonzero(spike)
-    spikes = spikes[np.argsort(force[spikes], kind="stable")]
-    phase = np.full(len(begin), np.nan)
-    phase[samples.stance[spikes]] = samples.phase[spikes]
-    impact_end = np.minimum(first_where(samples.time > IMPACT_S, begin), end)
-    impact = highest(force, begin, impact_end)
-    return StanceFigures(
+    figures = np.full((len(StanceFigures._fields), len(begin)), np.nan)
+    duration = track.time[end] - track.time[begin]
+    steps = np.flatnonzero((duration > 0) & (duration <= LONGEST_STANCE_S * 1e9))
+    portion = np.cumsum((end - begin)[steps]) // _PORTION_ROWS
+    for part in np.split(steps, np.flatnonzero(np.diff(portion)) + 1):
+        if len(part):
+            with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+                figures[:, part] = _reduced(samples, track, begin[part], end[part], on_n)
+    return StanceFigures(*figures)
+
+
+def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: float) -> Floats:
+    """(figures, k) of stances that have samples; arguments as for `stance_figures`."""
+    rows, stance, first = rows_of_runs(begin, end)
+    force, vertical = track.force[rows], track.vertical_force[rows].astype(np.float64)
+    time = (track.time[rows] - track.time[begin][stance]) / 1e9
+    count, ends_s = end - begin, (track.time[end] - track.time[begin]) / 1e9
+    peak, mean, total_vertical = (
+        np.maximum.reduceat(force, first),
+        np.add.reduceat(force, first) / count,
+        np.add.reduceat(vertical, first),
+    )
+    median = quantiles(force[np.lexsort((force, stance))], first, first + count, 0.5)
+    impact = np.maximum.reduceat(np.where(time <= IMPACT_S, force, -np.inf), first)
+    spike = _spikes(track.force, rows, stance, first)
+    highest = np.flatnonzero(spike)[np.argsort(force[spike], kind="stable")]
+    spike_phase = np.full(len(begin), np.nan)
+    spike_phase[stance[highest]] = (time / ends_s[stance])[highest]
+    impulse = track.impulse[:, 2]
+    travel, reach = contact_ways(samples, track.time, begin, end)
+    loaded, quick = ways_under_load(samples, track, begin, end, mean)
+    found = StanceFigures(
         peak_force_n=peak,
         mean_force_n=mean,
-        spikes=np.bincount(samples.stance[spikes], minlength=len(begin)).astype(np.float64),
-        spike_phase=phase,
-        calm_peak_n=highest(np.where(spike, -np.inf, force), begin, end),
-        calm_peak_vertical_n=highest(np.where(spike, -np.inf, vertical), begin, end),
-        peak_vertical_force_n=highest(vertical, begin, end),
-        mean_vertical_force_n=sums(vertical, begin, end) / (end - begin),
-        vertical_impulse_ns=trapezoids(vertical, samples.time, samples.first),
-        loading_rate_nps=_loading_rates(samples, peak),
+        spikes=np.bincount(stance[spike], minlength=len(begin)).astype(np.float64),
+        spike_phase=spike_phase,
+        calm_peak_n=np.maximum.reduceat(np.where(spike, -np.inf, force), first),
+        calm_peak_vertical_n=np.maximum.reduceat(np.where(spike, -np.inf, vertical), first),
+        peak_vertical_force_n=np.maximum.reduceat(vertical, first),
+        mean_vertical_force_n=total_vertical / count,
+        vertical_impulse_ns=impulse[end] - impulse[np.maximum(begin - 1, 0)] + 0.0 * total_vertical,
+        loading_rate_nps=_loading_rates(track, begin, end, peak),
         impact_ratio=np.where(median > 0.0, impact / median, np.nan),
         contact_travel_m=travel,
         contact_reach_m=reach,
-        friction_use=_friction_use(samples),
+        friction_use=_friction_use(samples, track, rows, stance, on_n),
         loaded_reach_m=loaded.metres,
         reach_begins_s=loaded.begins_s,
         reach_ends_s=loaded.ends_s,
@@ -163,36 +184,48 @@ def reduce_stances(samples: StanceSamples) -> StanceFigures:
         quick_begins_s=quick.begins_s,
         quick_ends_s=quick.ends_s,
     )
+    return np.stack(found)
 
 
-def _spikes(samples: StanceSamples) -> Flags:
-    """(n,) whether a sample stands alone, far above all others of its stance.
+def _spikes(force: Floats, rows: Ints, stance: Ints, first: Ints) -> Flags:
+    """(m,) whether a sample stands alone, far above all others of its stance.
 
     It is at least `SPIKE` times its neighbours, and as much above every sample of the stance that
     does not stand out of its neighbours so. The first sample is the foot's impact, whatever it is.
+
+    Args:
+        force: (n,) N, of all samples.
+        rows: (m,) those in stances.
+        stance: (m,) the stance of each.
+        first: (k,) where each stance begins among these.
     """
-    force, own = samples.force, samples.own
-    own[samples.touchdown] = False
-    before, after = np.roll(force, 1), np.roll(force, -1)
-    alone = own & (force > SPIKE * before) & (force > SPIKE * after)
-    others = highest(np.where(alone, 0.0, force), samples.touchdown, samples.end)
-    enough = samples.end - samples.touchdown >= FEWEST_FOR_SPIKES
-    high: Flags = force > SPIKE * others[samples.stance]
-    return alone & high & enough[samples.stance]
+    own, after = force[rows], force[np.minimum(rows + 1, len(force) - 1)]
+    alone = (own > SPIKE * force[rows - 1]) & (own > SPIKE * after)
+    alone[first] = False
+    others = np.maximum.reduceat(np.where(alone, 0.0, own), first)
+    enough = np.bincount(stance) >= FEWEST_FOR_SPIKES
+    spikes: Flags = alone & enough[stance] & (own > SPIKE * others[stance])
+    return spikes
 
 
-def _friction_use(samples: StanceSamples) -> Floats:
+def _friction_use(
+    samples: Samples, track: FootTrack, rows: Ints, stance: Ints, on_n: float
+) -> Floats:
     """(k,) 95th percentile of the friction that is known, NaN where none is."""
-    rows = np.flatnonzero(np.isfinite(samples.friction))
-    begin, end = np.searchsorted(rows, samples.touchdown), np.searchsorted(rows, samples.end)
-    use = np.full(len(begin), np.nan)
-    known = end > begin
-    ordered = sorted_runs(samples.friction[rows], begin, end)
-    use[known] = quantiles(ordered, begin[known], end[known], 0.95)
+    force = track.force[rows]
+    pressing = np.abs(dots(samples.force[rows].astype(np.float64), samples.normal[rows]))
+    friction = np.sqrt(np.maximum(force * force - pressing * pressing, 0.0)) / pressing
+    known = np.isfinite(friction) & ~np.isnan(track.vertical_force[rows]) & (force >= on_n)
+    friction, of = friction[known], stance[known]
+    count = np.bincount(of, minlength=stance[-1] + 1)
+    use, has = np.full(len(count), np.nan), count > 0
+    end = np.cumsum(count)
+    ordered = friction[np.lexsort((friction, of))]
+    use[has] = quantiles(ordered, (end - count)[has], end[has], 0.95)
     return use
 
 
-def _loading_rates(samples: StanceSamples, peak: Floats) -> Floats:
+def _loading_rates(track: FootTrack, begin: Ints, end: Ints, peak: Floats) -> Floats:
     """Return how fast the load rises, N/s: the slope between 20 % and 80 % of the first peak.
 
     The first peak is the first local maximum of |F| of at least half the stance's peak. The rise
@@ -202,27 +235,31 @@ def _loading_rates(samples: StanceSamples, peak: Floats) -> Floats:
     2006, Med. Sci. Sports Exerc. 38:323).
 
     Args:
-        samples: of k stances.
+        track: of the foot.
+        begin: (k,) rows of touchdowns.
+        end: (k,) rows that end the stances.
         peak: (k,) N, the highest |F| of each.
     """
-    force, first, last = samples.force, samples.first, samples.end - 1
-    higher = force >= (FIRST_PEAK * peak)[samples.stance]
-    higher[:-1] &= force[:-1] >= force[1:]
-    top = np.minimum(first_where(higher, first + 1), last)
-    low, high = RISE_FROM * force[top], RISE_TO * force[top]
-    above_low = first_where(force >= low[samples.stance], first)
-    above_high = first_where(force >= high[samples.stance], first)
-    known = (last - first >= 2) & (above_low > first) & (above_low < above_high)
-    rise_s = _crossings(samples, above_high[known], high[known])
-    rise_s -= _crossings(samples, above_low[known], low[known])
-    rate = np.full(len(first), np.nan)
-    rate[known] = (high - low)[known] / rise_s
-    return rate
+    time, force, last = track.time, track.force, end - 1
+    first = np.maximum(begin - 1, 0)
+    rows, stance, start = rows_of_runs(first, end)
+    own, after = force[rows], force[np.minimum(rows + 1, len(force) - 1)]
 
+    def first_of(flags: Flags) -> Ints:
+        """(k,) first flagged row of each stance, or its last one."""
+        found: Ints = np.minimum.reduceat(np.where(flags, rows, last[stance]), start)
+        return found
 
-def _crossings(samples: StanceSamples, after: Ints, level: Floats) -> Floats:
-    """Times at which the force reaches a level between a sample and the one before it."""
-    time, force, before = samples.time, samples.force, after - 1
-    share = (level - force[before]) / (force[after] - force[before])
-    crossing: Floats = time[before] + share * (time[after] - time[before])
-    return crossing
+    rises_no_more = (own >= FIRST_PEAK * peak[stance]) & ((own >= after) | (rows == last[stance]))
+    top = force[first_of(rises_no_more & (rows > first[stance]))]
+    low, high = (first_of(own >= (share * top)[stance]) for share in (RISE_FROM, RISE_TO))
+    known = (last - first >= 2) & (low > first) & (low < high)
+
+    def crossed_s(row: Ints, level: Floats) -> Floats:
+        """(k,) s, when the force reaches a level before a row."""
+        share = (level - force[row - 1]) / (force[row] - force[row - 1])
+        crossed: Floats = (time[row - 1] - time[first] + share * (time[row] - time[row - 1])) / 1e9
+        return crossed
+
+    rise_s = crossed_s(high, RISE_TO * top) - crossed_s(low, RISE_FROM * top)
+    return np.where(known, (RISE_TO - RISE_FROM) * top / rise_s, np.nan)

@@ -3,16 +3,17 @@
 Impulses are running totals over every sample, so that they can be asked for between any two times.
 """
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, all_finite, norms
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Float32s, Floats, Ints, all_finite, norms
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource, advancing, first_at_each_tick
 from dogbot_logtool.core.quality.quality import steady_gap_ns
-from dogbot_logtool.dataclass import dataclass
 
 POINT_RATE_HZ: Final = 100.0
 """Contact points and vertical forces are compared with the base at this rate at most."""
@@ -43,8 +44,8 @@ class FootTrack:
     """(g, 2) ns, intervals that are too long: last sample before, first one after."""
     force_impulse: Floats
     """(n,) N s, integral of |F| since the first sample, gaps left out."""
-    vertical_impulse: Floats
-    """(n,) N s, of the vertical force, where that is known."""
+    impulse: Floats
+    """(n, 3) N s, of the force along the world's axes, where that is known."""
     vertical_unknown: Ints
     """(u, 2) ns, time with a load whose direction is not known."""
 
@@ -54,35 +55,28 @@ class FootTrack:
         point = self.point.take(self.placed, axis=0)
         return self.time[self.placed], point.astype(np.float64, copy=False)
 
-    def force_within(self, spans: Ints) -> float:
-        """Return the integral of |F| over spans, N s."""
-        return self._within(self.force_impulse, spans)
+    @property
+    def vertical_impulse(self) -> Floats:
+        """(n,) N s, of the vertical force, where that is known."""
+        return self.impulse[:, 2]
 
-    def vertical_within(self, spans: Ints) -> float:
-        """Return the integral of the vertical force over spans, N s."""
-        return self._within(self.vertical_impulse, spans)
-
-    def impulse_at(self, impulse: Floats, time: Ints) -> Floats:
-        """Return one of the running totals at any times.
-
-        Args:
-            impulse: (n,) N s, `force_impulse` or `vertical_impulse`.
-            time: any shape, ns; before the first sample nothing, after the last one nothing more.
-
-        Returns:
-            N s, in the shape of the times.
-        """
+    def added(self, totals: Floats, begin: Ints, end: Ints) -> Floats:
+        """(m,) N s, by how much running totals, (n,), grow from some times to others, ns."""
         if len(self.time) < 2:
-            return np.zeros(time.shape)
-        row = np.clip(np.searchsorted(self.time, time, side="right"), 1, len(self.time) - 1)
-        since, step = time - self.time[row - 1], self.time[row] - self.time[row - 1]
-        share = np.clip(since / step, 0.0, 1.0)
-        total: Floats = impulse[row - 1] + share * (impulse[row] - impulse[row - 1])
-        return total
+            return np.zeros(len(begin))
+        start = self.time[0]
+        at = [(each - start).astype(np.float64) for each in (self.time, begin, end)]
+        return np.asarray(np.interp(at[2], at[0], totals) - np.interp(at[1], at[0], totals))
 
-    def _within(self, impulse: Floats, spans: Ints) -> float:
-        at = self.impulse_at(impulse, spans)
-        return float((at[:, 1] - at[:, 0]).sum())
+    def within(self, totals: Floats, spans: Ints) -> float:
+        """Return by how much running totals, (n,), grow within spans, N s."""
+        return float(self.added(totals, *spans.T).sum())
+
+    def mean_force(self, begin: Ints, end: Ints) -> Floats:
+        """(m, 3) N, along the world's axes, between some times; NaN where not known."""
+        added = np.stack([self.added(each, begin, end) for each in self.impulse.T], axis=1)
+        added[timespans.touches(self.vertical_unknown, begin, end)] = np.nan
+        return np.asarray(added / ((end - begin) / 1e9)[:, None])
 
 
 def foot_track(
@@ -108,8 +102,7 @@ def foot_track(
     if len(row) < len(usable):
         samples, time, force = samples.pick(usable), time[usable], force[usable]
     known = samples.in_world | force_in_world | (force == 0.0)
-    vertical = samples.force[:, 2].copy()
-    vertical[~known] = np.nan
+    vertical = np.where(known, samples.force[:, 2], np.nan)
     steps = np.diff(time)
     gap = steps > steady_gap_ns(steps)
     rows = np.flatnonzero(all_finite(samples.position))
@@ -118,6 +111,8 @@ def foot_track(
     # From the last known vertical force, or the start, to the next known one.
     edges = np.flatnonzero(np.diff(~known, prepend=False, append=False))
     first, behind = np.maximum(edges[::2] - 1, 0), np.minimum(edges[1::2], len(time) - 1)
+    counted = np.where(gap, 0, steps) / 2e9
+    known_steps = counted * (known[1:] & known[:-1])
     track = FootTrack(
         time=time,
         row=row,
@@ -128,19 +123,16 @@ def foot_track(
         point=samples.position,
         placed=rows[placed],
         gaps=np.stack([time[:-1][gap], time[1:][gap]], axis=1),
-        force_impulse=_running_total(steps, force, gap),
-        vertical_impulse=_running_total(steps, vertical, gap),
+        force_impulse=_running_total(counted, force),
+        impulse=np.stack([_running_total(known_steps, each) for each in samples.force.T], axis=1),
         vertical_unknown=np.stack([time[first], time[behind]], axis=1),
     )
     return track, samples, not_finite
 
 
-@np.errstate(over="ignore", invalid="ignore")
-def _running_total(steps: Ints, value: Floats | Float32s, gap: Flags) -> Floats:
-    """(n,) integral of a value up to each row; what is not known adds nothing, nor does a gap."""
+@np.errstate(over="ignore")
+def _running_total(half_steps: Floats, value: Floats | Float32s) -> Floats:
+    """(n,) integral of a value up to each row, over half the time of each step, (n - 1,) s."""
     total = np.zeros(len(value))
-    part = np.add(value[1:], value[:-1], dtype=np.float64)
-    part *= steps / 2e9
-    part[gap | np.isnan(part)] = 0.0
-    np.cumsum(part, out=total[1:])
+    np.cumsum(np.add(value[1:], value[:-1], dtype=np.float64) * half_steps, out=total[1:])
     return total

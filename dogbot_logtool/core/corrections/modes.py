@@ -4,13 +4,12 @@ The swing mode is narrow against the distance between both and is visited once a
 visits agree with each other. Shifting weight in a stand does not look like that.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, percentiles_of, rows_of_runs
-from dogbot_logtool.dataclass import dataclass
 
 FEWEST_VISITS: Final = 2
 """Swings that must agree on a level."""

@@ -6,7 +6,7 @@ nothing tells which is which, as where weight is shifted in a stand, the level s
 The level is that of the swings around each moment, so that it may drift, or be re-zeroed.
 """
 
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
 import numpy as np
@@ -37,7 +37,6 @@ from dogbot_logtool.core.corrections.modes import (
     visit_medians,
     visit_quantiles,
 )
-from dogbot_logtool.dataclass import dataclass
 
 Origin = Literal["option", "robot", "estimated", "default"]
 """The origin of a setting."""

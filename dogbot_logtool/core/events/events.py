@@ -24,7 +24,7 @@ from dogbot_logtool.core.gait.classes import IRREGULAR, STAND
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.segments import LASTING, PERIOD_CHANGE, Segment
 from dogbot_logtool.core.loads import LARGEST_FOOT_M, is_stuck
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 
 MARGIN_M: Final = 0.01
 """m below zero that a margin must reach: contact points and poses are not known better."""
@@ -66,17 +66,17 @@ FEWEST_SWINGS: Final = 3
 _RANK: Final = {kind: rank for rank, kind in enumerate(EventType)}
 
 
-def find_events(stats: Stats) -> tuple[Event, ...]:
+def find_events(walk: Walk) -> tuple[Event, ...]:
     """Return all events of a log, in the order of time."""
-    found = [*_spans(stats), *_carried(stats), *gait_changes(stats.segments), *_margins(stats)]
-    walks = [segment for segment in stats.segments if segment.strides]
-    for row, foot in enumerate(stats.feet):
+    found = [*_spans(walk), *_carried(walk), *gait_changes(walk.segments), *_margins(walk)]
+    walks = [segment for segment in walk.segments if segment.strides]
+    for row, foot in enumerate(walk.feet):
         found += scuffs(row, foot, walks)
         early = list(early_touchdowns(row, foot, walks))
         stumbles = [each.onset for each in early if each.type is EventType.STUMBLE]
         found += early
-        found += slips(row, foot, walks, stats.settings.foot_rolling_m, stumbles)
-        found += _sensor_faults(stats, row)
+        found += slips(row, foot, walks, walk.settings.foot_rolling_m, stumbles)
+        found += _sensor_faults(walk, row)
         found += (Event(time, 0, EventType.TOUCHDOWN, row) for time in foot.touchdown.tolist())
         found += (Event(time, 0, EventType.LIFT_OFF, row) for time in foot.liftoff.tolist())
     return tuple(sorted(found, key=_order))
@@ -86,24 +86,24 @@ def _order(event: Event) -> tuple[int, int, int]:
     return event.onset, _RANK[event.type], -1 if event.foot is None else event.foot
 
 
-def _spans(stats: Stats) -> Iterator[Event]:
+def _spans(walk: Walk) -> Iterator[Event]:
     """Yield falls, tipping, jumps of the pose and gaps: what is known as spans already.
 
     A fall lasts from the beginning of the descent until the robot lies no more; a jump from the
     pose before it to the one after.
     """
-    for start, end in stats.fallen.tolist():
+    for start, end in walk.fallen.tolist():
         yield Event(start, end - start, EventType.FALL, code="FALL")
-    found, poses = stats.tipping, stats.base_history
-    if found is not None and not len(stats.fallen):
+    found, poses = walk.tipping, walk.base_history
+    if found is not None and not len(walk.fallen):
         lasts = int(poses.time[-1]) - found.since
         yield Event(found.since, lasts, EventType.TIPPING, None, found.last_rad, "rad", "FALL")
-    sizes, turns = norms(stats.jumps.size_m).tolist(), stats.jumps.turn_rad.tolist()
-    for (start, end), size, turn in zip(stats.jumps.spans.tolist(), sizes, turns, strict=True):
+    sizes, turns = norms(walk.jumps.size_m).tolist(), walk.jumps.turn_rad.tolist()
+    for (start, end), size, turn in zip(walk.jumps.spans.tolist(), sizes, turns, strict=True):
         value, unit = (size, "m") if size > SMALLEST_JUMP_M else (abs(turn), "rad")
         yield Event(start, end - start, EventType.POSE_JUMP, None, value, unit, "POSE_JUMP")
     gaps: list[tuple[int | None, Ints]] = [(None, poses.gaps)]
-    for row, foot in enumerate(stats.feet):
+    for row, foot in enumerate(walk.feet):
         gaps.append((row, timespans.subtract(foot.record.gaps, foot.record.stopped)))
     for who, silent in gaps:
         for start, end in silent.tolist():
@@ -111,19 +111,19 @@ def _spans(stats: Stats) -> Iterator[Event]:
             yield Event(start, end - start, EventType.GAP, who, seconds, "s", "GAPS")
 
 
-def _carried(stats: Stats) -> Iterator[Event]:
+def _carried(walk: Walk) -> Iterator[Event]:
     """Yield when no foot is down, and the base is as high as while it stands, or higher."""
-    lifted = [each.spans for each in stats.segments if each.is_lifted]
-    down = [foot.record.in_contact for foot in stats.feet if len(foot.record.in_contact)]
+    lifted = [each.spans for each in walk.segments if each.is_lifted]
+    down = [foot.record.in_contact for foot in walk.feet if len(foot.record.in_contact)]
     if not lifted or not down:
         return
-    time, z = stats.base_history.time, stats.base_history.position[:, 2]
+    time, z = walk.base_history.time, walk.base_history.position[:, 2]
     stands = timespans.covers(timespans.merge(np.concatenate(down)), time)
     for start, end in timespans.merge(np.concatenate(lifted)).tolist():
         inside = (time >= start) & (time < end)
         near = (time >= start - BESIDE_NS) & (time < end + BESIDE_NS)
         beside = stands & near & ~inside
-        jumps = timespans.touches(stats.jumps.spans, np.array([start]), np.array([end])).any()
+        jumps = timespans.touches(walk.jumps.spans, np.array([start]), np.array([end])).any()
         if jumps or not beside.any() or not inside.any():
             continue
         rises_m = float(median_of(z[inside]) - median_of(z[beside]))
@@ -181,38 +181,38 @@ def _faster_or_slower(before: Segment, after: Segment) -> bool:
     return abs(1.0 / then - 1.0 / first) > PERIOD_CHANGE / first
 
 
-def _margins(stats: Stats) -> Iterator[Event]:
+def _margins(walk: Walk) -> Iterator[Event]:
     """Yield the times in which the base's projection is clearly outside the support polygon.
 
     After a jump of the pose it is not known where the base is among the feet; a robot that lies
     does not lose its balance.
     """
-    if stats.unstable is None:
+    if walk.unstable is None:
         return
-    jump = stats.jumps.spans[0, 0] if len(stats.jumps.spans) else stats.end
-    below, least = stats.unstable.spans, stats.unstable.least_margin_m
+    jump = walk.jumps.spans[0, 0] if len(walk.jumps.spans) else walk.end
+    below, least = walk.unstable.spans, walk.unstable.least_margin_m
     counts = (below[:, 1] - below[:, 0] >= LASTING_S * 1e9) & (least < -MARGIN_M)
-    counts &= (below[:, 0] < jump) & ~timespans.covers(stats.fallen, below[:, 0])
+    counts &= (below[:, 0] < jump) & ~timespans.covers(walk.fallen, below[:, 0])
     for (start, end), value in zip(below[counts].tolist(), least[counts].tolist(), strict=True):
         yield Event(start, end - start, EventType.MARGIN_BELOW_ZERO, None, value, "m")
 
 
-def _sensor_faults(stats: Stats, row: int) -> Iterator[Event]:
+def _sensor_faults(walk: Walk, row: int) -> Iterator[Event]:
     """Yield what findings call a fault of a foot's sensor, with the time that shows it."""
 
     def fault(start: int, end: int, code: str, newtons: float | None = None) -> Event:
         unit = "" if newtons is None else "N"
         return Event(start, end - start, EventType.SENSOR_FAULT, row, newtons, unit, code)
 
-    foot = stats.feet[row]
+    foot = walk.feet[row]
     record, stances, figures = foot.record, foot.record.stances, foot.record.stances.figures
     if foot.is_dead and not len(record.stopped):
         yield fault(record.start or 0, record.end or 0, "DEAD")
-    if is_stuck(record, [other.record for other in stats.feet if other is not foot]):
+    if is_stuck(record, [other.record for other in walk.feet if other is not foot]):
         yield fault(int(stances.touchdown[0]), int(stances.liftoff[-1]), "STUCK")
     else:
         yield from (fault(start, end, "STOPPED") for start, end in record.stopped.tolist())
-    if foot_is_saturated(stats, row) and np.isfinite(figures.peak_force_n).any():
+    if foot_is_saturated(walk, row) and np.isfinite(figures.peak_force_n).any():
         limit = float(np.nanmax(figures.peak_force_n))
         first, last = np.flatnonzero(figures.peak_force_n >= AT_LIMIT * limit)[[0, -1]].tolist()
         yield fault(int(stances.touchdown[first]), int(stances.liftoff[last]), "SATURATED", limit)

@@ -16,7 +16,7 @@ from dogbot_logtool.core.events.event import (
     Level,
 )
 from dogbot_logtool.core.events.events import find_events
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 
 _LEVELS: Final = {
     EventType.FALL: Level.ERROR,
@@ -26,10 +26,10 @@ _LEVELS: Final = {
 """Levels of events that are no warnings."""
 
 
-def event_messages(stats: Stats) -> tuple[EventMessage, ...]:
+def event_messages(walk: Walk) -> tuple[EventMessage, ...]:
     """Return all events of a log in words, in the order of time."""
-    names = [foot.name for foot in stats.feet]
-    return tuple(_message(each, names) for each in find_events(stats))
+    names = [foot.name for foot in walk.feet]
+    return tuple(_message(each, names) for each in find_events(walk))
 
 
 def _message(event: Event, names: list[str]) -> EventMessage:
@@ -60,11 +60,11 @@ def _message(event: Event, names: list[str]) -> EventMessage:
     )
 
 
-def gait_states(stats: Stats) -> tuple[GaitState, ...]:
+def gait_states(walk: Walk) -> tuple[GaitState, ...]:
     """Return the gait where it begins, and that it is unknown where a segment ends."""
     states: list[GaitState] = []
     nan = float("nan")
-    for segment, after in zip_longest(stats.segments, stats.segments[1:]):
+    for segment, after in zip_longest(walk.segments, walk.segments[1:]):
         rate, duty = (
             nan if each is None else each
             for each in (segment.stride_frequency_hz, segment.duty_factor)
@@ -73,17 +73,17 @@ def gait_states(stats: Stats) -> tuple[GaitState, ...]:
         name = segment.gait.name or UNKNOWN
         states.append(GaitState(segment.start, name, rate, duty, phases))
         if after is None or after.start > segment.end:
-            states.append(GaitState(segment.end, UNKNOWN, nan, nan, (nan,) * len(stats.feet)))
-    return tuple(states) if stats.feet else ()
+            states.append(GaitState(segment.end, UNKNOWN, nan, nan, (nan,) * len(walk.feet)))
+    return tuple(states) if walk.feet else ()
 
 
-def to_log_time(stats: Stats, time: Ints, start: int, end: int) -> Ints:
+def to_log_time(walk: Walk, time: Ints, start: int, end: int) -> Ints:
     """Return when times on the clock that was measured on were recorded.
 
     As long after as the sample around it of the foot that has the most.
 
     Args:
-        stats: figures of the log.
+        walk: figures of the log.
         time: (n,) ns, ascending.
         start: ns, log time of its first message.
         end: ns, of its last.
@@ -91,7 +91,7 @@ def to_log_time(stats: Stats, time: Ints, start: int, end: int) -> Ints:
     Returns:
         (n,) ns, ascending, within the log.
     """
-    tracks = (foot.record.track for foot in stats.feet)
+    tracks = (foot.record.track for foot in walk.feet)
     track = max(tracks, key=lambda each: len(each.row), default=None)
     if track is not None and len(track.row):
         row = np.minimum(np.searchsorted(track.time, time), len(track.time) - 1)

@@ -1,13 +1,13 @@
 """Forward kinematics: poses of links from positions of joints."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.rotations import multiply, rotate
-from dogbot_logtool.dataclass import dataclass
 
 Kind = Literal["revolute", "prismatic", "fixed"]
 Triple = tuple[float, float, float]

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -10,7 +10,6 @@ import numpy as np
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, distinct
 from dogbot_logtool.core.corrections.clock import TimeSource, advancing
 from dogbot_logtool.core.rotations import multiply, normalised, rotate, slerp
-from dogbot_logtool.dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,6 @@ from dogbot_logtool.core.arrays import (
     aggregate,
     percentiles_of,
     rows_of_runs,
-    trapezoids,
 )
 from dogbot_logtool.core.base.foot_path import FootPath, places_on_path
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES, stride_lengths
@@ -22,7 +21,6 @@ from dogbot_logtool.core.base.moving_ground import MovingGround
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.places import stance_places
-from dogbot_logtool.core.contact.stance_samples import PARTS
 from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.gait.strides import Strides, strides_of, walked_stances
 from dogbot_logtool.core.gait.support import Standing
@@ -31,7 +29,7 @@ from dogbot_logtool.core.loads import has_lone_spikes, slip_m, vertical_impulse_
 from dogbot_logtool.core.metrics import Foot
 from dogbot_logtool.core.records import Curve, Numbers, Shape, unknown
 from dogbot_logtool.core.rotations import along_heading
-from dogbot_logtool.core.settings import StatsSettings
+from dogbot_logtool.core.settings import WalkSettings
 
 CYCLE_POINTS: Final = 51
 """Points of a curve over a stride: 0, 2, ... 100 %."""
@@ -59,20 +57,27 @@ def cycle_curve(percent: Floats, values: Floats) -> Shape:
     return Curve(*(tuple(each.tolist()) for each in parts))
 
 
-def stride_curve(force: Floats, strides: Strides) -> Shape:
-    """Return the usual force over a stride, 0 in its swing; None where none is known.
+def stride_curve(foot: "FootSteps", strides: Strides, *, forward: bool) -> Shape:
+    """Return the usual force over a stride, straight from its samples; None where none is known.
 
     Args:
-        force: (n, PARTS) N, mean force in each part of each of the foot's stances.
-        strides: of the same foot.
+        foot: its steps.
+        strides: some of them.
+        forward: the force along the base's forward axis, not the vertical one.
     """
-    of_strides = force[strides.stance]
-    rows = np.flatnonzero(np.isfinite(of_strides).all(axis=1))
-    phase: Floats = np.arange(CYCLE_POINTS) / float(CYCLE_POINTS - 1)
-    stance_phase = phase[None, :] / strides.duty_factor[rows][:, None]
-    part = np.minimum((stance_phase * PARTS).astype(np.int64), PARTS - 1)
-    known = np.where(stance_phase < 1.0, np.take_along_axis(of_strides[rows], part, axis=1), 0.0)
-    return cycle_curve(phase * 100.0, known)
+    track, phase = foot.record.track, np.linspace(0.0, 1.0, CYCLE_POINTS)
+    own = strides.stance[np.isfinite(foot.stances.figures.mean_vertical_force_n[strides.stance])]
+    begin, end = (foot.stances.touchdown[rows, None] for rows in (own, own + 1))
+    time = begin + (end - begin) * phase
+    columns = track.horizontal_force.T if forward else [track.vertical_force]
+    force = [np.interp(time, track.time, column) for column in columns if len(own)]
+    if not force:
+        return None
+    curves = force[0]
+    if forward:
+        heading = foot.heading[own, None]
+        curves = force[0] * np.cos(heading) + force[1] * np.sin(heading)
+    return cycle_curve(phase * 100.0, curves[np.isfinite(curves).all(axis=1)])
 
 
 def fore_aft_impulses(foot: FootHistory, heading: Floats) -> tuple[Floats, Floats]:
@@ -90,7 +95,7 @@ def fore_aft_impulses(foot: FootHistory, heading: Floats) -> tuple[Floats, Float
     """
     track, stances = foot.track, foot.stances
     braking, propulsive = np.full((2, len(heading)), np.nan)
-    known = np.isfinite(heading) & np.isfinite(foot.stance_forces).all(axis=(1, 2))
+    known = np.isfinite(heading) & np.isfinite(stances.figures.mean_vertical_force_n)
     if not known.any():
         return braking, propulsive
     before = np.maximum(np.searchsorted(track.time, stances.touchdown[known]) - 1, 0)
@@ -100,8 +105,10 @@ def fore_aft_impulses(foot: FootHistory, heading: Floats) -> tuple[Floats, Float
     force = track.horizontal_force[rows].astype(np.float64)
     along, _ = along_heading(force, heading[known][stance])
     time = (track.time[rows] - track.time[0]) / 1e9
-    braking[known] = -trapezoids(np.minimum(along, 0.0), time, first)
-    propulsive[known] = trapezoids(np.maximum(along, 0.0), time, first)
+    half_steps = np.diff(time, prepend=0.0) / 2.0
+    half_steps[first] = 0.0
+    for found, part in ((braking, np.maximum(-along, 0.0)), (propulsive, np.maximum(along, 0.0))):
+        found[known] = np.add.reduceat((part + np.roll(part, 1)) * half_steps, first)
     return braking, propulsive
 
 
@@ -140,17 +147,12 @@ class FootSteps:
     """Whether its sensor tells contact, and nothing refutes it."""
     has_spikes: Flags
     """(stances,) which have lone spikes."""
-    forward: Floats
-    """(stances, PARTS) N, mean force along the base's forward axis in each part of each stance."""
+    heading: Floats
+    """(stances,) rad, of the base's forward axis in the middle of each stance; NaN: not known."""
     braking_ns: Floats
     """(stances,) N s, see `fore_aft_impulses`; also `propulsive_ns`. NaN where a spike may be as
     large as all that brakes."""
     propulsive_ns: Floats
-
-    @property
-    def vertical(self) -> Floats:
-        """(stances, PARTS) N, mean vertical force in each part of each stance; NaN: not known."""
-        return self.record.stance_forces[:, 2]
 
     @property
     def spikes(self) -> int:
@@ -160,16 +162,16 @@ class FootSteps:
     @property
     def vertical_over_stride(self) -> Shape:
         """The usual vertical force over a stride; None: not known."""
-        return stride_curve(self.vertical, self.strides)
+        return stride_curve(self, self.strides, forward=False)
 
     @property
     def forward_over_stride(self) -> Shape:
         """The usual force along the base's forward axis over a stride; None: not known."""
-        return stride_curve(self.forward, self.strides)
+        return stride_curve(self, self.strides, forward=True)
 
 
 def foot_steps(
-    settings: StatsSettings,
+    settings: WalkSettings,
     row: int,
     record: FootHistory,
     base: BaseHistory,
@@ -204,9 +206,7 @@ def foot_steps(
     )
     stances = replace(stances, figures=figures)
     strides, discarded = strides_of(stances, record.gaps, fallen)
-    middle = stances.touchdown + (stances.liftoff - stances.touchdown) // 2
-    heading = base.angles_at(middle)[:, 2] + FORWARD_ANGLES[settings.forward_axis]
-    x, y = record.stance_forces[:, 0], record.stance_forces[:, 1]
+    heading = base.angles_at(stances.middle)[:, 2] + FORWARD_ANGLES[settings.forward_axis]
     spiked = figures.spikes > 0.0
     braking, propulsive = (
         np.where(spiked, np.nan, each) for each in fore_aft_impulses(record, heading)
@@ -239,7 +239,7 @@ def foot_steps(
         is_dead=is_dead,
         contact_known=record.start is not None and not (is_dead or is_refuted),
         has_spikes=lone,
-        forward=x * np.cos(heading)[:, None] + y * np.sin(heading)[:, None],
+        heading=heading,
         braking_ns=braking,
         propulsive_ns=propulsive,
     )
@@ -293,8 +293,7 @@ def foot_metrics(
     if within is not None:
         lengths = lengths[strides.rows_within(within)]
         strides = strides.within(within)
-        middle = stances.touchdown + (stances.liftoff - stances.touchdown) // 2
-        whole = whole & timespans.covers(within, middle)
+        whole = whole & timespans.covers(within, stances.middle)
     per_weight = np.nan if weight_n is None else 1.0 / weight_n
     columns = {key: getattr(stances.figures, key) for key in FIGURES}
     columns |= {
@@ -323,8 +322,8 @@ def foot_metrics(
         touchdown_s=_seconds(foot.touchdown, origin, within),
         lift_off_s=_seconds(foot.liftoff, origin, within),
         vertical_impulse_ns=vertical_impulse_ns(foot.record, within),
-        vertical_over_stride_n=stride_curve(foot.vertical, strides),
-        forward_over_stride_n=stride_curve(foot.forward, strides),
+        vertical_over_stride_n=stride_curve(foot, strides, forward=False),
+        forward_over_stride_n=stride_curve(foot, strides, forward=True),
     )
 
 
@@ -348,8 +347,8 @@ def net_push(feet: Sequence[FootSteps]) -> float | None:
     """
     parts = [np.empty((2, 0))]
     for foot in feet:
-        both = np.stack([foot.forward.mean(axis=1), foot.vertical.mean(axis=1)])
-        both *= foot.stances.duration_s
+        pushed = foot.propulsive_ns - foot.braking_ns
+        both = np.stack([pushed, foot.stances.figures.vertical_impulse_ns])
         parts.append(both[:, foot.stances.whole & np.isfinite(both).all(axis=0)])
     pushed, carried = np.concatenate(parts, axis=1)
     if len(carried) < FEWEST_STANCES or carried.sum() <= 0.0:

@@ -8,6 +8,7 @@ losses, which are never negative.
 """
 
 from collections.abc import Container, Sequence
+from dataclasses import dataclass
 from itertools import product
 from typing import Final
 
@@ -16,14 +17,13 @@ import numpy as np
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
 from dogbot_logtool.core.base.foot_path import FootPath
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.contact.stance_samples import PARTS
 from dogbot_logtool.core.contact.stances import Stances
+from dogbot_logtool.core.contact.track import FootTrack
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.joints import JointTrack
 from dogbot_logtool.core.legs.legs import joint_work
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
-from dogbot_logtool.dataclass import dataclass
 
 VELOCITIES_AGREE: Final = 1.25
 """By such a factor may the velocities that messages tell differ from those of the positions."""
@@ -119,7 +119,7 @@ class LegSigns:
 
 
 def leg_signs(
-    forces: Floats,
+    track: FootTrack,
     stances: Stances,
     path: FootPath,
     base: BaseHistory,
@@ -128,7 +128,7 @@ def leg_signs(
     """Compare the work of a leg's motors with that of the force at its foot.
 
     Args:
-        forces: (stances, 3, PARTS) N, in the world; see `FootHistory.stance_forces`.
+        track: forces of the foot.
         stances: of the foot.
         path: of the foot in the base's frame.
         base: poses without jumps.
@@ -137,14 +137,15 @@ def leg_signs(
     Returns:
         None where too little is known.
     """
-    rows = np.flatnonzero(stances.whole & np.isfinite(forces).all(axis=(1, 2)))
+    known = np.isfinite(stances.figures.mean_vertical_force_n)
+    rows = np.flatnonzero(stances.whole & known)
     if not 0 < len(joints) <= _MOST_JOINTS or not len(rows):
         return None
     duration = (stances.liftoff - stances.touchdown)[rows, None]
     shares = np.linspace(0.0, 1.0, _SECTIONS + 1)
     edges = stances.touchdown[rows, None] + np.rint(duration * shares).astype(np.int64)
     begin, end = edges[:, :-1].ravel(), edges[:, 1:].ravel()
-    taken = _taken(forces[rows], edges, path, base)
+    taken = _taken(track, edges, path, base)
     works = [joint_work(joint, begin, end) for joint in joints]
     given = np.stack([2.0 * positive - absolute for positive, absolute in works], axis=1)
     known = np.isfinite(taken) & np.isfinite(given).all(axis=1)
@@ -153,11 +154,11 @@ def leg_signs(
     return _judged(given[known], taken[known], [joint.name for joint in joints])
 
 
-def _taken(forces: Floats, edges: Ints, path: FootPath, base: BaseHistory) -> Floats:
+def _taken(track: FootTrack, edges: Ints, path: FootPath, base: BaseHistory) -> Floats:
     """(stances * sections,) J, that the ground's force takes; NaN where not known.
 
     Args:
-        forces: (stances, 3, PARTS) N.
+        track: forces of the foot.
         edges: (stances, sections + 1) ns.
         path: of the foot in the base's frame.
         base: poses.
@@ -165,8 +166,7 @@ def _taken(forces: Floats, edges: Ints, path: FootPath, base: BaseHistory) -> Fl
     begin, end = edges[:, :-1].ravel(), edges[:, 1:].ravel()
     way = np.diff(path.at(edges), axis=1).reshape(-1, 3)
     way = rotate(from_roll_pitch_yaw(base.angles_at(begin + (end - begin) // 2)), way)
-    parted = forces.reshape(len(forces), 3, _SECTIONS, PARTS // _SECTIONS)
-    force = parted.mean(axis=3).transpose(0, 2, 1).reshape(-1, 3)
+    force = track.mean_force(begin, end)
     return np.where(path.unbroken(begin, end), -(force * way).sum(axis=1), np.nan)
 
 

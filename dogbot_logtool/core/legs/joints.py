@@ -1,6 +1,7 @@
 """Joints: their states as messages tell them, and what is measured of each over a log."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -9,7 +10,6 @@ from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints
 from dogbot_logtool.core.base.foot_path import LONGEST_STEP_S
 from dogbot_logtool.core.corrections.clock import TimeSource, advancing, check_stamps
 from dogbot_logtool.core.metrics import Joint
-from dogbot_logtool.dataclass import dataclass
 
 MOST_JOINTS: Final = 256
 """Joints of a robot that are followed; no robot with legs has more."""

@@ -1,6 +1,7 @@
 """What is known of the legs of a walk, and the work and motion of joints over strides."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,7 +14,6 @@ from dogbot_logtool.core.legs.joints import JointTrack
 from dogbot_logtool.core.legs.paths import LegSettings
 from dogbot_logtool.core.metrics import Legs
 from dogbot_logtool.core.records import Curve, Shape
-from dogbot_logtool.dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

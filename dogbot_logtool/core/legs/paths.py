@@ -4,7 +4,7 @@ A path comes from transforms, or from joints with their robot description, at a 
 """
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -15,7 +15,6 @@ from dogbot_logtool.core.frames.kinematics import Joint, Leg, Mass, leg_motion
 from dogbot_logtool.core.frames.transforms import TransformBuffer, chain_of_frames
 from dogbot_logtool.core.legs.joints import JointLimits, JointTrack
 from dogbot_logtool.core.rotations import rotate
-from dogbot_logtool.dataclass import dataclass
 
 TRANSFORM_RATE_HZ: Final = 200.0
 JOINT_RATE_HZ: Final = 100.0

@@ -1,5 +1,6 @@
 """Swings of a foot: its way in the world, above the line between its footfalls."""
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -10,7 +11,6 @@ from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.gait.feet import CYCLE_POINTS, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.records import Shape
-from dogbot_logtool.dataclass import dataclass
 
 MIDDLE: Final = (0.2, 0.8)
 """Shares of a stance between which the foot is loaded and should be at rest."""

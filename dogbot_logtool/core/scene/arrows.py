@@ -93,7 +93,8 @@ def removals(samples: Samples) -> Arrows:
     """Return the removal of the arrows of samples without contact."""
     shown, unused = np.zeros(len(samples.log_time), np.bool_), np.empty((0, 4))
     times = samples.foot, samples.log_time, samples.time
-    return Arrows(*times, shown, unused, unused, unused[:, 0], unused.astype(np.float32))
+    colour = unused.astype(np.float32)
+    return Arrows(*times, shown, unused[:, :3], unused, unused[:, 0], colour)
 
 
 def classic_arrows(contacts: Contacts) -> tuple[Arrows, Counter[str]]:

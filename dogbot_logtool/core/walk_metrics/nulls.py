@@ -10,18 +10,18 @@ from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.loads import vertical_is_known
 from dogbot_logtool.core.metrics import NEEDS, Segment, WalkMetrics
 from dogbot_logtool.core.records import Field, KeyPath, values
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
 
 Lacks = frozenset[str]
 """Names of what is missing."""
 
 
-def _lacking(stats: Stats) -> Callable[[KeyPath], Lacks]:
+def _lacking(walk: Walk) -> Callable[[KeyPath], Lacks]:
     """Return a function that tells what is missing for the metric at a path."""
-    log = _log(stats)
-    feet = {foot.name: log | _foot(stats, row) for row, foot in enumerate(stats.feet)}
-    legs = stats.legs
+    log = _log(walk)
+    feet = {foot.name: log | _foot(walk, row) for row, foot in enumerate(walk.feet)}
+    legs = walk.legs
     joints = {
         name: {
             **log,
@@ -32,7 +32,7 @@ def _lacking(stats: Stats) -> Callable[[KeyPath], Lacks]:
         for name, joint in (legs.metrics.joints.items() if legs else ())
         if legs
     }
-    topics = {each.topic: {"stamps": each.zero_stamps is None} for each in stats.topics}
+    topics = {each.topic: {"stamps": each.zero_stamps is None} for each in walk.topics}
 
     def lacks_at(path: KeyPath) -> Lacks:
         missing: Mapping[str, bool] = log
@@ -48,8 +48,8 @@ def _lacking(stats: Stats) -> Callable[[KeyPath], Lacks]:
     return lacks_at
 
 
-def _log(stats: Stats) -> dict[str, bool]:
-    feet, legs, stability = stats.feet, stats.legs, stats.stability
+def _log(walk: Walk) -> dict[str, bool]:
+    feet, legs, stability = walk.feet, walk.legs, walk.stability
     touching = [foot.record for foot in feet if len(foot.record.in_contact)]
     undefined = None if stability is None else stability.undefined_fraction
     joints = [] if legs is None else [legs.joints[name] for name in legs.metrics.joints]
@@ -59,40 +59,40 @@ def _log(stats: Stats) -> dict[str, bool]:
         "four feet": len(feet) != 4,
         "three feet": len(feet) < 3 or undefined == 1.0,
         "leg positions": any(foot.leg_position is None for foot in feet),
-        "all feet": stats.support is None,
-        "strides": stats.main is None or not stats.main.strides,
-        "phases": stats.main is not None and None in stats.main.phases,
-        "base": stats.base is None,
+        "all feet": walk.support is None,
+        "strides": walk.main is None or not walk.main.strides,
+        "phases": walk.main is not None and None in walk.main.phases,
+        "base": walk.base is None,
         "points": not any(_has_points(foot) for foot in feet),
         "foot frame": legs is None or not any(leg.frame for leg in legs.feet),
         "force": not all(foot.record.has_force for foot in feet),
         "vertical force": not all(map(vertical_is_known, touching)),
-        "weight": stats.settings.mass_kg is None,
+        "weight": walk.settings.mass_kg is None,
         "joints": not joints,
         "efforts": not any(each.has_effort for each in joints),
         "limits": not any(each.has_limits for each in joints),
-        "commands": stats.command_track is None and stats.base is not None,
-        "imu": not stats.settings.imu_topic,
+        "commands": walk.command_track is None and walk.base is not None,
+        "imu": not walk.settings.imu_topic,
     }
 
 
-def _foot(stats: Stats, row: int) -> dict[str, bool]:
-    foot, legs = stats.feet[row], stats.legs
-    rolls_unknown = stats.settings.foot_rolling_m is None and foot.slip_from != "foot_frame"
+def _foot(walk: Walk, row: int) -> dict[str, bool]:
+    foot, legs = walk.feet[row], walk.legs
+    rolls_unknown = walk.settings.foot_rolling_m is None and foot.slip_from != "foot_frame"
     return {
         "contact": foot.record.contact_fraction() is None,
         "strides": not len(foot.strides.stance),
         "points": not _has_points(foot),
-        "places": stats.base is None and not np.isfinite(foot.length_m).any(),
+        "places": walk.base is None and not np.isfinite(foot.length_m).any(),
         "straight": foot.length_from == "base" and not np.isfinite(foot.length_m).any(),
         "foot frame": legs is None or not legs.feet[row].frame,
         "leg rate": legs is not None and legs.feet[row].is_slow,
         "rolling": rolls_unknown,
         "force": not foot.record.has_force,
         "vertical force": not vertical_is_known(foot.record),
-        "weight": stats.loads.weight_n is None,
+        "weight": walk.loads.weight_n is None,
         "normals": not np.isfinite(foot.stances.figures.friction_use).any(),
-        "plan": not stats.planned or stats.planned[row] is None,
+        "plan": not walk.planned or walk.planned[row] is None,
     }
 
 
@@ -107,16 +107,16 @@ _NOT_OF_SEGMENTS: Final = ("planned", "height_over_stride_m")
 """Metrics of a foot that are measured over the whole log only."""
 
 
-def null_because(walk: WalkMetrics, stats: Stats, findings: Sequence[Finding]) -> dict[str, str]:
+def null_because(metrics: WalkMetrics, walk: Walk, findings: Sequence[Finding]) -> dict[str, str]:
     """Return why each metric is null that is, by its path.
 
     Args:
-        walk: its metrics.
-        stats: what they are made of.
+        metrics: of a walk.
+        walk: that they are made of.
         findings: what makes metrics doubtful.
     """
-    lacks_at, reasons, of_segments = _lacking(stats), {}, []
-    for path, value, field in values(walk, _has_needs):
+    lacks_at, reasons, of_segments = _lacking(walk), {}, []
+    for path, value, field in values(metrics, _has_needs):
         if value is not None:
             continue
         if path[:2] == _SEGMENTS:
@@ -126,7 +126,7 @@ def null_because(walk: WalkMetrics, stats: Stats, findings: Sequence[Finding]) -
     for path, field in of_segments:
         below = path[len(_SEGMENTS) + 1 :]
         if ".".join(below) not in reasons:
-            segment = walk.gait.segments[int(path[len(_SEGMENTS)])]
+            segment = metrics.gait.segments[int(path[len(_SEGMENTS)])]
             reasons[".".join(path)] = _of_segment(segment, below, field, findings)
     return reasons
 

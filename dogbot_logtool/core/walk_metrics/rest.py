@@ -16,59 +16,47 @@ from dogbot_logtool.core.metrics import (
 )
 from dogbot_logtool.core.quality.quality import TopicQuality as TopicTiming
 from dogbot_logtool.core.records import Count, unknown
-from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
 
 
-@dataclass(frozen=True, slots=True)
-class Chosen:
-    """What was chosen before a log was measured."""
-
-    robot: str
-    """Name of the robot's file."""
-    robot_guessed: bool
-    """Whether it was guessed from the topics."""
-    contact_planned: bool
-    """Whether contacts are what was planned, not what was measured."""
-
-
-def settings_metrics(stats: Stats, chosen: Chosen) -> Settings:
+def settings_metrics(walk: Walk, findings: Sequence[Finding]) -> Settings:
     """Return what decided the metrics of a log."""
-    settings, loads = stats.settings, stats.loads
+    settings, loads = walk.settings, walk.loads
     offset = settings.com_offset_m
     return Settings(
-        robot=chosen.robot,
-        robot_guessed=chosen.robot_guessed,
+        robot=settings.robot,
+        robot_guessed=settings.robot_is_guessed,
         clock=settings.clock.value,
         mass_kg=settings.mass_kg,
         body_weight_n=loads.weight_n,
         weight_source=loads.weight_source,
         forward_axis=settings.forward_axis,
         wrench_frame=settings.wrench_frame.value,
-        reference_foot=stats.feet[stats.reference].name if stats.feet else None,
+        reference_foot=walk.feet[walk.reference].name if walk.feet else None,
         com_offset_m=None if offset is None else tuple(offset),
-        base_from=_base_from(stats),
-        contact_from=_contact_from(stats, chosen),
-        feet={foot.name: _foot_settings(stats, row) for row, foot in enumerate(stats.feet)},
+        base_from=_base_from(walk),
+        contact_from=_contact_from(walk, findings),
+        feet={foot.name: _foot_settings(walk, row) for row, foot in enumerate(walk.feet)},
     )
 
 
-def _base_from(stats: Stats) -> str | None:
-    if not len(stats.base_history.time):
+def _base_from(walk: Walk) -> str | None:
+    if not len(walk.base_history.time):
         return None
-    by_legs = stats.settings.base_from_legs or stats.ground is not None
+    by_legs = walk.settings.base_from_legs or walk.ground is not None
     return "legs" if by_legs else "pose"
 
 
-def _contact_from(stats: Stats, chosen: Chosen) -> str | None:
-    if all(foot.record.start is None for foot in stats.feet):
+def _contact_from(walk: Walk, findings: Sequence[Finding]) -> str | None:
+    if all(foot.record.start is None for foot in walk.feet):
         return None
-    return "plan" if chosen.contact_planned else stats.settings.contact_from or "sensor"
+    is_planned = any(each.code == "PLANNED" and not each.cases for each in findings)
+    return "plan" if is_planned else walk.settings.contact_from or "sensor"
 
 
-def _foot_settings(stats: Stats, row: int) -> FootSettings:
-    foot, sensor = stats.feet[row], stats.settings.sensor(row)
+def _foot_settings(walk: Walk, row: int) -> FootSettings:
+    foot, sensor = walk.feet[row], walk.settings.sensor(row)
     position = foot.leg_position
     return FootSettings(
         topic=foot.topic or None,
@@ -80,18 +68,18 @@ def _foot_settings(stats: Stats, row: int) -> FootSettings:
     )
 
 
-def quality_metrics(stats: Stats, findings: Sequence[Finding]) -> Quality:
+def quality_metrics(walk: Walk, findings: Sequence[Finding]) -> Quality:
     """Return what tells whether a recording can be trusted."""
-    worlds = stats.worlds
+    worlds = walk.worlds
     return Quality(
-        topics={topic.topic: _topic(topic) for topic in stats.topics},
-        feet={foot.name: _foot_quality(stats, row) for row, foot in enumerate(stats.feet)},
-        overlap_s=stats.overlap_s,
+        topics={topic.topic: _topic(topic) for topic in walk.topics},
+        feet={foot.name: _foot_quality(walk, row) for row, foot in enumerate(walk.feet)},
+        overlap_s=walk.overlap_s,
         base_to_feet_m=None if worlds is None else worlds.distance_m,
         feet_spread_m=None if worlds is None else worlds.spread_m,
         checks=tuple(
             Check(each.name, each.outcome.value, each.reason or None)
-            for each in checks_of(stats, findings)
+            for each in checks_of(walk, findings)
         ),
     )
 
@@ -123,8 +111,8 @@ def _bad_stamps(topic: TopicTiming) -> Count:
     return sum(known) if len(known) == len(kinds) else None
 
 
-def _foot_quality(stats: Stats, row: int) -> FootQuality:
-    foot, level = stats.feet[row], stats.settings.sensor(row).level
+def _foot_quality(walk: Walk, row: int) -> FootQuality:
+    foot, level = walk.feet[row], walk.settings.sensor(row).level
     return FootQuality(
         not_finite=foot.record.not_finite,
         filled_swings=foot.record.filled_swings,
@@ -137,13 +125,13 @@ def _foot_quality(stats: Stats, row: int) -> FootQuality:
     )
 
 
-def commands_metrics(stats: Stats) -> Commands:
+def commands_metrics(walk: Walk) -> Commands:
     """Return how the base follows its velocity commands over the whole log."""
-    if stats.command_track is None:
-        return replace(unknown(Commands), topic=stats.settings.command_topic or None)
-    return stats.command_track.metrics()
+    if walk.command_track is None:
+        return replace(unknown(Commands), topic=walk.settings.command_topic or None)
+    return walk.command_track.metrics()
 
 
-def imu_metrics(stats: Stats) -> Imu:
+def imu_metrics(walk: Walk) -> Imu:
     """Return what the accelerometer says of forces and poses."""
-    return unknown(Imu) if stats.imu is None else stats.imu.metrics()
+    return unknown(Imu) if walk.imu is None else walk.imu.metrics()

@@ -1,7 +1,7 @@
 """All metrics of a walk as records.
 
-walk = metrics_of(stats, log, chosen, findings)
-walk.gait.name, walk.feet["front_left"].stance_s.median
+metrics = metrics_of(walk, log, findings)
+metrics.gait.name, metrics.feet["front_left"].stance_s.median
 """
 
 from collections.abc import Sequence
@@ -42,10 +42,9 @@ from dogbot_logtool.core.metrics import (
     WalkMetrics,
 )
 from dogbot_logtool.core.records import fields_of, unknown, void
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.core.walk_metrics.nulls import null_because
 from dogbot_logtool.core.walk_metrics.rest import (
-    Chosen,
     commands_metrics,
     imu_metrics,
     quality_metrics,
@@ -59,73 +58,72 @@ _PAIRS: Final = {"fore": (0, 1), "hind": (2, 3)}
 """Corners, left and right, of the pairs of a quadruped."""
 
 
-def metrics_of(stats: Stats, log: Log, chosen: Chosen, findings: Sequence[Finding]) -> WalkMetrics:
+def metrics_of(walk: Walk, log: Log, findings: Sequence[Finding]) -> WalkMetrics:
     """Return all metrics of a log; those that findings void are null.
 
     Args:
-        stats: all that was worked out of it.
+        walk: all that was worked out of it.
         log: what was read.
-        chosen: robot and sources of contact.
         findings: about the log and its metrics, the worst first.
     """
-    gait = _gait(stats, stats.main, stats.support, _flight(stats.support))
+    gait = _gait(walk, walk.main, walk.support, _flight(walk.support))
     feet = {
-        foot.name: replace(_foot(stats, row), planned=_planned(stats, row))
-        for row, foot in enumerate(stats.feet)
+        foot.name: replace(_foot(walk, row), planned=_planned(walk, row))
+        for row, foot in enumerate(walk.feet)
     }
-    main = stats.main
-    strides = sum(segment.strides for segment in stats.segments)
-    own = len(stats.feet[stats.reference].strides.stance) if stats.feet else None
+    main = walk.main
+    strides = sum(segment.strides for segment in walk.segments)
+    own = len(walk.feet[walk.reference].strides.stance) if walk.feet else None
     if main is None:
         gait = replace(gait, strides=own)
     measured = WalkMetrics(
         schema_version=SCHEMA_VERSION,
         log=log,
-        settings=settings_metrics(stats, chosen),
-        base=stats.base or unknown(Base),
+        settings=settings_metrics(walk, findings),
+        base=walk.base or unknown(Base),
         gait=GaitOfLog(
             **{field.name: getattr(gait, field.name) for field in fields_of(Gait)},
             transition_strides=0 if own is None else own - strides,
-            segments=tuple(_segment(stats, each) for each in stats.segments),
+            segments=tuple(_segment(walk, each) for each in walk.segments),
         ),
         feet=feet,
-        forces=_forces(stats, stats.loads, feet),
-        stability=stats.stability or unknown(Stability),
-        legs=unknown(Legs) if stats.legs is None else stats.legs.metrics,
-        commands=commands_metrics(stats),
-        imu=imu_metrics(stats),
-        quality=quality_metrics(stats, findings),
-        events=_events(stats),
+        forces=_forces(walk, walk.loads, feet),
+        stability=walk.stability or unknown(Stability),
+        legs=unknown(Legs) if walk.legs is None else walk.legs.metrics,
+        commands=commands_metrics(walk),
+        imu=imu_metrics(walk),
+        quality=quality_metrics(walk, findings),
+        events=_events(walk),
         findings=tuple(map(_finding, findings)),
         null_because={},
     )
-    walk = void(measured, [pattern for each in findings for pattern in each.voids])
-    return replace(walk, null_because=null_because(walk, stats, findings))
+    voided = void(measured, [pattern for each in findings for pattern in each.voids])
+    return replace(voided, null_because=null_because(voided, walk, findings))
 
 
-def _segment(stats: Stats, segment: Segment) -> metrics.Segment:
+def _segment(walk: Walk, segment: Segment) -> metrics.Segment:
     """Measure a segment: the same metrics over another span."""
     within = segment.spans
-    feet = {foot.name: _foot(stats, row, within) for row, foot in enumerate(stats.feet)}
-    stable, _ = stability_in(stats, within)
+    feet = {foot.name: _foot(walk, row, within) for row, foot in enumerate(walk.feet)}
+    stable, _ = stability_in(walk, within)
     return metrics.Segment(
-        start_s=(segment.start - stats.origin) / 1e9,
-        end_s=(segment.end - stats.origin) / 1e9,
-        base=base_in(stats, within) or unknown(Base),
-        gait=_gait(stats, segment, support_in(stats, within), segment.flight_fraction),
+        start_s=(segment.start - walk.origin) / 1e9,
+        end_s=(segment.end - walk.origin) / 1e9,
+        base=base_in(walk, within) or unknown(Base),
+        gait=_gait(walk, segment, support_in(walk, within), segment.flight_fraction),
         feet=feet,
-        forces=_forces(stats, loads_in(stats, within), feet),
+        forces=_forces(walk, loads_in(walk, within), feet),
         stability=stable or unknown(Stability),
     )
 
 
-def _foot(stats: Stats, row: int, within: Ints | None = None) -> Foot:
+def _foot(walk: Walk, row: int, within: Ints | None = None) -> Foot:
     """Return the metrics of a foot, and of its swings where its leg tells them."""
-    foot = stats.feet[row]
-    found = foot_metrics(foot, stats.loads.weight_n, stats.origin, within)
-    if stats.legs is None:
+    foot = walk.feet[row]
+    found = foot_metrics(foot, walk.loads.weight_n, walk.origin, within)
+    if walk.legs is None:
         return found
-    leg = stats.legs.feet[row]
+    leg = walk.legs.feet[row]
     inside = slice(None) if within is None else foot.strides.rows_within(within)
     swings = {name: aggregate(leg.strides[name][inside]) for name in (*SWINGS, *STEPS)}
     return replace(
@@ -135,29 +133,29 @@ def _foot(stats: Stats, row: int, within: Ints | None = None) -> Foot:
     )
 
 
-def _planned(stats: Stats, row: int) -> Planned | None:
+def _planned(walk: Walk, row: int) -> Planned | None:
     """Return how a foot follows its plan over the whole log; None without one."""
-    plan = stats.planned[row] if stats.planned else None
+    plan = walk.planned[row] if walk.planned else None
     return None if plan is None else plan.metrics
 
 
 def _gait(
-    stats: Stats, segment: Segment | None, support: Support | None, flight: float | None
+    walk: Walk, segment: Segment | None, support: Support | None, flight: float | None
 ) -> Gait:
     """Return the gait of a span.
 
     Args:
-        stats: of the whole log.
+        walk: of the whole log.
         segment: whose phases make the gait; of the whole log the longest; None: there is none.
         support: of the span.
         flight: its share of flight.
     """
-    names = [foot.name for foot in stats.feet]
+    names = [foot.name for foot in walk.feet]
     found = unknown(Gait)
     if segment is None:
         found = replace(found, phase={name: unknown(Phase) for name in names})
     else:
-        found = _gait_of_phases(stats, segment, names)
+        found = _gait_of_phases(walk, segment, names)
     if support is not None:
         found = replace(
             found,
@@ -168,9 +166,9 @@ def _gait(
     return replace(found, flight_fraction=flight)
 
 
-def _gait_of_phases(stats: Stats, segment: Segment, names: Sequence[str]) -> Gait:
+def _gait_of_phases(walk: Walk, segment: Segment, names: Sequence[str]) -> Gait:
     """Return the gait of a segment but for its support."""
-    gait, corners = segment.gait, _corner_phases(stats, segment)
+    gait, corners = segment.gait, _corner_phases(walk, segment)
     hind = segment.hind_phases or (None,) * len(names)
     phases = zip(names, segment.phases, hind, strict=True)
     return replace(
@@ -205,9 +203,9 @@ def _flight(support: Support | None) -> float | None:
     return None if support is None else support.flight_fraction
 
 
-def _corner_phases(stats: Stats, segment: Segment) -> list[float] | None:
+def _corner_phases(walk: Walk, segment: Segment) -> list[float] | None:
     """Return the mean phases of the four corners; None unless all are known."""
-    corners = [segment.phases[foot] for foot in stats.corners or ()]
+    corners = [segment.phases[foot] for foot in walk.corners or ()]
     phases = [phase.mean for phase in corners if phase is not None]
     return phases if len(phases) == 4 else None
 
@@ -230,14 +228,14 @@ def _phase(own: CircularMean | None, hind: CircularMean | None) -> Phase:
     )
 
 
-def _forces(stats: Stats, loads: WalkLoads, feet: dict[str, Foot]) -> Forces:
+def _forces(walk: Walk, loads: WalkLoads, feet: dict[str, Foot]) -> Forces:
     """Return the loads of the whole robot over a span."""
     share = unknown(LoadShare)
     if loads.shares is not None:
-        groups = grouped_shares(loads.shares, [foot.leg_position for foot in stats.feet])
+        groups = grouped_shares(loads.shares, [foot.leg_position for foot in walk.feet])
         by_name = dict(zip(feet, loads.shares, strict=True))
         share = LoadShare(feet=by_name, fore=groups["fore"], left=groups["left"])
-    corners, each = stats.corners, list(feet.values())
+    corners, each = walk.corners, list(feet.values())
     return Forces(
         vertical_impulse_over_weight=loads.vertical_impulse_over_weight,
         load_share=share,
@@ -264,11 +262,11 @@ def _index(left: Aggregate | None, right: Aggregate | None) -> float | None:
     return symmetry_index_percent(*means)
 
 
-def _events(stats: Stats) -> tuple[Event, ...]:
-    names = [foot.name for foot in stats.feet]
+def _events(walk: Walk) -> tuple[Event, ...]:
+    names = [foot.name for foot in walk.feet]
     return tuple(
         Event(
-            onset_s=(each.onset - stats.origin) / 1e9,
+            onset_s=(each.onset - walk.origin) / 1e9,
             duration_s=each.duration / 1e9,
             type=each.type.value,
             foot=None if each.foot is None else names[each.foot],
@@ -276,7 +274,7 @@ def _events(stats: Stats) -> tuple[Event, ...]:
             unit=each.unit or None,
             code=each.code or None,
         )
-        for each in find_events(stats)
+        for each in find_events(walk)
     )
 
 

@@ -1,13 +1,12 @@
 """Decompressed messages of some neighbouring chunks."""
 
 from collections.abc import Set as AbstractSet
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Flags, stable_order
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.contents import Chunk
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.decode.message_table import Messages

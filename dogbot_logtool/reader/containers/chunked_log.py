@@ -1,8 +1,7 @@
 """Logs whose messages lie in chunk records: ROS 1 bags and MCAP files."""
 
-from abc import abstractmethod
 from bisect import bisect_left
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -29,17 +28,20 @@ _ROUND_SIZE: Final = 1 << 20
 class ChunkedLog(Log):
     """A log of one file that is read by decompressing its chunks."""
 
-    def __init__(self, source: ByteSource, contents: Contents, scan: Scan) -> None:
+    def __init__(self, contents: Contents, scan: Scan) -> None:
         """Take a log.
 
         Args:
-            source: the file.
-            contents: what was found in it.
-            scan: what found them; its code reads the chunks, too.
+            contents: what was found in the file.
+            scan: what found it; its code reads the chunks, too.
         """
-        super().__init__(source, contents)
+        super().__init__(scan.source, contents)
+        self.container = scan.container
+        self.copies_chunks = scan.copies_chunks
         self._scan = scan
-        self._channel_ids = ChannelIds({number: number for number in contents.channels})
+        self._channel_ids = ChannelIds(scan.ids)
+        self._numbers = {number_id: number for number, number_id in scan.ids.items()}
+        """Numbers in the records by channel id."""
         self._only_batch: Batch | None = None
 
     def _read(self, span: Span) -> Batch:
@@ -76,19 +78,17 @@ class ChunkedLog(Log):
             return True
         if chunk.is_scanned or not self.source.has_cheap_seeks:
             return False
-        times = self.own_times(chunk)
+        times = self._scan.own_times(chunk)
         if times is None:
             return True
         return super().overlaps(replace(chunk, start_time=times[0], end_time=times[1]), start, end)
 
-    @abstractmethod
-    def own_times(self, chunk: Chunk) -> tuple[int | None, int | None] | None:
-        """Return the log times, ns, that a chunk itself tells; None if nothing of it does."""
-
     def _corrected(self, span: Span) -> Batch:
         """Read chunks as the log's index describes them, else as their own headers do."""
         batch, damaged = self._of_chunks(span)
-        corrected = {chunk.offset: own for chunk in damaged if (own := self.by_own_header(chunk))}
+        corrected = {
+            chunk.offset: own for chunk in damaged if (own := self._scan.by_own_header(chunk))
+        }
         if not corrected:
             return self._with_times(batch)
         batch, damaged = self._of_chunks([corrected.get(chunk.offset, chunk) for chunk in span])
@@ -98,15 +98,6 @@ class ChunkedLog(Log):
 
     def _with_times(self, batch: Batch) -> Batch:
         return replace(batch, losses=tuple(map(self.located, batch.losses)))
-
-    def by_own_header(self, chunk: Chunk) -> Chunk | None:
-        """Return a chunk as its own header describes it.
-
-        Returns:
-            None if the header says the same as the log's index, or is damaged.
-        """
-        del chunk
-        return None
 
     def _of_chunks(self, span: Sequence[Chunk]) -> tuple[Batch, list[Chunk]]:
         """Read chunks; those that cannot be used are returned beside the batch."""
@@ -130,10 +121,11 @@ class ChunkedLog(Log):
         loaded: list[LoadedChunk] = []
         parts: list[Messages] = []
         base = row = 0
+        kept = self.channels.values()
         for chunk, data in zip(sound, stored, strict=True):
             target = buffer[base : base + chunk.size]
             try:
-                content = self.parse(chunk, data, target)
+                content = self._parse(chunk, data, target)
             except ChunkDamage as damage:
                 losses.append(left_out(chunk, damage))
                 damaged.append(chunk)
@@ -145,24 +137,22 @@ class ChunkedLog(Log):
                 chunk.is_record
                 and not found
                 and content.indexed == has_index
-                and not (self.hidden and self.describes_hidden(content, target))
+                and not (self.hidden and self._scan.describes_others(kept, content, target))
             )
-            kept = data if self.copies_chunks else memoryview(b"")
-            loaded.append(LoadedChunk(chunk, kept, base, rows, whole, content.indexed))
+            copied = data if self.copies_chunks else memoryview(b"")
+            loaded.append(LoadedChunk(chunk, copied, base, rows, whole, content.indexed))
             parts.append(messages.shifted(base))
             losses.extend(() if chunk.is_scanned else found)
             base, row = base + chunk.size, rows.stop
         batch = Batch(buffer, concatenate_messages(parts), tuple(loaded), tuple(losses))
         return batch, damaged
 
-    @abstractmethod
-    def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
+    def _parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
         """See `Scan.parse`; what contradicts the log's descriptions is said as well."""
-
-    def describes_hidden(self, content: ChunkContent, data: Bytes) -> bool:
-        """Tell whether a chunk describes what is left out: new channels may have its number."""
-        del content, data
-        return False
+        counts = chunk.counts and {self._numbers[each]: n for each, n in chunk.counts.items()}
+        content = self._scan.parse(replace(chunk, counts=counts), stored, target)
+        found = self._scan.contradictions(content, target, chunk)
+        return replace(content, losses=(*content.losses, *found)) if found else content
 
     def _described(self, chunk: Chunk, content: ChunkContent) -> tuple[Messages, list[Loss]]:
         """Give messages the ids of their channels; leave out those that are nowhere described."""
@@ -183,3 +173,13 @@ def _wrong_index(chunk: Chunk) -> Loss:
         f"{chunk.offset}; the chunk's own header was used"
     )
     return Loss(chunk.offset, what)
+
+
+def open_chunked(scan_of: Callable[[ByteSource], Scan], source: ByteSource) -> ChunkedLog:
+    """Open a file by its index; where that is absent or damaged, by all of its records."""
+    scan = scan_of(source)
+    contents, problem = scan.indexed()
+    if contents is None:
+        scan = scan_of(source.nearby())
+        contents = scan.scanned(problem)
+    return ChunkedLog(contents, scan)

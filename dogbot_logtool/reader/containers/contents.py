@@ -1,13 +1,12 @@
 """Contents of a log, known before its messages are read: channels, chunks, counts and times."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.definition import short_type_name

@@ -1,9 +1,9 @@
 """Damage in a log, and the words for it."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final, Protocol
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DAMAGED
 
 LONGEST_NAME: Final = 200

@@ -9,13 +9,12 @@ from bisect import bisect_right
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.provenance import is_marked
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk

@@ -7,13 +7,13 @@ leaves its neighbours alone.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.decode.columns import Nested, Rows, Table, Texts, concatenate, gather
 from dogbot_logtool.reader.decode.element_skipper import MAX_VARIABLE_ELEMENTS, ElementSkipper
 from dogbot_logtool.reader.decode.message_layout import ArrayStep, Layout, Run, Step, TextStep

@@ -1,12 +1,12 @@
 """Contact messages of a batch, read by whatever row of the table fits them."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 
 from dogbot_logtool.core.arrays import distinct
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.plausible import plausible_samples
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel

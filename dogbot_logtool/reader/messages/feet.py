@@ -1,6 +1,7 @@
 """The columns of each foot, read of messages by any row of the table."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -9,7 +10,6 @@ from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, concaten
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.leg_position import leg_names
 from dogbot_logtool.core.rotations import conjugate, normalised, rotate
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.decode.paths import MOST_ELEMENTS
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.message_type import MessageType

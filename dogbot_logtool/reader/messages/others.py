@@ -1,6 +1,7 @@
 """Joints, transforms, and vectors that single messages hold, read by any row of the table."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -9,7 +10,6 @@ from dogbot_logtool.core.arrays import Floats, Ints, concatenated, picked, stabl
 from dogbot_logtool.core.frames.transforms import RecordedTransforms
 from dogbot_logtool.core.plausible import plausible_translations
 from dogbot_logtool.core.vectors import VectorSamples
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.decode.columns import Table, Texts

@@ -1,11 +1,11 @@
 """Results of `convert` and of `export --dataset` for people."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from rich.console import Console
 from rich.text import Text
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.report.text.console import print_findings, print_losses, print_sentence

@@ -4,6 +4,7 @@ Drawn in text, two steps of time a character, so that it can stand in a terminal
 """
 
 import math
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -12,9 +13,9 @@ from rich.text import Text
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.scene.foot_style import foot_colour
-from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.io.printable import printable
+from dogbot_logtool.report.numbers import nice_step
 
 STRIDES_SHOWN: Final = 4
 """Strides in the window."""
@@ -39,7 +40,7 @@ UNICODE: Final = Glyphs("█", "▌", "▐", "·", "?", "─", "┬")
 ASCII: Final = Glyphs("#", "#", "#", ".", "?", "-", "+")
 
 
-def default_window(stats: Stats) -> tuple[float, float]:
+def default_window(stats: Walk) -> tuple[float, float]:
     """Return a window, s since the log's start, of a few strides from the main segment's middle."""
     main = stats.main
     if main is None:
@@ -59,7 +60,7 @@ def default_window(stats: Stats) -> tuple[float, float]:
 
 
 def gait_diagram(
-    stats: Stats,
+    stats: Walk,
     width: int,
     *,
     window: tuple[float, float] | None = None,
@@ -118,7 +119,7 @@ def _mostly(spans: Ints, cells: Ints) -> Ints:
 
 
 def _axis(start: float, end: float, margin: int, columns: int, glyphs: Glyphs) -> list[Text]:
-    step = _nice_step((end - start) / max(columns // 10, 1))
+    step = nice_step((end - start) / max(columns // 10, 1))
     decimals = max(0, -math.floor(math.log10(step) + 1e-9))
     ruler = [glyphs.axis] * columns
     labels = [" "] * (columns + margin)
@@ -132,9 +133,3 @@ def _axis(start: float, end: float, margin: int, columns: int, glyphs: Glyphs) -
         Text(" " * margin + "".join(ruler), style="dim"),
         Text("".join(labels).rstrip() + " s", style="dim"),
     ]
-
-
-def _nice_step(least: float) -> float:
-    """Return 1, 2 or 5 times a power of ten, at least as large."""
-    power = 10.0 ** math.floor(math.log10(least))
-    return next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= least)

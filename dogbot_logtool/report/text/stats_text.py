@@ -100,7 +100,7 @@ def print_report(console: Console, measured: Measurement, *, verbose: bool = Fal
     _print_warnings(console, quality, verbose=verbose)
     glyphs = ASCII if console.options.ascii_only else UNICODE
     if walk.feet:
-        diagram = gait_diagram(measured.stats, console.width - 4, glyphs=glyphs)
+        diagram = gait_diagram(measured.walk, console.width - 4, glyphs=glyphs)
         _print(console, Text(), *(Text.assemble("  ", line) for line in diagram))
     _print(console, Text())
     if part is not None:
@@ -108,12 +108,13 @@ def print_report(console: Console, measured: Measurement, *, verbose: bool = Fal
         _print(console, Text(f"Longest segment: {when}, {gait_name(part.gait)}", style="bold"))
     if any(foot.contact_fraction is not None for foot in shown.feet.values()):
         _print(console, _feet(console, shown))
-        _print(console, *([Text(_ESTIMATED, style="dim")] if contact_source(walk) else []), Text())
+        estimated = walk.settings.contact_from in {"joint_torques", "kinematics"}
+        _print(console, *([Text(_ESTIMATED, style="dim")] if estimated else []), Text())
     for name, line in _SUBJECTS.items():
         if words := line(shown):
             subject = f"{name:<{_SUBJECT}}", "bold"
             _print(console, HangingIndent(Text.assemble(subject, printable(words)), _SUBJECT))
-    track = measured.stats.command_track
+    track = measured.walk.command_track
     for name, drift in track.drifts.items() if verbose and track else ():
         parts = zip(drift.tolist(), _AXES, strict=True)
         words = ", ".join(f"{round(value, 3) + 0.0:+.3f} {unit}" for value, unit in parts)

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
 
 from dogbot_logtool.core.frames.frame_tree import FrameEdge, RecordedFrames, recorded_frames
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Channel, Chunk, Log, Loss
 from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS
 from dogbot_logtool.reader.messages.feet import FootChannels

@@ -1,7 +1,7 @@
 """Feet without sensors and a base without poses: what a log's joint states tell of both."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, Literal
 
@@ -27,7 +27,6 @@ from dogbot_logtool.core.legs.joints import JointTable
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, multiply, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import shell_joined
 from dogbot_logtool.reader.containers.log import Log

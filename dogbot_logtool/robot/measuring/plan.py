@@ -1,18 +1,17 @@
 """The plan of `stats`: which topics are read, and what is known of them before they are."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
+from dogbot_logtool.core.analysis import FindLegs
 from dogbot_logtool.core.contact.contact_rule import Thresholds
 from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.recording import Recording
-from dogbot_logtool.core.settings import FootSettings, StatsSettings
-from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.core.walk import FindLegs, analyse
-from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.core.settings import FootSettings, WalkSettings
 from dogbot_logtool.errors import LogError
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted, WantedJoints
@@ -79,14 +78,16 @@ def _planned(log: Log, selection: Selection, options: MeasureOptions) -> Selecti
     return select_topics(log, replace(options, foot=None, set={"tare": "none"}, feet=feet))
 
 
-def settings_of(selection: Selection, options: RobotOptions) -> StatsSettings:
+def settings_of(selection: Selection, options: RobotOptions) -> WalkSettings:
     """Return what is known of a recording before its columns are looked at."""
     robot, guessed = selection.robot, selection.robot_is_guessed
     promised = {source.frame for source in selection.sources}
     mass_is_given = options.mass is not None or robot.is_given("mass_kg")
     time_source, reason = _time_source(selection)
-    return StatsSettings(
+    return WalkSettings(
         feet=tuple(_foot(selection, row) for row in range(len(robot.feet))),
+        robot=robot.name,
+        robot_is_guessed=guessed,
         mass_kg=robot.mass_kg,
         mass_is_assumed=guessed and not mass_is_given,
         forward_axis=robot.forward_axis,
@@ -162,10 +163,25 @@ def _wanted_joints(log: Log) -> tuple[WantedJoints, ...]:
     return wanted_joints(log)
 
 
-def measure_recording(
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """A recording with all that is known of it before it is measured."""
+
+    recording: Recording
+    """On one clock, with what legs tell in place of what the log lacks."""
+    settings: WalkSettings
+    find_legs: FindLegs
+    planned: WalkSettings | None
+    """Settings of the feet as a plan in the log has them; None: there is no plan."""
+    selection: Selection
+    """Topics that it is measured by."""
+    findings: tuple[Finding, ...]
+
+
+def prepare(
     log: Log, recording: Recording, plan: MeasuringPlan, options: MeasureOptions
-) -> tuple[Stats, Selection]:
-    """Measure a recording; return also the topics that it is measured by.
+) -> Prepared:
+    """Return a recording as it is measured.
 
     Raises:
         CallError: an option names a foot that the log does not have.
@@ -200,12 +216,14 @@ def measure_recording(
     if joined and not selection.robot.clock:
         # Messages without a header have stamps now.
         settings = replace(settings, time_source=None, time_source_reason="")
-    planned = settings_of(plan_of_feet, options) if plan_of_feet else None
-    walk = analyse(recording, settings, _find_legs(selection, model), planned)
-    pairs = enumerate(zip(settings.feet, walk.settings.feet, strict=True))
-    forceless = (row for row, (told, found) in pairs if told.has_force and not found.has_force)
-    selection = selection.without_forces(frozenset(forceless))
-    return walk, replace(selection, findings=(*selection.findings, *moved, *joined))
+    return Prepared(
+        recording,
+        settings,
+        _find_legs(selection, model),
+        settings_of(plan_of_feet, options) if plan_of_feet else None,
+        selection,
+        (*selection.findings, *moved, *joined, *plan.side.findings),
+    )
 
 
 def _find_legs(selection: Selection, model: "RobotOfUrdf | None") -> FindLegs:

@@ -2,9 +2,9 @@
 
 import re
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Final
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed

@@ -1,6 +1,7 @@
 """Which robot description the output has: the log's own, the user's file, or one of primitives."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -11,7 +12,6 @@ from dogbot_logtool.core.base.ground import nearest_axis
 from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.soles import Point, rounded
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import content

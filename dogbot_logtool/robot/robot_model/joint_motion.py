@@ -1,6 +1,7 @@
 """The joints of a robot description that the log's joint states move, where no transforms do."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import islice
 from typing import Final
 
@@ -9,7 +10,6 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats, Ints, header_time
 from dogbot_logtool.core.frames.kinematics import Joint, LinkTransforms, link_poses
 from dogbot_logtool.core.known_frames import KnownFrames
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
 from dogbot_logtool.reader.decode.fields import Field, Kind

@@ -1,7 +1,7 @@
 """Positions of the robot's joints over time, by transforms or by joint states."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -18,7 +18,6 @@ from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.legs.joints import JointTable
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import rotate
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.robot.robot_model.description import log_skeleton, model_feet
 from dogbot_logtool.robot.robot_model.joint_motion import JointMotion
 from dogbot_logtool.robot.selection import Selection

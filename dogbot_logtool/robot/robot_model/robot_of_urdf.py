@@ -1,7 +1,7 @@
 """A URDF as a robot's file: base link, legs and feet, which leg is which, forward axis, mass."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 from xml.etree import ElementTree as ET
 
@@ -13,7 +13,6 @@ from dogbot_logtool.core.frames.kinematics import Joint, Leg, Mass, Triple, leg_
 from dogbot_logtool.core.leg_position import LegPosition, leg_names
 from dogbot_logtool.core.legs.joints import JointLimits
 from dogbot_logtool.core.rotations import rotate
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.robot.robot_model.urdf import (
     finite,
     parse_urdf,

@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator, Mapping
 from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
 
 from dogbot_logtool.core.frames.frame_tree import DEEPEST
 from dogbot_logtool.core.frames.transforms import chain_of_frames
 from dogbot_logtool.core.soles import FramePose, Point
-from dogbot_logtool.dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,12 +6,13 @@ every number that varies. Fields that are not named have the defaults of the mes
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, ClassVar, Final, Self
 
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.events.event import EventMessage, GaitState
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.writer.drawing import Drawing, point_slots
-from dogbot_logtool.writer.template import Fill, Slot, Template, learn
+from dogbot_logtool.writer.template import Columns, Fill, Slot, Template, learn
 
 Literal = Mapping[str, Any]
 LOAD_STATES: Final = ("stance", "swing", "unknown")
@@ -19,6 +20,8 @@ LOAD_STATES: Final = ("stance", "swing", "unknown")
 EVENT_SOURCE: Final = "dogbot_logtool"
 """The program that log panels name."""
 UPRIGHT: Final[Literal] = {"w": 1.0}
+STAMP: Final = ("stamp.sec", "stamp.nanosec")
+"""Slots of a message's time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,10 +127,16 @@ class Encoding(ABC):
         """Return a time, ns."""
         return dict(zip(self.time_fields, divmod(time, 1_000_000_000), strict=True))
 
-    def stamp(self, name: str = "stamp") -> Literal:
-        """Return slots of a time."""
-        slots = Slot(f"{name}.sec"), Slot(f"{name}.nanosec")
-        return dict(zip(self.time_fields, slots, strict=True))
+    def stamp(self) -> Literal:
+        """Return the slots of the message's time."""
+        return dict(zip(self.time_fields, map(Slot, STAMP), strict=True))
+
+    def stamp_columns(self, time: Ints) -> Columns:
+        """Return times, (n,) ns, as the columns of a message's stamp."""
+        # numpy divides by a constant several times faster than it takes the remainder.
+        seconds = time // 1_000_000_000
+        nanoseconds = time - seconds * 1_000_000_000
+        return dict(zip(STAMP, (seconds, nanoseconds), strict=True))
 
 
 def vector(values: Sequence[Slot | float]) -> Literal:

@@ -18,6 +18,7 @@ from google.protobuf.message import Message
 from google.protobuf.message_factory import GetMessageClass
 from google.protobuf.timestamp_pb2 import DESCRIPTOR as TIMESTAMP_FILE
 
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.events.event import EventMessage
 from dogbot_logtool.writer.drawing import HEAD_TO_SHAFT, Drawing, Primitive, Shape
 from dogbot_logtool.writer.encodings.encoding import (
@@ -31,7 +32,7 @@ from dogbot_logtool.writer.encodings.encoding import (
     position,
     vector,
 )
-from dogbot_logtool.writer.template import Fill, Kind, Slot, unfilled
+from dogbot_logtool.writer.template import Columns, Fill, Kind, Slot, unfilled, varints
 
 _KINDS: Final = {
     FieldDescriptor.TYPE_BOOL: Kind.BOOL,
@@ -142,9 +143,14 @@ class FoxgloveEncoding(Encoding):
         _set(message, literal, fill or unfilled)
         return message.SerializeToString(deterministic=True)
 
+    def stamp_columns(self, time: Ints) -> Columns:
+        """See `Encoding.stamp_columns`."""
+        columns = super().stamp_columns(time)
+        return {slot: varints(numbers) for slot, numbers in columns.items()}
+
     def _transform(self, parent: str, child: str, prefix: str) -> Literal:
         return {
-            "timestamp": self.stamp(f"{prefix}stamp"),
+            "timestamp": self.stamp(),
             "parent_frame_id": parent,
             "child_frame_id": child,
             "translation": position(prefix),

@@ -5,10 +5,9 @@ message format, is imported late, so that the command line can list the encoding
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Final
-
-from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
     from dogbot_logtool.writer.encodings.encoding import Encoding

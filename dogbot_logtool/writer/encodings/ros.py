@@ -130,28 +130,25 @@ class Ros2Encoding(Encoding):
             return np.array(given or [], name[0])
         return [self._value(element, name, each, fill) for each in given or []]
 
-    def _header(self, frame: str, stamp: str = "stamp") -> Literal:
-        return {"stamp": self.stamp(stamp), "frame_id": frame}
+    def _header(self, frame: str) -> Literal:
+        return {"stamp": self.stamp(), "frame_id": frame}
 
     def _transform(self, parent: str, child: str, prefix: str) -> Literal:
         return {
-            "header": self._header(parent, f"{prefix}stamp"),
+            "header": self._header(parent),
             "child_frame_id": child,
             "transform": {"translation": position(prefix), "rotation": orientation(prefix)},
         }
 
     def _drawing(self, drawing: Drawing) -> Literal:
         if len(drawing.primitives) == 1:
-            return self._marker(drawing, 0, self._header(drawing.frame))
-        headers = (
-            self._header(drawing.frame, f"stamp{row}") for row in range(len(drawing.primitives))
-        )
-        return {"markers": [self._marker(drawing, row, each) for row, each in enumerate(headers)]}
+            return self._marker(drawing, 0)
+        return {"markers": [self._marker(drawing, row) for row in range(len(drawing.primitives))]}
 
-    def _marker(self, drawing: Drawing, row: int, header: Literal) -> Literal:
+    def _marker(self, drawing: Drawing, row: int) -> Literal:
         one = drawing.primitives[row]
         marker = {
-            "header": header,
+            "header": self._header(drawing.frame),
             "ns": drawing.namespace,
             "id": row,
             "pose": {"orientation": UPRIGHT},

@@ -97,7 +97,7 @@ def test_a_baseline_is_taken_by_value_or_percent() -> None:
         ("[[rule]]\nfigure = 3\nat_most = 1", "figure is 3; it must be a text"),
         ("[[rule]]\nfigure = 'a'\nat_mots = 1", "at_mots is not known"),
         ("[[rule]]\nfigure = 'a'\nat_most = 'b'", "at_most is 'b'; it must be a number"),
-        ("[[rule]]\nfigure = 'a'\nat_most = nan", "it must be a number"),
+        ("[[rule]]\nfigure = 'a'\nat_most = nan", "it must be a finite number"),
         ("[[rule]]\nfigure = 'a'\nat_most = true", "it must be a number"),
         ("[[rule]]\nfigure = 'a'\nbetween = [2, 1]", "its higher number first"),
         ("[[rule]]\nfigure = 'a'\nbetween = 2", "two numbers"),

@@ -5,7 +5,7 @@ from dataclasses import replace
 from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk as MeasuredWalk
 from tests.analysed import analysed
 from tests.oracles.straight_walk import SETTINGS, Walk
 
@@ -23,6 +23,6 @@ def late(samples: Samples, seconds: float) -> Samples:
 
 def measure(
     samples: list[Samples], odometry: Odometry, time_source: TimeSource | None = None
-) -> Stats:
+) -> MeasuredWalk:
     settings = replace(SETTINGS, time_source=time_source, odometry_topic="/odom")
     return analysed(settings, samples, odometry)

@@ -2,12 +2,12 @@
 
 from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.core.checks.questions import Check, Outcome, checks_of
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Severity, finding_kinds
 from tests.core.checks.measured_walk import WALK, feet, late, measure
 
 
-def checks(stats: Stats) -> tuple[Check, ...]:
+def checks(stats: Walk) -> tuple[Check, ...]:
     return checks_of(stats, findings_of(stats))
 
 

@@ -1,15 +1,10 @@
 """Metrics of a walk after the step that sets to null what findings void."""
 
-from dogbot_logtool.core.checks.engine import findings_of
-from dogbot_logtool.core.metrics import Log, WalkMetrics
-from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.core.walk_metrics.rest import Chosen
-from dogbot_logtool.core.walk_metrics.walk import metrics_of
+from dogbot_logtool.core.analysis import NO_LOG, judge
+from dogbot_logtool.core.metrics import WalkMetrics
+from dogbot_logtool.core.walk import Walk
 
 
-def metrics(stats: Stats) -> WalkMetrics:
-    """Return what is reported of a walk."""
-    log = Log("walk.bag", "ROS 1 bag", "ros1", 0.0, 1.0, 1, 0, 0)
-    return metrics_of(
-        stats, log, Chosen("dogbot", robot_guessed=False, contact_planned=False), findings_of(stats)
-    )
+def metrics(walk: Walk) -> WalkMetrics:
+    """Return what is reported of a walk, which a test may have changed."""
+    return judge(walk, NO_LOG).metrics

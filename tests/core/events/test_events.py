@@ -8,7 +8,7 @@ import pytest
 
 from dogbot_logtool.core.events.event import STEPS, Event, EventType
 from dogbot_logtool.core.events.events import find_events
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import Walk as MeasuredWalk
 from tests.analysed import with_learnt_sensors
 from tests.truth import gaits, planted, scenes, time_faults, world_faults
 from tests.truth import sensor_faults as sensor
@@ -30,7 +30,9 @@ def walk(*changes: Disturbance, **of: object) -> Recording:
     return disturbed(Walk(seconds=12.0, **of).recorded(RATE_HZ), *changes)  # type: ignore[arg-type]
 
 
-def odd_events(recording: Recording, stats: Stats | None = None) -> list[tuple[float, Event]]:
+def odd_events(
+    recording: Recording, stats: MeasuredWalk | None = None
+) -> list[tuple[float, Event]]:
     """All events but touchdowns and lift-offs, with their onsets in seconds."""
     stats = stats or measure(recording)
     return [

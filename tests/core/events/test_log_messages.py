@@ -2,12 +2,12 @@
 
 from dogbot_logtool.core.events.event import Event, EventType
 from dogbot_logtool.core.events.log_messages import _message, event_messages, gait_states
-from dogbot_logtool.core.settings import StatsSettings
+from dogbot_logtool.core.settings import WalkSettings
 from tests.analysed import analysed
 
 
 def test_a_log_without_feet_has_no_gait() -> None:
-    stats = analysed(StatsSettings(feet=()))
+    stats = analysed(WalkSettings(feet=()))
     assert gait_states(stats) == ()
     assert event_messages(stats) == ()
 

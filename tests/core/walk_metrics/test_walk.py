@@ -6,24 +6,20 @@ from pathlib import Path
 
 import pytest
 
-from dogbot_logtool.commands.stats import measurement_of
 from dogbot_logtool.core.metrics import NEEDS, WalkMetrics
 from dogbot_logtool.core.records import values
-from dogbot_logtool.core.settings import StatsSettings
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.settings import WalkSettings
+from dogbot_logtool.core.walk import Walk as MeasuredWalk
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.results import LogFacts
 from tests.analysed import analysed
-from tests.measured import measured
+from tests.measured import LogFacts, measured, measurement_of
 from tests.oracles.straight_walk import Walk
 from tests.paths import TROT, TROUBLED
 
-FACTS = LogFacts("walk.bag", "ROS 1 bag", "ros1", 0.0, 10.0, 100, robot="spot")
 
-
-def metrics(stats: Stats, findings: Sequence[Finding] = ()) -> WalkMetrics:
-    return measurement_of(stats, replace(FACTS, findings=findings)).metrics
+def metrics(walk: MeasuredWalk, findings: Sequence[Finding] = ()) -> WalkMetrics:
+    return measurement_of(walk, LogFacts(findings=findings)).metrics
 
 
 def nulls(walk: WalkMetrics) -> set[str]:
@@ -33,7 +29,8 @@ def nulls(walk: WalkMetrics) -> set[str]:
 
 
 def test_what_decided_the_metrics_is_told() -> None:
-    settings = metrics(Walk().measure()).settings
+    walk = Walk().measure()
+    settings = metrics(replace(walk, settings=replace(walk.settings, robot="spot"))).settings
 
     assert (settings.robot, settings.robot_guessed) == ("spot", False)
     assert (settings.base_from, settings.contact_from, settings.clock) == (
@@ -41,7 +38,7 @@ def test_what_decided_the_metrics_is_told() -> None:
         "sensor",
         "header",
     )
-    assert metrics(analysed(StatsSettings(()))).settings.contact_from is None
+    assert metrics(analysed(WalkSettings(()))).settings.contact_from is None
 
 
 @pytest.mark.parametrize("seconds", [3.0, 10.0])
@@ -91,7 +88,7 @@ def test_reasons_are_what_the_log_lacks() -> None:
 
 
 def test_of_a_log_without_feet_that_is_the_reason() -> None:
-    because = metrics(analysed(StatsSettings(()))).null_because
+    because = metrics(analysed(WalkSettings(()))).null_because
 
     assert {because["gait.name"], because["forces.load_share.fore"]} == {NEEDS["feet"]}
     assert because["base.path_length_m"] == NEEDS["base"]

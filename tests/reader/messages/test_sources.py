@@ -260,7 +260,7 @@ def test_swings_of_sensors_that_are_silent_in_swing_are_no_gaps(tmp_path: Path) 
     entries = list(walk.messages(kind))
     walks.write_mcap(tmp_path / "whole.mcap", walk, entries)
     topics = {walks.foot_topic(kind, leg) for leg in walks.LEGS}
-    stats = measure(tmp_path / "whole.mcap", MeasureOptions()).stats
+    stats = measure(tmp_path / "whole.mcap", MeasureOptions()).walk
     assert {topic.topic: topic.gaps for topic in stats.topics if topic.topic in topics} == (
         dict.fromkeys(topics, 0)
     )
@@ -270,7 +270,7 @@ def test_swings_of_sensors_that_are_silent_in_swing_are_no_gaps(tmp_path: Path) 
     start, end = walks.START + 1_000_000_000, walks.START + 4_800_000_000
     kept = [e for e in entries if e.topic != silent or not start < e.log_time < end]
     walks.write_mcap(tmp_path / "gap.mcap", walk, kept)
-    stats = measure(tmp_path / "gap.mcap", MeasureOptions()).stats
+    stats = measure(tmp_path / "gap.mcap", MeasureOptions()).walk
     found = {topic.topic: topic for topic in stats.topics if topic.gaps}
     assert list(found) == [silent]
     assert found[silent].gaps == 1

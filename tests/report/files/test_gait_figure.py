@@ -17,14 +17,14 @@ from pypdf import PdfReader
 from pypdf.generic import DictionaryObject
 
 from dogbot_logtool.commands.plot import draw_figure
-from dogbot_logtool.commands.stats import measure, measurement_of
+from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.gait_figure import FORMATS, gait_figure, write_figure
 from dogbot_logtool.report.text.gait_diagram import default_window
-from tests.measured import measured
+from tests.measured import LogFacts, measured, measurement_of
 from tests.oracles import walks
 from tests.paths import SAMPLE_LOGS
 
@@ -44,7 +44,7 @@ def draw(path: Path, form: str, window: Window | None = None) -> bytes:
 
 
 def figure_of(path: Path, window: Window | None) -> Figure:
-    stats = measured(path, MeasureOptions()).stats
+    stats = measured(path, MeasureOptions()).walk
     window = window or default_window(stats)
     first, last = (stats.origin + round(each * 1e9) for each in window)
     detail = CurveDetail(window=(first, last))
@@ -121,7 +121,7 @@ def test_only_the_window_is_drawn() -> None:
 
 @pytest.mark.parametrize("path", [TROT, WALK], ids=["trot", "walk"])
 def test_the_highest_load_is_the_highest_peak(path: Path) -> None:
-    stats = measured(path, MeasureOptions()).stats
+    stats = measured(path, MeasureOptions()).walk
     window = 0.0, (stats.end - stats.origin) / 1e9
     curves = [foot.record.load_curves(CurveDetail()) for foot in stats.feet]
     lines = {
@@ -129,14 +129,14 @@ def test_the_highest_load_is_the_highest_peak(path: Path) -> None:
         for axes in gait_figure(stats, curves, window).axes
         for line in axes.lines
     }
-    told = stats_json(measurement_of(stats, measured(path, MeasureOptions()).facts))
+    told = stats_json(measurement_of(stats, LogFacts()))
     for foot in FEET:
         peak = told["feet"][foot]["peak_force_bw"]["max"]
         assert np.nanmax(lines[f"load-{foot}"]) == pytest.approx(peak, rel=1e-6)
 
 
 def test_a_gap_parts_the_line_and_a_dead_foot_has_no_bars() -> None:
-    stats = measured(TROUBLED, MeasureOptions()).stats
+    stats = measured(TROUBLED, MeasureOptions()).walk
     curves = [foot.record.load_curves(CurveDetail()) for foot in stats.feet]
     figure = gait_figure(stats, curves, (0.0, 5.0))
     lines = {line.get_gid(): line for axes in figure.axes for line in axes.lines}
@@ -207,10 +207,10 @@ def test_no_mass_means_newtons(tmp_path: Path) -> None:
     window = draw_figure(done, target, overwrite=False)
     svg = ET.fromstring(target.read_bytes())  # noqa: S314 - ours
     assert "Load (N)" in texts(svg)
-    assert window == default_window(done.stats)
+    assert window == default_window(done.walk)
 
 
 def test_what_cannot_be_drawn() -> None:
-    stats = measured(TROT, MeasureOptions()).stats
+    stats = measured(TROT, MeasureOptions()).walk
     with pytest.raises(LogError, match="no feet"):
         gait_figure(replace(stats, feet=()), [], (0.0, 1.0))

@@ -8,13 +8,12 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from dogbot_logtool.commands.stats import measurement_of
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.settings import FootSettings, StatsSettings
-from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.settings import FootSettings, WalkSettings
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.loss import Damage, Loss
@@ -22,9 +21,8 @@ from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.page.assets import own
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import Beside, page
-from dogbot_logtool.results import LogFacts
 from tests.analysed import analysed
-from tests.measured import measured
+from tests.measured import LogFacts, measured, measurement_of
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import drawings, numbers, trace
 
@@ -37,9 +35,9 @@ PLACES = (("front", "left"), ("front", "right"), ("back", "left"), ("back", "rig
 
 
 @cache
-def trot() -> tuple[Stats, LogFacts]:
+def trot() -> tuple[Walk, LogFacts]:
     found = measured(TROT, MeasureOptions())
-    return found.stats, found.facts
+    return found.walk, LogFacts()
 
 
 class Tags(HTMLParser):
@@ -181,6 +179,27 @@ def test_the_page_tells_date_robot_and_version() -> None:
     assert "(no date)" in page(measurement_of(stats, facts), 0).decode()
 
 
+def test_events_are_listed_and_marked_in_every_figure_over_time() -> None:
+    """Of four feet the third is dead and the second silent: their events stand in their rows."""
+    html = page(measured(SAMPLE_LOGS / "dogbot_troubled.bag", MeasureOptions()), 0)
+    onsets = [float(each) for each in re.findall(rb'"row"><button[^>]* data-from="(.*?)"', html)]
+    assert len(onsets) == 2
+    assert html.index(b"sensor fault</td>") < html.index(b"gap</td>")
+    over_time = {name: each for name, each in drawings(html).items() if each["over_time"]}
+    assert set(over_time) == {"gait", "loads", "motion", "commands"}
+    for name, each in over_time.items():
+        shapes = each["layout"]["shapes"]
+        assert [shape["x0"] for shape in shapes] == onsets
+        rows = [(shape["yref"], (shape["y0"] + shape["y1"]) / 2.0) for shape in shapes]
+        in_rows = {
+            "gait": [("y", 2.0), ("y", 1.0)],
+            "loads": [("y3 domain", 0.5), ("y2 domain", 0.5)],
+        }
+        assert rows == in_rows.get(name, [("paper", 0.5)] * 2)
+    (label,) = over_time["gait"]["layout"]["annotations"]
+    assert label["text"] == "sensor fault"
+
+
 def luminance(colour: str) -> float:
     """WCAG 2: relative luminance of ``#rrggbb``."""
     parts = [int(colour[start : start + 2], 16) / 255.0 for start in (1, 3, 5)]
@@ -236,7 +255,7 @@ def test_a_page_of_a_long_log_is_small_and_has_every_peak() -> None:
     feet = tuple(
         FootSettings("_".join(place), f"/{foot}", place) for foot, place in enumerate(PLACES)
     )
-    settings = StatsSettings(feet, mass_kg=20.0, wrench_frame=WrenchFrame.WORLD)
+    settings = WalkSettings(feet, mass_kg=20.0, wrench_frame=WrenchFrame.WORLD)
     time = np.arange(0.0, 1500.0, 0.04)
     spikes = np.arange(30.0, 1500.0, 61.7)
     zero = np.zeros_like(time)
@@ -265,7 +284,7 @@ def test_a_log_of_contacts_only_has_a_page_that_says_what_is_missing() -> None:
     seen = [samples(foot, time, np.empty(0)) for foot in range(2)]
     nowhere = np.full_like(seen[0].position, np.nan)
     without = [replace(each, position=nowhere) for each in seen]
-    stats = analysed(StatsSettings(feet), without)
+    stats = analysed(WalkSettings(feet), without)
     html = page(
         measurement_of(stats, LogFacts("x.mcap", "MCAP", "ros2", None, None, 0)), 0
     ).decode()
@@ -275,7 +294,7 @@ def test_a_log_of_contacts_only_has_a_page_that_says_what_is_missing() -> None:
 
 
 def test_a_log_without_any_contact_has_a_page() -> None:
-    stats = analysed(StatsSettings(()))
+    stats = analysed(WalkSettings(()))
     html = page(measurement_of(stats, LogFacts("x.mcap", "MCAP", "ros2", None, None, 0)), 0)
     assert drawings(html) == {}
     assert b"no contacts that could be used" in html

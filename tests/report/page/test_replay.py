@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.report import replay_of
-from dogbot_logtool.commands.stats import measure_log, measurement_of
+from dogbot_logtool.commands.stats import measure_log
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.page.render import page
 from dogbot_logtool.report.page.replay import MOST_FRAMES, frame_times, replay
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.robot.annotated import open_recorded
 from tests.commands.test_convert_joints import urdf, write
+from tests.measured import LogFacts, measurement_of
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import numbers
 
@@ -50,9 +51,9 @@ def points(column: Any) -> Any:
 
 
 def test_the_robot_is_where_the_log_says() -> None:
-    history, time = measured().stats.base_history, numbers(shown()["time"])
+    history, time = measured().walk.base_history, numbers(shown()["time"])
     assert np.diff(time) == pytest.approx(0.04, abs=1e-4)
-    since = (history.time - measured().stats.origin) / 1e9
+    since = (history.time - measured().walk.origin) / 1e9
     assert abs(history.position[0, :2]).max() < 0.5
     for axis, column in enumerate(points(shown()["position"]).T):
         wanted = np.interp(time, since, history.position[:, axis])
@@ -101,9 +102,9 @@ def test_joint_states_bend_the_legs_as_the_transforms_do(tmp_path: Path) -> None
 
 
 def test_without_frames_lines_lead_to_the_feet_and_unknown_feet_are_below_the_base() -> None:
-    stats = measured().stats
-    time = frame_times(stats)
-    plain = replay(stats, time, None)
+    stats = measured().walk
+    time = frame_times(stats, ())
+    plain = replay(stats, (), time, None)
     assert plain is not None
     assert plain["limbs"] is None
     assert not plain["schematic"]
@@ -119,22 +120,25 @@ def test_without_frames_lines_lead_to_the_feet_and_unknown_feet_are_below_the_ba
         )
         for foot in stats.feet
     )
-    unknown = replay(replace(stats, feet=nowhere), time, None)
+    unknown = replay(replace(stats, feet=nowhere), (), time, None)
     assert unknown is not None
     assert unknown["schematic"]
-    html = page(measurement_of(stats, measured().facts), 0, replay=unknown).decode()
+    html = page(measurement_of(stats, LogFacts()), 0, replay=unknown).decode()
     assert "does not tell where the feet are" in html
     assert "<canvas" in html
-    assert "<canvas" not in page(measurement_of(stats, measured().facts), 0).decode()
+    assert "<canvas" not in page(measurement_of(stats, LogFacts()), 0).decode()
 
 
 def test_a_walk_far_from_the_worlds_origin_is_as_exact() -> None:
     """In UTM coordinates 32 bits would tell half a metre."""
-    stats = measured().stats
+    stats = measured().walk
     away = np.array([448_000.0, 5_412_000.0, 0.0])
     base = replace(stats.base_history, position=stats.base_history.position + away)
-    time = frame_times(stats)
-    near, far = replay(stats, time, None), replay(replace(stats, base_history=base), time, None)
+    time = frame_times(stats, ())
+    near, far = (
+        replay(stats, (), time, None),
+        replay(replace(stats, base_history=base), (), time, None),
+    )
     assert near is not None
     assert far is not None
     moved = [np.diff(points(each["position"]), axis=0) for each in (near, far)]
@@ -142,9 +146,9 @@ def test_a_walk_far_from_the_worlds_origin_is_as_exact() -> None:
 
 
 def test_a_long_log_is_thinned() -> None:
-    stats = measured().stats
+    stats = measured().walk
     day = replace(stats, end=stats.origin + 86_400_000_000_000)
-    time = frame_times(day)
+    time = frame_times(day, ())
     assert len(time) <= MOST_FRAMES
     assert (np.diff(time) > 0).all()
     near = (time > stats.origin + 3_000_000_000) & (time < stats.origin + 6_000_000_000)
@@ -152,6 +156,6 @@ def test_a_long_log_is_thinned() -> None:
 
 
 def test_a_page_with_its_replay_is_small() -> None:
-    stats, facts = measured().stats, measured().facts
+    stats, facts = measured().walk, LogFacts()
     html = page(measurement_of(stats, facts), 0, replay=shown())
     assert len(page(measurement_of(stats, facts), 0)) < len(html) < 2 * MB

@@ -11,7 +11,7 @@ from tests.paths import SAMPLE_LOGS
 @pytest.mark.parametrize("seconds", [2.5, 3.5, 8.0])
 def test_the_window_lies_in_the_log(seconds: float) -> None:
     options = MeasureOptions(end=seconds)
-    stats = measure(SAMPLE_LOGS / "dogbot_trot.bag", options).stats
+    stats = measure(SAMPLE_LOGS / "dogbot_trot.bag", options).walk
     begin, end = default_window(stats)
 
     assert stats.main is not None

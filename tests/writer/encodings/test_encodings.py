@@ -19,7 +19,7 @@ from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.writer import drawing
 from dogbot_logtool.writer.drawing import ArrowLook, SupportLook, SupportShape
 from dogbot_logtool.writer.encodings.encoding import Encoding, MessageType
-from dogbot_logtool.writer.template import Kind, Template
+from dogbot_logtool.writer.template import MESSAGE_HEAD, Template
 from tests.oracles import walks
 from tests.writer.annotated import ENCODINGS
 
@@ -37,18 +37,20 @@ def decoder(kind: MessageType) -> Any:
     return next(decode for decode in found if decode is not None)
 
 
-def decoded(template: Template, kind: MessageType) -> tuple[Any, dict[str, float]]:
+def decoded(
+    encoding: Encoding, template: Template, kind: MessageType
+) -> tuple[Any, dict[str, float]]:
     """Return a message with another number in every slot, and these numbers."""
-    copies = template.copies(2)
-    numbers: dict[str, float] = {}
-    for count, (name, of) in enumerate(template.kinds.items(), 1):
-        if name.endswith(".sec"):
-            template.write_time(copies, name.removesuffix(".sec"), np.array([0, TIME]))
-        elif of is Kind.TEXT6:
-            copies[name] = b" 123 N"
-        elif of is not Kind.BOOL and not name.endswith(".nanosec"):
-            copies[name] = numbers[name] = count / 64
-    return decoder(kind)(copies[1].tobytes()), numbers
+    names = dict.fromkeys(template.slots.values())
+    numbers = {name: count / 64 for count, name in enumerate(names, 1)}
+    columns = {
+        **{name: np.array([number]) for name, number in numbers.items()},
+        **encoding.stamp_columns(np.array([TIME])),
+        "in_contact": np.array([False]),
+        "text": np.array([b" 123 N"]),
+    }
+    records = template.records(0, np.array([TIME]), columns, np.array([0]))
+    return decoder(kind)(records[0].tobytes()[MESSAGE_HEAD.itemsize :]), numbers
 
 
 def xyz(vector: Any) -> tuple[float, ...]:
@@ -75,7 +77,7 @@ def time_of(stamp: Any) -> int:
 @each_encoding
 def test_transforms(encoding: Encoding) -> None:
     template = encoding.transforms([("world", "base"), ("base", "leg")])
-    message, numbers = decoded(template, encoding.transform_type)
+    message, numbers = decoded(encoding, template, encoding.transform_type)
     assert len(message.transforms) == 2
     for index, one in enumerate(message.transforms):
         is_ros = hasattr(one, "header")
@@ -91,7 +93,7 @@ def test_transforms(encoding: Encoding) -> None:
 @each_encoding
 def test_arrows(encoding: Encoding) -> None:
     arrow = encoding.drawing(drawing.arrow("left", "world", ArrowLook(0.04, 0.5)))
-    message, numbers = decoded(arrow, encoding.arrow_type)
+    message, numbers = decoded(encoding, arrow, encoding.arrow_type)
     is_ros = hasattr(message, "header")
     one = message if is_ros else message.entities[0].arrows[0]
     assert xyz(one.pose.position) == named(numbers, "xyz")
@@ -108,9 +110,9 @@ def test_arrows(encoding: Encoding) -> None:
 @each_encoding
 def test_removals(encoding: Encoding) -> None:
     label = drawing.label("left", "world", "L")
-    message, _ = decoded(encoding.removal(label), encoding.arrow_type)
+    message, _ = decoded(encoding, encoding.removal(label), encoding.arrow_type)
     if hasattr(message, "header"):
-        shown, _ = decoded(encoding.drawing(label), encoding.arrow_type)
+        shown, _ = decoded(encoding, encoding.drawing(label), encoding.arrow_type)
         assert (message.action, time_of(message.header.stamp)) == (2, TIME)
         # Viewers know a marker by its namespace and id.
         assert (message.ns, message.id) == (shown.ns, shown.id)
@@ -122,7 +124,7 @@ def test_removals(encoding: Encoding) -> None:
 @each_encoding
 def test_labels(encoding: Encoding) -> None:
     label = encoding.drawing(drawing.label("left", "world", "L"))
-    message, numbers = decoded(label, encoding.arrow_type)
+    message, numbers = decoded(encoding, label, encoding.arrow_type)
     one = message if hasattr(message, "header") else message.entities[0].texts[0]
     assert one.text == "L  123 N"
     assert xyz(one.pose.position) == named(numbers, "xyz")
@@ -135,7 +137,7 @@ def test_support(encoding: Encoding, line: int, *, balls: bool) -> None:
     """All that there is, or some of it: markers are deleted, an entity does without."""
     shape = SupportShape(line, balls, balls, 2 * balls)
     template = encoding.drawing(drawing.support(shape, "world", LOOK))
-    message, numbers = decoded(template, encoding.support_type)
+    message, numbers = decoded(encoding, template, encoding.support_type)
     found: list[tuple[float, ...]] = []
     if hasattr(message, "markers"):
         assert [marker.action for marker in message.markers] == [2 * (not line)] + 3 * [
@@ -151,7 +153,7 @@ def test_support(encoding: Encoding, line: int, *, balls: bool) -> None:
         found += [xyz(ball.pose.position) for ball in entity.spheres]
         tints = [rgba(ball.color)[:3] for ball in entity.spheres[2:]]
         assert time_of(entity.timestamp) == TIME
-    names = [name for of_kind in drawing.support_points(shape) for name in of_kind]
+    names = [f"{name}{row}" for name, count in shape._asdict().items() for row in range(count)]
     assert found == [named(numbers, "xyz", f"{name}.") for name in names]
     assert tints == [named(numbers, "rgb", f"touchdown{row}.") for row in range(2 * balls)]
 
@@ -159,16 +161,16 @@ def test_support(encoding: Encoding, line: int, *, balls: bool) -> None:
 @each_encoding
 def test_legs(encoding: Encoding) -> None:
     template = encoding.drawing(drawing.legs((1, 3), "world", LOOK))
-    message, numbers = decoded(template, encoding.arrow_type)
+    message, numbers = decoded(encoding, template, encoding.arrow_type)
     one = message if hasattr(message, "header") else message.entities[0].lines[0]
-    names = drawing.leg_points(2)
+    names = ("hip1", "foot1", "hip3", "foot3")
     assert [xyz(each) for each in one.points] == [named(numbers, "xyz", f"{n}.") for n in names]
     assert len(one.colors) == 4
 
 
 @each_encoding
 def test_loads(encoding: Encoding) -> None:
-    message, numbers = decoded(encoding.load("swing"), encoding.load_type)
+    message, numbers = decoded(encoding, encoding.load("swing"), encoding.load_type)
     assert message.state == "swing"
     # A foot in the air says so; it does not merely leave the field out.
     assert message.in_contact is False

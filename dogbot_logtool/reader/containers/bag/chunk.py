@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes
-from dogbot_logtool.reader.containers.bag.format import BagFormat, nanoseconds
+from dogbot_logtool.reader.containers.bag.format import nanoseconds
 from dogbot_logtool.reader.containers.bag.records import (
     BagOp,
     Fields,
@@ -17,11 +17,16 @@ from dogbot_logtool.reader.containers.bag.records import (
     record_bounds,
     record_in_file,
 )
-from dogbot_logtool.reader.containers.compression import check_claimed_size, decompress_into
+from dogbot_logtool.reader.containers.compression import decompress_into
 from dogbot_logtool.reader.containers.contents import Chunk
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage, read_content
-from dogbot_logtool.reader.containers.salvage.records import Index, Readable, merged_index
+from dogbot_logtool.reader.containers.salvage.records import (
+    Index,
+    Readable,
+    RecordFormat,
+    merged_index,
+)
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 _INDEX_ENTRY: Final = np.dtype([("seconds", "<u4"), ("nanoseconds", "<u4"), ("offset", "<u4")])
@@ -53,20 +58,8 @@ def chunk_at(source: Readable, offset: int, head: bytes = b"") -> Chunk:
     )
 
 
-def check_bag_chunk(chunk: Chunk, file_size: int) -> None:
-    """Check what a chunk claims.
-
-    Raises:
-        ChunkDamage: it cannot be honest.
-    """
-    if chunk.is_compressed:
-        check_claimed_size(chunk.size, chunk.data_size)
-    if chunk.end > file_size:
-        raise ChunkDamage("it reaches beyond the end of the file")
-
-
 def parse_bag_chunk(
-    chunk: Chunk, stored: memoryview, target: Bytes, fmt: BagFormat
+    chunk: Chunk, stored: memoryview, target: Bytes, fmt: RecordFormat
 ) -> ChunkContent:
     """Decompress a chunk and find its messages; their channels are the connections' numbers.
 

@@ -1,14 +1,13 @@
 """How ROS 1 bags write records: messages by their columns, and the search for sound records."""
 
 import re
-from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.bag.records import (
     U32,
     BagOp,
@@ -19,28 +18,25 @@ from dogbot_logtool.reader.containers.bag.records import (
 )
 from dogbot_logtool.reader.containers.salvage.records import Readable, Records, blank_messages
 from dogbot_logtool.reader.decode.columns import gather, gather_bytes, rows_like
-from dogbot_logtool.reader.decode.message_table import Messages
 
 INDEX_ENTRY_SIZE: Final = 12
 _MOST_TEMPLATES: Final = 8
 """Recorders write all their message headers alike; more kinds are decoded one by one."""
-_RECORD_START: Final = (
-    rb"(?s)(?=[\x08-\xff].\0\0.\0\0\0"
-    rb"(?:op|conn|time|topic|compression|size|ver|count|chunk_pos|chunk_count|conn_count|"
-    rb"index_pos|start_time|end_time)=)"
-)
-"""A header of plausible length that begins with a known field."""
 _LONGEST_HEADER: Final = 4096
+_LENGTHS: Final = 8
+"""Bytes of the lengths of a record's header and data."""
 
 
 class BagFormat:
     """How bags write records; see `RecordFormat`."""
 
     message = int(BagOp.MESSAGE)
-
-    def __init__(self) -> None:
-        self._usual: _Template | None = None
-        """The header of the messages that were found last."""
+    record_start = re.compile(
+        rb"(?s)(?=[\x08-\xff].\0\0.\0\0\0"
+        rb"(?:op|conn|time|topic|compression|size|ver|count|chunk_pos|chunk_count|conn_count|"
+        rb"index_pos|start_time|end_time)=)"
+    )
+    """A header of plausible length that begins with a known field."""
 
     def chain(self, data: memoryview, offset: int, end: int, limit: int) -> list[int]:
         """See `RecordFormat.chain`."""
@@ -57,72 +53,40 @@ class BagFormat:
             limit -= 1
         return bounds
 
-    def decode(self, records: Bytes, bounds: Ints) -> Records:
+    def decode(self, records: Bytes, offset: Ints) -> Records:
         """See `RecordFormat.decode`."""
-        offset, end = bounds[:-1], bounds[1:]
         op = np.zeros(len(offset), np.int64)
-        messages = blank_messages(np.zeros(len(offset), np.int64), end)
-        header_size = gather(records, offset, 4).view("<u4").astype(np.int64)
-        left = np.arange(len(offset))
+        messages = blank_messages(offset)
+        left = np.flatnonzero((offset >= 0) & (offset + _LENGTHS <= len(records)))
+        header_size = np.zeros(len(offset), np.int64)
+        header_size[left] = gather(records, offset[left], 4).view("<u4") if len(left) else 0
         templates = 0
         while len(left):
             rows, left = left[:1], left[1:]
+            first = int(offset[rows[0]])
             try:
-                record = record_at(records.data, int(offset[rows[0]]), int(end[rows[0]]))
+                record = record_at(records.data, first, len(records))
                 op[rows] = BagOp.CONNECTION if record.fields.op() == BagOp.CONNECTION else 0
             except MalformedRecord:
                 continue
-            messages.start[rows] = record.data
-            template = _template(records, int(offset[rows[0]]), record)
+            messages.start[rows], messages.end[rows] = record.data, record.end
+            template = _template(records, first, record)
             if template is None:
                 continue
             templates += 1
             if templates <= _MOST_TEMPLATES:
-                rows = np.concatenate([rows, left[header_size[left] == template.size]])
+                fits = offset[left] + _LENGTHS + template.size <= len(records)
+                rows = np.append(rows, left[fits & (header_size[left] == template.size)])
             alike, values = template.read(records, offset[rows])
             rows, values = rows[alike], values[alike]
-            op[rows] = BagOp.MESSAGE
+            start = offset[rows] + values.itemsize
+            messages.start[rows], messages.end[rows] = start, start + values["data_size"]
             messages.channel[rows] = values["connection"]
             messages.log_time[rows] = messages.publish_time[rows] = nanoseconds(values)
-            messages.start[rows] = offset[rows] + values.itemsize
+            op[rows] = np.where(messages.end[rows] <= len(records), BagOp.MESSAGE, 0)
             if len(rows) > 1:
-                left = left[op[left] == 0]
+                left = left[messages.end[left] == 0]
         return Records(op, offset, messages)
-
-    def heads(self, records: Bytes, offset: Ints) -> Records | None:
-        """See `RecordFormat.heads`."""
-        if offset[0] < 0:
-            return None
-        values = self._values(records, offset)
-        if values is None:
-            try:
-                record = record_at(records.data, int(offset[0]), len(records))
-            except MalformedRecord:
-                return None
-            self._usual = _template(records, int(offset[0]), record)
-            values = self._values(records, offset)
-        if values is None:
-            return None
-        start = offset + values.itemsize
-        end = start + values["data_size"]
-        if end.max() > len(records):
-            return None
-        time = nanoseconds(values)
-        channel = values["connection"].astype(np.int64)
-        messages = Messages(channel, time, time, np.zeros(len(time), np.int64), start, end)
-        return Records(np.full(len(offset), self.message, np.int64), offset, messages)
-
-    def _values(self, records: Bytes, offset: Ints) -> NDArray[np.void] | None:
-        """Return the values in headers, None if any is not like the usual one."""
-        usual = self._usual
-        if usual is None or offset[-1] + 8 + usual.size > len(records):
-            return None
-        alike, values = usual.read(records, offset)
-        return values if alike.all() else None
-
-    def candidates(self, window: bytes) -> Iterator[int]:
-        """See `RecordFormat.candidates`."""
-        return (match.start() for match in re.finditer(_RECORD_START, window))
 
     def sound(self, source: Readable, offset: int, end: int) -> bool:
         """See `RecordFormat.sound`."""
@@ -141,7 +105,7 @@ class BagFormat:
         size = 4 + int(U32.unpack_from(records.data, before)[0])
         here = records[offset : min(offset + size, end)]
         alike = np.count_nonzero(here == records[before : before + len(here)])
-        return bool(2 * alike >= len(here) >= 8 or re.match(_RECORD_START, here.tobytes()))
+        return bool(2 * alike >= len(here) >= 8 or self.record_start.match(here.tobytes()))
 
 
 def is_sound(record: Record, op: int) -> bool:

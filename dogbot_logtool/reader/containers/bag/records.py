@@ -5,10 +5,10 @@ its length.
 """
 
 import struct
+from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.salvage.records import Readable
 
 U32: Final = struct.Struct("<I")

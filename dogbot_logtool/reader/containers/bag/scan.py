@@ -8,7 +8,6 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.containers.bag.chunk import (
-    check_bag_chunk,
     chunk_at,
     indexed_times,
     parse_bag_chunk,
@@ -23,10 +22,12 @@ from dogbot_logtool.reader.containers.bag.records import (
     record_at,
     record_in_file,
 )
+from dogbot_logtool.reader.containers.chunked_log import ChunkedLog, open_chunked
+from dogbot_logtool.reader.containers.compression import check_claimed_size
 from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, time_range
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage
-from dogbot_logtool.reader.containers.salvage.scan import IndexEntry, Scan
+from dogbot_logtool.reader.containers.salvage.scan import IndexEntry, ReadChunk, Scan
 from dogbot_logtool.reader.containers.signatures import BAG_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource, in_groups
 
@@ -43,23 +44,20 @@ _NOT_CLOSED: Final = "the bag has no index (its recording was not closed); it wa
 class BagScan(Scan):
     """Finds chunks, bare messages and connections."""
 
+    container = "ROS 1 bag"
+    magic = BAG_MAGIC
+
     def __init__(self, source: ByteSource) -> None:
-        self._bag_format = BagFormat()
-        super().__init__(source, self._bag_format)
+        super().__init__(source, BagFormat())
         self.connections = Connections()
         self._outside: list[tuple[int, int]] = []
         """Offset and end of connection records outside chunks."""
 
     def indexed(self) -> tuple[Contents | None, Loss | None]:
-        """Read the index section.
-
-        Returns:
-            the contents, or None where the index is absent, damaged or contradicts the chunks; and
-            what is wrong with it.
-        """
+        """See `Scan.indexed`."""
         start = len(BAG_MAGIC)
         try:
-            header = record_in_file(self._source, start)
+            header = record_in_file(self.source, start)
             if header.fields.op() != BagOp.BAG_HEADER:
                 raise MalformedRecord("the bag's header is missing")
             index_start = header.fields.u64("index_pos")
@@ -71,27 +69,23 @@ class BagScan(Scan):
             chunks = self._indexed_chunks(index_start)
             if not self._fills(header.end, chunks, index_start):
                 raise MalformedRecord("it contradicts the chunks")
-            if not _times_hold(self._source, chunks):
+            if not _times_hold(self.source, chunks):
                 raise MalformedRecord("it tells wrong times")
         except (MalformedRecord, ChunkDamage) as fault:
             what = f"the bag's index is damaged ({fault}); the bag was read without it"
             return None, Loss(start, what)
-        channels = self.connections.channels
-        counts = dict.fromkeys(channels, 0)
-        for chunk in chunks:
-            for channel, count in (chunk.counts or {}).items():
-                counts[channel] += count
         times = time_range([chunk for chunk in chunks if chunk.messages])
-        return Contents(channels, chunks, counts, *times, profile="ros1"), None
+        contents = self._channels(), chunks, self._counts(chunks), *times, self._profile()
+        return Contents(*contents), None
 
     def _read_section(self, start: int) -> None:
         """Read the connections and the chunks' entries."""
-        size = self._source.size
+        size = self.source.size
         if start > size:
             raise MalformedRecord("it is cut off")
         if size - start > max(_UNSUSPICIOUS_SIZE, size // _LARGEST_SHARE):
             raise MalformedRecord("it is absurdly long")
-        section = self._source.read(start, size - start)
+        section = self.source.read(start, size - start)
         # A record's length begins behind the zeros.
         offset = len(section) - len(section.lstrip(b"\0"))
         while offset < len(section):
@@ -130,13 +124,13 @@ class BagScan(Scan):
         """Return the chunks that the index names, and the index records behind each."""
         entries = sorted(self._index_entries.items())
         offsets = [offset for offset, _ in entries]
-        heads = in_groups(self._source, [(offset, HEAD_SIZE) for offset in offsets])
+        heads = in_groups(self.source, [(offset, HEAD_SIZE) for offset in offsets])
         ids = self.connections.channel_ids
         chunks: list[Chunk] = []
         for (offset, entry), end, head in zip(
             entries, [*offsets[1:], index_start][: len(offsets)], heads, strict=True
         ):
-            chunk = chunk_at(self._source, offset, head)
+            chunk = chunk_at(self.source, offset, head)
             counts = entry.counts or {}
             if not counts.keys() <= ids.keys():
                 raise MalformedRecord("it contradicts the chunks")
@@ -150,23 +144,18 @@ class BagScan(Scan):
 
     def _between(self, offset: int, stop: int) -> int | None:
         size = stop - offset
-        if size <= _LARGEST_PADDING and not any(self._source.read(offset, size)):
+        if size <= _LARGEST_PADDING and not any(self.source.read(offset, size)):
             return stop
-        record = record_in_file(self._source, offset)
+        record = record_in_file(self.source, offset)
         return record.end if record.fields.op() in {BagOp.INDEX, BagOp.CONNECTION} else None
-
-    def scanned(self, start: int, problem: Loss | None) -> Contents:
-        """See `Scan.scanned`."""
-        contents = super().scanned(start, problem)
-        return replace(contents, profile="ros1", losses=self._losses.all())
 
     def _step(self, offset: int) -> int | None:
         try:
-            record = record_in_file(self._source, offset)
+            record = record_in_file(self.source, offset)
             if record.fields.has("compression"):
                 return self._chunk_record(offset, record)
             op = record.fields.op()
-            if record.end > self._source.size or not is_sound(record, op):
+            if record.end > self.source.size or not is_sound(record, op):
                 return None
             if op == BagOp.MESSAGE:
                 return self._bare(offset, record.end)
@@ -175,16 +164,16 @@ class BagScan(Scan):
             elif op == BagOp.CONNECTION:
                 self._outside.append((offset, record.end))
             elif op == BagOp.CHUNK_INFO:
-                data = self._source.read(offset, record.end - offset)
+                data = self.source.read(offset, record.end - offset)
                 self._take_info(record_at(data, 0, len(data)), data)
         except (MalformedRecord, ChunkDamage):
-            if self._source.read(offset, len(BAG_MAGIC)) == BAG_MAGIC:
+            if self.source.read(offset, len(BAG_MAGIC)) == BAG_MAGIC:
                 return self._end(offset)
             return self._passed_zeros(offset)
         return record.end
 
     def _chunk_record(self, offset: int, record: Record) -> int:
-        chunk = chunk_at(self._source, offset)
+        chunk = chunk_at(self.source, offset)
         if chunk.is_compressed:
             return self._take_chunk(chunk, chunk.end)
         stated = record.fields.u32("size")
@@ -192,11 +181,11 @@ class BagScan(Scan):
 
     def _passed_zeros(self, offset: int) -> int | None:
         """Pass over the zero bytes that some recorders leave before the index."""
-        window = self._source.read(offset, _LARGEST_PADDING)
+        window = self.source.read(offset, _LARGEST_PADDING)
         zeros = len(window) - len(window.lstrip(b"\0"))
         # The length of the next record's header ends with zeros, but does not begin with one.
         following = offset + zeros
-        if zeros and following < self._source.size and self._follows(following):
+        if zeros and following < self.source.size and self._follows(following):
             return following
         return None
 
@@ -217,22 +206,46 @@ class BagScan(Scan):
 
     def check(self, chunk: Chunk) -> None:
         """See `Scan.check`."""
-        check_bag_chunk(chunk, self._source.size)
+        if chunk.is_compressed:
+            check_claimed_size(chunk.size, chunk.data_size)
+        if chunk.end > self.source.size:
+            raise ChunkDamage("it reaches beyond the end of the file")
 
     def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
         """See `Scan.parse`."""
-        return parse_bag_chunk(chunk, stored, target, self._bag_format)
+        return parse_bag_chunk(chunk, stored, target, self._format)
 
-    def _settle_ids(self) -> Mapping[int, int]:
+    def contradictions(self, content: ChunkContent, data: Bytes, chunk: Chunk) -> Sequence[Loss]:
+        """See `Scan.contradictions`."""
+        found = {
+            self.connections.contradiction(data[offset:end].tobytes(), chunk.offset): None
+            for op, offset, end in content.others.tolist()
+            if op == BagOp.CONNECTION
+        }
+        return [loss for loss in found if loss is not None]
+
+    def own_times(self, chunk: Chunk) -> tuple[int | None, int | None] | None:
+        """See `Scan.own_times`: those that the index records behind it name."""
+        return indexed_times(self.source, [chunk])[0]
+
+    @property
+    def ids(self) -> Mapping[int, int]:
+        """See `Scan.ids`."""
+        return self.connections.channel_ids
+
+    def _with_ids(self, read: Sequence[ReadChunk]) -> list[Chunk]:
         # Those in chunks come first: a compressed chunk's checksum vouches for them.
         for offset, end in self._outside:
-            if fault := self._connect(self._source.read(offset, end - offset), offset):
+            if fault := self._connect(self.source.read(offset, end - offset), offset):
                 what = f"the connection record at byte {offset} is damaged ({fault})"
                 self._losses.add(Loss(offset, what))
-        return self.connections.channel_ids
+        return super()._with_ids(read)
 
     def _channels(self) -> Mapping[int, Channel]:
         return self.connections.channels
+
+    def _profile(self) -> str:
+        return "ros1"
 
 
 def _times_hold(source: ByteSource, chunks: Sequence[Chunk]) -> bool:
@@ -252,3 +265,9 @@ def _times_hold(source: ByteSource, chunks: Sequence[Chunk]) -> bool:
         times in {None, (chunk.start_time, chunk.end_time)}
         for chunk, times in zip(compared, found, strict=True)
     )
+
+
+def open_log(source: ByteSource, distribution: str) -> ChunkedLog:
+    """Open a bag."""
+    del distribution
+    return open_chunked(BagScan, source)

@@ -9,7 +9,7 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.arrays import Bytes
-from dogbot_logtool.reader.containers.compression import check_claimed_size, decompress_into
+from dogbot_logtool.reader.containers.compression import decompress_into
 from dogbot_logtool.reader.containers.contents import Chunk
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.mcap.format import McapFormat
@@ -74,17 +74,6 @@ def _likely_name(after: bytes, length: int) -> bytes | None:
         if CHUNK_HEAD.size + data_start + data_size == length:
             return name
     return None
-
-
-def check_chunk(chunk: Chunk, file_size: int) -> None:
-    """Check what a chunk claims.
-
-    Raises:
-        ChunkDamage: it cannot be honest.
-    """
-    check_claimed_size(chunk.size, chunk.data_size)
-    if chunk.data_offset + chunk.data_size > file_size:
-        raise ChunkDamage("it is cut off by the end of the file", chunk.messages)
 
 
 def parse_chunk(chunk: Chunk, stored: memoryview, target: Bytes, fmt: McapFormat) -> ChunkContent:

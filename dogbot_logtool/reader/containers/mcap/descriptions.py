@@ -5,6 +5,7 @@ before the summary, and what a checksum covers before what none does.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final
 
@@ -13,7 +14,6 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.arrays import Bytes, Ints
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.contents import Channel, Schema
 from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, described_twice
 from dogbot_logtool.reader.containers.mcap.records import RECORD_HEAD, decode_record

@@ -2,7 +2,8 @@
 
 import re
 import struct
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
+from dataclasses import fields
 from typing import Final
 
 import numpy as np
@@ -20,7 +21,7 @@ from dogbot_logtool.reader.containers.mcap.records import (
 from dogbot_logtool.reader.containers.salvage.records import Readable, Records, blank_messages
 from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.decode.columns import gather
-from dogbot_logtool.reader.decode.message_table import Messages
+from dogbot_logtool.reader.decode.message_table import Messages, no_messages
 
 MESSAGE_HEAD: Final = np.dtype(
     [
@@ -43,9 +44,9 @@ LARGEST_PASSING: Final = 1 << 16
 """Bytes up to which a message's content is compared with other kinds of records."""
 LARGEST_OPCODE: Final = int(max(Opcode))
 _HEAD: Final = np.dtype([("opcode", "u1"), ("length", "<u8")])
-_IN_CHUNK: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE)
-_RECORD_START: Final = rb"(?s)(?=[\x01-\x0f].{4}\0{4})"
-"""Every known opcode, with a length below 4 GiB."""
+_MAY_STAND_IN_CHUNK: Final = np.arange(256) > LARGEST_OPCODE
+"""(256,) by opcode; of those that are known, only three."""
+_MAY_STAND_IN_CHUNK[[Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE]] = True
 _HOUR: Final = 3_600_000_000_000
 _DECODED: Final = {
     Opcode.HEADER: records.Header,
@@ -67,6 +68,8 @@ class McapFormat:
     """How MCAP writes records; see `RecordFormat`."""
 
     message = int(Opcode.MESSAGE)
+    record_start = re.compile(rb"(?s)(?=[\x01-\x0f].{4}\0{4})")
+    """Every known opcode, with a length below 4 GiB."""
 
     def __init__(self, channels: Collection[int] = ()) -> None:
         """Prepare.
@@ -90,43 +93,26 @@ class McapFormat:
             limit -= 1
         return bounds
 
-    def decode(self, records: Bytes, bounds: Ints) -> Records:
+    def decode(self, records: Bytes, offset: Ints) -> Records:
         """See `RecordFormat.decode`."""
-        offset, end = bounds[:-1], bounds[1:]
+        if not len(offset) or offset[0] < 0 or offset[-1] > len(records) - RECORD_HEAD.size:
+            return Records(0 * offset, offset, blank_messages(offset))
         head = gather(records, offset, RECORD_HEAD.size).view(_HEAD)
+        # Lengths beyond the buffer stay too large, but become no negative numbers.
+        length = np.minimum(head["length"], np.uint64(len(records))).astype(np.int64)
+        end = offset + RECORD_HEAD.size + length
         op = head["opcode"].astype(np.int64)
+        is_short = (op == Opcode.MESSAGE) & (length < MESSAGE_CONTENT_SIZE)
+        op[is_short | (end > len(records)) | ~_MAY_STAND_IN_CHUNK[op]] = 0
         is_message = op == Opcode.MESSAGE
-        short = is_message & (head["length"] < MESSAGE_CONTENT_SIZE)
-        op[short | ((op <= LARGEST_OPCODE) & ~np.isin(op, _IN_CHUNK))] = 0
-        rows = np.flatnonzero(is_message & ~short)
-        messages = blank_messages(offset + RECORD_HEAD.size, end)
-        if len(rows) == len(op):
-            return _message_records(records, offset)
-        if len(rows):
-            found = _message_records(records, offset[rows]).messages
-            messages.channel[rows] = found.channel
-            messages.log_time[rows] = found.log_time
-            messages.publish_time[rows] = found.publish_time
-            messages.sequence[rows] = found.sequence
-            messages.start[rows] = found.start
+        if is_message.all():
+            return Records(op, offset, _messages(records, offset, end))
+        messages = blank_messages(offset)
+        messages.start[:], messages.end[:] = offset + RECORD_HEAD.size, end
+        found = _messages(records, offset[is_message], end[is_message])
+        for column in fields(found):
+            getattr(messages, column.name)[is_message] = getattr(found, column.name)
         return Records(op, offset, messages)
-
-    def heads(self, records: Bytes, offset: Ints) -> Records | None:
-        """See `RecordFormat.heads`."""
-        if offset[0] < 0 or offset[-1] > len(records) - MESSAGE_HEAD.itemsize:
-            return None
-        found = _message_records(records, offset)
-        messages = found.messages
-        sound = (
-            (found.op == Opcode.MESSAGE)
-            & (messages.end >= messages.start)
-            & (messages.end <= len(records))
-        )
-        return found if sound.all() else None
-
-    def candidates(self, window: bytes) -> Iterator[int]:
-        """See `RecordFormat.candidates`."""
-        return (match.start() for match in re.finditer(_RECORD_START, window))
 
     def sound(self, source: Readable, offset: int, end: int) -> bool:
         """See `RecordFormat.sound`."""
@@ -221,19 +207,15 @@ def _content_size(source: Readable, content: int, opcode: int) -> int:
     return size + 8 + int.from_bytes(source.read(content + size, 8), "little") + 4
 
 
-def _message_records(records: Bytes, offset: Ints) -> Records:
+def _messages(records: Bytes, offset: Ints, end: Ints) -> Messages:
+    """Return the messages whose records begin and end at some offsets."""
+    if not len(offset):
+        return no_messages()
     head = gather(records, offset, MESSAGE_HEAD.itemsize).view(MESSAGE_HEAD)
-    # Lengths beyond the buffer become negative or stay too large; callers check for both.
-    length = np.minimum(head["length"], np.uint64(len(records) + 1)).astype(np.int64)
-    messages = Messages(
-        channel=head["channel"].astype(np.int64),
-        log_time=head["log_time"].astype(np.int64),
-        publish_time=head["publish_time"].astype(np.int64),
-        sequence=head["sequence"].astype(np.int64),
-        start=offset + MESSAGE_HEAD.itemsize,
-        end=offset + RECORD_HEAD.size + length,
-    )
-    return Records(head["opcode"].astype(np.int64), offset, messages)
+    names = ("channel", "log_time", "publish_time", "sequence")
+    channel, log_time, publish_time, sequence = (head[name].astype(np.int64) for name in names)
+    start = offset + MESSAGE_HEAD.itemsize
+    return Messages(channel, log_time, publish_time, sequence, start, end)
 
 
 def _is_chunk(head: bytes, length: int) -> bool:

@@ -1,17 +1,20 @@
 """The chunks, descriptions and other records of an MCAP file: by its summary, or by all records."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
+import numpy as np
 from mcap import records
 from mcap.opcode import Opcode
 
-from dogbot_logtool.core.arrays import Bytes
+from dogbot_logtool.core.arrays import Bytes, distinct
+from dogbot_logtool.reader.containers.chunked_log import ChunkedLog, open_chunked
+from dogbot_logtool.reader.containers.compression import check_claimed_size
 from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra, time_range
 from dogbot_logtool.reader.containers.loss import Loss, differing_counts, lost_messages
-from dogbot_logtool.reader.containers.mcap.chunk import check_chunk, chunk_at, parse_chunk
+from dogbot_logtool.reader.containers.mcap.chunk import chunk_at, parse_chunk
 from dogbot_logtool.reader.containers.mcap.descriptions import DESCRIBING, Descriptions, Trust
 from dogbot_logtool.reader.containers.mcap.format import (
     FIRST_PRIVATE_OPCODE,
@@ -37,7 +40,11 @@ from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource, in_groups
 
 _LARGEST_TIME: Final = 2**63 - 1
-SUMMARY_CONTRADICTS: Final = (
+_LARGEST_HEADER: Final = 1 << 20
+_MOST_FIRST_CHUNKS: Final = 8
+_LARGEST_FIRST_CHUNK: Final = 16 << 20
+"""Larger chunks, decompressed, are not read when a log is opened."""
+_SUMMARY_CONTRADICTS: Final = (
     "the summary contradicts itself or the chunks; the log was read without it"
 )
 _BETWEEN: Final = (
@@ -55,24 +62,22 @@ _BETWEEN: Final = (
 class McapScan(Scan):
     """Finds chunks, bare messages, descriptions and extra records."""
 
+    container = "MCAP"
+    magic = MCAP_MAGIC
+    copies_chunks = True
+
     def __init__(self, source: ByteSource) -> None:
         self.descriptions = Descriptions()
         self._mcap_format = McapFormat(self.descriptions.channels)
         super().__init__(source, self._mcap_format)
-        self._extras: list[Extra] = []
         self._statistics: records.Statistics | None = None
         self._data_end: int | None = None
         self._closed = False
         """There is a footer, so that the recording was closed properly."""
 
     def indexed(self) -> tuple[Contents | None, Loss | None]:
-        """Read the summary.
-
-        Returns:
-            the contents, or None where the summary is absent, damaged, incomplete or contradicts
-            the chunks; and what is wrong with it.
-        """
-        section, problem = read_section(self._source)
+        """See `Scan.indexed`."""
+        section, problem = read_section(self.source)
         if section is None:
             return None, problem
         chunks: list[Chunk] = []
@@ -84,15 +89,34 @@ class McapScan(Scan):
         if self._statistics is None or not self._is_complete(self._statistics, chunks, extras):
             return None, None
         if not self._is_true(self._statistics, chunks, extras, section):
-            return None, Loss(section.offset, SUMMARY_CONTRADICTS)
-        loss = check_data(self._source, section.offset - DATA_END_SIZE, thorough=False)
-        channels = self.descriptions.channels_by_id()
+            return None, Loss(section.offset, _SUMMARY_CONTRADICTS)
+        channels = self._channels()
         counts = {**dict.fromkeys(channels, 0), **self._statistics.channel_message_counts}
+        if self._chunks_contradict(_first_chunks(chunks, counts)):
+            return None, Loss(0, _SUMMARY_CONTRADICTS)
         times = _stated_times(chunks, self._statistics)
         if not self._statistics.message_count:
             times = None, None
-        losses = () if loss is None else (loss,)
-        return Contents(channels, chunks, counts, *times, "", self._extras, losses), None
+        profile = self._profile()
+        if loss := check_data(self.source, section.offset - DATA_END_SIZE, thorough=False):
+            self._losses.add(loss)
+        losses = self._losses.all()
+        return Contents(channels, chunks, counts, *times, profile, self._extras, losses), None
+
+    def _chunks_contradict(self, chunks: Sequence[Chunk]) -> bool:
+        """Tell whether chunks describe channels otherwise than the summary, or describe others."""
+        ranges = [(chunk.offset, chunk.index_end - chunk.offset) for chunk in chunks]
+        for chunk, stored in zip(chunks, self.source.read_many(ranges), strict=True):
+            target = np.empty(chunk.size, np.uint8)
+            try:
+                self.check(chunk)
+                content = self.parse(chunk, memoryview(stored), target)
+            except ChunkDamage:
+                continue
+            numbers = distinct(content.messages.channel).tolist()
+            if self.contradictions(content, target, chunk) or not self.ids.keys() >= {*numbers}:
+                return True
+        return False
 
     def _summarised(self, opcode: int, body: bytes, chunks: list[Chunk], extras: list[int]) -> bool:
         """Take a record of the summary; tell whether it is well-formed.
@@ -149,14 +173,14 @@ class McapScan(Scan):
             and _chunk_indexes_agree(chunks, statistics)
             and all(each.data_offset + each.data_size <= each.end for each in chunks)
             and all(each.end <= each.index_end for each in chunks)
-            and (section.verified or _are_there(self._source, chunks))
+            and (section.verified or _are_there(self.source, chunks))
             and self._fills(len(MCAP_MAGIC), chunks, section.offset)
             and [extra.offset for extra in self._extras] == sorted(extras)
             and not any(self.descriptions.contradictions())
         )
 
     def _between(self, offset: int, stop: int) -> int | None:
-        head = self._source.read(offset, RECORD_HEAD.size)
+        head = self.source.read(offset, RECORD_HEAD.size)
         if len(head) < RECORD_HEAD.size:
             return None
         opcode, length = RECORD_HEAD.unpack(head)
@@ -165,18 +189,9 @@ class McapScan(Scan):
             return None
         return self._record(opcode, offset, content, content + length)
 
-    def scanned(self, start: int, problem: Loss | None) -> Contents:
-        """See `Scan.scanned`."""
-        contents = super().scanned(start, problem)
-        for loss in (*self.descriptions.contradictions(), *self.descriptions.without_schema()):
-            self._losses.add(loss)
-        self._compare_statistics(contents.counts, contents.channels)
-        self._check_data()
-        return replace(contents, extras=self._extras, losses=self._losses.all())
-
     def _step(self, offset: int) -> int | None:
-        size = self._source.size
-        head = self._source.read(offset, RECORD_HEAD.size)
+        size = self.source.size
+        head = self.source.read(offset, RECORD_HEAD.size)
         if len(head) < RECORD_HEAD.size:
             return size if head == MCAP_MAGIC else None
         opcode, length = RECORD_HEAD.unpack(head)
@@ -186,10 +201,10 @@ class McapScan(Scan):
             return self._chunk_record(offset)
         if opcode >= FIRST_PRIVATE_OPCODE and end <= size:
             # One bit makes a private record of a chunk, but not the other way round.
-            is_chunk = self._mcap_format.is_chunk(self._source, content, length)
+            is_chunk = self._mcap_format.is_chunk(self.source, content, length)
             return self._chunk_record(offset) if is_chunk else end
         sound = end <= size and (
-            self._mcap_format.has_sound_content(self._source, content, opcode, length)
+            self._mcap_format.has_sound_content(self.source, content, opcode, length)
             # Their channel may be described later, or in the summary.
             or (opcode == Opcode.MESSAGE and self._begins_run(offset, end))
         )
@@ -200,23 +215,23 @@ class McapScan(Scan):
     def _is_no_message(self, content: int, length: int) -> bool:
         """Tell whether a record is of another kind than its opcode says, where that is likely."""
         unlikely = self._data_end is not None or self._some_checked
-        return unlikely and self._mcap_format.passes_for_another(self._source, content, length)
+        return unlikely and self._mcap_format.passes_for_another(self.source, content, length)
 
     def _record(self, opcode: int, offset: int, content: int, end: int) -> int | None:
         match opcode:
             case Opcode.MESSAGE:
                 return self._bare(offset, end)
-            case Opcode.FOOTER if self._source.read(end, len(MCAP_MAGIC)) == MCAP_MAGIC:
+            case Opcode.FOOTER if self.source.read(end, len(MCAP_MAGIC)) == MCAP_MAGIC:
                 return self._close(offset, end + len(MCAP_MAGIC))
             case Opcode.SCHEMA | Opcode.CHANNEL:
-                body = self._source.read(content, min(end - content, WHOLE_SMALL_RECORD))
+                body = self.source.read(content, min(end - content, WHOLE_SMALL_RECORD))
                 trust = Trust.DATA if self._data_end is None else Trust.SUMMARY
                 self.descriptions.add(opcode, body, offset, trust)
             case Opcode.STATISTICS:
-                body = self._source.read(content, end - content)
+                body = self.source.read(content, end - content)
                 self._statistics = decode_record(records.Statistics, body)
             case Opcode.CHUNK_INDEX:
-                body = self._source.read(content, end - content)
+                body = self.source.read(content, end - content)
                 if index := decode_record(records.ChunkIndex, body):
                     chunk = indexed_chunk(index)
                     entry = IndexEntry(chunk.start_time, chunk.end_time, chunk.counts)
@@ -224,7 +239,7 @@ class McapScan(Scan):
             case Opcode.MESSAGE_INDEX:
                 self._take_index(offset, end)
             case Opcode.ATTACHMENT | Opcode.METADATA:
-                self._extras.append(Extra(opcode, offset, end - offset, self._source))
+                self._extras.append(Extra(opcode, offset, end - offset, self.source))
             case Opcode.DATA_END:
                 self._data_end = offset
         return end
@@ -239,18 +254,63 @@ class McapScan(Scan):
 
     def _chunk_record(self, offset: int) -> int | None:
         try:
-            chunk = chunk_at(self._source, offset)
+            chunk = chunk_at(self.source, offset)
         except ChunkDamage:
             return None
         return self._take_chunk(chunk, chunk.data_offset + chunk.data_size)
 
     def check(self, chunk: Chunk) -> None:
         """See `Scan.check`."""
-        check_chunk(chunk, self._source.size)
+        check_claimed_size(chunk.size, chunk.data_size)
+        if chunk.data_offset + chunk.data_size > self.source.size:
+            raise ChunkDamage("it is cut off by the end of the file", chunk.messages)
 
     def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
         """See `Scan.parse`."""
         return parse_chunk(chunk, stored, target, self._mcap_format)
+
+    def by_own_header(self, chunk: Chunk) -> Chunk | None:
+        """See `Scan.by_own_header`."""
+        if chunk.is_scanned or not chunk.is_record:
+            return None
+        try:
+            own = chunk_at(self.source, chunk.offset)
+        except ChunkDamage:
+            return None
+        if own.end != chunk.end or own.data_offset + own.data_size != own.end:
+            return None
+        corrected = replace(
+            chunk,
+            data_offset=own.data_offset,
+            data_size=own.data_size,
+            compression=own.compression,
+            size=own.size,
+        )
+        return corrected if corrected != chunk else None
+
+    def own_times(self, chunk: Chunk) -> tuple[int | None, int | None] | None:
+        """See `Scan.own_times`: those of its header."""
+        try:
+            own = chunk_at(self.source, chunk.offset)
+        except ChunkDamage:
+            return None
+        return own.start_time, own.end_time
+
+    def contradictions(self, content: ChunkContent, data: Bytes, chunk: Chunk) -> Sequence[Loss]:
+        """See `Scan.contradictions`."""
+        return self.descriptions.contradictions_in(data, content.others, chunk.offset)
+
+    def describes_others(
+        self, channels: Collection[Channel], content: ChunkContent, data: Bytes
+    ) -> bool:
+        """See `Scan.describes_others`."""
+        schemas = {each.schema.id for each in channels if each.schema is not None}
+        ids = {Opcode.CHANNEL: {each.id for each in channels}, Opcode.SCHEMA: schemas}
+        return any(
+            int.from_bytes(data[start + RECORD_HEAD.size :][:2].tobytes(), "little") not in ids[op]
+            for op, start, _ in content.others.tolist()
+            if op in ids
+        )
 
     def _describe(self, op: int, record: Bytes, chunk: Chunk) -> None:
         if op in DESCRIBING:
@@ -258,38 +318,77 @@ class McapScan(Scan):
             trust = Trust.VERIFIED if chunk.crc else Trust.DATA
             self.descriptions.add(op, body, chunk.offset, trust)
 
-    def _settle_ids(self) -> Mapping[int, int]:
+    @property
+    def ids(self) -> Mapping[int, int]:
+        """See `Scan.ids`."""
         return {number: number for number in self.descriptions.channels}
 
     def _channels(self) -> Mapping[int, Channel]:
         return self.descriptions.channels_by_id()
 
+    def _profile(self) -> str:
+        """Return the profile that the file's header names; say if that cannot be read."""
+        start = len(MCAP_MAGIC)
+        head = self.source.read(start, RECORD_HEAD.size).ljust(RECORD_HEAD.size, b"\0")
+        opcode, length = RECORD_HEAD.unpack(head)
+        if opcode == Opcode.HEADER and length <= _LARGEST_HEADER:
+            body = self.source.read(start + RECORD_HEAD.size, length)
+            header = decode_record(records.Header, body) if len(body) == length else None
+            if header is not None:
+                return header.profile
+        what = "the header is damaged, so that the log's profile is not known"
+        self._losses.add(Loss(start, what))
+        return ""
+
+    def _conclude(self, counts: Mapping[int, int]) -> None:
+        for loss in (*self.descriptions.contradictions(), *self.descriptions.without_schema()):
+            self._losses.add(loss)
+        if self._statistics is not None:
+            self._compare_statistics(counts, self._statistics)
+        self._check_data()
+
     def _compare_statistics(
-        self, counts: Mapping[int, int], channels: Mapping[int, Channel]
+        self, counts: Mapping[int, int], statistics: records.Statistics
     ) -> None:
-        statistics = self._statistics
-        if statistics is None:
-            return
         stated, found = statistics.message_count, sum(counts.values())
         if stated != found:
             known_lost = lost_messages(self._losses.all())
             explained = known_lost is None or stated <= found + known_lost
             what = f"the summary counts {stated} messages, but {found} were found"
             self._losses.add(Loss(0, what, 0, 0 if explained else None))
-        elif what := differing_counts(channels, statistics.channel_message_counts, counts):
+        elif what := differing_counts(self._channels(), statistics.channel_message_counts, counts):
             self._losses.add(Loss(0, f"the summary counts {what}"))
 
     def _check_data(self) -> None:
         if self._data_end is not None:
             bare = any(not chunk.is_record for chunk in self._chunks)
-            loss = check_data(self._source, self._data_end, thorough=bare)
+            loss = check_data(self.source, self._data_end, thorough=bare)
             if loss is not None:
                 # Outside chunks, a message may be lost without a trace.
                 unknown = bare and self._statistics is None
                 self._losses.add(replace(loss, messages=None) if unknown else loss)
         elif self._closed:
             what = "the record that ends the log's data is missing, and maybe others before it"
-            self._losses.add(Loss(self._source.size, what, 0, None))
+            self._losses.add(Loss(self.source.size, what, 0, None))
+
+
+def _first_chunks(chunks: Sequence[Chunk], counts: Mapping[int, int]) -> list[Chunk]:
+    """Return the chunks in which channels have their first messages, but not too many.
+
+    A channel is described before its first message, mostly in the same chunk.
+    """
+    missing = {number for number, count in counts.items() if count}
+    first: list[Chunk] = []
+    for chunk in chunks:
+        if not missing or len(first) == _MOST_FIRST_CHUNKS:
+            break
+        # Without an index, the first chunk may hold messages of any channel.
+        own = dict.fromkeys(missing, 1) if chunk.counts is None else chunk.counts
+        found = {number for number, count in own.items() if count and number in missing}
+        if found and chunk.size <= _LARGEST_FIRST_CHUNK:
+            first.append(chunk)
+        missing -= found
+    return first
 
 
 def _chunk_indexes_agree(chunks: Sequence[Chunk], statistics: records.Statistics) -> bool:
@@ -322,3 +421,9 @@ def _are_there(source: ByteSource, chunks: Sequence[Chunk]) -> bool:
         head == RECORD_HEAD.pack(Opcode.CHUNK, chunk.end - chunk.offset - RECORD_HEAD.size)
         for head, chunk in zip(heads, chunks, strict=True)
     )
+
+
+def open_log(source: ByteSource, distribution: str) -> ChunkedLog:
+    """Open an MCAP file."""
+    del distribution
+    return open_chunked(McapScan, source)

@@ -3,13 +3,13 @@
 import struct
 import sys
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 from mcap import records
 from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.contents import Chunk
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.mcap.records import CHUNK_HEAD, RECORD_HEAD, decode_record

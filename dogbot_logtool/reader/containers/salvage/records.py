@@ -5,14 +5,15 @@ records tile the bytes, so that nothing is missing. Otherwise the records are fo
 another; behind a damaged one the search goes on at the next sound one.
 """
 
+import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final, Protocol
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages, no_messages
 
 _FIRST_WINDOW: Final = 1 << 12
@@ -104,6 +105,8 @@ class RecordFormat(Protocol):
 
     message: int
     """Kind of a message record."""
+    record_start: re.Pattern[bytes]
+    """Matches where a record may begin."""
 
     def chain(self, data: memoryview, offset: int, end: int, limit: int) -> list[int]:
         """Follow the records' lengths.
@@ -112,24 +115,13 @@ class RecordFormat(Protocol):
             the first bytes of up to `limit` records that fit, and where the last one ends.
         """
 
-    def decode(self, records: Bytes, bounds: Ints) -> Records:
-        """Decode the heads of records.
+    def decode(self, records: Bytes, offset: Ints) -> Records:
+        """Decode the heads of records; of those that do not fit the bytes the kind is 0.
 
         Args:
             records: the bytes.
-            bounds: (n + 1,) what `chain` returned.
+            offset: (n,) ascending.
         """
-
-    def heads(self, records: Bytes, offset: Ints) -> Records | None:
-        """Decode the heads of the messages at some offsets, None if any is no message.
-
-        Args:
-            records: the bytes.
-            offset: (n,) ascending, at least one.
-        """
-
-    def candidates(self, window: bytes) -> Iterator[int]:
-        """Yield where in the window a record may begin, ascending."""
 
     def sound(self, source: Readable, offset: int, end: int) -> bool:
         """Tell whether a record begins here, beyond reasonable doubt."""
@@ -164,11 +156,12 @@ def next_sound(fmt: RecordFormat, source: Readable, offset: int, end: int) -> in
         window = source.read(offset, min(size + _OVERLAP, end - offset))
         if not window:
             return end
-        for candidate in fmt.candidates(window):
-            if candidate >= size:
+        for match in fmt.record_start.finditer(window):
+            candidate = offset + match.start()
+            if match.start() >= size:
                 break
-            if fmt.sound(source, offset + candidate, end):
-                return offset + candidate
+            if fmt.sound(source, candidate, end):
+                return candidate
         offset += size
         size = min(2 * size, _LARGEST_WINDOW)
     return end
@@ -176,11 +169,13 @@ def next_sound(fmt: RecordFormat, source: Readable, offset: int, end: int) -> in
 
 def find_indexed(fmt: RecordFormat, records: Bytes, index: Index) -> FoundRecords | None:
     """Return the records, or None if the index does not describe them truthfully."""
-    heads = fmt.heads(records, index.offset) if len(index.offset) else concatenate_records([])
-    if heads is None:
-        return None
+    heads = fmt.decode(records, index.offset)
     messages = heads.messages
-    if (messages.channel != index.channel).any() or (messages.log_time != index.log_time).any():
+    if (
+        (heads.op != fmt.message).any()
+        or (messages.channel != index.channel).any()
+        or (messages.log_time != index.log_time).any()
+    ):
         return None
     gap_start = np.concatenate([[0], messages.end])
     gap_end = np.concatenate([heads.offset, [len(records)]])
@@ -210,7 +205,7 @@ def find_all(fmt: RecordFormat, records: Bytes, start: int, end: int) -> FoundRe
         bounds = fmt.chain(records.data, offset, end, block)
         count = 0
         if len(bounds) > 1:
-            part = fmt.decode(records, np.array(bounds, np.int64))
+            part = fmt.decode(records, np.array(bounds[:-1], np.int64))
             count = int(np.append(part.op == 0, True).argmax())
             parts.append(part.pick(slice(count)))
         offset = bounds[count]
@@ -241,10 +236,9 @@ def _start_of_damage(
     return before
 
 
-def blank_messages(start: Ints, end: Ints) -> Messages:
-    """Return a table of which only the offsets are known so far."""
-    channel, log_time, publish_time, sequence = np.zeros((4, len(start)), np.int64)
-    return Messages(channel, log_time, publish_time, sequence, start, end)
+def blank_messages(offset: Ints) -> Messages:
+    """Return a table, all zero, for the messages at some offsets."""
+    return Messages(*np.zeros((6, len(offset)), np.int64))
 
 
 def concatenate_records(parts: Sequence[Records]) -> Records:

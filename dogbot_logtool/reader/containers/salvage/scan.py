@@ -1,15 +1,14 @@
-"""A walk over the records of a file: by its index, or where that is missing or wrong, by all."""
+"""The chunks of a file: by its index, or where that is missing or wrong, by all of its records."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes
-from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, time_range
+from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra, time_range
 from dogbot_logtool.reader.containers.loss import Loss, Losses
 from dogbot_logtool.reader.containers.salvage.content import (
     ChunkContent,
@@ -49,7 +48,7 @@ class IndexEntry:
 
 
 @dataclass(frozen=True, slots=True)
-class _ReadChunk:
+class ReadChunk:
     """A chunk that was read, and the messages found in it."""
 
     chunk: Chunk
@@ -60,16 +59,24 @@ class _ReadChunk:
 
 
 class Scan(ABC):
-    """Finds chunks and bare messages by following the records, then reads each chunk.
+    """The chunks of a file, and what is in each.
 
-    Where an index names the chunks, `fills` passes over them unread.
+    `indexed` takes the chunks that an index names, where they and what is known beside them tile
+    the file; `scanned` follows all records, and reads each chunk. Both end in the same `Contents`.
     """
 
+    container: str
+    """Name of the container for people."""
+    magic: bytes
+    copies_chunks = False
+    """See `Log.copies_chunks`."""
+
     def __init__(self, source: ByteSource, fmt: RecordFormat) -> None:
-        self._source = source
+        self.source = source
         self._format = fmt
         self._losses = Losses()
         self._chunks: list[Chunk] = []
+        self._extras: list[Extra] = []
         self._some_checked = False
         """A chunk has a checksum."""
         self._index_entries: dict[int, IndexEntry] = {}
@@ -80,6 +87,15 @@ class Scan(ABC):
         """The last record outside of chunks, and its offset."""
         self._doubtful: set[int] = set()
         """Offsets of runs of messages that may be a damaged chunk's."""
+
+    @abstractmethod
+    def indexed(self) -> tuple[Contents | None, Loss | None]:
+        """Read the index.
+
+        Returns:
+            the contents, or None where the index is absent, damaged, incomplete or contradicts the
+            chunks; and what is wrong with it.
+        """
 
     @abstractmethod
     def _step(self, offset: int) -> int | None:
@@ -102,7 +118,7 @@ class Scan(ABC):
         """Decompress a chunk into the target and find its messages.
 
         Args:
-            chunk: the chunk.
+            chunk: the chunk; its counts are by channel as numbered in the records.
             stored: the file's bytes from `chunk.offset` to `chunk.index_end`, or fewer.
             target: (chunk.size,) uint8.
 
@@ -115,12 +131,45 @@ class Scan(ABC):
         """Take a record from inside a chunk that may describe a channel."""
 
     @abstractmethod
-    def _settle_ids(self) -> Mapping[int, int]:
-        """Return channel ids by the numbers in the records, once all chunks were read."""
+    def contradictions(self, content: ChunkContent, data: Bytes, chunk: Chunk) -> Sequence[Loss]:
+        """Compare the descriptions in a chunk, whose bytes are given, with those that are used."""
+
+    @abstractmethod
+    def own_times(self, chunk: Chunk) -> tuple[int | None, int | None] | None:
+        """Return the log times, ns, that a chunk itself tells; None if nothing of it does."""
+
+    def by_own_header(self, chunk: Chunk) -> Chunk | None:
+        """Return a chunk as its own header has it; None: that is damaged, or says the same."""
+        del chunk
+        return None
+
+    def describes_others(
+        self, channels: Collection[Channel], content: ChunkContent, data: Bytes
+    ) -> bool:
+        """Tell whether a chunk, whose bytes are given, describes other channels than some."""
+        del channels, content, data
+        return False
+
+    @property
+    @abstractmethod
+    def ids(self) -> Mapping[int, int]:
+        """Channel ids by the numbers in the records."""
 
     @abstractmethod
     def _channels(self) -> Mapping[int, Channel]:
-        """Return the channels by their ids, once all chunks were read."""
+        """Return the channels by their ids."""
+
+    @abstractmethod
+    def _profile(self) -> str:
+        """Return the log's profile; say if it cannot be read."""
+
+    def _conclude(self, counts: Mapping[int, int]) -> None:
+        """Compare what was found with what the file says elsewhere.
+
+        Args:
+            counts: messages by channel id.
+        """
+        del counts
 
     def _fills(self, start: int, chunks: Sequence[Chunk], end: int) -> bool:
         """Tell whether chunks that an index names, and records known beside them, tile the file."""
@@ -136,34 +185,41 @@ class Scan(ABC):
             offset = following
         return True
 
-    def scanned(self, start: int, problem: Loss | None) -> Contents:
-        """Follow all records from an offset on.
+    def scanned(self, problem: Loss | None) -> Contents:
+        """Follow all records.
 
         Args:
-            start: behind the magic.
             problem: what is wrong with the index.
         """
+        profile = self._profile()
         if problem is not None:
             self._losses.add(problem)
-        offset = start
-        while offset < self._source.size:
+        offset = len(self.magic)
+        while offset < self.source.size:
             following = self._step(offset)
             offset = self._search(offset) if following is None else following
         self._kept = 0, b""
         chunks = self._read_chunks()
-        channels = self._channels()
-        counts = dict.fromkeys(channels, 0)
+        counts = self._counts(chunks)
+        self._conclude(counts)
+        losses = self._losses.all()
+        times = time_range(chunks)
+        return Contents(self._channels(), chunks, counts, *times, profile, self._extras, losses)
+
+    def _counts(self, chunks: Sequence[Chunk]) -> dict[int, int]:
+        """Return the messages of each channel, by its id."""
+        counts = dict.fromkeys(self._channels(), 0)
         for chunk in chunks:
             for number, count in (chunk.counts or {}).items():
                 counts[number] += count
-        return Contents(channels, chunks, counts, *time_range(chunks))
+        return counts
 
     def _search(self, offset: int) -> int:
         """Go on at the next sound record; say what was passed over."""
         self._searched = True
-        following = next_sound(self._format, self._source, offset + 1, self._source.size)
+        following = next_sound(self._format, self.source, offset + 1, self.source.size)
         count = following - offset
-        if following == self._source.size:
+        if following == self.source.size:
             what = f"the last {count} bytes, from byte {offset} on, are no whole record"
         else:
             what = f"the {count} bytes from byte {offset} on are no record"
@@ -172,11 +228,11 @@ class Scan(ABC):
 
     def _end(self, offset: int) -> int:
         """Stop where the recording ends; another one may follow, whose channels are others."""
-        rest = self._source.size - offset
+        rest = self.source.size - offset
         if rest:
             what = f"the {rest} bytes behind the end of the recording were left out"
             self._losses.add(Loss(offset, what, rest, None))
-        return self._source.size
+        return self.source.size
 
     def _take_chunk(self, chunk: Chunk, derived_end: int) -> int:
         """Take a chunk whose header has been read; return where to go on.
@@ -185,7 +241,7 @@ class Scan(ABC):
             chunk: the chunk; its end may be beyond the file's.
             derived_end: where it ends by another of its lengths, or the same.
         """
-        size = self._source.size
+        size = self.source.size
         for end in (chunk.end, derived_end):
             if end <= size and self._follows(end):
                 return self._append(chunk, end)
@@ -197,7 +253,7 @@ class Scan(ABC):
             self._losses.add(Loss(size, what, 0, None))
             self._searched = False
             return chunk.data_offset
-        end = next_sound(self._format, self._source, chunk.data_offset, size)
+        end = next_sound(self._format, self.source, chunk.data_offset, size)
         if end < size or chunk.compression == "bz2":
             return self._append(chunk, end)
         what = f"the chunk at byte {chunk.offset} is cut off; nothing in it can be used"
@@ -218,8 +274,8 @@ class Scan(ABC):
             self._chunks[-1] = replace(self._chunks[-1], index_end=end)
 
     def _follows(self, offset: int) -> bool:
-        size = self._source.size
-        return offset == size or self._format.sound(self._source, offset, size)
+        size = self.source.size
+        return offset == size or self._format.sound(self.source, offset, size)
 
     def _bare(self, offset: int, end: int) -> int | None:
         """Take a run of messages that stand outside of chunks; None if the first is none.
@@ -234,8 +290,8 @@ class Scan(ABC):
             return None
         stop = bounds[count]
         goes_on = (
-            (offset + len(window) < self._source.size and count == len(bounds) - 1)
-            or self._source.size - offset - stop < _SHORTEST_HEAD
+            (offset + len(window) < self.source.size and count == len(bounds) - 1)
+            or self.source.size - offset - stop < _SHORTEST_HEAD
             or self._follows(offset + stop)
         )
         if not goes_on:
@@ -262,8 +318,8 @@ class Scan(ABC):
         """Return bytes of the file; runs that follow each other share what was read."""
         size = max(_REGION_SIZE, least)
         begin, kept = self._kept
-        if not (begin <= offset and min(offset + size, self._source.size) <= begin + len(kept)):
-            begin, kept = offset, self._source.read(offset, max(size, _READ_AT_ONCE))
+        if not (begin <= offset and min(offset + size, self.source.size) <= begin + len(kept)):
+            begin, kept = offset, self.source.read(offset, max(size, _READ_AT_ONCE))
             self._kept = begin, kept
         return np.frombuffer(memoryview(kept)[offset - begin :][:size], np.uint8)
 
@@ -276,7 +332,7 @@ class Scan(ABC):
         limit = _FIRST_RECORDS
         while True:
             bounds = self._format.chain(window.data, 0, len(window), limit)
-            found = self._format.decode(window, np.array(bounds, np.int64))
+            found = self._format.decode(window, np.array(bounds[:-1], np.int64))
             others = np.flatnonzero(found.op != self._format.message)
             if len(others):
                 return int(others[0]), bounds
@@ -286,7 +342,7 @@ class Scan(ABC):
 
     def _read_chunks(self) -> list[Chunk]:
         """Read every chunk for counts, times and descriptions; return those that can be used."""
-        read: list[_ReadChunk] = []
+        read: list[ReadChunk] = []
         behind_damage = False
         for chunk in self._chunks:
             # A damaged chunk may seem to end before its end, and messages to follow it.
@@ -307,9 +363,9 @@ class Scan(ABC):
                 behind_damage = True
         return self._with_ids(read)
 
-    def _read_chunk(self, chunk: Chunk) -> _ReadChunk:
+    def _read_chunk(self, chunk: Chunk) -> ReadChunk:
         self.check(chunk)
-        stored = self._source.read(chunk.offset, chunk.index_end - chunk.offset)
+        stored = self.source.read(chunk.offset, chunk.index_end - chunk.offset)
         target = np.empty(chunk.size, np.uint8)
         content = self.parse(chunk, memoryview(stored), target)
         for op, offset, end in content.others.tolist():
@@ -324,11 +380,11 @@ class Scan(ABC):
             for weight in (None, messages.end - messages.start)
         )
         known = replace(chunk, start_time=start, end_time=end, is_scanned=True)
-        return _ReadChunk(known, counts, sizes)
+        return ReadChunk(known, counts, sizes)
 
-    def _with_ids(self, read: Sequence[_ReadChunk]) -> list[Chunk]:
+    def _with_ids(self, read: Sequence[ReadChunk]) -> list[Chunk]:
         """Count by channel id, and say which messages no channel describes."""
-        ids = self._settle_ids()
+        ids = self.ids
         chunks: list[Chunk] = []
         for found in read:
             strange = [number for number in found.counts if number not in ids]

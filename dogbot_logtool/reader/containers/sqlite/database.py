@@ -2,11 +2,11 @@
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.sqlite.pages import Pages, in_pieces
 from dogbot_logtool.reader.containers.sqlite.records import columns
 from dogbot_logtool.reader.containers.sqlite.tree import (

@@ -2,12 +2,12 @@
 
 import struct
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints, distinct
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.decode.columns import gather_bytes
 
 LONGEST_VARINT: Final = 9

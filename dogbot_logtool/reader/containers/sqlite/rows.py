@@ -1,12 +1,12 @@
 """The rows of the table of messages, as columns."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints, distinct
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.sqlite.database import Database
 from dogbot_logtool.reader.containers.sqlite.pages import PIECE, in_pieces
 from dogbot_logtool.reader.containers.sqlite.records import columns

@@ -1,12 +1,12 @@
 """The tables of a .db3 file that describe its topics and message types."""
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from operator import itemgetter
 from typing import Final, TypeVar
 
 from zlib_ng.zlib_ng import crc32
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.reader.containers.contents import Channel, ChannelIds, Schema

@@ -1,12 +1,11 @@
 """The pages and cells of a table: a tree whose leaves hold the records."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints, distinct
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.sqlite.pages import Pages, in_pieces, unsigned
 from dogbot_logtool.reader.containers.sqlite.records import varints

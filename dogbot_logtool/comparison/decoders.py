@@ -7,7 +7,7 @@ a tree as `fields` compares it.
 import json
 import struct
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Final
 
@@ -20,7 +20,6 @@ from dogbot_logtool.reader.decode.definition import short_type_name
 if TYPE_CHECKING:
     from google.protobuf.descriptor_pb2 import FileDescriptorProto
     from google.protobuf.message import Message
-    from rosbags.interfaces.typing import Typesdict
     from rosbags.typesys.store import Typestore
 
 Decoder = Callable[[bytes], Tree]
@@ -29,7 +28,8 @@ _ROS_ENCODINGS: Final = ("ros1", "cdr")
 _ROS_DEFINITIONS: Final = ("ros1msg", "ros2msg", "ros2idl")
 _LONGEST_KEY: Final = 100
 _UNKNOWN_FIELDS: Final = "(unknown fields)"
-_PARSER_FAULTS: Final = (ValueError, KeyError, IndexError, AssertionError, RecursionError)
+_FAULTS: Final = (ValueError, KeyError, IndexError, AssertionError, RecursionError)
+"""Raised by libraries, beside errors of their own."""
 
 
 class Undecodable(Exception):  # noqa: N818 - it never reaches a user
@@ -92,24 +92,6 @@ def _object(pairs: list[tuple[str, Tree]]) -> dict[str, Tree]:
     return found
 
 
-def ros_types(schema: Schema) -> "Typesdict":
-    """Parse a ROS definition; the result is rosbags' own: constants and fields by type.
-
-    Raises:
-        Undecodable: it cannot be parsed.
-    """
-    # Imported late, here and below: slow to import, and rarely needed.
-    from rosbags.typesys import TypesysError, get_types_from_idl, get_types_from_msg  # noqa: PLC0415
-
-    text = schema.data.decode("utf-8", "replace").replace("\r\n", "\n")
-    try:
-        if schema.encoding == "ros2idl":
-            return get_types_from_idl(text)
-        return get_types_from_msg(text, schema.name)
-    except (TypesysError, *_PARSER_FAULTS) as error:
-        raise Undecodable(f"the definition of {schema.name} cannot be parsed") from error
-
-
 @lru_cache(maxsize=256)
 def ros_store(schema: Schema) -> "tuple[Typestore, str]":
     """Return rosbags' types of a definition, and the name of the one that it defines.
@@ -117,15 +99,23 @@ def ros_store(schema: Schema) -> "tuple[Typestore, str]":
     Raises:
         Undecodable: it cannot be used.
     """
-    from rosbags.typesys import Stores, TypesysError, get_typestore  # noqa: PLC0415
+    # Imported late, here and below: slow to import, and rarely needed.
+    from rosbags.typesys import (  # noqa: PLC0415
+        Stores,
+        TypesysError,
+        get_types_from_idl,
+        get_types_from_msg,
+        get_typestore,
+    )
 
+    text = schema.data.decode("utf-8", "replace").replace("\r\n", "\n")
     package, _, name = short_type_name(schema.name).rpartition("/")
-    type_name = f"{package}/msg/{name}"
-    store = get_typestore(Stores.EMPTY)
+    store, type_name = get_typestore(Stores.EMPTY), f"{package}/msg/{name}"
     try:
-        store.register(ros_types(schema))
+        is_idl = schema.encoding == "ros2idl"
+        store.register(get_types_from_idl(text) if is_idl else get_types_from_msg(text, type_name))
         store.get_msgdef(type_name)
-    except (TypesysError, SyntaxError, *_PARSER_FAULTS) as error:
+    except (TypesysError, SyntaxError, *_FAULTS) as error:
         raise Undecodable(f"the definition of {schema.name} cannot be used") from error
     return store, type_name
 
@@ -140,7 +130,7 @@ def _ros_decoder(encoding: str, schema: Schema) -> Decoder:
     def decode(data: bytes) -> Tree:
         try:
             return _ros_tree(deserialize(data, type_name))
-        except (SerdeError, struct.error, MemoryError, *_PARSER_FAULTS) as error:
+        except (SerdeError, struct.error, MemoryError, *_FAULTS) as error:
             raise Undecodable(f"not a {schema.name}: {error}") from error
 
     return decode
@@ -171,29 +161,14 @@ def descriptor_files(schema: Schema) -> "list[FileDescriptorProto]":
 
 
 @lru_cache(maxsize=256)
-def protobuf_class(schema: Schema) -> "type[Message]":
-    """Return the class of a protobuf schema's messages.
-
-    Raises:
-        Undecodable: it cannot be used.
-    """
-    from google.protobuf.descriptor_pool import DescriptorPool  # noqa: PLC0415
-    from google.protobuf.message_factory import GetMessageClass  # noqa: PLC0415
-
-    pool = DescriptorPool()
-    try:
-        for file in _dependencies_first(descriptor_files(schema)):
-            pool.AddSerializedFile(file.SerializeToString())
-        return GetMessageClass(pool.FindMessageTypeByName(schema.name))
-    except (TypeError, *_PARSER_FAULTS) as error:
-        raise Undecodable(f"the definition of {schema.name} cannot be used") from error
-
-
-@lru_cache(maxsize=256)
 def _protobuf_decoder(schema: Schema) -> Decoder:
     from google.protobuf.message import DecodeError  # noqa: PLC0415
+    from google.protobuf.message_factory import GetMessages  # noqa: PLC0415
 
-    kind = protobuf_class(schema)
+    try:
+        kind = GetMessages(descriptor_files(schema))[schema.name]
+    except (TypeError, *_FAULTS) as error:
+        raise Undecodable(f"the definition of {schema.name} cannot be used") from error
 
     def decode(data: bytes) -> Tree:
         try:
@@ -202,21 +177,6 @@ def _protobuf_decoder(schema: Schema) -> Decoder:
             raise Undecodable(f"not a {schema.name}: {error}") from error
 
     return decode
-
-
-def _dependencies_first(files: "list[FileDescriptorProto]") -> "Iterator[FileDescriptorProto]":
-    """Order the files as a descriptor pool wants them."""
-    waiting = {file.name: file for file in files}
-
-    def settle(name: str) -> "Iterator[FileDescriptorProto]":
-        file = waiting.pop(name, None)
-        if file is not None:
-            for dependency in file.dependency:
-                yield from settle(dependency)
-            yield file
-
-    for name in list(waiting):
-        yield from settle(name)
 
 
 def protobuf_tree(message: "Message") -> dict[str, Tree]:
@@ -235,21 +195,22 @@ def protobuf_tree(message: "Message") -> dict[str, Tree]:
 
 
 def _protobuf_value(field: Any, value: Any) -> Tree:  # noqa: ANN401 - of any kind
-    if field.message_type is None:
-        if isinstance(value, bool | int | float | str | bytes):
-            return value
-        elements = list(value)
-        floats = elements and isinstance(elements[0], float)
-        return np.array(elements) if floats else elements
-    if field.message_type.GetOptions().map_entry:
-        is_message = field.message_type.fields_by_name["value"].message_type is not None
-        return {
-            str(key): protobuf_tree(value[key]) if is_message else value[key]
-            for key in sorted(value)
-        }
+    kind = field.message_type
+    if kind is not None and kind.GetOptions().map_entry:
+        return {str(key): _plain(value[key]) for key in sorted(value)}
+    if kind is not None and not hasattr(value, "DESCRIPTOR"):
+        return [protobuf_tree(element) for element in value]
+    return _plain(value)
+
+
+def _plain(value: Any) -> Tree:  # noqa: ANN401 - of any kind
+    """Return a value that is no message's list, nor a map."""
     if hasattr(value, "DESCRIPTOR"):
         return protobuf_tree(value)
-    return [protobuf_tree(element) for element in value]
+    if isinstance(value, bool | int | float | str | bytes):
+        return value
+    elements = list(value)
+    return np.array(elements) if elements and isinstance(elements[0], float) else elements
 
 
 def _unknown(fields: Any) -> list[Tree]:  # noqa: ANN401 - iterable, which its type hides

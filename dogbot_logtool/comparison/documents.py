@@ -1,18 +1,17 @@
 """Two JSON documents compared value by value: those of ``stats --json``, or any others."""
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-from dogbot_logtool.comparison.fields import Findings, Tree, compare_fields, join
-from dogbot_logtool.comparison.logs.decoders import parse_json
-from dogbot_logtool.comparison.outcome import Comparison, Differences, Kind, Tally
+from dogbot_logtool.comparison.decoders import parse_json
+from dogbot_logtool.comparison.fields import Tree, compare_fields, join
+from dogbot_logtool.comparison.outcome import Comparison, Difference, Findings, tally_of_leaves
 from dogbot_logtool.comparison.tolerances import FieldRules, Rules, fits, nothing_left
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.storage import content, is_folder, open_file
 
 _PROVENANCE: Final = ("tool.version", "log.path")
-"""Keys that say where figures come from."""
+"""Keys that say where metrics come from."""
 _WHOLE: Final = "(document)"
 _NOTHING: Final = object()
 """Returned by `_picked` for a value that is not wanted."""
@@ -39,31 +38,25 @@ def compare_json(expected: Path, actual: Path, rules: Rules, max_differences: in
         LogError: one of the files is not JSON.
     """
     documents = load_json(expected), load_json(actual)
-    differences = Differences(max_differences)
-    tallies: list[Tally] = []
-    compared: list[int] = []
+    findings = Findings(max_differences)
+    tallies, compared = [], 0
     for_values = rules.ignoring(*_PROVENANCE)
     try:
         one, other = (_picked(document, "", rules) for document in documents)
         if one is _NOTHING and other is _NOTHING:
             raise CallError(f"--topics: neither file has a key like {', '.join(rules.topics)}")
-        for key, parts in _parts(one, other):
+        for key, first, second in _parts(one, other):
             if not fits(rules.ignore, key):
-                tally = Tally(key)
-                compared.append(_compare_part(tally, *parts, for_values, differences))
-                tallies.append(tally)
+                found = Findings(findings.room)
+                compare_fields(first, second, FieldRules(for_values, key), found)
+                findings.take(found, Difference(topic=key))
+                tallies.append(tally_of_leaves(key, found))
+                compared += found.compared + found.empty + found.missing + found.extra
     except RecursionError as error:
         raise LogError(f"{actual}: is nested too deeply") from error
-    if (rules.ignore or rules.topics) and not any(compared):
+    if (rules.ignore or rules.topics) and not compared:
         raise nothing_left(rules, "value")
-    return Comparison(
-        expected,
-        actual,
-        "values",
-        tallies,
-        differences.kept,
-        differences.count,
-    )
+    return Comparison(expected, actual, "values", tallies, findings.differences, findings.count)
 
 
 def _picked(value: Tree, name: str, rules: Rules) -> Tree:
@@ -81,26 +74,13 @@ def _picked(value: Tree, name: str, rules: Rules) -> Tree:
     return _NOTHING
 
 
-def _parts(expected: Tree, actual: Tree) -> Iterator[tuple[str, tuple[Tree, Tree]]]:
-    """Yield the documents' parts with their names; a document that is no object is one part."""
-    expected, actual = ({} if each is _NOTHING else each for each in (expected, actual))
-    if not isinstance(expected, dict) or not isinstance(actual, dict):
-        yield _WHOLE, (expected, actual)
-        return
-    for key in dict.fromkeys((*expected, *actual)):
-        one, other = ({key: d[key]} if key in d else {} for d in (expected, actual))
-        yield key, (one, other)
-
-
-def _compare_part(
-    tally: Tally, expected: Tree, actual: Tree, rules: Rules, differences: Differences
-) -> int:
-    """Compare a part; return of how much, empty lists and objects included."""
-    findings = Findings(differences.room)
-    compare_fields(expected, actual, FieldRules(rules, tally.name), findings)
-    tally.count_leaves(findings)
-    differences.take(findings, tally.name, Kind.FIELD)
-    return findings.compared + findings.empty + findings.missing + findings.extra
+def _parts(expected: Tree, actual: Tree) -> list[tuple[str, Tree, Tree]]:
+    """Return the documents' parts with their names; a document that is no object is one part."""
+    one, other = ({} if each is _NOTHING else each for each in (expected, actual))
+    if not isinstance(one, dict) or not isinstance(other, dict):
+        return [(_WHOLE, one, other)]
+    parts = {key: [{key: e[key]} if key in e else {} for e in (one, other)] for key in one | other}
+    return [(key, first, second) for key, (first, second) in parts.items()]
 
 
 def load_json(path: Path) -> Tree:

@@ -1,0 +1,211 @@
+"""From the columns of a recording to all that is measured of its walk.
+
+    walk = analyse(recording, WalkSettings(feet, mass_kg=19.2))
+    walk.metrics.gait.name
+
+The order is the same for every log: corrections, masks, what is measured with them, checks that
+look for reasons to doubt it, and metrics, less those that are in doubt.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.base.falls import find_tipping
+from dogbot_logtool.core.base.ground import swapped_pairs
+from dogbot_logtool.core.base.motion import FORWARD_ANGLES
+from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.checks.engine import consequence, findings_of
+from dogbot_logtool.core.consistency.stopped import all_silent
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.corrected import Corrected, correct
+from dogbot_logtool.core.gait.segments import (
+    Segment,
+    find_segments,
+    main_segment,
+    reference_foot,
+)
+from dogbot_logtool.core.gait.strides import any_strides
+from dogbot_logtool.core.leg_position import quadruped
+from dogbot_logtool.core.masks import loads_in, mask_walk, stability_in, support_in
+from dogbot_logtool.core.metrics import Log
+from dogbot_logtool.core.planned import follow_plan
+from dogbot_logtool.core.recording import Recording
+from dogbot_logtool.core.settings import WalkSettings
+from dogbot_logtool.core.walk import Walk
+from dogbot_logtool.core.walk_metrics.walk import metrics_of
+from dogbot_logtool.finding import Finding
+
+if TYPE_CHECKING:
+    from dogbot_logtool.core.commands import CommandTrack
+    from dogbot_logtool.core.frames.transforms import TransformBuffer
+    from dogbot_logtool.core.imu import ImuComparison
+    from dogbot_logtool.core.legs.paths import LegSettings
+    from dogbot_logtool.core.vectors import VectorHistory
+
+NO_LOG: Final = Log("", "", "", None, None, 0, 0, 0)
+"""What was read, for columns that come from no log."""
+FindLegs = Callable[[Recording, Corrected], "tuple[LegSettings, TransformBuffer] | None"]
+"""Says where a recording tells of legs, with their frames that transforms move; None: it does
+not."""
+
+
+def analyse(
+    recording: Recording,
+    settings: WalkSettings,
+    find_legs: FindLegs | None = None,
+    planned: WalkSettings | None = None,
+    *,
+    log: Log = NO_LOG,
+    known: Iterable[Finding] = (),
+) -> Walk:
+    """Measure all that a recording tells of its walk.
+
+    Args:
+        recording: its columns, as recorded.
+        settings: what is known before they are looked at.
+        find_legs: finds the legs; None: nothing tells of them.
+        planned: settings of the feet as a plan in the log has them; None: there is no plan.
+        log: what was read.
+        known: what was found while it was read.
+    """
+    corrected = correct(recording, settings)
+    walk = _measured(mask_walk(corrected), corrected)
+    legs = find_legs(recording, corrected) if find_legs else None
+    if legs is not None:
+        walk = _with_legs(walk, recording, corrected, *legs)
+    if planned is not None:
+        of_plan = replace(
+            recording, feet=recording.planned, links={}, commands=None, accelerations=None
+        )
+        walk = _with_plan(walk, mask_walk(correct(of_plan, planned)))
+    return judge(walk, log, known)
+
+
+def judge(walk: Walk, log: Log, known: Iterable[Finding] = ()) -> Walk:
+    """Make all checks of a walk, and its metrics, less those that findings void; see `analyse`."""
+    findings = sorted((*findings_of(walk), *known), key=consequence)
+    return replace(walk, findings=tuple(findings), metrics=metrics_of(walk, log, findings))
+
+
+def _measured(walk: Walk, corrected: Corrected) -> Walk:
+    """Measure a walk of which the masks are known."""
+    settings, records, feet = walk.settings, walk.records, walk.feet
+    supported = support_in(walk)
+    segments: tuple[Segment, ...] = ()
+    if feet and not walk.feet_clocks_are_apart:
+        segments = find_segments(feet, walk.standing, supported)
+    origin, end = _extent(records, walk.poses)
+    positions = [foot.leg_position for foot in settings.feet]
+    forward_rad = FORWARD_ANGLES[settings.forward_axis]
+    # In another world, contact points tell nothing of the body's sides.
+    placed = walk.poses.without_poses() if walk.worlds_differ else walk.placed_poses
+    swapped, pairs = swapped_pairs(placed, records, positions, forward_rad)
+    stable, unstable = stability_in(walk)
+    # In segments with strides the robot steps.
+    steps = [each.spans for each in segments if each.strides]
+    stepping = timespans.merge(np.concatenate([timespans.no_spans(), *steps]))
+    return replace(
+        walk,
+        origin=origin,
+        end=end,
+        reference=reference_foot(feet),
+        corners=quadruped(positions),
+        swapped=swapped,
+        pairs=pairs,
+        tipping=find_tipping(walk.base_history, settings.forward_axis),
+        segments=segments,
+        main=main_segment(segments),
+        support=supported,
+        loads=loads_in(walk),
+        stability=stable,
+        unstable=unstable,
+        overlap_s=timespans.total(_overlap(records, walk.poses)) / 1e9,
+        contact_without_pose_s=tuple(
+            walk.poses.unplaced(record.in_contact) / 1e9 for record in records
+        ),
+        all_silent=all_silent(records, walk.poses),
+        command_track=_command_track(walk, corrected.commands, stepping),
+        imu=_imu(walk, corrected.inertial),
+    )
+
+
+def _with_plan(walk: Walk, planned: Walk) -> Walk:
+    """Add how the feet follow their plan, if that is on the same clock."""
+    clocks = [each.settings.clock for each in (walk, planned)]
+    plan = {foot.name: foot for foot in planned.feet}
+    if clocks[0] is not clocks[1]:
+        return replace(walk, plan_apart=min(foot.topic for foot in planned.feet))
+    found = tuple(
+        follow_plan(foot, plan[foot.name]) if foot.name in plan else None for foot in walk.feet
+    )
+    return replace(walk, planned=found)
+
+
+def _overlap(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
+    """Return the time known to all feet that have samples, and to the base if it has poses."""
+    known = [foot.known for foot in feet if foot.start is not None]
+    if len(base.time):
+        known.append(base.known)
+    return timespans.intersect(known)
+
+
+def _command_track(
+    walk: Walk, commands: "VectorHistory | None", stepping: Ints
+) -> "CommandTrack | None":
+    """Compare commands with the base's velocity over time, in logs that have any."""
+    if commands is None:
+        return None
+    from dogbot_logtool.core.commands import follow_commands  # noqa: PLC0415
+
+    axis, jumps = walk.settings.forward_axis, walk.jumps.spans
+    poses = walk.track.history
+    return follow_commands(commands, poses, jumps, axis, stepping, walk.period_s)
+
+
+def _imu(walk: Walk, inertial: "VectorHistory | None") -> "ImuComparison | None":
+    """Compare accelerometer, forces and poses, in logs that have all of them."""
+    if inertial is None:
+        return None
+    from dogbot_logtool.core.imu import compare_imu  # noqa: PLC0415
+
+    comparable = walk.vertical_known and not (walk.feet_clocks_are_apart or walk.base_is_apart)
+    strides = any_strides(walk.records, walk.fallen, walk.standing.without_steps)
+    return compare_imu(
+        inertial,
+        walk.poses,
+        walk.jumps.spans,
+        walk.records if comparable else (),
+        mass_kg=walk.settings.mass_kg,
+        mounting=walk.settings.imu_mounting,
+        period_s=walk.period_s,
+        fallen=walk.fallen,
+        strides=timespans.merge(strides),
+    )
+
+
+def _extent(feet: Sequence[FootHistory], base: BaseHistory) -> tuple[int, int]:
+    """First and last time of any used message, ns; zeros in an empty log."""
+    starts = [foot.start for foot in feet if foot.start is not None]
+    ends = [foot.end for foot in feet if foot.end is not None]
+    if len(base.time):
+        starts.append(int(base.time[0]))
+        ends.append(int(base.time[-1]))
+    return min(starts, default=0), max(ends, default=0)
+
+
+def _with_legs(
+    walk: Walk,
+    recording: Recording,
+    corrected: Corrected,
+    settings: "LegSettings",
+    frames: "TransformBuffer",
+) -> Walk:
+    """Add the metrics of the legs."""
+    from dogbot_logtool.core.leg_evaluation import with_legs  # noqa: PLC0415
+
+    return with_legs(walk, recording.joints, settings, frames, corrected.joint_clocks)
