@@ -112,7 +112,7 @@ def _crossing(tail: Floats, level: float) -> float:
     row = int(np.argmax(tail <= level))
     if not row:
         return np.nan
-    return row - (level - tail[row]) / float(tail[row - 1] - tail[row])
+    return float(row - (level - tail[row]) / (tail[row - 1] - tail[row]))
 
 
 def without_filter(samples: Samples, tau_s: float) -> Samples:

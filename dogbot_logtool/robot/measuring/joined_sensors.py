@@ -54,7 +54,9 @@ def with_joined_sensors(
         for channel, rows in selection.feet_of.items()
     }
     silent = any(
-        source.silent_in_swing for row in range(len(feet)) for source in selection.sources_of(row)
+        source.row.silent_in_swing
+        for row in range(len(feet))
+        for source in selection.sources_of(row)
     )
     samples = tuple(
         _joined([recording.feet[row] for row in rows], number, silent=silent)
