@@ -9,7 +9,7 @@ from typing import Any, Final
 from markupsafe import Markup
 
 from dogbot_logtool import __version__
-from dogbot_logtool.comparison.walks.two_runs import CONFIDENCE, FigureDifference, GaitComparison
+from dogbot_logtool.comparison.walks import CONFIDENCE, FigureDifference, GaitComparison
 from dogbot_logtool.report.numbers import NOTHING
 from dogbot_logtool.report.page.assets import own, rendered
 from dogbot_logtool.report.page.charts.comparison_figures import (
