@@ -11,7 +11,7 @@ from dogbot_logtool.io.storage import shown
 from dogbot_logtool.io.targets import may_be_several, output_at
 from dogbot_logtool.options import Report
 from dogbot_logtool.report.comparison_report import gait_comparison_json, print_comparison_page
-from dogbot_logtool.report.page.libraries import require_libraries
+from dogbot_logtool.report.page import require_libraries
 from dogbot_logtool.report.text.console import diagnostics
 from dogbot_logtool.results import Page
 from dogbot_logtool.run.runner import SerialRunner

@@ -1,11 +1,12 @@
 """Numbers as people read them."""
 
+import math
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import Final
 
 NOTHING: Final = "-"
-"""Stands for a figure that is not known."""
+"""Stands for a metric that is not known."""
 _SIMULATED_BEFORE_S: Final = 1_000_000_000
 """Log times before this are simulation time, not dates."""
 _NEVER_S: Final = 3e10
@@ -32,3 +33,9 @@ def span_of(values: Sequence[float]) -> str:
     """Write the lowest and the highest of some numbers; once, where they are the same."""
     written = list(dict.fromkeys(f"{value:.3g}" for value in sorted(values)))
     return " to ".join([written[0], *written[1:][-1:]]) if written else NOTHING
+
+
+def nice_step(least: float) -> float:
+    """Return 1, 2 or 5 times a power of ten, at least as large."""
+    power = 10.0 ** math.floor(math.log10(least))
+    return next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= least)

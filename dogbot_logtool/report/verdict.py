@@ -5,7 +5,7 @@ The same words stand on the terminal and on the page.
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from pathlib import PurePath
 from typing import Final
@@ -79,7 +79,8 @@ def quality_of(measured: Measurement) -> Quality:
     checks = measured.metrics.quality.checks
     outcomes = Counter(check.outcome for check in checks)
     made, lost = outcomes["passed"] + outcomes["failed"], measured.damage
-    warnings = _grouped(measured.findings)
+    doubts = [each for each in measured.findings if each.severity is not Severity.NOTE]
+    warnings = grouped(each for each in sorted(doubts, key=_consequence) if each.code != "LOST")
     is_doubtful = any(
         each.voids or each.severity is Severity.ERROR for group in warnings for each in group
     )
@@ -100,13 +101,11 @@ def quality_of(measured: Measurement) -> Quality:
     return Quality(word, ", ".join(filter(None, reasons)), warnings, unchecked)
 
 
-def _grouped(findings: Sequence[Finding]) -> tuple[tuple[Finding, ...], ...]:
-    """Join errors and warnings by code; first errors, then what voids metrics, then by rank."""
+def grouped(findings: Iterable[Finding]) -> tuple[tuple[Finding, ...], ...]:
+    """Join findings by code, in the order of the first of each."""
     groups: dict[str, list[Finding]] = {}
-    warnings = [each for each in findings if each.severity is not Severity.NOTE]
-    for each in sorted(warnings, key=_consequence):
-        if each.code != "LOST":
-            groups.setdefault(each.code, []).append(each)
+    for each in findings:
+        groups.setdefault(each.code, []).append(each)
     return tuple(map(tuple, groups.values()))
 
 

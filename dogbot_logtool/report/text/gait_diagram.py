@@ -15,6 +15,7 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.io.printable import printable
+from dogbot_logtool.report.numbers import nice_step
 
 STRIDES_SHOWN: Final = 4
 """Strides in the window."""
@@ -118,7 +119,7 @@ def _mostly(spans: Ints, cells: Ints) -> Ints:
 
 
 def _axis(start: float, end: float, margin: int, columns: int, glyphs: Glyphs) -> list[Text]:
-    step = _nice_step((end - start) / max(columns // 10, 1))
+    step = nice_step((end - start) / max(columns // 10, 1))
     decimals = max(0, -math.floor(math.log10(step) + 1e-9))
     ruler = [glyphs.axis] * columns
     labels = [" "] * (columns + margin)
@@ -132,9 +133,3 @@ def _axis(start: float, end: float, margin: int, columns: int, glyphs: Glyphs) -
         Text(" " * margin + "".join(ruler), style="dim"),
         Text("".join(labels).rstrip() + " s", style="dim"),
     ]
-
-
-def _nice_step(least: float) -> float:
-    """Return 1, 2 or 5 times a power of ten, at least as large."""
-    power = 10.0 ** math.floor(math.log10(least))
-    return next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= least)

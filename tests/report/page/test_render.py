@@ -179,6 +179,27 @@ def test_the_page_tells_date_robot_and_version() -> None:
     assert "(no date)" in page(measurement_of(stats, facts), 0).decode()
 
 
+def test_events_are_listed_and_marked_in_every_figure_over_time() -> None:
+    """Of four feet the third is dead and the second silent: their events stand in their rows."""
+    html = page(measured(SAMPLE_LOGS / "dogbot_troubled.bag", MeasureOptions()), 0)
+    onsets = [float(each) for each in re.findall(rb'"row"><button[^>]* data-from="(.*?)"', html)]
+    assert len(onsets) == 2
+    assert html.index(b"sensor fault</td>") < html.index(b"gap</td>")
+    over_time = {name: each for name, each in drawings(html).items() if each["over_time"]}
+    assert set(over_time) == {"gait", "loads", "motion", "commands"}
+    for name, each in over_time.items():
+        shapes = each["layout"]["shapes"]
+        assert [shape["x0"] for shape in shapes] == onsets
+        rows = [(shape["yref"], (shape["y0"] + shape["y1"]) / 2.0) for shape in shapes]
+        in_rows = {
+            "gait": [("y", 2.0), ("y", 1.0)],
+            "loads": [("y3 domain", 0.5), ("y2 domain", 0.5)],
+        }
+        assert rows == in_rows.get(name, [("paper", 0.5)] * 2)
+    (label,) = over_time["gait"]["layout"]["annotations"]
+    assert label["text"] == "sensor fault"
+
+
 def luminance(colour: str) -> float:
     """WCAG 2: relative luminance of ``#rrggbb``."""
     parts = [int(colour[start : start + 2], 16) / 255.0 for start in (1, 3, 5)]
