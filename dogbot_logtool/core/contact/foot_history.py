@@ -217,9 +217,8 @@ def _scuffs(track: FootTrack, starts: Ints, ends: Ints) -> Flags:
     order = np.argsort(duration)
     half = np.searchsorted(np.cumsum(duration[order]), duration.sum() / 2)
     usual = int(duration[order[min(half, len(order) - 1)]])
-    mean = (track.force_impulse[ends] - track.force_impulse[starts]) / np.maximum(
-        duration / 1e9, 1e-9
-    )
+    impulse = track.force_impulse.total[:, 0]
+    mean = (impulse[ends] - impulse[starts]) / np.maximum(duration / 1e9, 1e-9)
     load = float(median_of(mean[duration > usual // 2]))
     scuff = (duration < SCUFF_DURATION * usual) & (mean < SCUFF_LOAD * load)
     swing = np.append(track.time[starts[1:]] - track.time[ends[:-1]], 0)
