@@ -10,7 +10,6 @@ from dogbot_logtool.core.arrays import Flags, Ints, median_of
 from dogbot_logtool.core.contact.contact_detection import backdated, find_stances, schmitt
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
-from dogbot_logtool.core.contact.curves import CurveDetail, LoadCurves, curve_of
 from dogbot_logtool.core.contact.stances import Cut, StanceFigures, Stances, stance_figures
 from dogbot_logtool.core.contact.track import FootTrack, foot_track
 from dogbot_logtool.core.corrections.clock import TimeSource
@@ -55,8 +54,6 @@ class FootHistory:
     track: FootTrack
     has_force: bool = True
     """Whether forces are known at all, not only contact."""
-    curves: LoadCurves | None = None
-    """Load over time; None unless asked for, and where forces are not known."""
     stopped: Ints = field(default_factory=timespans.no_spans)
     """(s, 2) ns, gaps in which the sensor speaks, but has stopped to feel the foot."""
     down: Flags = field(default_factory=lambda: np.empty(0, np.bool_))
@@ -82,7 +79,6 @@ class FootHistory:
             self,
             has_force=False,
             stances=replace(self.stances, figures=nothing),
-            curves=None,
         )
 
     def stopped_in(self, spans: Ints) -> "FootHistory":
@@ -104,16 +100,6 @@ class FootHistory:
             stances=replace(stances, cut=cut, liftoff=liftoff).pick(kept),
             in_contact=timespans.subtract(self.in_contact, spans),
             stopped=spans,
-        )
-
-    def load_curves(self, detail: CurveDetail) -> LoadCurves | None:
-        """Return the load over time for drawing; None where forces are not known."""
-        if not self.has_force:
-            return None
-        track = self.track
-        return LoadCurves(
-            curve_of(track.time, track.force, detail),
-            curve_of(track.time, track.vertical_force, detail),
         )
 
     @property
