@@ -57,10 +57,11 @@ def frozen(walk: Walk) -> Iterator[Finding]:
         why = f"by {still.by} the base moves at {still.moves_mps or 0.0:.2f} m/s"
         if still.turns_radps:
             why += f" and turns at {still.turns_radps:.2f} rad/s"
+    case = "whole" if still.whole else "part"
     yield _doubted(
         walk,
         "POSE_FROZEN",
-        "whole" if still.whole else "part",
+        *(() if walk.base_by_feet else (case,)),
         seconds=timespans.total(still.spans) / 1e9,
         at=walk.seconds(still.spans[:, 0])[0],
         steps=sum(len(foot.record.stances.touchdown) for foot in walk.feet),
@@ -209,7 +210,7 @@ def _windows(walk: Walk) -> Ints:
 def _comparisons(walk: Walk) -> Iterator[Comparison]:
     """Yield comparisons of the poses, the surest first."""
     windows = _windows(walk)
-    if not len(windows) or walk.ground is not None:
+    if not len(windows) or walk.ground is not None or walk.base_by_feet:
         return
     forward_rad = FORWARD_ANGLES[walk.settings.forward_axis]
     if walk.witness is not None:
@@ -223,7 +224,6 @@ def _comparisons(walk: Walk) -> Iterator[Comparison]:
 
 def _doubted(walk: Walk, code: str, *cases: str, say: str = "", **values: object) -> Finding:
     """Return a finding about the poses, and about the feet whose places rest on them."""
-    by_points = walk.witness is not None and walk.witness.by == "contact points"
-    names = () if by_points else tuple(foot.name for foot in walk.feet)
+    names = () if walk.base_by_feet else walk.feet_on_poses
     placed = ("placed",) if names else ()
     return found(code, *cases, *placed, where="base", say=say or "plain", feet=names, **values)
