@@ -103,7 +103,8 @@ def _measured(walk: Walk, corrected: Corrected) -> Walk:
     positions = [foot.leg_position for foot in settings.feet]
     forward_rad = FORWARD_ANGLES[settings.forward_axis]
     # In another world, contact points tell nothing of the body's sides.
-    placed = walk.poses.without_poses() if walk.worlds_differ else walk.placed_poses
+    apart = walk.worlds_differ or walk.base_by_feet
+    placed = walk.poses.without_poses() if apart else walk.placed_poses
     swapped, pairs = swapped_pairs(placed, records, positions, forward_rad)
     stable, unstable = stability_in(walk)
     # In segments with strides the robot steps.

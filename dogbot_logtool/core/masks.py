@@ -132,7 +132,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     track = BaseTrack(walked, find_travel(walked), height, records, standing.still)
     guessed = settings.forward_axis
     motion = base_motion(track, guessed)
-    in_one_world = worlds is None or worlds.agree
+    in_one_world = stand_in is None and (worlds is None or worlds.agree)
     settings = with_forward_axis(settings, track, motion, in_one_world=in_one_world)
     if settings.forward_axis != guessed:
         motion = base_motion(track, settings.forward_axis)

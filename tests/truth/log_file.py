@@ -126,7 +126,7 @@ def _vector_entries(topic: VectorRecording, messages: Messages) -> Iterator[Entr
     name, template = {
         "twist": (TWIST, messages.twist()),
         "twist_stamped": (TWIST_STAMPED, messages.twist_stamped(topic.frame)),
-        "imu": (IMU, messages.imu(topic.frame)),
+        "imu": (IMU, messages.imu(topic.frame, turns=topic.vector.shape[1] > 3)),
     }[topic.kind]
     data = template.all_filled(topic.stamp, topic.vector)
     yield from _rows(topic.log_time, topic.topic, name, data)
