@@ -19,6 +19,7 @@ from dogbot_logtool.core.base.falls import find_tipping
 from dogbot_logtool.core.base.ground import swapped_pairs
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.base.witness import by_legs
 from dogbot_logtool.core.checks.engine import consequence, findings_of
 from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.contact.foot_history import FootHistory
@@ -209,4 +210,8 @@ def _with_legs(
     """Add the metrics of the legs."""
     from dogbot_logtool.core.leg_evaluation import with_legs  # noqa: PLC0415
 
-    return with_legs(walk, recording.joints, settings, frames, corrected.joint_clocks)
+    walk = with_legs(walk, recording.joints, settings, frames, corrected.joint_clocks)
+    if walk.legs is None or walk.witness is not None or walk.settings.base_from_legs:
+        return walk
+    paths = [leg.path for leg in walk.legs.feet]
+    return replace(walk, witness=by_legs(paths, walk.records, corrected.base))

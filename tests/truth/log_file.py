@@ -169,9 +169,10 @@ def _transform_entries(recording: Recording, messages: Messages) -> Iterator[Ent
     hips = [(x, y, -0.5 * robot.height_m) for x, y in robot.corners_m]
     for row in np.unique(ticks).tolist():
         numbers: list[float] = []
-        for foot, hip in zip(recording.feet, hips, strict=True):
+        for number, (foot, hip) in enumerate(zip(recording.feet, hips, strict=True)):
             at = min(int(np.searchsorted(foot.time, first.time[row])), len(foot.time) - 1)
-            numbers += [*hip, *foot.link[at].tolist()]
+            place = recording.places[number][at].tolist() if recording.places else hip
+            numbers += [*place, *foot.link[at].tolist()]
         data = template.filled(int(first.stamp[row]), numbers)
         yield int(first.log_time[row]), "/tf", TF, data
 

@@ -35,6 +35,11 @@ def feet_in_base(recording: Recording) -> Recording:
     return replace(recording, kind="spot", places=tuple(places))
 
 
+def feet_in_tf(recording: Recording) -> Recording:
+    """Let transforms tell where the frames of the feet's force sensors are on the true base."""
+    return replace(feet_in_base(recording), kind="wrench", has_tf=True)
+
+
 def with_gyroscope(noise: float = 0.02) -> Disturbance:
     """Let an inertial unit tell accelerations and turns of the true base: apply it first."""
 

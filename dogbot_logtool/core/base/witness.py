@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, distinct, median_of
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, distinct, median_of, norms
 from dogbot_logtool.core.base.foot_path import RATE_HZ, FootPath
 from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import BaseHistory
@@ -26,6 +26,10 @@ TICK_NS: Final = 50_000_000
 """ns, how often feet that rest in the world are looked at."""
 FEWEST_FOOTFALLS: Final = 3
 """Footfalls of a foot that tell of the base's motion."""
+UNSURE: Final = 0.3
+"""Share of its usual speed by which standing feet disagree from which they do not tell it."""
+UNSURE_MPS: Final = 0.1
+"""m/s, the same of a base that hardly moves."""
 _SPREAD_M: Final = 0.05
 """m between feet from which their directions tell a turn."""
 
@@ -184,7 +188,8 @@ def by_legs(
         rates = np.zeros((len(time), 3))
         rates[:, 2] = np.gradient(yaw, (time - time[0]) / 1e9)
         legs = leg_odometry(time, place, standing, rates)
-    if not np.isfinite(legs.velocity[:, 0]).any():
+    speed = norms(legs.velocity[np.isfinite(legs.velocity[:, 0])])
+    if not len(speed) or legs.noise_mps > max(UNSURE_MPS, UNSURE * float(median_of(speed))):
         return None
     return Witness(dead_reckoned(legs), "legs", tells_heading=True, tells_turn=tells_turn)
 
