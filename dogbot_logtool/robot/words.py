@@ -102,6 +102,8 @@ MERITS: Final[Mapping[str, int]] = {
     **dict.fromkeys(_NOT_MEASURED.split(), -4),
 }
 """How good what a word announces is for telling a foot's contact; other words count 0."""
+VOCABULARY: Final = frozenset({*ENDS, *SIDES, *LETTERS, *PARTS, *NEUTRAL, *MERITS})
+"""All words of these tables; none is the name of a robot."""
 USABLE: Final = -2
 """Merit below which a topic tells no measured force: it is planned, or an error."""
 

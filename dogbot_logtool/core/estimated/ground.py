@@ -1,13 +1,10 @@
-"""Contact and force of feet without sensors, from the motion and the torques of their legs.
+"""Which feet rest on the ground, by the motion of the legs.
 
 A foot that stands rests on the ground, so that the base moves by ``-(v + w x p)``, with p the foot
 and v its velocity in the base's axes, and w the base's turn rate. The feet that agree on that, and
-are low, stand. Motors of a leg carry its own links and push the ground:
-``tau = sum(m Jc^T (c'' + s)) - J^T f``, with m the links' masses at c, s what an accelerometer on
-the base reads, and f the ground's force on the foot (Featherstone 2008); solved for f.
+are low, stand.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -21,7 +18,6 @@ from dogbot_logtool.core.arrays import (
     median_of_known,
     percentiles_of,
 )
-from dogbot_logtool.core.frames.kinematics import LegMotion
 
 SLOPE_S: Final = 0.02
 """s over which velocities are differences of positions."""
@@ -46,23 +42,6 @@ AROUND_S: Final = 0.03
 """s before and after, over which the velocity of the base is the median."""
 EDGE: Final = 0.2
 """Share of a contact at either end in which the foot may not rest yet, or any more."""
-LOADED: Final = 0.4
-"""Share of the weight a foot, were it spread evenly, from which a foot is loaded."""
-UNLOADED: Final = 0.2
-"""The same, below which it is not any more."""
-BOUNCE: Final = 0.35
-"""Share of the usual time without rest below which a foot without load bounces, or less than
-`LONGEST_BOUNCE_S`."""
-LONGEST_BOUNCE_S: Final = 0.08
-RESTED: Final = 0.2
-"""Share of a foot's time under load in which it rests, at least."""
-FORCE_ONLY: Final = 1e-6
-"""How little forces are damped in a least-squares fit, and how much `MOMENT` moments at a foot."""
-MOMENT: Final = 1e-2
-CARRY: Final = (0.75, 1.33)
-"""Mean vertical force of all feet over the weight within which efforts are torques in N m."""
-WRONG_SIGN: Final = "efforts have the wrong sign"
-TOO_MUCH: Final = "by the efforts, feet carry"
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,20 +57,12 @@ class Ground:
     fast: Flags
     """(n, f) whether each is so fast that it swings, whatever its leg's torques say."""
 
-    def velocity(self, standing: Flags) -> Floats:
-        """(n, 3) m/s, of the base by the median over standing feet; NaN where none stands.
+    def surely(self, standing: Flags) -> Flags:
+        """(n, f) which feet surely rest, of those in contact.
 
-        Just after a touchdown and before a lift-off a foot does not rest.
-
-        Args:
-            standing: (n, f) which feet are in contact.
+        Just after a touchdown and before a lift-off a foot does not.
         """
-        inner = np.stack([_middles(column) for column in standing.T], axis=1) & self.agreeing
-        found = np.full((len(standing), 3), np.nan)
-        some = inner.any(axis=1)
-        known = np.where(inner[some][:, :, None], self.implied[some], np.nan)
-        found[some] = median_of_known(known, axis=1)
-        return found
+        return np.stack([_middles(column) for column in standing.T], axis=1) & self.agreeing
 
 
 def slopes(seconds: Floats, values: Floats) -> Floats:
@@ -139,7 +110,7 @@ def resting_feet(
         top = float(percentiles_of(speed, 95.0))
         limit = float(np.clip(SLOW * top, *SLOWEST_MPS))
         close = lift < np.maximum(LOW_AND_SLOW * usual, 2.0 * LEAST_LIFT_M)
-        resting = _held(close & (speed < limit), ~close | (speed > LOOSELY * limit))
+        resting = held(close & (speed < limit), ~close | (speed > LOOSELY * limit))
     return Ground(implied, resting, speed < AGREE * limit, speed > max(FAST * top, LOOSELY * limit))
 
 
@@ -178,78 +149,7 @@ def _common(seconds: Floats, implied: Floats, resting: Flags) -> Floats:
     return np.asarray((total[end] - total[begin]) / (end - begin)[:, None])
 
 
-def ground_forces(
-    seconds: Floats,
-    legs: Sequence[LegMotion],
-    points: Floats,
-    efforts: Sequence[Floats],
-    felt: Floats,
-) -> Floats:
-    """Return the ground's force on each foot by the torques of its leg.
-
-    Args:
-        seconds: (n,) s.
-        legs: of each foot.
-        points: (n, f, 3) m, where feet touch the ground, along the base's axes.
-        efforts: (n, k) N m or N of each leg's joints.
-        felt: (n, 3) m/s^2, what an accelerometer on the base reads: gravity, upwards.
-
-    Returns:
-        (n, f, 3) N along the base's axes.
-    """
-    forces = [
-        _force(seconds, leg, points[:, foot], efforts[foot], felt) for foot, leg in enumerate(legs)
-    ]
-    return np.stack(forces, axis=1)
-
-
-def _force(seconds: Floats, leg: LegMotion, point: Floats, effort: Floats, felt: Floats) -> Floats:
-    """(n, 3) N, the force on a foot; moments too where joints tell, which are damped."""
-    carried = np.zeros_like(effort)
-    for number, mass in enumerate(leg.leg.masses):
-        centre = leg.centres[:, number]
-        moved, _ = leg.jacobian(centre, mass.joint + 1)
-        pull = mass.mass_kg * (slopes(seconds, slopes(seconds, centre)) + felt)
-        carried += np.einsum("nik,ni->nk", moved, pull)
-    moved, turned = leg.jacobian(point)
-    both = np.concatenate([moved, turned], axis=1)
-    damped = np.diag([FORCE_ONLY] * 3 + [MOMENT] * 3)
-    square = both @ both.transpose(0, 2, 1) + damped
-    asked = np.einsum("nik,nk->ni", both, carried - effort)
-    return np.asarray(np.linalg.solve(square, asked[:, :, None])[:, :3, 0])
-
-
-def loaded_feet(seconds: Floats, vertical: Floats, weight_n: float, ground: Ground) -> Flags:
-    """(n, f) which feet carry a load, and rest meanwhile, but for touchdown and lift-off.
-
-    Args:
-        seconds: (n,) s.
-        vertical: (n, f) N, of the ground on each foot.
-        weight_n: N, of the robot.
-        ground: what the motion of the feet tells.
-    """
-    share = weight_n / vertical.shape[1]
-    on, off = vertical >= LOADED * share, vertical < UNLOADED * share
-    loaded = _held(on & ~ground.fast, off | ground.fast)
-    for foot in range(vertical.shape[1]):
-        resting = ground.resting[:, foot]
-        # A foot that bounces at touchdown, while it is there already.
-        begin, end = _runs(~loaded[:, foot])
-        swings = _runs(~resting)
-        usual = (
-            float(median_of(seconds[swings[1] - 1] - seconds[swings[0]])) if len(swings[0]) else 0.0
-        )
-        short = seconds[end - 1] - seconds[begin] < min(BOUNCE * usual, LONGEST_BOUNCE_S)
-        for first, behind in zip(begin[short].tolist(), end[short].tolist(), strict=True):
-            loaded[first:behind, foot] = True
-        rested = np.concatenate([[0], np.cumsum(resting)])
-        for first, behind in zip(*(each.tolist() for each in _runs(loaded[:, foot])), strict=True):
-            if rested[behind] - rested[first] < RESTED * (behind - first):
-                loaded[first:behind, foot] = False
-    return loaded
-
-
-def _runs(flags: Flags) -> tuple[Ints, Ints]:
+def runs_of(flags: Flags) -> tuple[Ints, Ints]:
     """Return the first row of each run of true flags, and the row behind it."""
     change = np.diff(flags.astype(np.int8), prepend=0, append=0)
     return np.flatnonzero(change > 0), np.flatnonzero(change < 0)
@@ -257,7 +157,7 @@ def _runs(flags: Flags) -> tuple[Ints, Ints]:
 
 def _middles(standing: Flags) -> Flags:
     """(n,) the rows of contacts that are away from their ends."""
-    begin, end = _runs(standing)
+    begin, end = runs_of(standing)
     edge = np.ceil(EDGE * (end - begin)).astype(np.int64)
     inside = np.zeros(len(standing) + 1, np.int64)
     some = end - begin > 2 * edge
@@ -266,26 +166,9 @@ def _middles(standing: Flags) -> Flags:
     return np.asarray(np.cumsum(inside[:-1]) > 0)
 
 
-def _held(on: Flags, off: Flags) -> Flags:
+def held(on: Flags, off: Flags) -> Flags:
     """(n, f) states that last from on to off; at first off."""
     row = np.arange(len(on))[:, None]
     last = np.maximum.accumulate(np.where(on | off, row, -1), axis=0)
     state = np.take_along_axis(on, np.maximum(last, 0), axis=0)
     return np.asarray(state & (last >= 0))
-
-
-def effort_fault(vertical: Floats, weight_n: float | None) -> str:
-    """Say why efforts are no torques in N m; empty if they are.
-
-    Args:
-        vertical: (n, f) N, forces that follow from them.
-        weight_n: N, of the robot; None: not known.
-    """
-    if weight_n is None:
-        return "the mass is not known, so that efforts cannot be checked against the weight"
-    ratio = float(vertical.sum(axis=1).mean()) / weight_n
-    if CARRY[0] <= ratio <= CARRY[1]:
-        return ""
-    if -CARRY[1] <= ratio <= -CARRY[0]:
-        return f"{WRONG_SIGN}: by them, the feet pull at the ground"
-    return f"{TOO_MUCH} {ratio:.3g} times the weight: they are no torques in N m"
