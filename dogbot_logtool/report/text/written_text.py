@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 
-from dogbot_logtool.comparison.walks.two_runs import GaitComparison
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.report.text.console import (
@@ -16,6 +16,9 @@ from dogbot_logtool.report.text.console import (
 )
 from dogbot_logtool.report.verdict import headline, quality_of
 from dogbot_logtool.results import Conversion, Page
+
+if TYPE_CHECKING:
+    from dogbot_logtool.comparison.walks import GaitComparison
 
 
 def _print_written(console: Console, name: str, words: str) -> None:
@@ -44,7 +47,7 @@ def print_page(console: Console, done: Page, *, verbose: bool) -> None:
     print_losses(console, done.damage)
 
 
-def print_comparison_page(console: Console, name: str, size: int, found: GaitComparison) -> None:
+def print_comparison_page(console: Console, name: str, size: int, found: "GaitComparison") -> None:
     """Print what a page of so many bytes, which compares two sides, comes to."""
     words = f"{len(found.differing)} of {len(found.differences)} metrics differ"
     if found.reasons:
