@@ -257,7 +257,7 @@ class Walk:
             CallError: the page may not be written.
             LogtoolError: it cannot be written, or the extra `report` is not installed.
         """
-        from dogbot_logtool.report.page.libraries import require_libraries  # noqa: PLC0415
+        from dogbot_logtool.report.page import require_libraries  # noqa: PLC0415
 
         require_libraries()
         from dogbot_logtool.commands.report import Reports  # noqa: PLC0415

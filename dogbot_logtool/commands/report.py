@@ -12,6 +12,7 @@ from dogbot_logtool.io.targets import Output, targets
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.report.page.assets import page_script, shared_name
+from dogbot_logtool.report.page.events import listed_events
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import ALONE, Beside, page
 from dogbot_logtool.report.page.replay import frame_times, replay
@@ -139,7 +140,8 @@ def replay_of(log: Log, found: MeasuredLog, urdf: Path | None = None) -> dict[st
     walk = found.measurement.walk
     if not len(walk.base_history.time):
         return None
-    frames, time, settings = walk.frames, frame_times(walk), walk.settings
+    events = listed_events(found.measurement.metrics)
+    frames, time, settings = walk.frames, frame_times(walk, events), walk.settings
     motion = joint_motion(log, frames, frames.base, read_urdf(urdf) if urdf else None)
     limbs = find_limbs(walk.recording, found.selection, frames, motion, settings.clock, time)
-    return replay(walk, time, limbs)
+    return replay(walk, events, time, limbs)

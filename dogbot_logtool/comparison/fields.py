@@ -8,14 +8,14 @@ numbers, true is none.
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dogbot_logtool.comparison.outcome import Difference, Findings
 from dogbot_logtool.comparison.tolerances import FieldRules, Tolerance
-from dogbot_logtool.core.arrays import Flags
+from dogbot_logtool.core.arrays import Flags, Floats
 
 Tree = Any
 """A decoded value; see above."""
@@ -24,72 +24,20 @@ _TEXT_LIMIT: Final = 100
 _NOTHING: Final = "nothing"
 
 
-@dataclass(frozen=True, slots=True)
-class FieldDifference:
-    """One field in which two values differ."""
-
-    path: str
-    """``entities[0].arrows[0].pose.position.z``."""
-    expected: str
-    actual: str
-    deviation: float | None = None
-    """|expected - actual| where both are finite numbers."""
-
-
-@dataclass(slots=True)
-class Findings:
-    """Differences between two values."""
-
-    limit: int
-    """Differences to keep."""
-    differences: list[FieldDifference] = field(default_factory=list)
-    count: int = 0
-    """All differences; whatever is missing or extra at the end of an array is one."""
-    compared: int = 0
-    """Leaves that both have."""
-    empty: int = 0
-    """Structs and arrays that are empty in both."""
-    loose: int = 0
-    """Leaves that are not equal but agree: within tolerance, or quaternions of the other sign."""
-    different: int = 0
-    missing: int = 0
-    """Leaves that only the expected value has."""
-    extra: int = 0
-    """Leaves that only the actual value has."""
-    deviation: float = 0.0
-    """The largest between two finite numbers, within tolerance or not."""
-    deviation_path: str = ""
-
-    def add(self, difference: FieldDifference) -> None:
-        """Count a difference, and keep it if there is room."""
-        self.count += 1
-        if len(self.differences) < self.limit:
-            self.differences.append(difference)
-
-    def differ(self, path: str, expected: str, actual: str, deviation: float | None = None) -> None:
-        """Note that a leaf differs."""
-        self.different += 1
-        self.add(FieldDifference(path, expected, actual, deviation))
-
-    def deviate(self, path: str, deviation: float) -> None:
-        """Note how far apart two numbers are."""
-        if deviation > self.deviation and math.isfinite(deviation):
-            self.deviation, self.deviation_path = deviation, path
-
-
 def compare_fields(
     expected: Tree, actual: Tree, rules: FieldRules, findings: Findings, path: str = ""
-) -> None:
+) -> Findings:
     """Compare two decoded values.
 
     Args:
         expected: the one.
         actual: the other.
         rules: tolerances and ignored fields.
-        findings: where to note what is found.
+        findings: where to note what is found; it is returned.
         path: what leads to the values; without positions.
     """
     _Comparer(rules, findings).compare(expected, actual, path, path)
+    return findings
 
 
 class _Comparer:
@@ -103,63 +51,54 @@ class _Comparer:
         if self._rules.ignored(name):
             return
         if isinstance(expected, dict) and isinstance(actual, dict):
-            self._structs(expected, actual, path, name)
+            if _is_quaternion(expected) and _is_quaternion(actual):
+                self._quaternions(expected, actual, path, name)
+            else:
+                self.structs(expected, actual, path, name)
         elif isinstance(expected, np.ndarray) and isinstance(actual, np.ndarray):
             self._arrays(expected, actual, path, name)
         elif isinstance(expected, list) and isinstance(actual, list):
-            self._lists(expected, actual, path, name)
+            for index, (one, other) in enumerate(zip(expected, actual, strict=False)):
+                self.compare(one, other, f"{path}[{index}]", name)
+            self._lengths(expected, actual, path)
         else:
             self._leaves(expected, actual, path, name)
 
-    def _structs(
+    def structs(
         self, expected: Mapping[str, Tree], actual: Mapping[str, Tree], path: str, name: str
     ) -> None:
-        self._findings.empty += not (expected or actual)
-        if _is_quaternion(expected) and _is_quaternion(actual):
-            self._quaternions(expected, actual, path, name)
-            return
-        for key, value in expected.items():
-            below = join(name, key)
-            if key in actual:
-                self.compare(value, actual[key], join(path, key), below)
-            elif not self._rules.ignored(below):
-                self._findings.missing += count_leaves(value)
-                self._findings.add(FieldDifference(join(path, key), text_of(value), _NOTHING))
-        for key, value in actual.items():
-            if key not in expected and not self._rules.ignored(join(name, key)):
-                self._findings.extra += count_leaves(value)
-                self._findings.add(FieldDifference(join(path, key), _NOTHING, text_of(value)))
+        found = self._findings
+        found.empty += not (expected or actual)
+        for key in dict.fromkeys((*expected, *actual)):
+            below, inner = join(path, key), join(name, key)
+            if key in expected and key in actual:
+                self.compare(expected[key], actual[key], below, inner)
+            elif not self._rules.ignored(inner) and key in expected:
+                found.missing += count_leaves(expected[key])
+                found.add(Difference(below, text_of(expected[key]), _NOTHING))
+            elif not self._rules.ignored(inner):
+                found.extra += count_leaves(actual[key])
+                found.add(Difference(below, _NOTHING, text_of(actual[key])))
 
     def _quaternions(
         self, expected: Mapping[str, float], actual: Mapping[str, float], path: str, name: str
     ) -> None:
         """Q and -q are the same rotation: the sign that fits better is taken."""
-        expected = {k: v for k, v in expected.items() if not self._rules.ignored(join(name, k))}
-        turned = {key: -actual[key] for key in expected}
-        nearer = min((actual, turned), key=lambda one: _distance(expected, one))
-        if nearer is actual:
-            for key, value in expected.items():
-                self.compare(value, actual[key], join(path, key), join(name, key))
+        counting = [key for key in expected if not self._rules.ignored(join(name, key))]
+        expected, actual = ({key: each[key] for key in counting} for each in (expected, actual))
+        turned = {key: -value for key, value in actual.items()}
+        if _distance(expected, actual) <= _distance(expected, turned):
+            self.structs(expected, actual, path, name)
             return
-        self._findings.compared += len(expected)
-        agree = True
-        worst = 0.0
-        for key, value in expected.items():
-            tolerance = self._rules.tolerance(join(name, key))
-            deviation = abs(value - nearer[key])
-            self._findings.deviate(join(path, key), deviation)
-            agree &= value == nearer[key] or _within(deviation, value, tolerance)
-            worst = max(worst, deviation)
-        if agree:
-            self._findings.loose += len(expected)
-        else:
+        found = Findings(0)
+        _Comparer(self._rules, found).structs(expected, turned, path, name)
+        self._findings.compared += found.compared
+        self._deviate(found.deviation_path, found.deviation)
+        if found.count:
             # As a whole: single components of q against -q would puzzle.
-            self._findings.differ(path, text_of(expected), text_of(actual), worst)
-
-    def _lists(self, expected: list[Tree], actual: list[Tree], path: str, name: str) -> None:
-        for index, (one, other) in enumerate(zip(expected, actual, strict=False)):
-            self.compare(one, other, f"{path}[{index}]", name)
-        self._lengths(expected, actual, path)
+            self._differ(path, text_of(expected), text_of(actual), found.deviation)
+        else:
+            self._findings.loose += found.compared
 
     def _lengths(
         self, expected: list[Tree] | NDArray[Any], actual: list[Tree] | NDArray[Any], path: str
@@ -167,85 +106,82 @@ class _Comparer:
         size, other = len(expected), len(actual)
         self._findings.empty += not (size or other)
         if size != other:
-            self._findings.missing += sum(count_leaves(value) for value in expected[other:])
-            self._findings.extra += sum(count_leaves(value) for value in actual[size:])
-            self._findings.add(FieldDifference(path, f"{size} elements", f"{other} elements"))
+            self._findings.missing += sum(map(count_leaves, expected[other:]))
+            self._findings.extra += sum(map(count_leaves, actual[size:]))
+            self._findings.add(Difference(path, f"{size} elements", f"{other} elements"))
 
     def _arrays(self, expected: NDArray[Any], actual: NDArray[Any], path: str, name: str) -> None:
         self._lengths(expected, actual, path)
         size = min(len(expected), len(actual))
-        one, other = expected[:size], actual[:size]
-        self._findings.compared += size
+        one, other, found = expected[:size], actual[:size], self._findings
+        found.compared += size
         if one.dtype == other.dtype and one.tobytes() == other.tobytes():
             return
-        kinds = one.dtype.kind + other.dtype.kind
-        claimed = self._rules.claimed(name)
-        if "f" in kinds or (claimed is not None and "b" not in kinds):
-            compare = _compare_floats if "f" in kinds else _compare_integers
-            equal, agree, deviation = compare(one, other, self._rules.tolerance(name))
-            if size and np.isfinite(deviation).any():
-                worst = int(np.nanargmax(np.where(np.isfinite(deviation), deviation, -1.0)))
-                self._findings.deviate(f"{path}[{worst}]", float(deviation[worst]))
-        else:
-            equal = agree = one == other
-            deviation = np.full(size, np.nan)
-        self._findings.loose += int((agree & ~equal).sum())
+        is_float = "f" in one.dtype.kind + other.dtype.kind
+        tolerance = self._rules.tolerance(name) if is_float else self._rules.claimed(name)
+        equal, agree, apart = _compare_arrays(one, other, tolerance)
+        if size:
+            worst = int(apart.argmax())
+            self._deviate(f"{path}[{worst}]", float(apart[worst]))
+        found.loose += int((agree & ~equal).sum())
         differing = np.flatnonzero(~agree)
-        for index in differing[: self._findings.limit].tolist():
-            apart = float(deviation[index]) if np.isfinite(deviation[index]) else None
-            self._findings.add(
-                FieldDifference(f"{path}[{index}]", str(one[index]), str(other[index]), apart)
-            )
-        self._findings.different += len(differing)
-        self._findings.count += max(len(differing) - self._findings.limit, 0)
+        for row in differing[: found.limit].tolist():
+            deviation = float(apart[row]) if apart[row] >= 0.0 else None
+            found.add(Difference(f"{path}[{row}]", str(one[row]), str(other[row]), deviation))
+        found.different += len(differing)
+        found.count += max(len(differing) - found.limit, 0)
 
     def _leaves(self, expected: Tree, actual: Tree, path: str, name: str) -> None:
         self._findings.compared += 1
         if type(expected) is type(actual) and expected == actual:
             return
         if _is_number(expected) and _is_number(actual):
-            if expected == actual or (expected != expected and actual != actual):  # noqa: PLR0124
-                return
-            if isinstance(expected, float) or isinstance(actual, float):
-                self._floats(_as_float(expected), _as_float(actual), path, name)
-                return
-            if (tolerance := self._rules.claimed(name)) is not None:
-                self._integers(expected, actual, path, tolerance)
-                return
+            self._numbers(expected, actual, path, name)
         elif isinstance(expected, bytes) and isinstance(actual, bytes):
             self._bytes(expected, actual, path)
-            return
-        self._findings.differ(path, text_of(expected), text_of(actual))
+        else:
+            self._differ(path, text_of(expected), text_of(actual))
 
-    def _bytes(self, expected: bytes, actual: bytes, path: str) -> None:
-        if len(expected) != len(actual):
-            self._findings.differ(path, f"{len(expected)} bytes", f"{len(actual)} bytes")
+    def _numbers(self, expected: float, actual: float, path: str, name: str) -> None:
+        if expected == actual or (expected != expected and actual != actual):  # noqa: PLR0124
             return
-        pairs = enumerate(zip(expected, actual, strict=True))
-        index, (one, other) = next(pair for pair in pairs if pair[1][0] != pair[1][1])
-        self._findings.differ(f"{path}[{index}]", f"0x{one:02x}", f"0x{other:02x}")
-
-    def _floats(self, expected: float, actual: float, path: str, name: str) -> None:
-        deviation = abs(expected - actual)
-        self._findings.deviate(path, deviation)
-        if _within(deviation, expected, self._rules.tolerance(name)):
-            self._findings.loose += 1
+        texts = text_of(expected), text_of(actual)
+        tolerance = self._rules.claimed(name)
+        if isinstance(expected, float) or isinstance(actual, float):
+            expected, actual = _as_float(expected), _as_float(actual)
+            tolerance = self._rules.tolerance(name)
+        if tolerance is None:
+            self._differ(path, *texts)
             return
-        apart = deviation if math.isfinite(deviation) else None
-        self._findings.differ(path, text_of(expected), text_of(actual), apart)
-
-    def _integers(self, expected: int, actual: int, path: str, tolerance: Tolerance) -> None:
         apart = abs(expected - actual)
-        deviation = _as_float(apart)
-        self._findings.deviate(path, deviation)
         allowed = tolerance.atol
         if tolerance.rtol:
             allowed += tolerance.rtol * _as_float(abs(expected))
-        if apart <= allowed:
+        self._deviate(path, _as_float(apart))
+        # An infinite expected value would allow everything.
+        if apart <= allowed and apart < math.inf:
             self._findings.loose += 1
+        else:
+            self._differ(path, *texts, _as_float(apart))
+
+    def _bytes(self, expected: bytes, actual: bytes, path: str) -> None:
+        if len(expected) != len(actual):
+            self._differ(path, f"{len(expected)} bytes", f"{len(actual)} bytes")
             return
-        finite = deviation if math.isfinite(deviation) else None
-        self._findings.differ(path, text_of(expected), text_of(actual), finite)
+        pairs = enumerate(zip(expected, actual, strict=True))
+        index, (one, other) = next(pair for pair in pairs if pair[1][0] != pair[1][1])
+        self._differ(f"{path}[{index}]", f"0x{one:02x}", f"0x{other:02x}")
+
+    def _differ(self, path: str, one: str, other: str, deviation: float = math.nan) -> None:
+        """Note that a leaf differs."""
+        self._findings.different += 1
+        apart = deviation if math.isfinite(deviation) else None
+        self._findings.add(Difference(path, one, other, apart))
+
+    def _deviate(self, path: str, deviation: float) -> None:
+        """Note how far apart two numbers are."""
+        if self._findings.deviation < deviation < math.inf:
+            self._findings.deviation, self._findings.deviation_path = deviation, path
 
 
 def join(path: str, key: str) -> str:
@@ -265,11 +201,7 @@ def _is_number(value: Tree) -> bool:
 
 
 def _is_quaternion(value: Mapping[str, Tree]) -> bool:
-    return (
-        len(value) == 4
-        and value.keys() == _QUATERNION
-        and all(isinstance(component, float) for component in value.values())
-    )
+    return value.keys() == _QUATERNION and all(isinstance(each, float) for each in value.values())
 
 
 def _distance(one: Mapping[str, float], other: Mapping[str, float]) -> float:
@@ -278,40 +210,38 @@ def _distance(one: Mapping[str, float], other: Mapping[str, float]) -> float:
     return max((d for d in deviations if math.isfinite(d)), default=0.0)
 
 
-def _within(deviation: float, expected: float, tolerance: Tolerance) -> bool:
-    # An infinite expected value would allow everything.
-    return math.isfinite(deviation) and deviation <= tolerance.atol + tolerance.rtol * abs(expected)
+def _compare_arrays(
+    expected: NDArray[Any], actual: NDArray[Any], tolerance: Tolerance | None
+) -> tuple[Flags, Flags, Floats]:
+    """Compare arrays of one length.
 
-
-def _compare_floats(
-    expected: NDArray[Any], actual: NDArray[Any], tolerance: Tolerance
-) -> tuple[Flags, Flags, NDArray[np.float64]]:
-    """Return (n,) which are equal, which agree, and how far they are apart."""
-    one, other = expected.astype(np.float64), actual.astype(np.float64)
+    Returns:
+        (n,) which are equal, which agree, and how far they are apart: below 0 where that is no
+        finite number, and without a tolerance everywhere.
+    """
+    kinds = {expected.dtype.kind, actual.dtype.kind}
+    if tolerance is None or "b" in kinds:
+        equal = expected == actual
+        return equal, equal, np.full(len(equal), -1.0)
+    # Differences of integers are exact.
+    one, other = (
+        each.astype(np.float64 if "f" in kinds else object) for each in (expected, actual)
+    )
     with np.errstate(invalid="ignore", over="ignore"):
-        deviation = np.abs(one - other)
-        equal = (one == other) | (np.isnan(one) & np.isnan(other))
-        near = deviation <= tolerance.atol + tolerance.rtol * np.abs(one)
-    return equal, equal | (near & np.isfinite(deviation)), deviation
-
-
-def _compare_integers(
-    expected: NDArray[Any], actual: NDArray[Any], tolerance: Tolerance
-) -> tuple[Flags, Flags, NDArray[np.float64]]:
-    """Return the same as `_compare_floats`; differences of integers are exact."""
-    apart = np.abs(expected.astype(object) - actual.astype(object))
-    allowed = tolerance.atol + tolerance.rtol * np.abs(expected.astype(np.float64))
-    return expected == actual, (apart <= allowed).astype(np.bool_), apart.astype(np.float64)
+        apart = np.abs(one - other)
+        agree = (apart <= tolerance.atol + tolerance.rtol * np.abs(one)).astype(np.bool_)
+    equal = (one == other) | ((one != one) & (other != other))  # noqa: PLR0124 - NaN
+    apart = np.where(np.isfinite(apart.astype(np.float64)), apart, -1.0).astype(np.float64)
+    return equal, equal | (agree & (apart >= 0.0)), apart
 
 
 def count_leaves(value: Tree) -> int:
     """Return the number of leaves; an empty struct or array counts as one."""
-    if isinstance(value, Mapping):
-        return max(sum(count_leaves(inner) for inner in value.values()), 1)
-    if isinstance(value, list):
-        return max(sum(count_leaves(inner) for inner in value), 1)
     if isinstance(value, np.ndarray):
         return max(len(value), 1)
+    if isinstance(value, Mapping | list):
+        inner = value.values() if isinstance(value, Mapping) else value
+        return max(sum(map(count_leaves, inner)), 1)
     return 1
 
 
@@ -322,7 +252,7 @@ def text_of(value: Tree) -> str:
     if isinstance(value, bytes):
         text = f"{len(value)} bytes {value[:_TEXT_LIMIT].hex()}"
     elif isinstance(value, np.ndarray):
-        text = f"[{', '.join(str(one) for one in value[:_TEXT_LIMIT])}]"
+        text = f"[{', '.join(map(str, value[:_TEXT_LIMIT]))}]"
     else:
         text = json.dumps(value[:_TEXT_LIMIT] if isinstance(value, str) else value, default=text_of)
     return text if len(text) <= _TEXT_LIMIT else f"{text[: _TEXT_LIMIT - 3]}..."

@@ -1,18 +1,15 @@
 """Results of a comparison, and the words that all reports share."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from pathlib import Path
 from typing import Final, Literal
 
-from dogbot_logtool.comparison.fields import FieldDifference, Findings
 from dogbot_logtool.errors import DAMAGED
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader.containers.loss import Damage
 
-SAME: Final = 0
-DIFFERENT: Final = 1
 RECORDS: Final = "(records)"
 """Stands for a topic in differences of profile, metadata and attachments."""
 
@@ -36,14 +33,15 @@ class Kind(StrEnum):
 class Difference:
     """One difference, and the message and field in which it is."""
 
-    kind: Kind
-    topic: str
-    """The topic; in a JSON document the key at its top."""
     path: str = ""
+    """``entities[0].arrows[0].pose.position.z``."""
     expected: str = ""
     actual: str = ""
     deviation: float | None = None
     """|expected - actual| where both are finite numbers."""
+    kind: Kind = Kind.FIELD
+    topic: str = ""
+    """The topic; in a JSON document the key at its top."""
     index: int | None = None
     """Index of the message among the topic's, in time order from 0: in the actual file for an
     extra one, else in the expected file."""
@@ -67,6 +65,52 @@ class Difference:
         texts = f"expected {printable(self.expected)}, got {printable(self.actual)}"
         apart = "" if self.deviation is None else f" (|d| {self.deviation:.3g})"
         return f"{where or self.topic}: {texts}{apart}"
+
+
+@dataclass(slots=True)
+class Findings:
+    """Differences between two values, or two files: all are counted, the first are kept."""
+
+    limit: int
+    """Differences to keep."""
+    differences: list[Difference] = field(default_factory=list)
+    count: int = 0
+    """All differences; whatever is missing or extra at the end of an array is one."""
+    compared: int = 0
+    """Leaves that both have."""
+    empty: int = 0
+    """Structs and arrays that are empty in both."""
+    loose: int = 0
+    """Leaves that are not equal but agree: within tolerance, or quaternions of the other sign."""
+    different: int = 0
+    missing: int = 0
+    """Leaves that only the expected value has."""
+    extra: int = 0
+    """Leaves that only the actual value has."""
+    deviation: float = 0.0
+    """The largest between two finite numbers, within tolerance or not."""
+    deviation_path: str = ""
+
+    @property
+    def room(self) -> int:
+        """How many more differences are kept."""
+        return self.limit - len(self.differences)
+
+    def add(self, difference: Difference) -> None:
+        """Count a difference, and keep it if there is room."""
+        self.count += 1
+        if self.room > 0:
+            self.differences.append(difference)
+
+    def take(self, found: "Findings", where: Difference) -> None:
+        """Add differences of fields; `where` tells the topic and the message that they are of."""
+        self.differences += [
+            replace(
+                each, kind=where.kind, topic=where.topic, index=where.index, time_s=where.time_s
+            )
+            for each in found.differences[: self.room]
+        ]
+        self.count += found.count
 
 
 @dataclass(slots=True)
@@ -102,6 +146,11 @@ class Tally:
         """Whether nothing differs more than allowed."""
         return not (self.different or self.missing or self.extra or self.faults)
 
+    def deviate(self, path: str, deviation: float) -> None:
+        """Note how far apart two numbers are."""
+        if deviation > self.deviation:
+            self.deviation, self.deviation_path = deviation, path
+
     def summary(self, unit: str) -> str:
         """Say in a line how the topic differs; `unit` is what is counted."""
         name = printable(self.name)
@@ -115,62 +164,29 @@ class Tally:
         apart = f" (largest |d| {self.deviation:.3g})" if self.deviation else ""
         return f"{name}: {', '.join(parts) or 'the same'}{apart}"
 
-    def count_leaves(self, findings: Findings) -> None:
-        """Count the leaves of a tree that was compared as a whole."""
-        self.expected += findings.compared + findings.missing
-        self.actual += findings.compared + findings.extra
-        self.equal += findings.compared - findings.loose - findings.different
-        self.within_tolerance += findings.loose
-        self.different += findings.different
-        self.missing += findings.missing
-        self.extra += findings.extra
-        self.deviate(findings.deviation_path, findings.deviation)
 
-    def deviate(self, path: str, deviation: float) -> None:
-        """Note how far apart two numbers are."""
-        if deviation > self.deviation:
-            self.deviation, self.deviation_path = deviation, path
-
-
-@dataclass(slots=True)
-class Differences:
-    """The first differences; all are counted."""
-
-    limit: int
-    kept: list[Difference] = field(default_factory=list)
-    count: int = 0
-
-    @property
-    def room(self) -> int:
-        """How many more are kept."""
-        return self.limit - len(self.kept)
-
-    def add(self, difference: Difference) -> None:
-        """Count a difference, and keep it if there is room."""
-        self.count += 1
-        if self.room > 0:
-            self.kept.append(difference)
-
-    def take(
-        self,
-        findings: Findings,
-        topic: str,
-        kind: Kind,
-        index: int | None = None,
-        time_s: float | None = None,
-    ) -> None:
-        """Add differences of fields, with the message in which they are."""
-        for found in findings.differences[: self.room]:
-            self.kept.append(field_difference(found, topic, kind, index, time_s))
-        self.count += findings.count
+def tally_of_leaves(name: str, found: Findings) -> Tally:
+    """Return the counts of a tree that was compared as a whole."""
+    return Tally(
+        name,
+        expected=found.compared + found.missing,
+        actual=found.compared + found.extra,
+        equal=found.compared - found.loose - found.different,
+        within_tolerance=found.loose,
+        different=found.different,
+        missing=found.missing,
+        extra=found.extra,
+        deviation=found.deviation,
+        deviation_path=found.deviation_path,
+    )
 
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
     """The result of comparing two files."""
 
-    expected: Location
-    actual: Location
+    expected: Path
+    actual: Path
     unit: str
     """The unit of the tallies: ``messages`` or ``values``."""
     tallies: Sequence[Tally]
@@ -181,8 +197,17 @@ class Comparison:
     """All of them. A message or an array with several differing fields counts each."""
     damage: Sequence[Damage] = ()
     """What was lost of which file; sound files are left out."""
-    warnings: Sequence[str] = ()
-    """Sentences on a call that may not be what was meant; they change no exit code."""
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences on a call that may not be what was meant; they change no exit code."""
+        return tuple(self._warnings())
+
+    def _warnings(self) -> Iterator[str]:
+        if self.expected.samefile(self.actual):
+            yield f"{self.expected} and {self.actual} are the same file, so nothing can differ"
+        if not any(t.expected or t.actual for t in self.tallies if t.name != RECORDS):
+            yield f"neither file has any {self.unit} to compare"
 
     @property
     def same(self) -> bool:
@@ -192,40 +217,21 @@ class Comparison:
     @property
     def verdict(self) -> str:
         """The result in a line."""
-        differing = [tally for tally in self.tallies if not tally.same]
-        compared = sum(tally.expected for tally in self.tallies if tally.name != RECORDS)
         topics = [tally for tally in self.tallies if tally.name != RECORDS]
         what = f"{len(topics)} {'topics' if self.unit == 'messages' else 'parts'}"
-        loose = sum(tally.within_tolerance for tally in self.tallies)
-        tail = f", {loose} within tolerance" if loose else ""
-        text = f"same: {what}, {compared} {self.unit}{tail}"
-        if differing:
-            counts = [
-                (sum(tally.different for tally in self.tallies), "different"),
-                (sum(tally.missing for tally in self.tallies), "missing"),
-                (sum(tally.extra for tally in self.tallies), "extra"),
-                (sum(tally.faults for tally in self.tallies), "described differently"),
-            ]
-            listed = ", ".join(f"{count} {word}" for count, word in counts if count)
-            text = f"different: {listed}, of {what} and {compared} {self.unit}{tail}"
+        of = f"{sum(tally.expected for tally in topics)} {self.unit}"
+        words = {"different": "different", "missing": "missing", "extra": "extra",
+                 "faults": "described differently"}  # fmt: skip
+        counts = {word: sum(getattr(t, name) for t in self.tallies) for name, word in words.items()}
+        listed = ", ".join(f"{count} {word}" for word, count in counts.items() if count)
+        text = f"same: {what}, {of}" if self.same else f"different: {listed}, of {what} and {of}"
+        if loose := sum(tally.within_tolerance for tally in self.tallies):
+            text += f", {loose} within tolerance"
         return f"{text}; damaged, and compared as far as can be read" if self.damage else text
 
     @property
     def exit_code(self) -> int:
         """0: the same; 1: different; 3: the same as far as damaged files can be read."""
         if not self.same:
-            return DIFFERENT
-        return DAMAGED if self.damage else SAME
-
-
-def field_difference(
-    found: FieldDifference,
-    topic: str,
-    kind: Kind,
-    index: int | None = None,
-    time_s: float | None = None,
-) -> Difference:
-    """Say in which topic, and in which message, a field differs."""
-    return Difference(
-        kind, topic, found.path, found.expected, found.actual, found.deviation, index, time_s
-    )
+            return 1
+        return DAMAGED if self.damage else 0

@@ -6,15 +6,14 @@ beside its messages is named like fields: ``profile``, ``metadata:NAME``, ``meta
 ``attachment:NAME``.
 """
 
-import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, Final
 
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.io.toml_table import parse_toml, read_toml, shortened
+from dogbot_logtool.io.toml_table import parse_toml, read_toml, toml_number
 
 _DEFAULT: Final = "default"
 
@@ -32,7 +31,6 @@ class Tolerance:
 class Quantity:
     """Fields that share a tolerance: lengths, angles, forces ..."""
 
-    name: str
     fields: tuple[str, ...]
     """Globs."""
     tolerance: Tolerance
@@ -118,57 +116,31 @@ def load_rules(
         fields = ["*position*", "*translation*"]
 
     Raises:
-        CallError: a tolerance is not one, or the file is not a tolerance file.
+        CallError: the file is not a tolerance file.
     """
-    default = Tolerance()
-    quantities: tuple[Quantity, ...] = ()
-    if tolerances is not None:
-        default, quantities = _load(tolerances)
-    return Rules(
-        Tolerance(
-            default.atol if atol is None else _checked(atol, "--atol"),
-            default.rtol if rtol is None else _checked(rtol, "--rtol"),
-        ),
-        quantities,
-        ignore,
-        topics,
+    quantities = {} if tolerances is None else _load(tolerances)
+    default = quantities.pop(_DEFAULT, Quantity((), Tolerance())).tolerance
+    default = Tolerance(
+        default.atol if atol is None else atol, default.rtol if rtol is None else rtol
     )
+    return Rules(default, tuple(quantities.values()), ignore, topics)
 
 
-def _load(path: Path) -> tuple[Tolerance, tuple[Quantity, ...]]:
+def _load(path: Path) -> dict[str, Quantity]:
     document = parse_toml(read_toml(path, "a tolerance file"), str(path))
-    default = Tolerance()
-    quantities: list[Quantity] = []
-    for name, table in document.items():
-        if not isinstance(table, dict):
-            raise CallError(f"{path}: {name} must be a table: [{name}]")
-        quantity = _quantity(f"{path}: {name}", name, table)
-        if name == _DEFAULT:
-            default = quantity.tolerance
-        else:
-            quantities.append(quantity)
-    return default, tuple(quantities)
+    return {name: _quantity(f"{path}: {name}", name, each) for name, each in document.items()}
 
 
-def _quantity(where: str, name: str, table: Mapping[str, Any]) -> Quantity:
+def _quantity(where: str, name: str, table: Any) -> Quantity:  # noqa: ANN401 - any TOML value
+    if not isinstance(table, dict):
+        raise CallError(f"{where} must be a table: [{name}]")
     known = {"atol", "rtol"} if name == _DEFAULT else {"atol", "rtol", "fields"}
-    if strange := sorted(set(table) - known):
+    if strange := sorted(table.keys() - known):
         raise CallError(f"{where}.{strange[0]}: not known; there may be {', '.join(sorted(known))}")
     fields = table.get("fields", [])
     if not isinstance(fields, list) or not all(isinstance(glob, str) for glob in fields):
         raise CallError(f"{where}.fields must be a list of globs")
     if not fields and name != _DEFAULT:
         raise CallError(f"{where}.fields is missing: which fields is it for?")
-    tolerance = Tolerance(
-        _checked(table.get("atol", 0.0), f"{where}.atol"),
-        _checked(table.get("rtol", 0.0), f"{where}.rtol"),
-    )
-    return Quantity(name, tuple(fields), tolerance)
-
-
-def _checked(value: object, where: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise CallError(f"{where} is {shortened(value)}; it must be a number")
-    if not 0 <= value <= sys.float_info.max:
-        raise CallError(f"{where} is {shortened(value)}; it must be a finite number, 0 or more")
-    return float(value)
+    atol, rtol = (toml_number(table.get(key, 0), f"{where}.{key}", 0.0) for key in ("atol", "rtol"))
+    return Quantity(tuple(fields), Tolerance(atol, rtol))

@@ -22,7 +22,7 @@ from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.checks.engine import consequence, findings_of
 from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.corrected import Corrected, clocks_of_joints, correct
+from dogbot_logtool.core.corrected import Corrected, correct
 from dogbot_logtool.core.gait.segments import (
     Segment,
     find_segments,
@@ -173,7 +173,7 @@ def _imu(walk: Walk, inertial: "VectorHistory | None") -> "ImuComparison | None"
         return None
     from dogbot_logtool.core.imu import compare_imu  # noqa: PLC0415
 
-    comparable = walk.vertical_known and not (walk.feet_clocks_are_apart or walk.base_is_apart)
+    comparable = walk.vertical_known and walk.contacts_known and not walk.base_is_apart
     strides = any_strides(walk.records, walk.fallen, walk.standing.without_steps)
     return compare_imu(
         inertial,
@@ -208,5 +208,4 @@ def _with_legs(
     """Add the metrics of the legs."""
     from dogbot_logtool.core.leg_evaluation import with_legs  # noqa: PLC0415
 
-    clocks = clocks_of_joints(corrected, recording.joints)
-    return with_legs(walk, recording.joints, settings, frames, clocks)
+    return with_legs(walk, recording.joints, settings, frames, corrected.joint_clocks)

@@ -11,13 +11,12 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.axes import leaning_walk_rad
 from dogbot_logtool.core.base.foot_path import FootPath, path_in_base, path_of
 from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history
-from dogbot_logtool.core.contact.contact_rule import without_offset
 from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.contact.filtered import time_constants_s, without_filter
 from dogbot_logtool.core.contact.foot_history import FootHistory, foot_history
 from dogbot_logtool.core.contact.silent_swing import with_swings
 from dogbot_logtool.core.corrections.clock import (
     ClockDifference,
-    LogClock,
     OffsetTrack,
     StampCheck,
     TimeSource,
@@ -42,8 +41,8 @@ from dogbot_logtool.core.quality.quality import (
     with_gaps,
 )
 from dogbot_logtool.core.recording import Recording, VectorTopic
-from dogbot_logtool.core.sensors import with_sensors
-from dogbot_logtool.core.settings import FootSettings, WalkSettings
+from dogbot_logtool.core.sensors import with_sensors, without_offset
+from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.world_frames import PlacedCounts, WorldFrames
 
 if TYPE_CHECKING:
@@ -70,10 +69,10 @@ class Corrected:
     leaning_rad: float | None
     """rad, how far the base seems to lean while the robot walks: its poses are left out; None: it
     does not."""
-    offsets: Mapping[str, OffsetTrack]
-    """How far the stamps of the feet and of the base lie behind log time, by topic."""
     clocks: tuple[ClockDifference, ...]
-    """How far topics' clocks are from that of the feet; nothing on log time."""
+    """How far topics' clocks are from that of the feet; nothing on log time. Also
+    `joint_clocks`, with those of joint states."""
+    joint_clocks: tuple[ClockDifference, ...]
     topics: tuple[TopicQuality, ...]
     commands: "VectorHistory | None"
     """Velocity commands; None: the log has none. Likewise `inertial`."""
@@ -92,29 +91,33 @@ def correct(recording: Recording, settings: WalkSettings) -> Corrected:
         for topic, each in recording.topics.items()
         if len(each.log_time)
     }
-    offsets = _offset_tracks(times, settings)
-    differences = clock_differences(offsets, [foot.topic for foot in settings.feet])
     named = [foot.topic for foot in settings.feet]
-    checks = [_check(*each, times) for each in zip(named, recording.feet, strict=True)]
-    base_check = _check(settings.odometry_topic or "the odometry", recording.base, times)
-    clock = choose_clock([*checks, base_check], differences, settings.time_source)
-    settings = _learnt(recording, _on_clock(settings, clock))
+    stamped = {topic: each for topic, each in times.items() if each.has_stamps}
+    measured = sorted({*named, settings.odometry_topic} & stamped.keys())
+    offsets = {topic: stamped[topic].offset_track() for topic in measured}
+    clocks = clock_differences(offsets, named)
+    base_check = _check(settings.odometry_topic or "the odometry", recording.base)
+    checks = [*map(_check, named, recording.feet), base_check]
+    clock = choose_clock(checks, clocks, settings.time_source)
+    if clock.reason:
+        settings = replace(settings, time_source=clock.source, time_source_reason=clock.reason)
+    on_stamps = clock.source is TimeSource.HEADER
+    recording, settings = _without_filters(recording, settings)
+    settings = with_sensors(settings, recording.feet)
     frames = known_frames(recording, settings)
     settings = _in_frames(recording, settings, frames)
-    turning = world_frames(frames, settings)
-    samples = _with_swings(_without_offsets(recording.feet, settings), settings)
-    samples = _without_unfilled_places(samples, settings)
-    places = _places(samples, recording.base, settings)
-    turned = None
-    if turning is None:
-        # Places that legs tell are in the world already.
-        samples = samples if settings.contact_from else _without_places(samples, places)
-    else:
-        tracks = turning.tracks(recording.transforms, recording.base)
-        samples, counts = turning.place(samples, tracks)
-        turned = turning, counts
-    feet = _histories(samples, recording.feet, checks, settings, clock)
-    on_stamps = clock.source is TimeSource.HEADER
+    samples, places, turned = _corrected_samples(recording, settings, frames)
+    feet = tuple(
+        foot_history(
+            without_bad_stamps(own, _check(foot.topic, own)) if on_stamps else own,
+            settings.sensor(row).rule,
+            clock.source,
+            force_in_world=settings.force_in_world,
+            has_force=foot.has_force,
+            breaks=clock.breaks,
+        )
+        for row, (foot, own) in enumerate(zip(settings.feet, samples, strict=True))
+    )
     poses = without_bad_stamps(recording.base, base_check) if on_stamps else recording.base
     base = base_history(poses, clock.source, clock.breaks)
     leaning = leaning_walk_rad(base, feet)
@@ -128,29 +131,12 @@ def correct(recording: Recording, settings: WalkSettings) -> Corrected:
         places=places,
         base=base if leaning is None else base.without_poses(),
         leaning_rad=leaning,
-        offsets=offsets,
-        clocks=differences if on_stamps else (),
+        clocks=clocks if on_stamps else (),
+        joint_clocks=_joint_clocks(recording.joints, offsets, named) if on_stamps else (),
         topics=_topic_qualities(settings, times, feet),
         commands=_vectors(settings, settings.command_topic, recording.commands, behind),
         inertial=_vectors(settings, settings.imu_topic, recording.accelerations, behind),
     )
-
-
-def clocks_of_joints(
-    corrected: Corrected, joints: "Sequence[JointTable]"
-) -> tuple[ClockDifference, ...]:
-    """Compare the clocks of joint states, too; nothing on log time."""
-    settings = corrected.settings
-    if settings.clock is TimeSource.LOG:
-        return ()
-    offsets = {}
-    for table in joints:
-        own = table.samples
-        # Messages without a stamp have their log time.
-        stamped = own.stamp != own.log_time
-        offsets[table.topic] = offset_track(own.log_time[stamped], own.stamp[stamped])
-    every = {**offsets, **corrected.offsets}
-    return clock_differences(every, [foot.topic for foot in settings.feet])
 
 
 def usable_samples(recording: Recording, settings: WalkSettings) -> tuple[Samples, ...]:
@@ -158,54 +144,48 @@ def usable_samples(recording: Recording, settings: WalkSettings) -> tuple[Sample
     if settings.clock is TimeSource.LOG:
         return recording.feet
     checked = [
-        (each, check_stamps(foot.topic, each.stamp, each.log_time).usable)
+        (each, _check(foot.topic, each).usable)
         for foot, each in zip(settings.feet, recording.feet, strict=True)
     ]
     return tuple(each if usable.all() else each.pick(usable) for each, usable in checked)
 
 
-def _check(topic: str, columns: Samples | Odometry, times: Mapping[str, TopicTimes]) -> StampCheck:
-    """Check the header stamps of a foot or the base, which are often those of its topic."""
-    known = times.get(topic)
-    if known is not None and known.check is not None and columns.stamp is known.stamp:
-        return known.check
+def _check(topic: str, columns: Samples | Odometry) -> StampCheck:
+    """Check the header stamps of a foot or the base."""
     return check_stamps(topic, columns.stamp, columns.log_time)
 
 
-def _offset_tracks(
-    times: Mapping[str, TopicTimes], settings: WalkSettings
-) -> dict[str, OffsetTrack]:
-    """Return how far the stamps of the feet and of the base lie behind log time, by topic."""
-    measured = {*(foot.topic for foot in settings.feet), settings.odometry_topic}
-    return {
-        topic: times[topic].offset_track()
-        for topic in sorted(measured & times.keys())
-        if times[topic].has_stamps
-    }
+def _without_filters(
+    recording: Recording, settings: WalkSettings
+) -> tuple[Recording, WalkSettings]:
+    """Take out low-pass filters that forces went through, where these decide contact."""
+    rows = [
+        row
+        for row, foot in enumerate(settings.feet)
+        if foot.has_force
+        and not (foot.has_flags or foot.lists_contacts or foot.silent_in_swing)
+        and len(recording.feet[row].log_time)
+    ]
+    samples, feet = list(recording.feet), list(settings.feet)
+    told = time_constants_s([samples[row] for row in rows])
+    for row, tau_s in zip(rows, told, strict=True):
+        if tau_s is not None:
+            samples[row] = without_filter(samples[row], tau_s)
+            feet[row] = replace(feet[row], filter_s=tau_s)
+    return replace(recording, feet=tuple(samples)), replace(settings, feet=tuple(feet))
 
 
-def _on_clock(settings: WalkSettings, clock: LogClock) -> WalkSettings:
-    """Return settings that say which clock is used, where no option did."""
-    if not clock.reason:
-        return settings
-    return replace(settings, time_source=clock.source, time_source_reason=clock.reason)
-
-
-def _learnt(recording: Recording, settings: WalkSettings) -> WalkSettings:
-    """Return settings that know how the feet's sensors read, unless they did.
-
-    Some physics engines tell contacts with wrenches that are all zero: these are no forces.
-    """
-    feet = tuple(
-        replace(foot, has_force=False, forces_are_zero=foot.has_force)
-        if samples.in_contact.any() and not samples.force[samples.in_contact].any()
-        else foot
-        for foot, samples in zip(settings.feet, recording.feet, strict=True)
-    )
-    settings = replace(settings, feet=feet)
-    if all(foot.sensor is not None for foot in feet):
-        return settings
-    return with_sensors(settings, recording.feet)
+def _joint_clocks(
+    joints: "Sequence[JointTable]", offsets: Mapping[str, OffsetTrack], feet: Sequence[str]
+) -> tuple[ClockDifference, ...]:
+    """Compare the clocks of joint states, too."""
+    tracks = {}
+    for table in joints:
+        own = table.samples
+        # Messages without a stamp have their log time.
+        stamped = own.stamp != own.log_time
+        tracks[table.topic] = offset_track(own.log_time[stamped], own.stamp[stamped])
+    return clock_differences({**tracks, **offsets}, feet) if tracks else ()
 
 
 def _in_frames(recording: Recording, settings: WalkSettings, frames: KnownFrames) -> WalkSettings:
@@ -220,108 +200,47 @@ def _in_frames(recording: Recording, settings: WalkSettings, frames: KnownFrames
     return replace(settings, imu_mounting=imu_mounting(recording, frames))
 
 
-def _without_offsets(feet: Sequence[Samples], settings: WalkSettings) -> tuple[Samples, ...]:
-    """Take off what unloaded sensors read."""
-    found = []
-    for row, recorded in enumerate(feet):
-        foot = settings.feet[row]
-        samples = without_offset(
-            recorded,
-            settings.sensor(row),
-            lists_contacts=foot.lists_contacts,
-            only_presses=foot.only_presses,
-        )
-        found.append(samples)
-    return tuple(found)
+def _corrected_samples(
+    recording: Recording, settings: WalkSettings, frames: KnownFrames
+) -> tuple[
+    tuple[Samples, ...],
+    tuple[FootPath | None, ...],
+    tuple[WorldFrames, PlacedCounts] | None,
+]:
+    """Take off offsets, fill swings in, turn forces and places into the world.
 
-
-def _places(
-    feet: Sequence[Samples], base: Odometry, settings: WalkSettings
-) -> tuple[FootPath | None, ...]:
-    """Return the places of feet in the base's axes, where messages or joints tell those."""
+    Returns:
+        samples and places of each foot, and how they were turned, as in `Corrected`.
+    """
+    feet = [
+        without_offset(own, foot) for foot, own in zip(settings.feet, recording.feet, strict=True)
+    ]
+    silent = [row for row, foot in enumerate(settings.feet) if foot.silent_in_swing]
+    feet = list(with_swings(feet, silent, settings.silent_from, settings.silent_until))
     clock = settings.clock
+    places: list[FootPath | None] = [None] * len(feet)
+    for row in [row for row, foot in enumerate(settings.feet) if foot.in_base]:
+        # A driver leaves places at the origin that it does not know.
+        known = (feet[row].position != 0.0).any(axis=1, keepdims=True)
+        position = np.where(known, feet[row].position, np.nan)
+        feet[row] = replace(feet[row], position=position)
+        places[row] = path_of(clock.of(feet[row]), position)
     if settings.contact_from and settings.odometry_topic:
         # Joints have told these places, and the poses have placed them in the world.
-        poses = base_history(base, clock)
-        return tuple(path_in_base(clock.of(each), each.position, poses) for each in feet)
-    return tuple(
-        path_of(clock.of(samples), samples.position) if foot.in_base else None
-        for foot, samples in zip(settings.feet, feet, strict=True)
-    )
-
-
-def _without_unfilled_places(
-    feet: tuple[Samples, ...], settings: WalkSettings
-) -> tuple[Samples, ...]:
-    """Return samples without places in the base's axes that a driver leaves at the origin."""
-    found = []
-    for foot, samples in zip(settings.feet, feet, strict=True):
-        unfilled = np.flatnonzero(~samples.position.any(axis=1)) if foot.in_base else np.empty(0)
-        if len(unfilled):
-            position = samples.position.copy()
-            position[unfilled] = np.nan
-            found.append(replace(samples, position=position))
-        else:
-            found.append(samples)
-    return tuple(found)
-
-
-def _without_places(
-    feet: Sequence[Samples], places: Sequence[FootPath | None]
-) -> tuple[Samples, ...]:
-    """Return samples without positions that nothing turns into the world."""
-    return tuple(
-        replace(samples, position=np.full_like(samples.position, np.nan)) if path else samples
-        for samples, path in zip(feet, places, strict=True)
-    )
-
-
-def _with_swings(feet: tuple[Samples, ...], settings: WalkSettings) -> tuple[Samples, ...]:
-    """Insert samples without contact where silence is swing."""
-    silent = [row for row, foot in enumerate(settings.feet) if foot.silent_in_swing]
-    return with_swings(feet, silent, settings.silent_from, settings.silent_until)
-
-
-def _histories(
-    feet: Sequence[Samples],
-    recorded: Sequence[Samples],
-    checks: Sequence[StampCheck],
-    settings: WalkSettings,
-    clock: LogClock,
-) -> tuple[FootHistory, ...]:
-    """Find the contacts of each foot.
-
-    Args:
-        feet: corrected samples.
-        recorded: as recorded, of which stamps are checked.
-        checks: of these.
-        settings: what decides contact.
-        clock: that is measured on.
-    """
-    if clock.source is TimeSource.HEADER:
-        own = [
-            _own_check(*each) for each in zip(settings.feet, feet, recorded, checks, strict=True)
+        poses = base_history(recording.base, clock)
+        places = [path_in_base(clock.of(own), own.position, poses) for own in feet]
+    turning = world_frames(frames, settings)
+    if turning is not None:
+        tracks = turning.tracks(recording.transforms, recording.base)
+        samples, counts = turning.place(feet, tracks)
+        return samples, tuple(places), (turning, counts)
+    if not settings.contact_from:
+        # Nothing turns these places into the world.
+        feet = [
+            replace(own, position=np.full_like(own.position, np.nan)) if path else own
+            for own, path in zip(feet, places, strict=True)
         ]
-        feet = [without_bad_stamps(*each) for each in zip(feet, own, strict=True)]
-    return tuple(
-        foot_history(
-            samples,
-            settings.sensor(row).rule,
-            clock.source,
-            force_in_world=settings.force_in_world,
-            has_force=settings.feet[row].has_force,
-            breaks=clock.breaks,
-        )
-        for row, samples in enumerate(feet)
-    )
-
-
-def _own_check(
-    foot: FootSettings, samples: Samples, recorded: Samples, check: StampCheck
-) -> StampCheck:
-    """Return the check of samples, of which some may have been inserted."""
-    is_known = samples.stamp is recorded.stamp
-    return check if is_known else check_stamps(foot.topic, samples.stamp, samples.log_time)
+    return tuple(feet), tuple(places), None
 
 
 def _vectors(

@@ -7,8 +7,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import all_finite
-from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.frames.transforms import TransformBuffer, static_tracks
+from dogbot_logtool.core.frames.transforms import TransformBuffer, chain_of_frames, static_tracks
 from dogbot_logtool.core.frames.wrench_frame import (
     FramePoint,
     WrenchFrame,
@@ -27,7 +26,7 @@ from dogbot_logtool.core.soles import (
     first_poses,
     rounded,
 )
-from dogbot_logtool.core.world_frames import WorldFrames, follow_frames
+from dogbot_logtool.core.world_frames import WorldFrames
 
 DEFAULT_WORLD: Final = "world"
 DEFAULT_BASE: Final = "base_link"
@@ -65,19 +64,58 @@ class KnownFrames:
     turned_deg: float = 0.0
     """Yaw of the base in the world when it was first seen."""
 
+    def in_base(self, settings: WalkSettings) -> list[FramePoint | None]:
+        """Return where feet are whose messages tell places in the base's frame."""
+        point = FramePoint(self.base, recorded=True)
+        return [point if foot.in_base else None for foot in settings.feet]
+
     def follow(
         self,
         settings: WalkSettings,
         links: Sequence[str | None],
         points: Sequence[FramePoint | None],
     ) -> WorldFrames | None:
-        """Return how frames of feet hang in the world; see `follow_frames`."""
+        """Decide which frames of feet are needed, and how they hang in the world.
+
+        Args:
+            settings: the clock, and whether odometry places the base.
+            links: frame of each foot's forces, which are wanted in the world; None: they are not.
+            points: where each foot is that tells no contact points; None: it is not wanted.
+
+        Returns:
+            None where no foot's frame is needed and connected.
+        """
+        world, base, has_base = self.world, self.base, bool(settings.odometry_topic)
         parents = {
-            child: next(iter(names)) for child, names in self.parents.items() if len(names) == 1
+            child: next(iter(each)) for child, each in self.parents.items() if len(each) == 1
         }
-        names, has_base = (self.world, self.base), bool(settings.odometry_topic)
-        clock = settings.clock
-        return follow_frames(parents, self.statics, links, points, names, clock, has_base=has_base)
+        if has_base:
+            # Odometry places the base; a second opinion would only contradict it.
+            parents[base] = world
+        links = [
+            link if link and chain_of_frames(parents, link, world) is not None else None
+            for link in links
+        ]
+        # The world itself is no frame of a foot.
+        points = [
+            point if point and chain_of_frames(parents, point.frame, world) else None
+            for point in points
+        ]
+        frames = {link for link in links if link} | {point.frame for point in points if point}
+        if not frames:
+            return None
+        needed = {each for frame in frames for each in chain_of_frames(parents, frame, world) or ()}
+        needed -= {base} if has_base else set()
+        return WorldFrames(
+            links=tuple(links),
+            points=tuple(points),
+            world=world,
+            base=base,
+            odometry_places_base=has_base,
+            moving={each: parents[each] for each in needed - self.statics.frames.keys()},
+            statics=self.statics.only(needed),
+            clock=settings.clock,
+        )
 
 
 def known_frames(recording: Recording, settings: WalkSettings) -> KnownFrames:
@@ -93,6 +131,7 @@ def known_frames(recording: Recording, settings: WalkSettings) -> KnownFrames:
     for parent, child in transforms.pairs():
         names |= {parent, child}
         parents.setdefault(child.lstrip("/"), set()).add(parent.lstrip("/"))
+    links = [recording.links.get(foot, frozenset[str]()) for foot in range(len(settings.feet))]
     frames = KnownFrames(
         world=settings.world_frame or _frame(recording.world_frames, DEFAULT_WORLD),
         base=settings.base_frame or _frame(recording.base_frames, DEFAULT_BASE),
@@ -101,19 +140,17 @@ def known_frames(recording: Recording, settings: WalkSettings) -> KnownFrames:
         parents={child: frozenset(found) for child, found in sorted(parents.items())},
         statics=static_tracks(transforms, settings.static_channels),
         slashed_frames=tuple(sorted(name for name in names if name.startswith("/"))),
-        links=tuple(
-            next(iter(links)) if len(links := recording.links.get(foot, frozenset())) == 1 else None
-            for foot in range(len(settings.feet))
-        ),
+        links=tuple(next(iter(each)) if len(each) == 1 else None for each in links),
         frame_poses=first_poses(transforms, settings.static_channels),
     )
-    followed = _followed(settings, frames)
-    tracks = None
+    followed = frames.follow(settings, frames.links, frames.in_base(settings))
+    tracks, soles = None, dict[int, Point]()
     if followed is not None:
-        tracks = followed.tracks(recording.transforms, recording.base)
-        frames = replace(frames, soles=find_soles(recording.feet, followed, tracks))
+        tracks = followed.tracks(transforms, recording.base)
+        soles = find_soles(recording.feet, followed, tracks)
     return replace(
         frames,
+        soles=soles,
         wrench_frame=_wrench_frame(recording, settings, followed, tracks),
         stances=_stances(recording, settings, frames),
         turned_deg=_turned_deg(recording),
@@ -128,10 +165,7 @@ def world_frames(frames: KnownFrames, settings: WalkSettings) -> WorldFrames | N
     """
     turns = settings.wrench_frame is WrenchFrame.LINK
     links = frames.links if turns else (None,) * len(frames.links)
-    in_base = FramePoint(frames.base, recorded=True)
-    return frames.follow(
-        settings, links, [in_base if foot.in_base else None for foot in settings.feet]
-    )
+    return frames.follow(settings, links, frames.in_base(settings))
 
 
 def imu_mounting(
@@ -174,25 +208,18 @@ def _wrench_frame(
     """
     if settings.promised_frame is not None:
         return WrenchFrameEvidence(settings.promised_frame)
-    some, link = [_thinned(samples) for samples in recording.feet], None
+    # Evenly spread, as many as the frame needs.
+    some = [
+        own.pick(np.arange(0, count, count // _ENOUGH_SAMPLES + 1))
+        for own in recording.feet
+        for count in (len(own.log_time),)
+    ]
+    link = None
     if followed is not None and tracks is not None:
         turned, _ = followed.place(some, tracks)
         pairs = zip(turned, some, strict=True)
         link = frame_fit(turned, [after.in_world & ~before.in_world for after, before in pairs])
     return judge_wrench_frame(frame_fit(some), link, settings.body_weight_n)
-
-
-def _thinned(samples: Samples) -> Samples:
-    """Return some samples of a foot, evenly spread, as many as the frame of wrenches needs."""
-    count = len(samples.log_time)
-    return samples.pick(np.arange(0, count, count // _ENOUGH_SAMPLES + 1))
-
-
-def _followed(settings: WalkSettings, frames: KnownFrames) -> WorldFrames | None:
-    """Return how the links of feet hang in the world."""
-    in_base = FramePoint(frames.base, recorded=True)
-    points = [in_base if foot.in_base else None for foot in settings.feet]
-    return frames.follow(settings, frames.links, points)
 
 
 def _turned_deg(recording: Recording) -> float:

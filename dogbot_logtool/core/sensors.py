@@ -23,10 +23,20 @@ from dogbot_logtool.core.settings import FootSettings, WalkSettings
 def with_sensors(settings: WalkSettings, feet: Sequence[Samples]) -> WalkSettings:
     """Return settings with how each foot's sensor reads, and what counts as contact.
 
+    Nothing is learnt where that is known of all feet.
+
     Args:
         settings: what is known of the feet.
         feet: the samples of each, as recorded.
     """
+    known = tuple(
+        # Some physics engines tell contacts with wrenches that are all zero: these are no forces.
+        replace(foot, has_force=False) if _without_forces(own) else foot
+        for foot, own in zip(settings.feet, feet, strict=True)
+    )
+    settings = replace(settings, feet=known)
+    if all(foot.sensor is not None for foot in known):
+        return settings
     weight = settings.body_weight_n
     # A mass that is only guessed from the topics tells nothing of levels.
     trusted = None if settings.mass_is_assumed else weight
@@ -90,3 +100,40 @@ def _zero(foot: FootSettings, samples: Samples) -> SensorLevel | None:
         mean = float(median_of(norms(force)))
         return replace(zero, loaded_n=mean, mean_n=mean, interval_s=interval_s)
     return level
+
+
+def _without_forces(samples: Samples) -> bool:
+    """Tell whether there are contacts, and all of them without a force."""
+    return bool(samples.in_contact.any() and not samples.force[samples.in_contact].any())
+
+
+def without_offset(samples: Samples, foot: FootSettings) -> Samples:
+    """Return samples less their sensor's offset; below the off threshold there is no contact.
+
+    Zeros of a sensor that drops out are no measurements, and become NaN.
+
+    Args:
+        samples: n samples of one foot.
+        foot: with its sensor.
+    """
+    sensor = foot.sensor
+    if sensor is None or not len(samples.log_time):
+        return samples
+    level = sensor.level
+    reads_offset = bool(level.offset.any()) or not foot.lists_contacts
+    if not (reads_offset or level.drops_out):
+        return samples
+    force = samples.force.copy()
+    recorded_zero = (force == 0.0).all(axis=1)
+    if reads_offset:
+        force -= level.offset_at(samples.log_time)
+        if foot.only_presses:
+            force = np.where(force < 0.0, 0.0, force)
+        # A force that is not a number is below no threshold.
+        force[norms(force) < sensor.rule.off_n] = 0.0
+    if level.drops_out:
+        force[recorded_zero] = np.nan
+    touches = (force != 0.0).any(axis=1)
+    if foot.lists_contacts:
+        touches &= samples.in_contact
+    return replace(samples, force=force, in_contact=touches)

@@ -1,10 +1,11 @@
 """Forces and positions of feet turned into the world by the log's own frames."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Flags, all_finite
 from dogbot_logtool.core.base.poses import Odometry, usable_poses
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource
@@ -12,14 +13,11 @@ from dogbot_logtool.core.frames.transforms import (
     Poses,
     RecordedTransforms,
     TransformBuffer,
-    chain_of_frames,
     frame_track,
     moving_tracks,
 )
-from dogbot_logtool.core.frames.wrench_frame import FramePoint, place_points, turn_forces
-
-Parents = Mapping[str, str]
-"""Parent by frame, without leading slashes."""
+from dogbot_logtool.core.frames.wrench_frame import FramePoint
+from dogbot_logtool.core.rotations import rotate
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +41,8 @@ class WorldFrames:
     world: str
     base: str
     odometry_places_base: bool
-    moving: Parents
-    """Of the frames on the way to the world that the log's own transforms move."""
+    moving: Mapping[str, str]
+    """Parent of each frame on the way to the world that the log's own transforms move."""
     statics: TransformBuffer
     clock: TimeSource
 
@@ -68,70 +66,59 @@ class WorldFrames:
             around: the frames that move.
         """
         buffer = self.statics.then(around)
-
-        def poses_of(frame: str, samples: Samples) -> Poses:
-            return buffer.lookup(frame, self.world, self.clock.of(samples), samples.log_time)
-
-        turned = [turn_forces(*each, poses_of) for each in zip(feet, self.links, strict=True)]
+        turned = [self._turn(*each, buffer) for each in zip(feet, self.links, strict=True)]
         placed = [
-            place_points(samples, point, poses_of)
+            self._put(samples, point, buffer)
             for (samples, _), point in zip(turned, self.points, strict=True)
         ]
         told = (np.concatenate([known for _, known in each]) for each in (turned, placed))
         counts = [(int(known.sum()), int((~known).sum())) for known in told]
         return tuple(samples for samples, _ in placed), PlacedCounts(*counts)
 
+    def _poses(self, buffer: TransformBuffer, frame: str, samples: Samples) -> Poses:
+        """Return where a frame is in the world when samples were taken."""
+        return buffer.lookup(frame, self.world, self.clock.of(samples), samples.log_time)
 
-def follow_frames(
-    parents: Parents,
-    statics: TransformBuffer,
-    links: Sequence[str | None],
-    points: Sequence[FramePoint | None],
-    names: tuple[str, str],
-    clock: TimeSource,
-    *,
-    has_base: bool,
-) -> WorldFrames | None:
-    """Decide which frames are needed, and how they hang together.
+    def _turn(
+        self, samples: Samples, link: str | None, buffer: TransformBuffer
+    ) -> tuple[Samples, Flags]:
+        """Turn the forces of a foot that are not in the world already.
 
-    Args:
-        parents: by the log's own transforms.
-        statics: transforms that hold for ever.
-        links: frame of each foot's forces, which are wanted in the world; None: they are not.
-        points: where each foot is that tells no contact points; None: it is not wanted.
-        names: the world's frame and the base's.
-        clock: the clock of samples and transforms.
-        has_base: odometry places the base.
+        Returns:
+            the samples, `in_world` where a force was turned, and whether each of those that were
+            to be turned was.
+        """
+        rows = np.flatnonzero(samples.in_contact & ~samples.in_world)
+        if link is None or not len(rows):
+            return samples, np.empty(0, np.bool_)
+        poses = self._poses(buffer, link, samples.pick(rows))
+        found = rows[poses.known]
+        force, in_world = samples.force.copy(), samples.in_world.copy()
+        with np.errstate(invalid="ignore"):
+            force[found] = rotate(poses.rotation[poses.known], force[found])
+        in_world[found] = True
+        return replace(samples, force=force, in_world=in_world), poses.known
 
-    Returns:
-        None where no foot's frame is needed and connected.
-    """
-    world, base = names
-    if has_base:
-        # Odometry places the base; a second opinion would only contradict it.
-        parents = {**parents, base: world}
-    links = tuple(
-        link if link and chain_of_frames(parents, link, world) is not None else None
-        for link in links
-    )
-    # The world itself is no frame of a foot.
-    points = tuple(
-        point if point and chain_of_frames(parents, point.frame, world) else None
-        for point in points
-    )
-    frames = {link for link in links if link} | {point.frame for point in points if point}
-    if not frames:
-        return None
-    needed = {each for frame in frames for each in chain_of_frames(parents, frame, world) or ()}
-    if has_base:
-        needed.discard(base)
-    return WorldFrames(
-        links=links,
-        points=points,
-        world=world,
-        base=base,
-        odometry_places_base=has_base,
-        moving={each: parents[each] for each in needed - statics.frames.keys()},
-        statics=statics.only(needed),
-        clock=clock,
-    )
+    def _put(
+        self, samples: Samples, point: FramePoint | None, buffer: TransformBuffer
+    ) -> tuple[Samples, Flags]:
+        """Place the samples of a foot that tell no contact point where a frame is at their time.
+
+        Returns:
+            the samples, with one point each where they were placed, and whether each of those that
+            were to be placed was.
+        """
+        # Without contact points, a position is that of a foot in the base's frame.
+        position = np.where((samples.points > 0)[:, None], samples.position, np.nan)
+        rows = np.flatnonzero(samples.in_contact & (samples.points == 0))
+        if point is None or not len(rows):
+            return replace(samples, position=position), np.empty(0, np.bool_)
+        if point.recorded:
+            rows = rows[all_finite(samples.position[rows])]
+        poses = self._poses(buffer, point.frame, samples.pick(rows))
+        found, points = rows[poses.known], samples.points.copy()
+        inside = samples.position[found] if point.recorded else np.array([point.offset])
+        shift, turn = poses.translation[poses.known], poses.rotation[poses.known]
+        position[found] = shift + rotate(turn, inside)
+        points[found] = 1
+        return replace(samples, position=position, points=points), poses.known

@@ -14,6 +14,7 @@ from dogbot_logtool.io.storage import content
 
 _LARGEST: Final = 256 << 10
 """Bytes; a file that a person wrote has some thousands."""
+_MOST: Final = 1e300
 _LONGEST_VALUE: Final = 60
 """Characters of a value that a sentence shows."""
 _LONG_KEY: Final = re.compile(
@@ -79,6 +80,20 @@ def shortened(value: object) -> str:
     except (ValueError, RecursionError):
         return "too long to show"
     return text if len(text) <= _LONGEST_VALUE else f"{text[:_LONGEST_VALUE]}..."
+
+
+def toml_number(value: object, where: str, least: float = -_MOST) -> float:
+    """Return a value that must be a finite number, at least so large.
+
+    Raises:
+        CallError: it is none; the sentence begins with `where`.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise CallError(f"{where} is {shortened(value)}; it must be a number")
+    if not least <= value < _MOST:
+        wanted = "a finite number" if least < 0.0 else f"a finite number, {least:g} or more"
+        raise CallError(f"{where} is {shortened(value)}; it must be {wanted}")
+    return float(value)
 
 
 class TomlFile:

@@ -14,16 +14,14 @@ from dogbot_logtool.core.legs.joints import MOST_JOINTS, JointSamples, JointTabl
 from dogbot_logtool.core.plausible import plausible_odometry
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss
 from dogbot_logtool.reader.messages.bases import BasePoses, joined_poses
-from dogbot_logtool.reader.messages.contact_messages import DecodedContacts, read_contacts
+from dogbot_logtool.reader.messages.contacts import ReadContacts, read_contacts
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
-from dogbot_logtool.reader.messages.joints import read_joints
-from dogbot_logtool.reader.messages.messages import malformed_in
-from dogbot_logtool.reader.messages.transforms import (
-    decode_transforms,
+from dogbot_logtool.reader.messages.others import (
     is_static,
-    transform_columns,
+    read_joints,
+    read_transforms,
+    read_vectors,
 )
-from dogbot_logtool.reader.messages.vectors import read_vectors
 from dogbot_logtool.reader.wanted import Wanted
 
 Key = tuple[str, Any]
@@ -85,17 +83,17 @@ def read_part(wanted: Wanted, log: Log, whole: Batch) -> Part:
     contacts = read_contacts(batch, wanted.contacts, wanted.feet)
     for read in contacts:
         _add_contacts(part, read, len(wanted.feet.feet))
-    planned: Sequence[DecodedContacts] = ()
+    planned: Sequence[ReadContacts] = ()
     if wanted.planned_feet is not None:
         planned = read_contacts(batch, wanted.planned, wanted.planned_feet)
     for read in planned:
-        _add_samples(part, "planned", read.reduced.samples, len(wanted.feet.feet))
+        _add_samples(part, "planned", read.samples, len(wanted.feet.feet))
     for topic, stamps in _stamped(log, wanted, base, [*contacts, *planned]):
         part.columns["stamps", topic].append(stamps)
     _add_transforms(part, wanted, batch, whole)
     for kind, vectors in (("commands", wanted.commands), ("accelerations", wanted.accelerations)):
         if vectors is not None:
-            found = read_vectors(batch, vectors.channels, vectors.rows)
+            found = read_vectors(batch, vectors.channels, vectors.part)
             part.columns[kind, ONLY].append(found.samples)
             part.names[kind, ONLY].update(found.frames)
             part.add_malformed(found.malformed)
@@ -115,18 +113,19 @@ def _add_base(part: Part, wanted: Wanted, batch: Batch) -> list[BasePoses]:
     return base
 
 
-def _add_contacts(part: Part, read: DecodedContacts, feet: int) -> None:
-    samples, timing = read.reduced.samples, read.timing
+def _add_contacts(part: Part, read: ReadContacts, feet: int) -> None:
+    samples, pairs = read.samples, read.pairs
     _add_samples(part, "feet", samples, feet)
-    lag = np.full(len(samples.foot), UNTIMED) if timing is None else timing.lag
+    lag = np.full(len(samples.foot), UNTIMED) if pairs is None else pairs.lag
     for foot in range(feet):
         part.columns["lags", foot].append(Numbers(lag[samples.foot == foot]))
-    if timing is not None:
-        part.columns["steps", ONLY].append(Numbers(timing.step))
     for foot, names in read.links.items():
         part.names["links", foot].update(names)
-    for kind in ("implausible", "untimed_messages", "foreign_states"):
-        part.counts[kind, ONLY] += getattr(read.reduced, kind)
+    part.counts["implausible", ONLY] += read.implausible
+    if pairs is not None:
+        part.columns["steps", ONLY].append(Numbers(pairs.step))
+        part.counts["untimed_messages", ONLY] += pairs.untimed_messages
+        part.counts["foreign_states", ONLY] += pairs.foreign_states
     part.add_malformed(read.messages.malformed)
 
 
@@ -147,9 +146,9 @@ def _add_transforms(part: Part, wanted: Wanted, batch: Batch, whole: Batch) -> N
     """Add transforms; those that hold for ever do so within the limits, too, wherever they are."""
     static = [channel for channel in wanted.transforms if is_static(channel)]
     moving = [channel for channel in wanted.transforms if not is_static(channel)]
-    found = [*decode_transforms(batch, moving), *decode_transforms(whole, static)]
-    part.transforms.extend(map(transform_columns, found))
-    part.add_malformed(malformed_in(found))
+    for found, malformed in (*read_transforms(batch, moving), *read_transforms(whole, static)):
+        part.transforms.append(found)
+        part.add_malformed(malformed)
 
 
 def _joint_tables(part: Part, batch: Batch, wanted: Wanted) -> Iterator[JointTable]:
@@ -169,7 +168,7 @@ def _joint_tables(part: Part, batch: Batch, wanted: Wanted) -> Iterator[JointTab
 
 
 def _stamped(
-    log: Log, wanted: Wanted, base: Sequence[BasePoses], contacts: Sequence[DecodedContacts]
+    log: Log, wanted: Wanted, base: Sequence[BasePoses], contacts: Sequence[ReadContacts]
 ) -> Iterator[tuple[str, Stamps]]:
     """Yield the times of messages with a header, by topic."""
     timed: list[tuple[Ints, Ints, Ints]] = []

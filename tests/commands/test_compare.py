@@ -14,7 +14,11 @@ from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.comparison.outcome import Comparison
 from dogbot_logtool.errors import CallError, LogtoolError
 from dogbot_logtool.options import CompareOptions
-from dogbot_logtool.report.comparison_report import comparison_json, junit_xml, show_comparison
+from dogbot_logtool.report.comparison_report import (
+    comparison_json,
+    comparison_junit,
+    show_comparison,
+)
 from tests.paths import SAMPLE_LOGS
 
 WALK = SAMPLE_LOGS / "dogbot_walk.mcap"
@@ -148,7 +152,7 @@ def test_what_cannot_be_compared_is_said(expected: Path, actual: Path) -> None:
     actual.write_text("[" * 100_000, encoding="utf-8")
     assert "is nested too deeply" in refused(1)
     for path in (expected, actual):
-        path.write_text(f'{"[" * 700}"{path.name}"{"]" * 700}', encoding="utf-8")
+        path.write_text(f'{"[" * 990}"{path.name}"{"]" * 990}', encoding="utf-8")
     assert "is nested too deeply" in refused(1)
     write_log(expected, "1")
     actual.write_bytes(b"rubbish")
@@ -158,8 +162,6 @@ def test_what_cannot_be_compared_is_said(expected: Path, actual: Path) -> None:
     actual.unlink()
     actual.mkdir()
     assert refused(2) == f"{actual}: is a directory, not a log file, and holds no ROS 2 bag"
-    with pytest.raises(CallError, match="--atol"):
-        compare(expected, expected, CompareOptions(atol=-1.0))
 
 
 @pytest.fixture
@@ -203,7 +205,7 @@ def test_the_json_report(different: Comparison) -> None:
 
 
 def test_the_junit_report(different: Comparison) -> None:
-    (suite,) = ET.fromstring(junit_xml(different))  # noqa: S314 - our own
+    (suite,) = ET.fromstring(comparison_junit(different))  # noqa: S314 - our own
     assert suite.attrib["tests"] == str(len(suite.findall("testcase"))) == "5"
     assert (suite.attrib["failures"], suite.attrib["errors"]) == ("3", "0")
     cases = {case.attrib["name"]: case for case in suite}

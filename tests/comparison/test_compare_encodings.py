@@ -106,11 +106,11 @@ def test_json_fields(pair: Pair) -> None:
 
 
 def test_json_that_is_nested_too_deeply_is_compared_as_bytes(pair: Pair) -> None:
-    expected, actual = (b"[" * 700 + number + b"]" * 700 for number in (b"1", b"2"))
+    expected, actual = (b"[" * 990 + number + b"]" * 990 for number in (b"1", b"2"))
     assert pair.lines(one_topic(JSON, expected), one_topic(JSON, actual)) == [
-        "/a[0] t=0.000 s payload[700]: expected 0x31, got 0x32"
+        "/a[0] t=0.000 s payload[990]: expected 0x31, got 0x32"
     ]
-    assert tally(pair.compare(), "/a").note.endswith("a message is nested too deeply")
+    assert tally(pair.compare(), "/a").note.startswith("compared as bytes: ")
 
 
 def test_definitions_are_compared_by_what_they_say(pair: Pair) -> None:

@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from dogbot_logtool.commands.compare import compare
-from dogbot_logtool.comparison.fields import Findings, Tree, compare_fields
-from dogbot_logtool.comparison.outcome import Comparison
+from dogbot_logtool.comparison.fields import Tree, compare_fields
+from dogbot_logtool.comparison.outcome import Comparison, Findings
 from dogbot_logtool.comparison.tolerances import FieldRules, Quantity, Rules, Tolerance
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.options import CompareOptions
@@ -96,7 +96,7 @@ def test_an_ignored_quaternion_is_ignored() -> None:
 def test_integers_get_the_tolerance_that_names_them(
     expected: int, actual: int, *, near: bool
 ) -> None:
-    rules = Rules(quantities=(Quantity("counts", ("*.count",), Tolerance(atol=2.0)),))
+    rules = Rules(quantities=(Quantity(("*.count",), Tolerance(atol=2.0)),))
     one, other = ({"a": {"count": value}} for value in (expected, actual))
     found = compared(one, other, rules)
     assert (found.different, found.loose) == ((0, 1) if near else (1, 0))
@@ -108,14 +108,14 @@ def test_integers_get_the_tolerance_that_names_them(
 def test_arrays_of_integers_get_the_tolerance_that_names_them(kind: type) -> None:
     expected: NDArray[Any] = np.array([1, 2, 200], kind)
     actual: NDArray[Any] = np.array([2, 1, 205], kind)
-    rules = Rules(quantities=(Quantity("counts", ("counts",), Tolerance(atol=1.0)),))
+    rules = Rules(quantities=(Quantity(("counts",), Tolerance(atol=1.0)),))
     found = compared({"counts": expected}, {"counts": actual}, rules)
     assert (found.loose, found.different, found.deviation) == (2, 1, 5.0)
     assert [d.path for d in found.differences] == ["counts[2]"]
 
 
 def test_truth_values_have_no_tolerance() -> None:
-    rules = Rules(quantities=(Quantity("all", ("*",), Tolerance(atol=9.0)),))
+    rules = Rules(quantities=(Quantity(("*",), Tolerance(atol=9.0)),))
     assert compared({"a": True}, {"a": False}, rules).different == 1
     assert compared({"a": np.array([True])}, {"a": np.array([False])}, rules).different == 1
 

@@ -44,7 +44,11 @@ class LegOdometry:
 
 
 def leg_odometry(
-    time: Ints, place: Floats, standing: Flags, turn_rate: Floats | None = None
+    time: Ints,
+    place: Floats,
+    standing: Flags,
+    turn_rate: Floats | None = None,
+    moved: Floats | None = None,
 ) -> LegOdometry:
     """Work out how the base moves by the feet that stand.
 
@@ -56,6 +60,8 @@ def leg_odometry(
             a lift-off are left out, since a foot does not rest there yet, or any more.
         turn_rate: (n, 3) rad/s about the base's axes, of a gyroscope or of poses; None: that about
             z is fitted to the standing feet, where two stand, and the others are taken as zero.
+        moved: (n, f, 3) m/s, of the matter at the place, along which a ball rolls; None: feet roll
+            on nothing, and it is the difference of places.
 
     Returns:
         the median velocity over the standing feet in each interval.
@@ -67,6 +73,8 @@ def leg_odometry(
     inner[1:] &= settled[:-1]
     inner[:-1] &= settled[1:]
     velocity = -np.diff(place, axis=0) / seconds
+    if moved is not None:
+        velocity = -(moved[1:] + moved[:-1]) / 2.0
     velocity[~inner | (seconds[:, :, 0] > LONGEST_INTERVAL_S)] = np.nan
     middle = (place[1:] + place[:-1]) / 2.0
     if turn_rate is None:
@@ -114,7 +122,9 @@ def _noise(velocity: Floats, common: Floats, feet: Ints) -> float:
     return float(np.median(apart)) / _NORMAL_MEDIAN * float(np.sqrt(degrees))
 
 
-def dead_reckoned(legs: LegOdometry, roll_pitch: Floats | None = None) -> BaseHistory:
+def dead_reckoned(
+    legs: LegOdometry, roll_pitch: Floats | None = None, acceleration: Floats | None = None
+) -> BaseHistory:
     """Add up the legs' velocities to poses of the base, from the origin on, with heading 0.
 
     Velocity and turn are interpolated while no foot stands, for up to `LONGEST_FLIGHT_S`; a longer
@@ -123,6 +133,8 @@ def dead_reckoned(legs: LegOdometry, roll_pitch: Floats | None = None) -> BaseHi
     Args:
         legs: velocities.
         roll_pitch: (n, 2) rad, of an inertial unit; None: taken as level.
+        acceleration: (n, 3) m/s^2, of the base along its axes, without gravity's: how its velocity
+            changes while no foot stands; None: evenly.
 
     Returns:
         poses at the times of the samples.
@@ -130,7 +142,11 @@ def dead_reckoned(legs: LegOdometry, roll_pitch: Floats | None = None) -> BaseHi
     time, seconds = legs.time, np.diff(legs.time) / 1e9
     middle = (time[1:] - time[0]) / 1e9 - seconds / 2.0
     known = np.isfinite(legs.velocity[:, 0])
-    velocity = _bridged(legs.velocity, middle)
+    gained = np.zeros_like(legs.velocity)
+    if acceleration is not None:
+        step = (acceleration[1:] + acceleration[:-1]) / 2.0 * seconds[:, None]
+        gained = np.cumsum(step, axis=0) - step / 2.0
+    velocity = gained + _bridged(legs.velocity - gained, middle)
     turns = _bridged(legs.turn_rate, middle)
     angles = np.zeros((len(time), 3))
     angles[1:, 2] = np.cumsum(turns[:, 2] * seconds)

@@ -6,9 +6,11 @@ One clock serves all feet and the base, since phases and support compare feet wi
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from itertools import pairwise
 from typing import Final, Protocol, TypeVar
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, Record, distinct, median_of
@@ -160,17 +162,19 @@ def check_stamps(topic: str, stamp: Ints, log_time: Ints) -> StampCheck:
         log_time: (n,) ns.
     """
     valid = np.flatnonzero(stamp > 0)
-    ahead, rows = _judged(stamp[valid], log_time[valid])
-    good = stamp[valid[~ahead]]
-    usable = np.zeros(len(stamp), np.bool_)
+    own, own_log = stamp[valid], log_time[valid]
+    ahead, rows = _judged(own, own_log)
+    good, usable = own[~ahead], np.zeros(len(stamp), np.bool_)
     usable[valid[~ahead]] = True
+    before, after = own_log[rows - 1], own_log[rows]
+    by = own[rows] - own[rows - 1] - (after - before)
     return StampCheck(
         topic=topic,
         usable=usable,
         zeros=len(stamp) - len(valid),
         ahead=int(ahead.sum()),
         behind=int((good < np.maximum.accumulate(good)).sum()),
-        steps=_clock_steps(stamp[valid], log_time[valid], rows),
+        steps=tuple(map(ClockStep, before.tolist(), after.tolist(), by.tolist())),
         first_log_time=int(log_time[0]) if len(log_time) else None,
     )
 
@@ -182,32 +186,28 @@ def _judged(stamp: Ints, log_time: Ints) -> tuple[Flags, Ints]:
         stamp: (n,) ns, above 0.
         log_time: (n,) ns.
     """
-    none = np.empty(0, np.int64)
-    if not len(stamp) or _is_calm(stamp):
-        return np.zeros(len(stamp), np.bool_), none
-    back = np.flatnonzero(stamp[1:] < stamp[:-1])
-    begins_anew = back[_stay_below(stamp, back)] + 1
-    ahead = _ahead(stamp, back[~np.isin(back, begins_anew - 1)], begins_anew)
+    count, ahead = len(stamp), np.zeros(len(stamp), np.bool_)
+    step = np.diff(stamp)
+    if step.min(initial=0) >= 0 and step.max(initial=0) <= LARGEST_STEP_S * 1e9:
+        # Stamps only rise, and never far at once: nearly always.
+        return ahead, np.empty(0, np.int64)
+    # The clock was set back where all stamps near are lower than all near before.
+    limits, bounds = np.iinfo(np.int64), (FEWEST, count - FEWEST)
+    earlier = np.append(np.full(NEIGHBOURS, limits.max), stamp)
+    later = np.append(stamp, np.full(NEIGHBOURS, limits.min))
+    earliest, latest = (sliding_window_view(each, NEIGHBOURS)[:count] for each in (earlier, later))
+    begins_anew = np.flatnonzero(latest.max(axis=1) < earliest.min(axis=1))
+    begins_anew = begins_anew[(begins_anew >= bounds[0]) & (begins_anew <= bounds[1])]
+    for begin, end in pairwise([0, *begins_anew.tolist(), count]):
+        part = stamp[begin:end]
+        after = np.append(part[1:], np.full(NEIGHBOURS, limits.max))
+        lower = (sliding_window_view(after, NEIGHBOURS) < part[:, None]).sum(axis=1)
+        ahead[begin:end] = 2 * lower > np.arange(end - begin)[::-1].clip(max=NEIGHBOURS)
     forward = _forward_steps(stamp, log_time, ahead, begins_anew)
-    late = forward[forward > len(stamp) - FEWEST]
+    late = forward[forward > bounds[1]]
     if len(late):
         ahead[late[0] :] = True
-    forward = np.setdiff1d(forward, late)
-    return ahead, distinct(np.concatenate([begins_anew, forward]))
-
-
-def _is_calm(stamp: Ints) -> bool:
-    """Whether stamps only rise, and never far at once: nearly always."""
-    step = np.diff(stamp)
-    return int(step.min(initial=0)) >= 0 and int(step.max(initial=0)) <= LARGEST_STEP_S * 1e9
-
-
-def _clock_steps(stamp: Ints, log_time: Ints, rows: Ints) -> tuple[ClockStep, ...]:
-    """Return the steps of a clock that was set at some rows."""
-    rows = rows[rows > 0]
-    before, after = log_time[rows - 1], log_time[rows]
-    by = stamp[rows] - stamp[rows - 1] - (after - before)
-    return tuple(map(ClockStep, before.tolist(), after.tolist(), by.tolist()))
+    return ahead, distinct(np.concatenate([begins_anew, np.setdiff1d(forward, late)]))
 
 
 def _forward_steps(stamp: Ints, log_time: Ints, ahead: Flags, begins_anew: Ints) -> Ints:
@@ -220,45 +220,6 @@ def _forward_steps(stamp: Ints, log_time: Ints, ahead: Flags, begins_anew: Ints)
     stays = stamp[after].min(axis=1) - stamp[before] > LARGEST_STEP_S * 1e9
     forward: Ints = rows[stays & ~np.isin(rows, begins_anew)]
     return forward
-
-
-def _stay_below(stamp: Ints, back: Ints) -> Flags:
-    """Tell after which rows all stamps near are lower than all near before.
-
-    Args:
-        stamp: (n,) ns.
-        back: (b,) rows whose next stamp is lower.
-    """
-    before = back[:, None] - np.arange(NEIGHBOURS)
-    after = back[:, None] + 1 + np.arange(NEIGHBOURS)
-    highest, lowest = np.iinfo(np.int64).max, np.iinfo(np.int64).min
-    earlier = np.where(before >= 0, stamp[np.maximum(before, 0)], highest)
-    later = np.where(after < len(stamp), stamp[np.minimum(after, len(stamp) - 1)], lowest)
-    enough = (back + 1 >= FEWEST) & (back + FEWEST < len(stamp))
-    below: Flags = enough & (later.max(axis=1) < earlier.min(axis=1))
-    return below
-
-
-def _ahead(stamp: Ints, back: Ints, begins_anew: Ints) -> Flags:
-    """Tell which stamps most of those after them are lower than, up to where the clock is set.
-
-    Args:
-        stamp: (n,) ns.
-        back: (b,) rows whose next stamp is lower.
-        begins_anew: (s,) rows at which the clock was set back.
-    """
-    ahead = np.zeros(len(stamp), np.bool_)
-    rows = distinct(np.maximum(back[:, None] - np.arange(NEIGHBOURS), 0))
-    if len(rows) == 0:
-        return ahead
-    after = rows[:, None] + 1 + np.arange(NEIGHBOURS)
-    within = after < len(stamp)
-    after = np.minimum(after, len(stamp) - 1)
-    epoch = np.searchsorted(begins_anew, np.arange(len(stamp)), side="right")
-    within &= epoch[after] == epoch[rows, None]
-    lower = within & (stamp[after] < stamp[rows, None])
-    ahead[rows] = 2 * lower.sum(axis=1) > within.sum(axis=1)
-    return ahead
 
 
 class _StampedRecord(Record, Protocol):

@@ -7,6 +7,7 @@ from typing import Final, Literal
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.rotations import multiply, rotate
 
 Kind = Literal["revolute", "prismatic", "fixed"]
@@ -93,15 +94,14 @@ def link_poses(joints: Sequence[Joint], positions: Floats) -> LinkPoses:
     rotation = np.empty((count, len(joints), 4))
     for column, joint in enumerate(joints):
         origin = np.array([joint.rotation])
+        translation[:, column], rotation[:, column] = joint.translation, joint.rotation
         moved = joint.multiplier * positions[:, column] + joint.offset
-        if joint.kind == "fixed":
-            moved = np.zeros(count)
-        along = np.outer(moved, joint.axis) if joint.kind == "prismatic" else np.zeros((count, 3))
-        angle = moved if joint.kind == "revolute" else np.zeros(count)
-        half = np.outer(np.sin(angle / 2.0), joint.axis)
-        turn = np.column_stack([half, np.cos(angle / 2.0)])
-        translation[:, column] = np.array(joint.translation) + rotate(origin, along)
-        rotation[:, column] = multiply(np.repeat(origin, count, axis=0), turn)
+        if joint.kind == "prismatic":
+            translation[:, column] += rotate(origin, np.outer(moved, joint.axis))
+        elif joint.kind == "revolute":
+            half = np.outer(np.sin(moved / 2.0), joint.axis)
+            turn = np.column_stack([half, np.cos(moved / 2.0)])
+            rotation[:, column] = multiply(origin, turn)
     return LinkPoses(translation, rotation)
 
 
@@ -124,12 +124,17 @@ class Leg:
     """From the base outwards."""
     masses: tuple[Mass, ...] = ()
     """Empty: not known."""
+    point: Triple = (0.0, 0.0, 0.0)
+    """m, of the foot, in the frame of the last link."""
     radius_m: float = 0.0
-    """Of the ball at the end of the chain that is the foot; 0: not known, or none."""
+    """Of the ball there that is the foot; 0: not known, or none."""
+    name: str = ""
+    """``front_left`` ..., or a number."""
+    position: LegPosition | None = None
 
     @property
     def foot(self) -> str:
-        """Name of the last link."""
+        """Name of its last link."""
         return self.joints[-1].child
 
     @property
@@ -145,9 +150,9 @@ class LegMotion:
 
     leg: Leg
     foot: Floats
-    """(n, 3) m, the origin of the last link."""
+    """(n, 3) m."""
     origins: Floats
-    """(n, joints, 3) m, where each joint is."""
+    """(n, joints, 3) m, of each joint's child."""
     axes: Floats
     """(n, joints, 3) unit vectors about or along which they move."""
     centres: Floats
@@ -186,37 +191,17 @@ def leg_motion(leg: Leg, positions: Floats) -> LegMotion:
         positions: (n, k) rad or m, of the joints in `Leg.measured`.
     """
     count, names = len(positions), leg.measured
-    place = np.zeros((count, 3))
-    turn = np.broadcast_to(np.eye(3), (count, 3, 3))
-    origins = np.empty((count, len(leg.joints), 3))
-    axes = np.empty((count, len(leg.joints), 3))
+    columns = [names.index(j.measured) if j.kind != "fixed" else 0 for j in leg.joints]
+    poses = link_poses(leg.joints, positions[:, columns])
+    place, turn = np.zeros((count, 3)), np.tile(_UPRIGHT, (count, 1))
+    origins, axes = np.empty((2, count, len(leg.joints), 3))
     centres = np.empty((count, len(leg.masses), 3))
     for row, joint in enumerate(leg.joints):
-        place = place + turn @ np.array(joint.translation)
-        turn = turn @ _matrix(joint.rotation)
-        origins[:, row], axes[:, row] = place, turn @ np.array(joint.axis)
-        if joint.kind != "fixed":
-            recorded = positions[:, names.index(joint.measured)]
-            value = joint.multiplier * recorded + joint.offset
-            if joint.kind == "prismatic":
-                place = place + axes[:, row] * value[:, None]
-            else:
-                turn = turn @ _turns(joint.axis, value)
+        place = place + rotate(turn, poses.translation[:, row])
+        turn = multiply(turn, poses.rotation[:, row])
+        origins[:, row], axes[:, row] = place, rotate(turn, np.array([joint.axis]))
         for number, mass in enumerate(leg.masses):
             if mass.joint == row:
-                centres[:, number] = place + turn @ np.array(mass.centre)
-    return LegMotion(leg, place, origins, axes, centres)
-
-
-def _matrix(quaternion: tuple[float, float, float, float]) -> Floats:
-    """(3, 3) of a unit quaternion x, y, z, w."""
-    turned = rotate(np.array([quaternion]).repeat(3, axis=0), np.eye(3))
-    return np.asarray(turned.T)
-
-
-def _turns(axis: Triple, angle: Floats) -> Floats:
-    """(n, 3, 3) rotations by (n,) rad about a unit vector."""
-    x, y, z = axis
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    sine, cosine = np.sin(angle)[:, None, None], np.cos(angle)[:, None, None]
-    return np.asarray(np.eye(3) + sine * cross + (1.0 - cosine) * (cross @ cross))
+                centres[:, number] = place + rotate(turn, np.array([mass.centre]))
+    foot = place + rotate(turn, np.array([leg.point]))
+    return LegMotion(leg, foot, origins, axes, centres)

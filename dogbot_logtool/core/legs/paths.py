@@ -11,7 +11,7 @@ import numpy as np
 
 from dogbot_logtool.core.base.foot_path import FootPath, known_path, silent_before, unbroken
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
-from dogbot_logtool.core.frames.kinematics import Joint, Leg, Mass, leg_motion
+from dogbot_logtool.core.frames.kinematics import Joint, Leg, leg_motion
 from dogbot_logtool.core.frames.transforms import TransformBuffer, chain_of_frames
 from dogbot_logtool.core.legs.joints import JointLimits, JointTrack
 from dogbot_logtool.core.rotations import rotate
@@ -112,13 +112,13 @@ def _path_by_joints(chain: LegChain, joints: Mapping[str, JointTrack]) -> FootPa
     time = time[known]
     if not len(time):
         return None
-    leg = Leg(chain.joints[::-1], (Mass(len(chain.joints) - 1, 0.0, chain.point),))
+    leg = Leg(chain.joints[::-1], point=chain.point)
     positions = []
     for name in leg.measured:
         since = (told[name].time - told[name].time[0]).astype(np.float64)
         positions.append(np.interp(time - told[name].time[0], since, told[name].position))
-    point = leg_motion(leg, np.stack(positions, axis=1)).centres[:, 0]
-    return known_path(time, point.astype(np.float32))
+    foot = leg_motion(leg, np.stack(positions, axis=1)).foot
+    return known_path(time, foot.astype(np.float32))
 
 
 def chain_to(

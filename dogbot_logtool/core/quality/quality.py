@@ -119,7 +119,7 @@ class TopicQuality:
     rate_hz: float | None
     """1/s, (messages - 1) / (last - first); None where that means nothing: see `mean_rate_hz`."""
     interval_s: dict[str, float] | None
-    """s, the 50th, 95th and 99th percentile and the longest interval."""
+    """s, the 50th and the 95th percentile and the longest interval."""
     gaps: int
     """Silences longer than max(5 x usual interval, 50 ms): see `usual_interval_ns`."""
     gaps_total_s: float
@@ -258,7 +258,7 @@ def _percentiles(step: Ints) -> dict[str, float] | None:
     intervals = step[step > 0]
     if not len(intervals):
         return None
-    percents = {"p50": 50.0, "p95": 95.0, "p99": 99.0, "max": 100.0}
+    percents = {"p50": 50.0, "p95": 95.0, "max": 100.0}
     values = percentiles_of(intervals, list(percents.values())) / 1e9
     return dict(zip(percents, values.tolist(), strict=True))
 

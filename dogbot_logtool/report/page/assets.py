@@ -15,6 +15,7 @@ from typing import Final
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
+from dogbot_logtool import __version__
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.printable import printable
 
@@ -42,10 +43,10 @@ def shared_name() -> str:
     return f"dogbot-logtool-{hashlib.sha256(page_script().encode()).hexdigest()[:12]}.js"
 
 
-def policy_of(script: str) -> str:
+def policy_of(script: str) -> Markup:
     """Return the source of a content security policy that lets a script inside the page run."""
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-    return f"'sha256-{digest}'"
+    return Markup(f"'sha256-{digest}'")  # noqa: S704 - a hash
 
 
 def json_in_html(value: object) -> Markup:
@@ -56,9 +57,11 @@ def json_in_html(value: object) -> Markup:
     return Markup(text)  # noqa: S704 - nothing of markup is left in it
 
 
-def rendered(template: str, **values: object) -> bytes:
-    """Return a page made from a template of this folder."""
-    return _environment().from_string(own(template)).render(**values).encode()
+def rendered(template: str, script: str = "", **values: object) -> bytes:
+    """Return a page made from a template of this folder, with our style and a script."""
+    own_files = {"css": Markup(own("page.css")), "script": Markup(script)}  # noqa: S704
+    filled = _environment().from_string(own(template))
+    return filled.render(version=__version__, **own_files, **values).encode()
 
 
 @cache

@@ -1,55 +1,35 @@
-"""The page that shows two sides side by side: can they be compared, and what differs?"""
+"""The page that shows two sides side by side: can they be compared, and what differs?
+
+It needs no script: curves and bars are drawn as SVG, in pixels from its upper left corner.
+"""
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from statistics import median
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
-from markupsafe import Markup
+import numpy as np
 
-from dogbot_logtool import __version__
-from dogbot_logtool.comparison.walks.two_runs import CONFIDENCE, FigureDifference, GaitComparison
-from dogbot_logtool.report.numbers import NOTHING
-from dogbot_logtool.report.page.assets import own, rendered
-from dogbot_logtool.report.page.charts.comparison_figures import (
-    PANEL,
-    STANCES,
-    Json,
-    Sides,
-    cycle_panels,
-    stance_bars,
-)
+from dogbot_logtool.comparison.walks import CONFIDENCE, FigureDifference, GaitComparison
+from dogbot_logtool.core.arrays import Floats, median_of
+from dogbot_logtool.core.events.event import STEPS
+from dogbot_logtool.report.numbers import NOTHING, nice_step
+from dogbot_logtool.report.page.assets import rendered
+from dogbot_logtool.report.page.chart import extent_of
 
+Json = Mapping[str, Any]
+Sides = tuple[Sequence[Json], Sequence[Json]]
+"""``stats --json`` of the logs of either side."""
 MOST_NAMES: Final = 6
 """Logs of a side that are named."""
-_CURVES: Final = (("vertical_over_stride_n", "vertical"), ("forward_over_stride_n", "forward"))
-_STEPS: Final = frozenset({"touchdown", "lift_off"})
-
-
-@dataclass(frozen=True, slots=True)
-class SideRow:
-    """A figure of a whole side, beside the other side's."""
-
-    name: str
-    first: str
-    second: str
-
-
-@dataclass(frozen=True, slots=True)
-class DifferenceRow:
-    """A figure of one foot, with its difference."""
-
-    name: str
-    cells: tuple[str, ...]
-    """The numbers of `COLUMNS`."""
-    mark: str
-    """``more``, ``less``, or nothing where it does not differ."""
-
-
 COLUMNS: Final = (
     "first", "second", "difference", "in %", f"{CONFIDENCE:.0%} from", "to", "effect", "strides",
 )  # fmt: skip
+_CURVES: Final = (("vertical", "vertical_over_stride_n"), ("forward", "forward_over_stride_n"))
+_PANEL: Final = {"width": 300, "height": 170, "left": 46, "right": 294, "top": 22, "bottom": 148}
+"""Sizes of a panel, and edges of what is drawn in it."""
+_STANCES: Final = {"name": 110, "row": 34, "bar": 9, "cycle": 640}
+"""Sizes of the drawing of stances: width of the names, heights, and width of a stride."""
 
 
 def comparison_page(found: GaitComparison, sides: Sides) -> bytes:
@@ -59,21 +39,20 @@ def comparison_page(found: GaitComparison, sides: Sides) -> bytes:
         found: how both sides walk.
         sides: ``stats --json`` of the logs of either side, in the order of `found.sides`.
     """
-    panels = [(name, cycle_panels(sides, curve)) for curve, name in _CURVES]
+    first, second = (side[0]["feet"] for side in sides)
+    feet = [foot for foot in first if foot in second]
     return rendered(
         "comparison.html.j2",
-        version=__version__,
-        css=Markup(own("page.css")),  # noqa: S704 - our own file
         names=[_names(side) for side in found.sides],
         found=found,
         confidence=f"{CONFIDENCE:.0%}",
         columns=COLUMNS,
-        rows=[_row(each) for each in found.differences],
+        rows=[(each, _cells(each)) for each in found.differences],
         sides=list(_side_rows(sides)),
-        panels=[(name, each) for name, each in panels if each],
-        panel=PANEL,
-        stances=stance_bars(sides),
-        sizes=STANCES,
+        panels={name: each for name, key in _CURVES if (each := _panels(sides, feet, key))},
+        panel=_PANEL,
+        stances=_stances(sides, feet),
+        sizes=_STANCES,
     )
 
 
@@ -85,62 +64,127 @@ def _names(logs: Sequence[str]) -> str:
     return f"{len(logs)} logs: {shown}" + (f" and {more} more" if more > 0 else "")
 
 
-def _row(each: FigureDifference) -> DifferenceRow:
-    low, high = each.interval
-    share = each.difference / abs(each.medians[0]) * 100.0 if each.medians[0] else None
-    numbers = [f"{number:.4g}" for number in (*each.medians, each.difference)]
-    cells = (
-        *numbers,
-        NOTHING if share is None else f"{share:+.1f}",
-        f"{low:.4g}",
-        f"{high:.4g}",
+def _cells(each: FigureDifference) -> list[str]:
+    share = each.difference / abs(each.medians[0]) if each.medians[0] else None
+    return [
+        *(f"{number:.4g}" for number in (*each.medians, each.difference)),
+        NOTHING if share is None else f"{share * 100.0:+.1f}",
+        *(f"{number:.4g}" for number in each.interval),
         f"{each.effect:+.1f}",
         f"{each.counts[0]} / {each.counts[1]}",
-    )
-    mark = ("more" if each.difference > 0.0 else "less") if each.differs else ""
-    return DifferenceRow(f"{each.foot} {each.figure}", cells, mark)
+    ]
 
 
-def _side_rows(sides: Sides) -> Iterator[SideRow]:
+class Panel(NamedTuple):
+    """The curves of one foot, of both sides."""
+
+    title: str
+    curves: list[tuple[str, str] | None]
+    """Of either side the median and the outline between the quartiles, as points of SVG."""
+    ticks: list[tuple[float, str]]
+    """y and text of each tick of the force."""
+
+
+def _panels(sides: Sides, feet: Sequence[str], key: str) -> list[Panel]:
+    """Lay the curves over the gait cycle of both sides over each other, a panel a foot.
+
+    All are on one scale; there are none where neither side knows the curve.
+    """
+    found = {foot: [_median_curve(side, foot, key) for side in sides] for foot in feet}
+    known = [each for pair in found.values() for each in pair if each is not None]
+    if not known:
+        return []
+    low, high = extent_of(np.concatenate([each[1:].ravel() for each in known]), with_zero=True)
+    per_unit = (_PANEL["bottom"] - _PANEL["top"]) / (high - low)
+
+    def points(percent: Floats, value: Floats) -> str:
+        x = _PANEL["left"] + percent / 100.0 * (_PANEL["right"] - _PANEL["left"])
+        y = _PANEL["top"] + (high - value) * per_unit
+        return " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x.tolist(), y.tolist(), strict=True))
+
+    def drawn(curve: Floats | None) -> tuple[str, str] | None:
+        if curve is None:
+            return None
+        percent, lower, middle, upper = curve
+        there_and_back = np.append(percent, percent[::-1])
+        return points(percent, middle), points(there_and_back, np.append(lower, upper[::-1]))
+
+    step = nice_step((high - low) / 4.0)
+    values = step * np.arange(np.ceil(low / step), np.floor(high / step) + 1.0)
+    ticks = [(_PANEL["top"] + (high - each) * per_unit, f"{each:zg}") for each in values.tolist()]
+    return [Panel(foot, [drawn(each) for each in pair], ticks) for foot, pair in found.items()]
+
+
+def _median_curve(side: Sequence[Json], foot: str, key: str) -> Floats | None:
+    """(4, n) percent, lower quartile, median and upper quartile: the medians over the logs."""
+    curves = [document["feet"].get(foot, {}).get(key) for document in side]
+    parts = ("percent", "lower", "median", "upper")
+    known = [[curve[part] for part in parts] for curve in curves if curve]
+    return median_of(np.array(known, np.float64), axis=0) if known else None
+
+
+def _stances(sides: Sides, feet: Sequence[str]) -> dict[str, list[list[tuple[float, float]]]]:
+    """Return x and width of the bars of either side, by foot; none where phases are unknown."""
+    bars = {foot: [_bars(side, foot) for side in sides] for foot in feet}
+    return bars if any(any(pair) for pair in bars.values()) else {}
+
+
+def _bars(side: Sequence[Json], foot: str) -> list[tuple[float, float]]:
+    """Return the stance of a foot in a stride, in two where it goes over the stride's end.
+
+    Of several logs it is the mean of the phases, with the median of the duty factors.
+    """
+    pairs = [(_at(each, f"gait.phase.{foot}"), each["feet"][foot]["duty_factor"]) for each in side]
+    known = [
+        (phase["mean"], duty["median"])
+        for phase, duty in pairs
+        if phase and duty and phase["mean"] is not None
+    ]
+    if not known:
+        return []
+    phases, duties = np.array(known).T
+    begin = float(np.angle(np.exp(2j * np.pi * phases).mean()) / (2.0 * np.pi)) % 1.0
+    begin, duty = 0.0 if begin > 0.9995 else begin, float(median_of(duties))
+    parts = [(begin, min(begin + duty, 1.0)), (0.0, begin + duty - 1.0)]
+    name, cycle = _STANCES["name"], _STANCES["cycle"]
+    return [(name + start * cycle, (end - start) * cycle) for start, end in parts if end > start]
+
+
+def _side_rows(sides: Sides) -> Iterator[tuple[str, str, str]]:
     """Yield what is known of whole sides: of several logs the classes, sums and medians."""
-    for name, value in _OF_A_SIDE:
-        yield SideRow(name, *(value(side) for side in sides))
-    events = [Counter(_events(side)) for side in sides]
-    for kind in sorted(events[0] | events[1]):
-        yield SideRow(f"events: {kind.replace('_', ' ')}", *(str(each[kind]) for each in events))
+    for name, words in _OF_A_SIDE.items():
+        yield name, words(sides[0]), words(sides[1])
+    first, second = (
+        Counter(each["type"] for document in side for each in document["events"]) for side in sides
+    )
+    for kind in sorted((first | second).keys() - STEPS):
+        yield f"events: {kind.replace('_', ' ')}", str(first[kind]), str(second[kind])
 
 
-def _events(side: Sequence[Json]) -> Iterator[str]:
-    for document in side:
-        yield from (each["type"] for each in document["events"] if each["type"] not in _STEPS)
+def _listed(words: Iterator[str], otherwise: str) -> str:
+    return ", ".join(dict.fromkeys(words)) or otherwise
 
 
 def _classes(side: Sequence[Json]) -> str:
-    return ", ".join(dict.fromkeys(d["gait"]["name"] or "not known" for d in side))
+    return _listed((each["gait"]["name"] or "not known" for each in side), "")
 
 
 def _strides(side: Sequence[Json]) -> str:
-    return str(sum(foot["strides"] or 0 for document in side for foot in document["feet"].values()))
+    return str(sum(foot["strides"] or 0 for each in side for foot in each["feet"].values()))
 
 
 def _seconds(side: Sequence[Json]) -> str:
-    known = [document["log"]["duration_s"] for document in side]
-    return f"{sum(each for each in known if each is not None):.1f} s"
+    return f"{sum(document['log']['duration_s'] or 0.0 for document in side):.1f} s"
 
 
 def _failed(side: Sequence[Json]) -> str:
     """Name the checks of the recordings that failed."""
-    names = [
-        check["name"]
-        for document in side
-        for check in document["quality"]["checks"]
-        if check["outcome"] == "failed"
-    ]
-    return ", ".join(dict.fromkeys(names)) or "none"
+    checks = (check for document in side for check in document["quality"]["checks"])
+    return _listed((each["name"] for each in checks if each["outcome"] == "failed"), "none")
 
 
 def _middle(path: str, unit: str, decimals: int) -> Callable[[Sequence[Json]], str]:
-    """Return what words the median of a figure over the logs of a side."""
+    """Return what words the median of a metric over the logs of a side."""
 
     def words(side: Sequence[Json]) -> str:
         known = [each for each in (_at(document, path) for document in side) if each is not None]
@@ -152,19 +196,19 @@ def _middle(path: str, unit: str, decimals: int) -> Callable[[Sequence[Json]], s
 def _at(document: Json, path: str) -> Any:  # noqa: ANN401 - any value of JSON
     value: Any = document
     for key in path.split("."):
-        value = None if value is None else value[key]
+        value = None if value is None else value.get(key)
     return value
 
 
-_OF_A_SIDE: Final[tuple[tuple[str, Callable[[Sequence[Json]], str]], ...]] = (
-    ("gait", _classes),
-    ("strides of all feet", _strides),
-    ("time", _seconds),
-    ("stride frequency", _middle("gait.stride_frequency_hz", " Hz", 3)),
-    ("duty factor", _middle("gait.duty_factor", "", 3)),
-    ("forward speed", _middle("base.forward_speed_mps", " m/s", 3)),
-    ("vertical impulse over weight", _middle("forces.vertical_impulse_over_weight", "", 3)),
-    ("static margin", _middle("stability.static_margin_m.median", " m", 3)),
-    ("mass", _middle("settings.mass_kg", " kg", 2)),
-    ("checks of the recording that failed", _failed),
-)
+_OF_A_SIDE: Final[Mapping[str, Callable[[Sequence[Json]], str]]] = {
+    "gait": _classes,
+    "strides of all feet": _strides,
+    "time": _seconds,
+    "stride frequency": _middle("gait.stride_frequency_hz", " Hz", 3),
+    "duty factor": _middle("gait.duty_factor", "", 3),
+    "forward speed": _middle("base.forward_speed_mps", " m/s", 3),
+    "vertical impulse over weight": _middle("forces.vertical_impulse_over_weight", "", 3),
+    "static margin": _middle("stability.static_margin_m.median", " m", 3),
+    "mass": _middle("settings.mass_kg", " kg", 2),
+    "checks of the recording that failed": _failed,
+}

@@ -1,22 +1,19 @@
 """The index of several logs: a row for each, that can be sorted."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 from urllib.parse import quote
 
 import numpy as np
-from markupsafe import Markup
 
-from dogbot_logtool import __version__
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.report.numbers import NOTHING
+from dogbot_logtool.report.numbers import NOTHING, recorded_at
 from dogbot_logtool.report.page.assets import own, policy_of, rendered
-from dogbot_logtool.report.page.summary import recorded_at
-from dogbot_logtool.report.tables import INDEX, cells_of, headers
+from dogbot_logtool.report.page.tables import INDEX
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.report.verdict import Quality, headline, quality_of
 from dogbot_logtool.results import Measurement
@@ -30,7 +27,7 @@ COLUMNS: Final = (
     "slips",
     "robot",
     "recorded (UTC)",
-    *headers(INDEX),
+    *(column.heading for column in INDEX),
 )
 _WORDS: Final = frozenset({"log", "gait", "data quality", "robot", "recorded (UTC)"})
 """Columns of words; the others are numbers."""
@@ -39,8 +36,7 @@ _WIDTH: Final = 120
 _ROW: Final = 8
 
 
-@dataclass(frozen=True, slots=True)
-class Bar:
+class Bar(NamedTuple):
     """A stance in the miniature gait diagram, in pixels."""
 
     x: float
@@ -58,7 +54,7 @@ class IndexRow:
     """Relative URL of its page; empty: there is none, and `error` says why."""
     verdict: str = ""
     cells: tuple[str, ...] = ()
-    """Falls, slips, robot, date, and the numbers of the figures' table."""
+    """Of the columns from ``falls`` on."""
     quality: Quality | None = None
     bars: tuple[Bar, ...] = ()
     feet: int = 0
@@ -67,36 +63,32 @@ class IndexRow:
 
 def index_row(measured: Measurement, page_name: str) -> IndexRow:
     """Return a log's row in the index."""
-    stats, log = measured.walk, measured.metrics.log
-    kinds = [event.type for event in measured.metrics.events]
+    walk, metrics = measured.walk, measured.metrics
+    kinds = [event.type for event in metrics.events]
     falls = kinds.count("fall") + kinds.count("tipping")
     cells = (
-        str(falls) if measured.metrics.base.duration_s is not None else NOTHING,
+        NOTHING if metrics.base.duration_s is None else str(falls),
         str(kinds.count("slip")),
-        measured.metrics.settings.robot or NOTHING,
-        recorded_at(log.start_s),
-        *cells_of(INDEX, measured.metrics),
+        metrics.settings.robot or NOTHING,
+        recorded_at(metrics.log.start_s),
+        *(column.cell(metrics) for column in INDEX),
     )
     # The name of a file may be any bytes.
     address = quote(os.fsencode(page_name), safe="")
-    walk, quality = measured.metrics, quality_of(measured)
+    name, bars = Path(metrics.log.path).name, tuple(_bars(walk))
     return IndexRow(
-        Path(log.path).name, address, headline(walk), cells, quality, _bars(stats), len(stats.feet)
+        name, address, headline(metrics), cells, quality_of(measured), bars, len(walk.feet)
     )
 
 
-def _bars(stats: Walk) -> tuple[Bar, ...]:
-    """Return the stances of the typical strides."""
-    start, end = (stats.origin + each * 1e9 for each in default_window(stats))
-    found = []
-    for row, foot in enumerate(stats.feet):
-        if foot.is_dead or not end > start:
-            continue
-        share = np.clip((foot.record.in_contact - start) / (end - start), 0.0, 1.0) * _WIDTH
-        for first, last in share[share[:, 1] > share[:, 0]].tolist():
-            bar = Bar(round(first, 1), row * _ROW + 1, round(last - first, 1), foot_colour(row))
-            found.append(bar)
-    return tuple(found)
+def _bars(walk: Walk) -> Iterator[Bar]:
+    """Yield the stances of the typical strides."""
+    start, end = (walk.origin + each * 1e9 for each in default_window(walk))
+    for row, foot in enumerate(walk.feet):
+        if not foot.is_dead and end > start:
+            share = np.clip((foot.record.in_contact - start) / (end - start), 0.0, 1.0) * _WIDTH
+            for first, last in np.round(share[share[:, 1] > share[:, 0]], 1).tolist():
+                yield Bar(first, row * _ROW + 1, round(last - first, 1), foot_colour(row))
 
 
 def index(rows: Sequence[IndexRow]) -> bytes:
@@ -104,12 +96,10 @@ def index(rows: Sequence[IndexRow]) -> bytes:
     script = own("scripts/index.js")
     return rendered(
         "index.html.j2",
-        version=__version__,
+        script,
+        policy=policy_of(script),
         rows=rows,
         columns=[(name, name in _WORDS) for name in COLUMNS],
         width=_WIDTH,
         row_height=_ROW,
-        css=Markup(own("page.css")),  # noqa: S704 - our own file
-        script=Markup(script),  # noqa: S704 - our own file
-        script_policy=Markup(policy_of(script)),  # noqa: S704 - a hash
     )

@@ -6,22 +6,16 @@ from typing import Any, Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, distinct, median_of
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, distinct, median_of
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.core.metrics import Event
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.report.page.charts.drawing import (
-    LARGEST_STEP,
-    drawn_seconds,
-    is_hind,
-    packed,
-    packed_small,
-    thinned,
-)
-from dogbot_logtool.report.page.event_list import event_list
+from dogbot_logtool.report.page.chart import FINE, is_hind, packed, seconds, thinned
+from dogbot_logtool.report.page.events import MINOR, MOST_SHOWN
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.robot.robot_model.limbs import Limbs
 
@@ -35,43 +29,38 @@ BESIDE_NS: Final = 5_000_000_000
 """ns before and after an event that are shown in full."""
 LONGEST_SWING_NS: Final = 1_500_000_000
 """ns without contact points across which no foot is drawn: it is lifted, or nothing is known."""
-MOST_FOOTFALLS: Final = 1000
-"""Footfalls that are kept of a foot."""
 _SWING, _STANCE, _NOT_KNOWN = 0, 1, 2
 _ALONG: Final = {"front": 1.0, "back": -1.0}
 _ASIDE: Final = {"left": 1.0, "right": -1.0}
 
 
-def frame_times(stats: Walk) -> Ints:
+def frame_times(walk: Walk, events: Sequence[Event]) -> Ints:
     """Return the times of the frames, (n,) ns, increasing, at most `MOST_FRAMES`.
 
     Silences are left out. All that is made here is bounded: a log may last for decades, when a
     clock was set while it was recorded.
     """
-    recorded = _recorded(stats)
-    if _frame_counts(recorded, stats.origin).sum() <= MOST_FRAMES:
-        return _frames(recorded, stats.origin, MOST_FRAMES)
-    typical = [stats.origin + round(each * 1e9) for each in default_window(stats)]
-    events = [
-        (stats.origin + round(each.start_s * 1e9), stats.origin + round(each.end_s * 1e9))
-        for each in event_list(stats).rows
-        if not each.is_minor
-    ]
-    shown = [_frames(recorded, stats.origin, MOST_FRAMES // 4)]
-    for start, end in [(typical[0], typical[1]), *events]:
-        beside = np.array([[start - BESIDE_NS, end + BESIDE_NS + 1]], np.int64)
-        near = timespans.intersect([recorded, beside])
-        if sum(map(len, shown)) + _frame_counts(near, stats.origin).sum() > MOST_FRAMES:
+    origin, recorded = walk.origin, _recorded(walk)
+    if _frame_counts(recorded, origin).sum() <= MOST_FRAMES:
+        return _frames(recorded, origin, MOST_FRAMES)
+    spans = [default_window(walk)]
+    spans += [(each.onset_s, each.onset_s + each.duration_s) for each in events[:MOST_SHOWN]
+              if each.type not in MINOR]  # fmt: skip
+    shown = [_frames(recorded, origin, MOST_FRAMES // 4)]
+    for start, end in spans:
+        beside = round(start * 1e9) - BESIDE_NS, round(end * 1e9) + BESIDE_NS + 1
+        near = timespans.intersect([recorded, np.array([beside], np.int64) + origin])
+        if sum(map(len, shown)) + _frame_counts(near, origin).sum() > MOST_FRAMES:
             break
-        shown.append(_frames(near, stats.origin, MOST_FRAMES))
+        shown.append(_frames(near, origin, MOST_FRAMES))
     return distinct(np.concatenate(shown))
 
 
-def _recorded(stats: Walk) -> Ints:
+def _recorded(walk: Walk) -> Ints:
     """(k, 2) ns, the log without silences of base and feet; its start is always in it."""
-    whole = np.array([[stats.origin, stats.end + 1]], np.int64)
-    start = np.array([[stats.origin, stats.origin + 1]], np.int64)
-    known = [stats.base_history.known, *(foot.record.known for foot in stats.feet)]
+    whole = np.array([[walk.origin, walk.end + 1]], np.int64)
+    start = np.array([[walk.origin, walk.origin + 1]], np.int64)
+    known = [walk.base_history.known, *(foot.record.known for foot in walk.feet)]
     silent = timespans.subtract(whole, timespans.merge(np.concatenate([start, *known])))
     long = silent[:, 1] - silent[:, 0] > LONGEST_SILENCE_NS
     return timespans.subtract(whole, silent[long])
@@ -94,22 +83,25 @@ def _frames(spans: Ints, origin: int, most: int) -> Ints:
     return times
 
 
-def replay(stats: Walk, time: Ints, limbs: Limbs | None) -> dict[str, Any] | None:
+def replay(
+    walk: Walk, events: Sequence[Event], time: Ints, limbs: Limbs | None
+) -> dict[str, Any] | None:
     """Return what the replay draws, as JSON; None without poses of the base.
 
     Args:
-        stats: figures.
+        walk: what was measured.
+        events: that are named.
         time: (n,) ns, of the frames; see `frame_times`.
         limbs: the robot's joints at these times; None: not known.
     """
-    base = stats.base_history
+    base = walk.base_history
     if len(base.time) == 0 or len(time) == 0:
         return None
     position, angles = base.position_at(time), base.angles_at(time)
     # Near the robot, 32 bits tell positions to less than a millimetre, wherever the world begins.
     origin = np.array([*np.round(base.position[0, :2]), 0.0])
     points = [
-        _foot_points(stats, row, time, limbs, position, angles) for row in range(len(stats.feet))
+        _foot_points(walk, row, time, limbs, position, angles) for row in range(len(walk.feet))
     ]
     ground = _ground(points, position)
     height = float(np.nanmedian(position[:, 2])) - ground if np.isfinite(position).any() else 0.5
@@ -117,52 +109,52 @@ def replay(stats: Walk, time: Ints, limbs: Limbs | None) -> dict[str, Any] | Non
     if is_schematic:
         points = [
             _in_world(_nominal(foot.leg_position, row, height), position, angles)
-            for row, foot in enumerate(stats.feet)
+            for row, foot in enumerate(walk.feet)
         ]
-    short = short_names([foot.name for foot in stats.feet])
+    short = short_names([foot.name for foot in walk.feet])
     return {
-        "time": packed_small(drawn_seconds(stats, time), LARGEST_STEP),
-        "position": packed_small(_row_by_row(position - origin), LARGEST_STEP),
-        "angles": packed_small(_row_by_row(angles), LARGEST_STEP),
-        "forward": FORWARD_ANGLES[stats.settings.forward_axis],
+        "time": packed(seconds(walk, time), FINE),
+        "position": packed((position - origin).ravel(), FINE),
+        "angles": packed(angles.ravel(), FINE),
+        "forward": FORWARD_ANGLES[walk.settings.forward_axis],
         "ground": ground,
         "height": max(height, 0.05),
-        "newtons_per_metre": _newtons_per_metre(stats, height),
+        "newtons_per_metre": _newtons_per_metre(walk, height),
         "schematic": is_schematic,
         "feet": [
             {
                 "name": foot.name,
                 "short": short[row],
                 "colour": foot_colour(row),
-                "hind": is_hind(stats, row),
-                "point": packed_small(_row_by_row(points[row] - origin), LARGEST_STEP),
+                "hind": is_hind(walk, row),
+                "point": packed((points[row] - origin).ravel(), FINE),
                 "state": packed(_states(foot.record, time, is_dead=foot.is_dead)),
-                "load": packed_small(_loads(foot.record, time), np.inf),
-                **_footfalls(stats, foot.record, origin),
+                "load": packed(_loads(foot.record, time), np.inf),
             }
-            for row, foot in enumerate(stats.feet)
+            for row, foot in enumerate(walk.feet)
         ],
-        "limbs": None
-        if limbs is None
-        else {
-            "parents": list(limbs.parents),
-            "point": packed_small(limbs.point.reshape(-1), LARGEST_STEP),
-        },
+        "limbs": limbs
+        and {"parents": list(limbs.parents), "point": packed(limbs.point.ravel(), FINE)},
         "events": [
-            {"at": each.start_s, "what": f"{each.what} {each.foot}".strip(), "minor": each.is_minor}
-            for each in event_list(stats).rows
+            {
+                "at": each.onset_s,
+                "what": f"{each.type.replace('_', ' ')} {each.foot or ''}".strip(),
+                "minor": each.type in MINOR,
+            }
+            for each in events[:MOST_SHOWN]
         ],
     }
 
 
 def _foot_points(
-    stats: Walk, row: int, time: Ints, limbs: Limbs | None, position: Floats, angles: Floats
+    walk: Walk, row: int, time: Ints, limbs: Limbs | None, position: Floats, angles: Floats
 ) -> Floats:
     """(n, 3) m, in the world: the contact point in stance, the sole or a straight line in swing."""
-    record = stats.feet[row].record
+    record = walk.feet[row].record
     point = np.full((len(time), 3), np.nan)
     at, contact_point = record.track.contact_points
-    if len(at) and _in_one_world(stats):
+    # Contact points and base may be in different worlds, or on different clocks.
+    if len(at) and not walk.base_is_apart:
         for axis in range(3):
             point[:, axis] = np.interp(time - at[0], at - at[0], contact_point[:, axis])
         after = np.clip(np.searchsorted(at, time), 1, max(len(at) - 1, 1))
@@ -177,11 +169,6 @@ def _foot_points(
     return point
 
 
-def _in_one_world(stats: Walk) -> bool:
-    """Tell whether contact points and base are in one world, on one clock."""
-    return not (stats.worlds_differ or stats.base_clock_is_apart)
-
-
 def _in_world(point: Floats, position: Floats, angles: Floats) -> Floats:
     """(n, 3) m in the world of points in the base's frame, (n, 3) or (3,)."""
     points = np.broadcast_to(point, position.shape)
@@ -190,10 +177,8 @@ def _in_world(point: Floats, position: Floats, angles: Floats) -> Floats:
 
 def _nominal(leg_position: LegPosition | None, row: int, height: float) -> Floats:
     """(3,) m, in the base's frame: below the base, where a foot of its name may be."""
-    end, side = leg_position or ("", "")
+    end, side = leg_position or ("", ("left", "right")[row % 2])
     along, aside = _ALONG.get(end, 0.0), _ASIDE.get(side, 0.0)
-    if leg_position is None:
-        aside = 1.0 - 2.0 * (row % 2)
     return np.array([0.4 * height * along, 0.15 * height * aside, -height])
 
 
@@ -208,13 +193,13 @@ def _ground(points: Sequence[Floats], position: Floats) -> float:
     return 0.0 if middle > 0.1 else middle - 0.5
 
 
-def _newtons_per_metre(stats: Walk, height: float) -> float:
+def _newtons_per_metre(walk: Walk, height: float) -> float:
     """Return the N of an arrow of 1 m: a body weight is as long as the base is high."""
-    weight = stats.loads.weight_n
+    weight = walk.loads.weight_n
     if weight is None:
         peaks = [
             float(foot.record.track.force.max())
-            for foot in stats.feet
+            for foot in walk.feet
             if foot.record.has_force and len(foot.record.track.time)
         ]
         weight = max(peaks, default=100.0)
@@ -227,32 +212,12 @@ def _states(record: FootHistory, time: Ints, *, is_dead: bool) -> Any:  # noqa: 
     return np.where(known & (not is_dead), state, _NOT_KNOWN).astype(np.int8)
 
 
-def _loads(record: FootHistory, time: Ints) -> Any:  # noqa: ANN401 - float32
+def _loads(record: FootHistory, time: Ints) -> Floats:
     """(n,) N, |F|; NaN where it is not known."""
     track = record.track
     if not record.has_force or not len(track.time):
-        return np.full(len(time), np.nan, np.float32)
+        return np.full(len(time), np.nan)
     start = track.time[0]
-    force = np.interp(time - start, track.time - start, track.force, np.nan, np.nan)
+    force: Floats = np.interp(time - start, track.time - start, track.force, np.nan, np.nan)
     force[timespans.covers(record.gaps, time)] = np.nan
-    return force.astype(np.float32)
-
-
-def _footfalls(stats: Walk, record: FootHistory, origin: Floats) -> dict[str, Any]:
-    """Return where and when a foot came down, as far as it is known where that is to the base."""
-    time, point = record.track.contact_points
-    first = np.searchsorted(time, record.stances.touchdown)
-    inside = np.flatnonzero(first < len(time))
-    rows = first[inside]
-    hit = (time[rows] < record.stances.liftoff[inside]) & _in_one_world(stats)
-    chosen = thinned(int(hit.sum()), MOST_FOOTFALLS)
-    times = record.stances.touchdown[inside][hit][chosen]
-    return {
-        "fall_time": packed(drawn_seconds(stats, times)),
-        "fall_point": packed(_row_by_row(point[rows][hit][chosen] - origin)),
-    }
-
-
-def _row_by_row(table: Floats) -> Float32s:
-    """Return the rows of a table one after the other."""
-    return table.astype(np.float32).reshape(-1)
+    return force

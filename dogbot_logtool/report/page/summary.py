@@ -1,11 +1,11 @@
 """The summary, to be read in ten seconds: the gait, a few numbers, and whether to trust them."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from dogbot_logtool.core.metrics import WalkMetrics
-from dogbot_logtool.finding import Finding
-from dogbot_logtool.report.numbers import date_of, decimal
+from dogbot_logtool.report.numbers import decimal
 from dogbot_logtool.report.verdict import (
     UNNAMED,
     Quality,
@@ -20,27 +20,12 @@ _FIRST = 3
 """Warnings that stand at the top of the page."""
 
 
-@dataclass(frozen=True, slots=True)
-class FindingGroup:
-    """All findings of one code."""
-
-    severity: str
-    """``error``, ``warning`` or ``note``."""
-    text: str
-    """Text of the first."""
-    code: str
-    remedy: str
-    alike: tuple[str, ...] = ()
-    """Texts of the others, about other feet and topics."""
-
-
-@dataclass(frozen=True, slots=True)
-class Tile:
+class Tile(NamedTuple):
     """A number with its name."""
 
     name: str
     value: str
-    aside: str = ""
+    aside: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,75 +48,52 @@ class Summary:
 
 def summary(measured: Measurement) -> Summary:
     """Sum up a log."""
-    walk, quality = measured.metrics, quality_of(measured)
-    fall, gait = fall_headline(walk), gait_headline(walk)
+    metrics, quality = measured.metrics, quality_of(measured)
+    fall, gait = fall_headline(metrics), gait_headline(metrics)
     return Summary(
         fall or gait,
-        walk.gait.name not in UNNAMED and not fall and quality.level != "bad",
+        metrics.gait.name not in UNNAMED and not fall and quality.level != "bad",
         gait if fall else "",
         quality,
         tuple(f"{each.text}. {each.remedy}".strip() for each, *_ in quality.warnings[:_FIRST]),
-        tuple(_tiles(walk)),
-        tuple(_segments(walk)) if len(walk.gait.segments) > 1 else (),
+        tuple(_tiles(metrics)),
+        tuple(_segments(metrics)) if len(metrics.gait.segments) > 1 else (),
     )
 
 
-def recorded_at(start_s: float | None) -> str:
-    """Say when a recording began, in UTC; clocks of simulators begin in 1970."""
-    if start_s is None:
-        return "not known"
-    date = date_of(start_s)
-    return f"{date:%Y-%m-%d %H:%M:%S} UTC" if date else f"{start_s:.0f} s (no date)"
-
-
-def grouped(findings: Sequence[Finding]) -> list[FindingGroup]:
-    """Join the findings of each code."""
-    by_code: dict[str, list[Finding]] = {}
-    for each in findings:
-        by_code.setdefault(each.code, []).append(each)
-    return [
-        FindingGroup(
-            first.severity.word,
-            first.text,
-            first.code,
-            first.remedy,
-            tuple(other.text for other in others),
-        )
-        for first, *others in by_code.values()
-    ]
-
-
-def _tiles(walk: WalkMetrics) -> Iterator[Tile]:
-    base, gait = walk.base, walk.gait
+def _tiles(metrics: WalkMetrics) -> Iterator[Tile]:
+    base, gait = metrics.base, metrics.gait
     if base.path_length_m is not None:
         net = f"{decimal(base.net_displacement_m, 2)} m from start to end"
-        yield Tile("distance", f"{decimal(base.path_length_m, 2)} m", net)
+        yield Tile("distance", f"{base.path_length_m:.2f} m", net)
     if base.forward_speed_mps is not None:
         sideways = f"{decimal(base.lateral_speed_mps, 2)} m/s to the left"
-        yield Tile("speed forward", f"{decimal(base.forward_speed_mps, 3)} m/s", sideways)
+        yield Tile("speed forward", f"{base.forward_speed_mps:z.3f} m/s", sideways)
     if gait.stride_frequency_hz is not None:
-        frequency = f"{decimal(gait.stride_frequency_hz, 2)} Hz"
+        frequency = f"{gait.stride_frequency_hz:.2f} Hz"
         yield Tile("stride frequency", frequency, f"{gait.strides} strides")
     if gait.duty_factor is not None:
         kind = "below one half" if gait.duty_factor < 0.5 else "one half or more"
-        yield Tile("duty factor", decimal(gait.duty_factor, 3), kind)
-    peaks = [(foot.peak_force_n.max, name) for name, foot in walk.feet.items() if foot.peak_force_n]
+        yield Tile("duty factor", f"{gait.duty_factor:.3f}", kind)
+    peaks = [
+        (foot.peak_force_n.max, name) for name, foot in metrics.feet.items() if foot.peak_force_n
+    ]
     if peaks:
         highest, name = max(peaks)
-        weight = walk.settings.body_weight_n
-        of = "" if weight is None else f", {decimal(highest / weight, 2)} body weights"
-        yield Tile("highest load", f"{decimal(highest, 1)} N", f"{name}{of}")
-    ratio = walk.forces.vertical_impulse_over_weight
+        weight = metrics.settings.body_weight_n
+        of = "" if weight is None else f", {highest / weight:.2f} body weights"
+        yield Tile("highest load", f"{highest:.1f} N", f"{name}{of}")
+    ratio = metrics.forces.vertical_impulse_over_weight
     if ratio is not None:
         yield Tile("load check", f"{ratio:.1%}", "of the body weight on the feet")
-    margin = walk.stability.static_margin_m
+    margin = metrics.stability.static_margin_m
     if margin is not None:
-        least = f"min {decimal(margin.min * 1e3, 0)} mm"
-        yield Tile("static margin", f"{decimal(margin.median * 1e3, 0)} mm", least)
+        least = f"min {margin.min * 1e3:z.0f} mm"
+        yield Tile("static margin", f"{margin.median * 1e3:z.0f} mm", least)
 
 
-def _segments(walk: WalkMetrics) -> Iterator[str]:
-    for each in walk.gait.segments:
+def _segments(metrics: WalkMetrics) -> Iterator[str]:
+    for each in metrics.gait.segments:
         frequency = each.gait.stride_frequency_hz
         pace = "" if frequency is None else f", {frequency:.2f} strides/s"
         yield f"{each.start_s:.1f} to {each.end_s:.1f} s: {gait_name(each.gait)}{pace}"

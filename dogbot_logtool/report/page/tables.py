@@ -1,62 +1,93 @@
 """The tables of the page, in text; numbers of the same kind stand under one heading."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, TypeVar
+from typing import Any, Final, NamedTuple, TypeVar
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints, distinct
-from dogbot_logtool.core.gait.feet import FootSteps
+from dogbot_logtool.core.arrays import Floats, distinct
 from dogbot_logtool.core.loads import WalkLoads
-from dogbot_logtool.core.metrics import Forces, Legs, WalkMetrics
-from dogbot_logtool.core.quality.quality import LEAST_SHARE, MOST_DEVIATIONS, Outliers, outliers
-from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.report.numbers import decimal, percent
-from dogbot_logtool.report.table_file import foot_strides
-from dogbot_logtool.report.tables import (
-    JOINTS,
-    LEGS,
-    PAGE_LOADS,
-    STEPS,
-    SYMMETRY,
-    TOPICS,
-    Column,
-    FootRow,
-    cells_of,
-    grouped_load,
-    headers,
+from dogbot_logtool.core.metrics import (
+    Joint,
+    Legs,
+    LoadShare,
+    Symmetry,
+    TopicQuality,
+    WalkMetrics,
 )
-
-
-def work_words(legs: Legs) -> Iterator[tuple[str, str]]:
-    """Yield names and values of what all legs do together, as far as it is known."""
-    done, positive = legs.absolute_work_j, legs.positive_work_j
-    if done is not None:
-        known = "?" if positive is None else f"{decimal(positive.median, 2)} J"
-        words = f"{decimal(done.median, 2)} J, {known} of it positive"
-        yield "work of all joints in a stride", words
-    cost = legs.mechanical_cost_of_transport
-    if cost is not None:
-        yield "mechanical cost of transport", f"{decimal(cost, 3)}  (|work| / weight x way)"
-
+from dogbot_logtool.core.quality.quality import LEAST_SHARE, MOST_DEVIATIONS, outliers
+from dogbot_logtool.core.walk import Walk
+from dogbot_logtool.report.numbers import NOTHING, decimal, percent
+from dogbot_logtool.report.table_file import stride_table
+from dogbot_logtool.report.tables import Column, FootRow, foot_rows
 
 MOST_STRIDES: Final = 200
-"""Rows of the stride table."""
+"""Rows of the table of strides."""
 S = TypeVar("S")
-_STRIDES: Final[Mapping[str, tuple[str, int, float]]] = {
-    "stance s": ("stance_s", 3, 1.0),
-    "swing s": ("swing_s", 3, 1.0),
-    "duty": ("duty_factor", 3, 1.0),
-    "length m": ("length_m", 3, 1.0),
-    "peak N": ("peak_force_n", 1, 1.0),
-    "slip mm": ("slip_m", 1, 1e3),
-}
-"""Columns of the stride table by their headings: name, decimals, factor."""
+_STEPS: Final[Sequence[Column[FootRow]]] = (
+    Column("contact", lambda row: row.foot.contact_fraction, ".1%"),
+    Column("strides", lambda row: row.foot.strides),
+    Column("stance s", lambda row: row.foot.stance_s, ".3f"),
+    Column("swing s", lambda row: row.foot.swing_s, ".3f"),
+    Column("duty", lambda row: row.foot.duty_factor, ".3f"),
+    Column("phase", lambda row: row.phase.mean, ".3f"),
+    Column("R", lambda row: row.phase.consistency, ".2f"),
+    Column("length m", lambda row: row.foot.stride_length_m, ".3f"),
+)
+_LOADS: Final[Sequence[Column[FootRow]]] = (
+    Column("share", lambda row: row.load_share, ".1%"),
+    Column("highest N", lambda row: row.foot.peak_force_n and row.foot.peak_force_n.max, ".1f"),
+    Column("peak N", lambda row: row.foot.peak_force_n, ".1f"),
+    Column("peak BW", lambda row: row.foot.peak_force_bw, ".2f"),
+    Column("mean N", lambda row: row.foot.mean_force_n, ".1f"),
+    Column("peak Fz N", lambda row: row.foot.peak_vertical_force_n, ".1f"),
+    Column("impact", lambda row: row.foot.impact_ratio, ".2f"),
+    Column("rate N/s", lambda row: row.foot.loading_rate_nps, ".0f"),
+    Column("friction", lambda row: row.foot.friction_use, ".2f"),
+    Column("slip mm", lambda row: row.foot.slip_m, ".1f", 1e3),
+)
+_LEGS: Final[Sequence[Column[FootRow]]] = (
+    Column("clearance mm", lambda row: row.foot.clearance_m, ".1f", 1e3),
+    Column("swing m", lambda row: row.foot.swing_length_m, ".3f"),
+    Column("step m", lambda row: row.foot.step_length_m, ".3f"),
+    Column("width m", lambda row: row.foot.step_width_m, "z.3f"),
+    Column("down m/s", lambda row: row.foot.touchdown_down_mps, "z.3f"),
+    Column("along m/s", lambda row: row.foot.touchdown_along_mps, ".3f"),
+)
+_JOINTS: Final[Sequence[Column[Joint]]] = (
+    Column("range", lambda joint: joint.range_of_motion, ".3f"),
+    Column("peak speed", lambda joint: joint.peak_speed, ".2f"),
+    Column("peak N m", lambda joint: joint.peak_effort, ".2f"),
+    Column("RMS N m", lambda joint: joint.rms_effort, ".2f"),
+    Column("|work| J", lambda joint: joint.absolute_work_j, ".2f"),
+    Column("near limit", lambda joint: joint.near_limit_fraction, ".1%"),
+)
+_TOPICS: Final[Sequence[Column[TopicQuality]]] = (
+    Column("messages", lambda topic: topic.messages),
+    Column("Hz", lambda topic: topic.rate_hz, ".1f"),
+    Column("gaps", lambda topic: topic.gaps),
+    Column("gaps s", lambda topic: topic.gaps_total_s, ".2f"),
+    Column("longest s", lambda topic: topic.interval_max_s, ".2f"),
+    Column("log - stamp s", lambda topic: topic.clock_offset_s, "z.3f"),
+)
+_SYMMETRY: Final[Sequence[Column[Symmetry]]] = (
+    Column("stance %", lambda pair: pair.stance_s, "+z.1f"),
+    Column("duty factor %", lambda pair: pair.duty_factor, "+z.1f"),
+    Column("peak force %", lambda pair: pair.peak_force_n, "+z.1f"),
+)
+INDEX: Final[Sequence[Column[WalkMetrics]]] = (
+    Column("duration s", lambda metrics: metrics.log.duration_s, ".2f"),
+    Column("duty", lambda metrics: metrics.gait.duty_factor, ".3f"),
+    Column("strides/s", lambda metrics: metrics.gait.stride_frequency_hz, ".3f"),
+    Column("distance m", lambda metrics: metrics.base.path_length_m, ".2f"),
+    Column("m/s forward", lambda metrics: metrics.base.forward_speed_mps, "z.3f"),
+    Column("impulse/weight", lambda metrics: metrics.forces.vertical_impulse_over_weight, "z.3f"),
+)
+"""Several logs on the page."""
 
 
-@dataclass(frozen=True, slots=True)
-class Cell:
+class Cell(NamedTuple):
     """A number, and what is odd about it."""
 
     text: str
@@ -73,42 +104,174 @@ class Table:
     columns: Sequence[str]
     rows: Sequence[Sequence[Cell]]
     caption: str
-    foot_of_row: Sequence[int] = ()
-    """Index of the foot that a row is about, for its colour; empty: none."""
+    feet: Sequence[int | None]
+    """Index of the foot that a row is about, for its colour; None: it is about none."""
 
     @property
     def lines(self) -> list[tuple[int | None, Sequence[Cell]]]:
         """The rows, each with its foot."""
-        feet: Sequence[int | None] = self.foot_of_row or [None] * len(self.rows)
-        return list(zip(feet, self.rows, strict=True))
+        return list(zip(self.feet, self.rows, strict=True))
 
 
-def _cells(*texts: str) -> tuple[Cell, ...]:
-    return tuple(Cell(text) for text in texts)
-
-
-def stride_table(stats: Walk, void: Sequence[str]) -> Table:
-    """Return the strides in the order of time; outliers against the foot's own segment.
+def _table(
+    of: str,
+    columns: Sequence[Column[S]],
+    sources: Mapping[str, S],
+    caption: str,
+    feet: Sequence[str] = (),
+) -> Table:
+    """Return a row for each of some sources, by name.
 
     Args:
-        stats: what was worked out of a log.
+        of: heading of the names.
+        columns: of the values.
+        sources: by name.
+        caption: sentences about them.
+        feet: names of the robot's feet, where each source is one.
+    """
+    rows = [
+        [Cell(name), *(Cell(column.cell(each)) for column in columns)]
+        for name, each in sources.items()
+    ]
+    coloured = [feet.index(name) if feet else None for name in sources]
+    return Table((of, *(column.heading for column in columns)), rows, caption, coloured)
+
+
+def page_tables(metrics: WalkMetrics, walk: Walk, void: Sequence[str]) -> dict[str, Table | None]:
+    """Return the tables of a page by the names that its template knows them by.
+
+    Args:
+        metrics: the metrics of the log.
+        walk: what they are made of.
         void: patterns of metrics that are void.
     """
-    rows: list[tuple[float, int, tuple[Cell, ...]]] = []
-    for foot, figures in enumerate(stats.feet):
-        rows.extend(_stride_rows(stats, foot, figures, void))
-    rows.sort(key=lambda row: row[:2])
-    marked = [row for row in rows if any(cell.mark for cell in row[2])]
-    shown = rows if len(rows) <= MOST_STRIDES else marked[:MOST_STRIDES]
+    feet, names = foot_rows(metrics), list(metrics.feet)
+    has_legs = walk.legs is not None and any(leg.frame for leg in walk.legs.feet)
+    symmetry = metrics.forces.symmetry_index_percent
+    return {
+        "steps": _table("foot", _STEPS, feet, _STEP_WORDS, names),
+        "loads": _table("foot", _LOADS, feet, _load_words(walk.loads), names),
+        "symmetry": _table("pair", _SYMMETRY, symmetry, _symmetry_words(metrics.forces.load_share))
+        if symmetry
+        else None,
+        "legs": _table("foot", _LEGS, feet, _LEG_WORDS, names) if has_legs else None,
+        "joints": _joint_table(metrics),
+        "strides": _stride_table(walk, void),
+        "topics": _table("topic", _TOPICS, metrics.quality.topics, _topic_words(metrics)),
+    }
+
+
+_STEP_WORDS: Final = (
+    "Medians over whole strides; phase in cycles, and its consistency R, in the longest segment."
+)
+_LEG_WORDS: Final = (
+    "Medians over whole strides. Clearance above the line between footfalls; velocity at touchdown."
+)
+
+
+def _load_words(loads: WalkLoads) -> str:
+    of = {"vertical_impulse": "vertical impulse", "force_impulse": "impulse of |F|"}
+    share_of = of.get(loads.share_of or "", "load")
+    return f"Medians over whole stances; share of the {share_of}; highest: over all of them."
+
+
+def _symmetry_words(share: LoadShare) -> str:
+    words = "Right over left, percent of their mean (Robinson, Herzog and Nigg 1987): 0 is even."
+    parts = [
+        f"{name} {percent(part)}, {other} {percent(1.0 - part)}"
+        for name, other, part in (("fore", "hind", share.fore), ("left", "right", share.left))
+        if part is not None
+    ]
+    return f"{words} Load: {', '.join(parts)}." if parts else words
+
+
+def _topic_words(metrics: WalkMetrics) -> str:
+    return f"{metrics.log.messages:,} messages. Gap: over 5 usual intervals and 50 ms."
+
+
+def _joint_table(metrics: WalkMetrics) -> Table | None:
+    """Return the joints; None where the log tells of none."""
+    joints, feet = metrics.legs.joints, list(metrics.feet)
+    if not joints:
+        return None
+    words = (
+        f"rad and N m (m and N of those that slide) in the whole log.{_work_words(metrics.legs)}"
+    )
+    table = _table("joint", _JOINTS, joints, words)
+    coloured = [feet.index(each.foot) if each.foot in feet else None for each in joints.values()]
+    return table if None in coloured else Table(table.columns, table.rows, words, coloured)
+
+
+def _work_words(legs: Legs) -> str:
+    done, positive, cost = (
+        legs.absolute_work_j, legs.positive_work_j, legs.mechanical_cost_of_transport,
+    )  # fmt: skip
+    words = ""
+    if done is not None:
+        known = "?" if positive is None else f"{positive.median:.2f} J"
+        words += f" Work of all joints in a stride: {done.median:.2f} J, {known} of it positive."
+    if cost is not None:
+        words += f" Mechanical cost of transport: {cost:.3f}  (|work| / weight x way)."
+    return words
+
+
+_STRIDES: Final = (
+    ("stance s", "stance_s", 3, 1.0),
+    ("swing s", "swing_s", 3, 1.0),
+    ("duty", "duty_factor", 3, 1.0),
+    ("length m", "length_m", 3, 1.0),
+    ("peak N", "peak_force_n", 1, 1.0),
+    ("slip mm", "slip_m", 1, 1e3),
+)
+"""Columns of the table of strides: heading, metric, decimals, factor."""
+
+
+def _stride_table(walk: Walk, void: Sequence[str]) -> Table:
+    """Return the strides in the order of time; outliers against the foot's own segment."""
+    strides, names = stride_table(walk, void), [foot.name for foot in walk.feet]
+    start = strides.columns["start_s"]
+    feet = np.array([names.index(name) for name in strides.foot], np.int64)
+    segment = np.full(len(start), -1)
+    middle = start + (strides.columns["stance_s"] + strides.columns["swing_s"]) / 2.0
+    for number, each in enumerate(walk.segments):
+        first, last = (each.start - walk.origin) / 1e9, (each.end - walk.origin) / 1e9
+        segment[(middle >= first) & (middle < last)] = number
+    groups = np.where(segment < 0, -1, feet + len(names) * segment)
+    columns = [
+        _stride_cells(strides.columns[key] * scale, decimals, groups)
+        for _, key, decimals, scale in _STRIDES
+    ]
+    rows = [
+        [Cell(name), Cell(decimal(at, 3)), *cells]
+        for name, at, *cells in zip(strides.foot, start.tolist(), *columns, strict=True)
+    ]
+    order = np.lexsort([feet, start]).tolist()
+    marked = [row for row in order if any(cell.mark for cell in rows[row])]
+    shown = order if len(order) <= MOST_STRIDES else marked[:MOST_STRIDES]
     return Table(
-        ("foot", "from s", *_STRIDES),
-        [cells for _, _, cells in shown],
-        _stride_caption(len(rows), len(marked), len(shown)),
-        [foot for _, foot, _ in shown],
+        ("foot", "from s", *(heading for heading, *_ in _STRIDES)),
+        [rows[row] for row in shown],
+        _stride_words(len(order), len(marked), len(shown)),
+        [int(feet[row]) for row in shown],
     )
 
 
-def _stride_caption(every: int, marked: int, shown: int) -> str:
+def _stride_cells(values: Floats, decimals: int, groups: Any) -> list[Cell]:  # noqa: ANN401 - int64
+    """Return a column of strides; marked is what is far from the others of its group."""
+    cells = [
+        Cell(NOTHING if np.isnan(each) else decimal(each, decimals)) for each in values.tolist()
+    ]
+    for group in distinct(groups[groups >= 0]).tolist():
+        rows = np.flatnonzero(groups == group)
+        found = outliers(values[rows], 10.0**-decimals)
+        why = f"the median is {decimal(found.median, decimals)}"
+        for flags, mark in ((found.high, "high"), (found.low, "low")):
+            for row in rows[flags].tolist():
+                cells[row] = Cell(cells[row].text, mark, why)
+    return cells
+
+
+def _stride_words(every: int, marked: int, shown: int) -> str:
     if not every:
         return "No foot makes a whole stride."
     words = f"{every} whole strides, {marked} with an outlier"
@@ -120,111 +283,3 @@ def _stride_caption(every: int, marked: int, shown: int) -> str:
         f"Hoaglin 1993) and more than {LEAST_SHARE:.0%} off the median of the foot's strides in "
         "the same segment."
     )
-
-
-def _stride_rows(
-    stats: Walk, foot: int, figures: FootSteps, void: Sequence[str]
-) -> list[tuple[float, int, tuple[Cell, ...]]]:
-    strides = figures.strides
-    columns = foot_strides(stats, foot, void)
-    segment = _segment_of(stats, strides.touchdown + (strides.end - strides.touchdown) // 2)
-    cells = [
-        _column(columns[name] * scale, decimals, segment)
-        for name, decimals, scale in _STRIDES.values()
-    ]
-    begin = stats.seconds(strides.touchdown)
-    return [
-        (start, foot, (*_cells(figures.name, decimal(start, 3)), *row))
-        for start, row in zip(begin, zip(*cells, strict=True), strict=True)
-    ]
-
-
-def _segment_of(stats: Walk, time: Ints) -> Ints:
-    """(n,) number of the segment that each time lies in; -1 for none."""
-    number = np.full(len(time), -1)
-    for each, segment in enumerate(stats.segments):
-        number[(time >= segment.start) & (time < segment.end)] = each
-    return number
-
-
-def _column(values: Floats, decimals: int, segment: Ints) -> list[Cell]:
-    cells = [Cell(decimal(None if np.isnan(each) else each, decimals)) for each in values.tolist()]
-    for number in distinct(segment[segment >= 0]).tolist():
-        rows = np.flatnonzero(segment == number)
-        found: Outliers = outliers(values[rows], 10.0**-decimals)
-        why = f"the median is {decimal(found.median, decimals)}"
-        for flags, mark in ((found.high, "high"), (found.low, "low")):
-            for row in rows[flags].tolist():
-                cells[row] = Cell(cells[row].text, mark, why)
-    return cells
-
-
-def load_table(feet: Mapping[str, FootRow], loads: WalkLoads) -> Table:
-    """Return the loads of each foot."""
-    of = {"vertical_impulse": "vertical impulse", "force_impulse": "impulse of |F|"}
-    share_of = of.get(loads.share_of or "", "load")
-    words = f"Medians over whole stances; share of the {share_of}; highest: over all of them."
-    return _metrics(PAGE_LOADS, "foot", feet, words, range(len(feet)))
-
-
-def step_table(feet: Mapping[str, FootRow]) -> Table:
-    """Return the steps of each foot."""
-    words = (
-        "Medians over whole strides; phase in cycles, and its consistency R, in the longest "
-        "segment."
-    )
-    return _metrics(STEPS, "foot", feet, words, range(len(feet)))
-
-
-def _metrics(
-    columns: Sequence[Column[S]],
-    of: str,
-    sources: Mapping[str, S],
-    caption: str,
-    feet: Sequence[int] = (),
-) -> Table:
-    """Return the metrics of feet, joints or topics, a row each."""
-    rows = [_cells(name, *cells_of(columns, each)) for name, each in sources.items()]
-    return Table((of, *headers(columns)), rows, caption, feet)
-
-
-def symmetry_table(forces: Forces) -> Table | None:
-    """Return right against left, and how the load is shared; None without the four corners."""
-    if not forces.symmetry_index_percent:
-        return None
-    words = "Right over left, percent of their mean (Robinson, Herzog and Nigg 1987): 0 is even."
-    parts = [f"{name} {percent(share)}" for name, share in grouped_load(forces.load_share)]
-    words += f" Load: {', '.join(parts)}." if parts else ""
-    return _metrics(SYMMETRY, "pair", forces.symmetry_index_percent, words)
-
-
-def leg_table(feet: Mapping[str, FootRow]) -> Table | None:
-    """Return the swings of each foot; None where the log tells of no leg."""
-    if not any(row.leg is not None and row.leg.frame for row in feet.values()):
-        return None
-    words = (
-        "Medians over whole strides. Clearance above the line between footfalls, and how far the "
-        "foot's frame moves in the middle of a stance (at rest), in mm; velocity at touchdown."
-    )
-    return _metrics(LEGS, "foot", feet, words, range(len(feet)))
-
-
-def joint_table(walk: WalkMetrics) -> Table | None:
-    """Return the joints; None where the log tells of none."""
-    joints = walk.legs.joints
-    if not joints:
-        return None
-    names = list(walk.feet)
-    words = "rad and N m (m and N of those that slide) in the whole log."
-    for name, value in work_words(walk.legs):
-        words += f" {name.capitalize()}: {value}."
-    feet = [joint.foot for joint in joints.values() if joint.foot]
-    of_feet = len(feet) == len(joints) and set(feet) <= set(names)
-    coloured = [names.index(foot) for foot in feet] if of_feet else ()
-    return _metrics(JOINTS, "joint", joints, words, coloured)
-
-
-def topic_table(walk: WalkMetrics) -> Table:
-    """Return the timing of each topic."""
-    words = f"{walk.log.messages:,} messages. Gap: over 5 usual intervals and 50 ms."
-    return _metrics(TOPICS, "topic", walk.quality.topics, words)

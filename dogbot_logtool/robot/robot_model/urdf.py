@@ -1,6 +1,7 @@
-"""URDF: reading it safely, and its joints."""
+"""URDF: reading it safely; its joints and links."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from math import isfinite
 from typing import Final, cast
 from xml.etree import ElementTree as ET
@@ -9,7 +10,7 @@ import numpy as np
 
 from dogbot_logtool.core.frames.kinematics import Joint, Kind, Triple
 from dogbot_logtool.core.legs.joints import JointLimits
-from dogbot_logtool.core.rotations import from_roll_pitch_yaw
+from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 
 _KINDS: Final = {
     "revolute": "revolute",
@@ -18,6 +19,20 @@ _KINDS: Final = {
     "fixed": "fixed",
 }
 """Joints with one position or none; planar and floating ones have more."""
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A link of a robot description."""
+
+    mass_kg: float
+    """0: none is given."""
+    centre: Triple
+    """m, its centre of mass."""
+    balls: tuple[tuple[Triple, float], ...]
+    """m, middles and radii of the balls that it consists of."""
+    ends: tuple[Triple, ...]
+    """m, middles of the ends of its cylinders."""
 
 
 def parse_urdf(text: str) -> ET.Element:
@@ -70,28 +85,60 @@ def said_of_left_out(count: int) -> str:
 
 
 def urdf_limits(root: ET.Element) -> dict[str, JointLimits]:
-    """Return the limits of the joints of a description that has them, by name.
+    """Return the limits of a description's joints by name, where numbers tell them.
 
     A continuous joint has none of its position; an effort or velocity of 0 says nothing.
     """
     found = {}
     for joint in root.findall("joint"):
-        limit, name = joint.find("limit"), joint.get("name", "")
-        if limit is None or joint.get("type") not in {"revolute", "continuous", "prismatic"}:
-            continue
-        turns = joint.get("type") == "continuous"
+        limit = joint.find("limit")
+        told: Mapping[str, str] = {} if limit is None else limit.attrib
         try:
-            ends = [
-                np.inf if turns and end in {"lower", "upper"} else finite(limit.get(end, "0"))
-                for end in ("lower", "upper", "effort", "velocity")
-            ]
+            ends = ("lower", "upper", "effort", "velocity")
+            lower, upper, effort, velocity = (finite(told.get(end, "0")) for end in ends)
         except ValueError:
             continue
-        lower, upper, effort, velocity = ends
-        if turns or lower >= upper:
+        if joint.get("type") == "continuous" or lower >= upper:
             lower, upper = -np.inf, np.inf
-        found[name] = JointLimits(lower, upper, effort or np.inf, velocity or np.inf)
+        if joint.get("type") in {"revolute", "continuous", "prismatic"}:
+            limits = JointLimits(lower, upper, effort or np.inf, velocity or np.inf)
+            found[joint.get("name", "")] = limits
     return found
+
+
+def urdf_links(root: ET.Element) -> dict[str, Link]:
+    """Return a description's links by name; parts with numbers that cannot be used are left out."""
+    found = {}
+    for link in root.findall("link"):
+        mass, centre = 0.0, (0.0, 0.0, 0.0)
+        balls: list[tuple[Triple, float]] = []
+        ends: list[Triple] = []
+        for part in (
+            *link.findall("inertial"),
+            *link.findall("collision"),
+            *link.findall("visual"),
+        ):
+            try:
+                place = triple_of(part, "origin", "xyz")
+                if part.tag == "inertial":
+                    mass, centre = _number(part.find("mass"), "value"), place
+                elif radius := _number(part.find("geometry/sphere"), "radius"):
+                    balls.append((place, radius))
+                elif length := _number(part.find("geometry/cylinder"), "length"):
+                    turn = from_roll_pitch_yaw(np.array([triple_of(part, "origin", "rpy")]))
+                    half = rotate(turn, np.array([[0.0, 0.0, length / 2.0]]))[0]
+                    both = np.array(place) + half, np.array(place) - half
+                    ends += [cast("Triple", tuple(each.tolist())) for each in both]
+            except ValueError:
+                continue
+        name = link.get("name", "").lstrip("/")
+        found[name] = Link(max(mass, 0.0), centre, tuple(balls), tuple(ends))
+    return found
+
+
+def _number(element: ET.Element | None, attribute: str) -> float:
+    """Return a number of an element; 0 where there is none."""
+    return 0.0 if element is None else finite(element.get(attribute, "0"))
 
 
 def _joint(element: ET.Element) -> Iterator[Joint]:

@@ -13,12 +13,6 @@ from dogbot_logtool.commands.tasks import figures
 from dogbot_logtool.core.metrics import Base, Stability
 from dogbot_logtool.core.records import to_json, unknown
 from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.report.page.charts.comparison_figures import (
-    PANEL,
-    STANCES,
-    cycle_panels,
-    stance_bars,
-)
 from dogbot_logtool.report.page.comparison import comparison_page
 from dogbot_logtool.results import Figures
 from tests.truth import gaits
@@ -51,7 +45,7 @@ def page(first: Figures, second: Figures) -> str:
 def test_it_says_what_differs_the_largest_effect_first(measured: dict[str, Figures]) -> None:
     html = page(measured["trot"], measured["<shorter>"])
     found = compare_gait([measured["trot"]], [measured["<shorter>"]])
-    assert f"{len(found.differing)} of {len(found.differences)} figures differ" in html
+    assert f"{len(found.differing)} of {len(found.differences)} metrics differ" in html
     order = re.findall(r'<th scope="row">(\w+ \w+) <span role="img" aria-label="(\w+)"', html)
     assert [name for name, _ in order] == [f"{e.foot} {e.figure}" for e in found.differing]
     assert ("front_left duty_factor", "less") in order
@@ -63,53 +57,58 @@ def test_it_says_what_differs_the_largest_effect_first(measured: dict[str, Figur
 def test_runs_that_cannot_be_compared_say_why_first(measured: dict[str, Figures]) -> None:
     html = page(measured["trot"], measured["pace"])
     assert html.index("They cannot be compared") < html.index("the gaits differ: trot against pace")
-    assert "Figures of strides" not in html
+    assert "Metrics of strides" not in html
     assert "Side by side" in html
 
 
+def points(html: str, side: str) -> list[Any]:
+    """The lines of one side: (n, 2) pixels each, vertical forces of all feet first."""
+    found = re.findall(rf'<polyline class="{side}" points="(.*?)"', html)
+    return [np.array([each.split(",") for each in line.split()], np.float64) for line in found]
+
+
 def test_curves_of_both_sides_are_laid_over_each_other(measured: dict[str, Figures]) -> None:
-    sides = [measured["trot"].json], [measured["<shorter>"].json]
-    panels = cycle_panels(sides, "vertical_over_stride_n")
-    assert [panel.title for panel in panels] == list(sides[0][0]["feet"])
-    for side in (0, 1):
-        curve = panels[0].curves[side]
-        assert curve is not None
-        points = np.array([each.split(",") for each in curve.line.split()], np.float64)
-        truth = sides[side][0]["feet"]["front_left"]["vertical_over_stride_n"]
-        assert points[[0, -1], 0] == pytest.approx([PANEL["left"], PANEL["right"]])
+    html = page(measured["trot"], measured["<shorter>"])
+    assert re.findall(r'text-anchor="end">(\d+)</text>', html)[:3] == ["0", "50", "100"]
+    for name, side in (("trot", "first"), ("<shorter>", "second")):
+        (line, *others), feet = points(html, side), measured[name].json["feet"]
+        assert len(others) + 1 == 2 * len(feet)
+        force = np.array(feet["front_left"]["vertical_over_stride_n"]["median"])
         # The drawing's y is a falling linear function of the force.
-        slope, at_zero = np.polyfit(truth["median"], points[:, 1], 1)
+        slope, at_zero = np.polyfit(force, line[:, 1], 1)
         assert slope < 0.0
-        drawn = slope * np.array(truth["median"]) + at_zero
-        assert drawn == pytest.approx(points[:, 1], abs=0.1)
-
-
-def test_ticks_are_round_numbers(measured: dict[str, Figures]) -> None:
-    (panel, *_) = cycle_panels(([measured["trot"].json],) * 2, "vertical_over_stride_n")
-    assert [text for _, text in panel.ticks] == ["0", "50", "100"]
+        assert slope * force + at_zero == pytest.approx(line[:, 1], abs=0.1)
+        assert (np.diff(line[:, 0]) > 0.0).all()
 
 
 def test_stances_are_bars_in_the_stride(measured: dict[str, Figures]) -> None:
-    bars = stance_bars(([measured["trot"].json], [measured["<shorter>"].json]))
-    widths = [[sum(width for _, width in side) for side in foot.bars] for foot in bars]
-    expected = [0.6 * STANCES["cycle"], 0.55 * STANCES["cycle"]]
-    for each in widths:
-        assert each == pytest.approx(expected, rel=0.02)
-    begin = bars[1].bars[0][0][0]
-    assert begin == pytest.approx(STANCES["name"] + 0.5 * STANCES["cycle"], abs=4.0)
+    html = page(measured["trot"], measured["<shorter>"])
+    for side, duty in (("first", 0.6), ("second", 0.55)):
+        bars = re.findall(rf'<rect class="{side}" x="(.*?)" y="(.*?)" width="(.*?)"', html)
+        rows: dict[str, list[tuple[float, float]]] = {}
+        for x, y, width in bars:
+            rows.setdefault(y, []).append((float(x), float(width)))
+        assert len(rows) == 4
+        for row in rows.values():
+            assert sum(width for _, width in row) == pytest.approx(640.0 * duty, rel=0.02)
+        # The right fore foot comes down half a stride after the left one.
+        begins = [row[0][0] for row in rows.values()]
+        assert begins[1] - begins[0] == pytest.approx(320.0, abs=4.0)
 
 
 def test_what_is_not_known_is_left_out(measured: dict[str, Figures]) -> None:
     blind: dict[str, Any] = copy.deepcopy(measured["trot"].json)
     for foot in blind["feet"].values():
-        foot["vertical_over_stride_n"] = foot["duty_factor"] = None
+        foot["vertical_over_stride_n"] = foot["forward_over_stride_n"] = foot["duty_factor"] = None
     blind["base"] = to_json(unknown(Base))
     blind["stability"] = to_json(unknown(Stability))
-    assert cycle_panels(([blind], [blind]), "vertical_over_stride_n") == []
-    assert stance_bars(([blind], [blind])) == []
     found = compare_gait([measured["trot"]], [measured["pace"]])
     html = comparison_page(found, ([measured["trot"].json], [blind])).decode()
-    assert "polyline class" in html
+    assert len(points(html, "first")) == 8
+    assert points(html, "second") == []
+    html = comparison_page(found, ([blind], [blind])).decode()
+    assert "<rect" not in html
+    assert "no curves" in html
 
 
 def test_a_side_of_several_logs_is_their_median(measured: dict[str, Figures]) -> None:

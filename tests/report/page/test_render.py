@@ -176,7 +176,28 @@ def test_the_page_tells_date_robot_and_version() -> None:
     html = page(measurement_of(stats, replace(facts, start_s=1_760_000_000.0)), 0).decode()
     assert "<dd>2025-10-09 08:53:20 UTC</dd>" in html
     assert "<dt>robot</dt><dd>dogbot</dd>" in html
-    assert "(no date)" in page(measurement_of(stats, facts), 0).decode()
+    assert "(simulation time)" in page(measurement_of(stats, facts), 0).decode()
+
+
+def test_events_are_listed_and_marked_in_every_figure_over_time() -> None:
+    """Of four feet the third is dead and the second silent: their events stand in their rows."""
+    html = page(measured(SAMPLE_LOGS / "dogbot_troubled.bag", MeasureOptions()), 0)
+    onsets = [float(each) for each in re.findall(rb'"row"><button[^>]* data-from="(.*?)"', html)]
+    assert len(onsets) == 2
+    assert html.index(b"sensor fault</td>") < html.index(b"gap</td>")
+    over_time = {name: each for name, each in drawings(html).items() if each["over_time"]}
+    assert set(over_time) == {"gait", "loads", "motion", "commands"}
+    for name, each in over_time.items():
+        shapes = each["layout"]["shapes"]
+        assert [shape["x0"] for shape in shapes] == onsets
+        rows = [(shape["yref"], (shape["y0"] + shape["y1"]) / 2.0) for shape in shapes]
+        in_rows = {
+            "gait": [("y", 2.0), ("y", 1.0)],
+            "loads": [("y3 domain", 0.5), ("y2 domain", 0.5)],
+        }
+        assert rows == in_rows.get(name, [("paper", 0.5)] * 2)
+    (label,) = over_time["gait"]["layout"]["annotations"]
+    assert label["text"] == "sensor fault"
 
 
 def luminance(colour: str) -> float:

@@ -103,8 +103,8 @@ def test_joint_states_bend_the_legs_as_the_transforms_do(tmp_path: Path) -> None
 
 def test_without_frames_lines_lead_to_the_feet_and_unknown_feet_are_below_the_base() -> None:
     stats = measured().walk
-    time = frame_times(stats)
-    plain = replay(stats, time, None)
+    time = frame_times(stats, ())
+    plain = replay(stats, (), time, None)
     assert plain is not None
     assert plain["limbs"] is None
     assert not plain["schematic"]
@@ -120,7 +120,7 @@ def test_without_frames_lines_lead_to_the_feet_and_unknown_feet_are_below_the_ba
         )
         for foot in stats.feet
     )
-    unknown = replay(replace(stats, feet=nowhere), time, None)
+    unknown = replay(replace(stats, feet=nowhere), (), time, None)
     assert unknown is not None
     assert unknown["schematic"]
     html = page(measurement_of(stats, LogFacts()), 0, replay=unknown).decode()
@@ -134,8 +134,11 @@ def test_a_walk_far_from_the_worlds_origin_is_as_exact() -> None:
     stats = measured().walk
     away = np.array([448_000.0, 5_412_000.0, 0.0])
     base = replace(stats.base_history, position=stats.base_history.position + away)
-    time = frame_times(stats)
-    near, far = replay(stats, time, None), replay(replace(stats, base_history=base), time, None)
+    time = frame_times(stats, ())
+    near, far = (
+        replay(stats, (), time, None),
+        replay(replace(stats, base_history=base), (), time, None),
+    )
     assert near is not None
     assert far is not None
     moved = [np.diff(points(each["position"]), axis=0) for each in (near, far)]
@@ -145,7 +148,7 @@ def test_a_walk_far_from_the_worlds_origin_is_as_exact() -> None:
 def test_a_long_log_is_thinned() -> None:
     stats = measured().walk
     day = replace(stats, end=stats.origin + 86_400_000_000_000)
-    time = frame_times(day)
+    time = frame_times(day, ())
     assert len(time) <= MOST_FRAMES
     assert (np.diff(time) > 0).all()
     near = (time > stats.origin + 3_000_000_000) & (time < stats.origin + 6_000_000_000)

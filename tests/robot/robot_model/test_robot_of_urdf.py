@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import pytest
 
-from dogbot_logtool.robot.robot_model.robot_of_urdf import find_legs, read_robot
+from dogbot_logtool.robot.robot_model.robot_of_urdf import Legs, find_legs, read_robot
 
 Joint = tuple[str, str, str, str, str]
 """Type, parent, child, place and axis."""
@@ -46,14 +46,19 @@ ARM: tuple[Joint, ...] = (
 NAMES = ["front_left", "front_right", "back_left", "back_right"]
 
 
+def names_of(legs: Legs) -> list[str]:
+    return [leg.name for leg in legs.legs]
+
+
 def test_legs_are_told_from_arms_and_sensors() -> None:
     robot = read_robot(urdf([*quadruped("trunk"), *ARM], ["trunk", "FL_calf", "FL_foot"]))
-    legs, axis = find_legs(robot, {})
-    assert [each.name for each in legs] == NAMES
-    assert [each.leg.foot for each in legs] == ["FL_foot", "FR_foot", "RL_foot", "RR_foot"]
-    assert (robot.base, robot.mass_kg, axis) == ("trunk", 6.0, "+x")
+    found = find_legs(robot, {})
+    assert names_of(found) == NAMES
+    assert [leg.foot for leg in found.legs] == ["FL_foot", "FR_foot", "RL_foot", "RR_foot"]
+    assert (robot.base, robot.mass_kg, found.forward_axis) == ("trunk", 6.0, "+x")
     # The foot's mass is the calf's, too: nothing moves between them.
-    assert [(mass.joint, mass.mass_kg) for mass in legs[0].leg.masses] == [(2, 2.0), (3, 2.0)]
+    masses = found.legs[0].masses
+    assert [(mass.joint, mass.mass_kg) for mass in masses] == [(2, 2.0), (3, 2.0)]
 
 
 @pytest.mark.parametrize("kind", ["fixed", "floating", "revolute"])
@@ -62,7 +67,7 @@ def test_the_base_lies_past_the_world_and_links_without_a_mass(kind: str) -> Non
     joints.append((kind, "virtual", "trunk", "0 0 1", "1 0 0"))
     robot = read_robot(urdf([*joints, *quadruped("trunk")], ["trunk"]))
     assert robot.base == "trunk"
-    assert len(find_legs(robot, {})[0]) == 4
+    assert len(find_legs(robot, {}).legs) == 4
 
 
 def test_a_root_that_is_the_base_stays() -> None:
@@ -71,18 +76,20 @@ def test_a_root_that_is_the_base_stays() -> None:
 
 
 def test_names_tell_where_forward_is_and_places_where_names_do_not() -> None:
-    _, axis = find_legs(read_robot(urdf(quadruped("trunk", "RR RL FR FL"))), {})
-    assert axis == "-x"
-    legs, axis = find_legs(read_robot(urdf(quadruped("trunk", "a b c d"))), {})
-    assert ([each.name for each in legs], axis) == (NAMES, "+x")
+    assert find_legs(read_robot(urdf(quadruped("trunk", "RR RL FR FL"))), {}).forward_axis == "-x"
+    found = find_legs(read_robot(urdf(quadruped("trunk", "a b c d"))), {})
+    assert (names_of(found), found.forward_axis) == (NAMES, "+x")
 
 
-def test_wheels_are_no_legs() -> None:
+@pytest.mark.parametrize("name", ["{}_wheel", "{}_4"])
+def test_wheels_are_no_legs(name: str) -> None:
     wheels: list[Joint] = [
-        ("continuous", f"{name}_calf", f"{name}_wheel", "0 0 -0.3", "0 1 0")
-        for name in ("FL", "FR", "RL", "RR")
+        ("continuous", f"{leg}_calf", name.format(leg), "0 0 -0.3", "0 1 0")
+        for leg in ("FL", "FR", "RL", "RR")
     ]
-    assert find_legs(read_robot(urdf([*quadruped("trunk"), *wheels])), {}) == ((), "+x")
+    found = find_legs(read_robot(urdf([*quadruped("trunk"), *wheels])), {})
+    assert not found.legs
+    assert f"wheels, {name.format('FL')}, " in found.why_none
 
 
 def test_a_biped_with_a_waist_and_toes() -> None:
@@ -90,13 +97,67 @@ def test_a_biped_with_a_waist_and_toes() -> None:
     for side, y in (("left", 0.1), ("right", -0.1)):
         joints += leg("pelvis", side, 0.0, y)
         joints.append(("revolute", f"{side}_foot", f"{side}_toe", "0.1 0 0", "0 1 0"))
-    legs, _ = find_legs(read_robot(urdf(joints, ["torso"])), {})
-    assert [(each.name, len(each.leg.measured)) for each in legs] == [("left", 5), ("right", 5)]
+    legs = find_legs(read_robot(urdf(joints, ["torso"])), {}).legs
+    assert [(each.name, len(each.measured)) for each in legs] == [("left", 5), ("right", 5)]
 
 
 def test_joints_that_follow_others_are_moved_by_them() -> None:
     joint = '<joint name="FL_calf_joint" type="revolute">'
     follows = joint + '<mimic joint="FL_thigh_joint" multiplier="-2"/>'
     text = urdf(quadruped("trunk")).replace(joint, follows)
-    (first, *_), _ = find_legs(read_robot(text), {})
-    assert first.leg.measured == ("FL_hip_joint", "FL_thigh_joint")
+    first, *_ = find_legs(read_robot(text), {}).legs
+    assert first.measured == ("FL_hip_joint", "FL_thigh_joint")
+
+
+def without_feet(shape: str) -> str:
+    """A quadruped whose calves are the last links, with a shape."""
+    text = urdf([joint for joint in quadruped("trunk") if joint[0] != "fixed"])
+    for leg in ("FL", "FR", "RL", "RR"):
+        calf = f'<link name="{leg}_calf">'
+        text = text.replace(calf, f"{calf}<collision>{shape}</collision>")
+    return text
+
+
+@pytest.mark.parametrize(
+    ("shape", "point", "radius"),
+    [
+        (
+            '<origin xyz="0 0 -0.2"/><geometry><sphere radius="0.02"/></geometry>',
+            (0.0, 0.0, -0.2),
+            0.02,
+        ),
+        (
+            '<origin xyz="0 0 -0.1"/><geometry><cylinder length="0.2" radius="0.01"/></geometry>',
+            (0.0, 0.0, -0.2),
+            0.0,
+        ),
+    ],
+)
+def test_a_foot_without_a_link_is_where_the_last_link_ends(
+    shape: str, point: tuple[float, float, float], radius: float
+) -> None:
+    first, *_ = find_legs(read_robot(without_feet(shape)), {}).legs
+    assert (first.foot, first.radius_m) == ("FL_calf", radius)
+    assert first.point == pytest.approx(point)
+
+
+def test_feet_that_nothing_places_are_named() -> None:
+    found = find_legs(read_robot(without_feet("")), {})
+    assert not found.legs
+    assert "where the feet of FL_calf, FR_calf" in found.why_none
+
+
+def test_a_base_whose_z_axis_is_not_up_is_named() -> None:
+    lying: list[Joint] = [
+        (kind, parent, child, "{0} {2} {1}".format(*place.split()), axis)
+        for kind, parent, child, place, axis in quadruped("trunk")
+    ]
+    found = find_legs(read_robot(urdf(lying)), {})
+    assert not found.legs
+    assert "z axis is not up" in found.why_none
+    # A root above it whose z axis is up is the base.
+    turn = '<origin rpy="1.5707963 0 0"/>'
+    root = f'<joint name="r" type="fixed"><parent link="r"/><child link="trunk"/>{turn}</joint>'
+    robot = read_robot(urdf(lying, ["trunk"]).replace("</robot>", f"{root}</robot>"))
+    assert robot.base == "r"
+    assert len(find_legs(robot, {}).legs) == 4

@@ -59,6 +59,10 @@ class Replay {
     this.follows = true;
     this.drawn = 0;
     if (this.limbs) this.joints = this.limbs.parents.length;
+    for (const foot of this.feet) {
+      const isDown = (row) => foot.state[row] === 1 && foot.state[row - 1] !== 1 && isKnown(this.at(foot.point, row));
+      foot.falls = Array.from(this.time, (_, row) => row).filter(isDown);
+    }
     // The row that shows how the robot is built: the first at which base, joints and feet are known.
     this.built = Math.max(0, Array.from(this.time).findIndex((_, row) => this.isWhole(row)));
     this.body = this.bodySize();
@@ -172,9 +176,9 @@ class Replay {
   drawFootfalls() {
     const { pen } = this;
     for (const foot of this.feet) {
-      const newest = lastUpTo(foot.fall_time, this.now);
+      const newest = lastUpTo(foot.falls, this.row);
       for (let fall = Math.max(0, newest - 40); fall <= newest; fall += 1) {
-        const seen = this.camera.see(this.at(foot.fall_point, fall));
+        const seen = this.camera.see(this.at(foot.point, foot.falls[fall]));
         if (!seen) continue;
         pen.beginPath();
         pen.ellipse(seen[0], seen[1], 4, 2.6, 0, 0, 7);

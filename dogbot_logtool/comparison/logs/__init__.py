@@ -1,1 +1,0 @@
-"""Two logs, message by message."""

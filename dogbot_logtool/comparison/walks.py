@@ -1,0 +1,255 @@
+"""Two runs, or two groups of runs: can they be compared, which metrics differ, and by how much?
+
+A metric of strides differs where a bootstrap interval of the difference of its medians leaves zero
+out, and the difference is more than what the recording resolves. Intervals of times are as wide as
+the sampling leaves them in doubt. Strides follow one another and are not independent, so whole
+blocks of strides are drawn (moving blocks, Künsch 1989). There are many metrics, so that each
+interval is as wide as the number of them asks for (Bonferroni).
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from statistics import median
+from typing import Any, Final
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import Floats, Ints, median_of
+from dogbot_logtool.reader.containers.loss import Damage
+
+CONFIDENCE: Final = 0.95
+"""That no interval misses its difference, over all figures."""
+DRAWS: Final = 20_000
+BLOCK: Final = 3
+"""Strides that are drawn together."""
+FEWEST_STRIDES: Final = 5
+"""Strides of a foot on either side; fewer give no interval."""
+LEAST_SHARE: Final = 0.01
+"""Differences below this share of the figure are of no interest, however certain."""
+MOST_SPEED_SHARE: Final = 0.2
+"""Share by which speeds may differ: stance and stride follow the speed."""
+MOST_SPEED_MPS: Final = 0.05
+"""m/s, by which they may differ however slow the robot is."""
+MOST_MASS_SHARE: Final = 0.01
+_SEED: Final = 20_261_122
+_TIMES: Final = ("stance_s", "swing_s", "period_s")
+_NOT_COMPARED: Final = ("start_s",)
+
+
+Json = Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class RunStrides:
+    """The strides of a run."""
+
+    name: str
+    foot: tuple[str, ...]
+    """(n,) name of each stride's foot."""
+    columns: Mapping[str, Floats]
+    """(n,) by name; NaN where not known."""
+    interval_s: float
+    """s, the longest sampling interval of its feet: no time is known more finely."""
+
+
+@dataclass(frozen=True, slots=True)
+class FigureDifference:
+    """How a figure of one foot differs between two sides."""
+
+    foot: str
+    figure: str
+    counts: tuple[int, int]
+    """Strides on either side."""
+    medians: tuple[float, float]
+    difference: float
+    """The second median minus the first."""
+    interval: tuple[float, float]
+    """Interval of the difference, at the confidence that the number of figures asks for."""
+    effect: float
+    """Difference over the spread of single strides (median absolute deviation, scaled)."""
+    differs: bool
+
+
+@dataclass(frozen=True, slots=True)
+class GaitComparison:
+    """How two sides walk."""
+
+    sides: tuple[tuple[str, ...], tuple[str, ...]]
+    """Names of the logs of either side."""
+    reasons: tuple[str, ...]
+    """Why they cannot be compared; empty: they can."""
+    doubts: tuple[str, ...]
+    """Recordings that are not to be relied on."""
+    differences: tuple[FigureDifference, ...]
+    """A difference for every figure that both have; empty where they cannot be compared."""
+    damage: tuple[Damage, ...] = ()
+    """What was lost of which log; sound logs are left out."""
+
+    @property
+    def differing(self) -> tuple[FigureDifference, ...]:
+        """The figures that differ."""
+        return tuple(each for each in self.differences if each.differs)
+
+    @property
+    def exit_code(self) -> int:
+        """0: nothing differs; 1: something does, or they cannot be compared."""
+        return 1 if self.reasons or self.differing else 0
+
+
+def figure_differences(
+    first: Sequence[RunStrides], second: Sequence[RunStrides]
+) -> list[FigureDifference]:
+    """Compare all figures of strides, foot by foot; those of the largest effect come first.
+
+    Args:
+        first: the runs of one side.
+        second: those of the other.
+    """
+    interval_s = max((run.interval_s for run in (*first, *second)), default=0.0)
+    pairs = []
+    for foot in _common_feet(first, second):
+        one, other = _values(first, foot), _values(second, foot)
+        for figure in one.keys() & other.keys():
+            if min(len(one[figure]), len(other[figure])) >= FEWEST_STRIDES:
+                resolution = _resolution(figure, interval_s, one)
+                pairs.append((foot, figure, one[figure], other[figure], resolution))
+    found = [_difference(*pair, figures=len(pairs)) for pair in sorted(pairs, key=lambda p: p[:2])]
+    return sorted(found, key=lambda each: (not each.differs, -abs(each.effect)))
+
+
+def _common_feet(first: Sequence[RunStrides], second: Sequence[RunStrides]) -> list[str]:
+    others = {foot for run in second for foot in run.foot}
+    return [f for f in dict.fromkeys(f for run in first for f in run.foot) if f in others]
+
+
+def _values(runs: Sequence[RunStrides], foot: str) -> Mapping[str, Floats]:
+    """Return the known values of each figure of a foot, run after run."""
+    parts: dict[str, list[Floats]] = {}
+    for run in runs:
+        rows = np.array([name == foot for name in run.foot], np.bool_)
+        columns = {key: values[rows] for key, values in run.columns.items()}
+        if {"stance_s", "swing_s"} <= columns.keys():
+            columns["period_s"] = columns["stance_s"] + columns["swing_s"]
+        for key, values in columns.items():
+            if key not in _NOT_COMPARED:
+                parts.setdefault(key, []).append(values[np.isfinite(values)])
+    return {key: np.concatenate(values) for key, values in parts.items()}
+
+
+def _difference(
+    foot: str, figure: str, one: Floats, other: Floats, resolution: float, *, figures: int
+) -> FigureDifference:
+    """Compare the values of a figure.
+
+    Args:
+        foot: whose it is.
+        figure: its name.
+        one: (n,) of the first side. Also `other`, (m,) of the second.
+        other: see `one`.
+        resolution: what the recording resolves, in the figure's unit.
+        figures: how many are compared in all.
+    """
+    medians = float(median_of(one)), float(median_of(other))
+    difference = medians[1] - medians[0]
+    random = np.random.default_rng(_SEED)
+    drawn = _drawn_medians(other, random) - _drawn_medians(one, random)
+    # Sampled times are off by up to half an interval, and those of one side often all alike.
+    drawn += random.triangular(-resolution, 0.0, resolution, DRAWS) if resolution else 0.0
+    tail = (1.0 - CONFIDENCE) / max(figures, 1) / 2.0
+    low, high = np.quantile(drawn, [tail, 1.0 - tail])
+    least = max(LEAST_SHARE * abs(medians[0]), resolution)
+    spread = np.hypot(_spread(one), _spread(other)) / np.sqrt(2.0)
+    return FigureDifference(
+        foot=foot,
+        figure=figure,
+        counts=(len(one), len(other)),
+        medians=medians,
+        difference=difference,
+        interval=(float(low), float(high)),
+        effect=difference / float(max(spread, least, np.finfo(np.float64).tiny)),
+        differs=bool((low > 0.0 or high < 0.0) and abs(difference) > least),
+    )
+
+
+def _drawn_medians(values: Floats, random: np.random.Generator) -> Floats:
+    """(DRAWS,) medians of as many values, drawn in blocks of neighbours."""
+    count = len(values)
+    block = min(BLOCK, count)
+    blocks = -(-count // block)
+    starts: Ints = random.integers(0, count - block + 1, (DRAWS, blocks))
+    rows = (starts[:, :, None] + np.arange(block)).reshape(DRAWS, -1)[:, :count]
+    medians: Floats = median_of(values[rows], axis=1)
+    return medians
+
+
+def _resolution(figure: str, interval_s: float, values: Mapping[str, Floats]) -> float:
+    """Return the difference that the recording resolves, in the figure's unit."""
+    if figure == "duty_factor":
+        return interval_s / float(median_of(values["period_s"]))
+    return interval_s if figure in _TIMES else 0.0
+
+
+def _spread(values: Floats) -> float:
+    """Return the standard deviation that normal values of this median deviation have."""
+    return 1.4826 * float(median_of(np.abs(values - median_of(values))))
+
+
+def why_not_comparable(first: Sequence[Json], second: Sequence[Json]) -> list[str]:
+    """Say what keeps two sides from being compared, a sentence each; empty if nothing does.
+
+    Args:
+        first: ``stats --json`` of the runs of one side.
+        second: of the other.
+    """
+    checks = (_feet, _gait, _speed, _mass)
+    return [reason for check in checks for reason in check(first, second)]
+
+
+def doubts(documents: Sequence[Json]) -> Iterator[str]:
+    """Yield which recordings are not to be relied on."""
+    for document in documents:
+        checks = document["quality"]["checks"]
+        failed = [each["name"] for each in checks if each["outcome"] == "failed"]
+        if failed:
+            yield f"{document['log']['path']}: {', '.join(failed)} does not hold"
+
+
+def _feet(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
+    names = [{frozenset(document["feet"]) for document in side} for side in (first, second)]
+    if len(names[0] | names[1]) > 1:
+        yield "the robots have different feet"
+    for number, side in enumerate((first, second), 1):
+        strides = sum(
+            foot["strides"] or 0 for document in side for foot in document["feet"].values()
+        )
+        feet = len(set().union(*(document["feet"] for document in side)))
+        if strides < FEWEST_STRIDES * max(feet, 1):
+            yield f"side {number} has {strides} strides of {feet} feet: too few"
+
+
+def _gait(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
+    classes = [{document["gait"]["name"] for document in side} for side in (first, second)]
+    if classes[0] != classes[1] or len(classes[0]) > 1:
+        yield f"the gaits differ: {_listed(classes[0])} against {_listed(classes[1])}"
+
+
+def _listed(classes: set[str | None]) -> str:
+    return ", ".join(sorted(each or "not known" for each in classes))
+
+
+def _speed(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
+    speeds = [[d["base"]["forward_speed_mps"] for d in side] for side in (first, second)]
+    known = [[each for each in side if each is not None] for side in speeds]
+    if not all(known):
+        return
+    one, other = (median(side) for side in known)
+    if abs(one - other) > max(MOST_SPEED_MPS, MOST_SPEED_SHARE * max(abs(one), abs(other))):
+        yield f"the speeds differ: {one:.2f} m/s against {other:.2f} m/s"
+
+
+def _mass(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
+    masses = {document["settings"]["mass_kg"] for document in (*first, *second)}
+    known = [mass for mass in masses if mass is not None]
+    apart = known and max(known) - min(known) > MOST_MASS_SHARE * max(known)
+    if apart or 0 < len(known) < len(masses):
+        yield f"the masses differ: {', '.join(f'{mass:g} kg' for mass in sorted(known))}"

@@ -1,0 +1,193 @@
+"""Curves over time, and the figures of the base: its motion, and its commands."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Float32s, Floats, Ints
+from dogbot_logtool.core.base.ground import height_over_feet
+from dogbot_logtool.core.base.motion import FORWARD_ANGLES, roll_and_pitch
+from dogbot_logtool.core.rotations import along_heading
+from dogbot_logtool.core.stability import margins
+from dogbot_logtool.core.walk import Walk
+from dogbot_logtool.report.curves import Curve, curve_of
+from dogbot_logtool.report.page.chart import (
+    LINE,
+    SECOND,
+    Drawing,
+    Row,
+    Trace,
+    extent_of,
+    grid,
+    line,
+    seconds,
+    time_axis,
+)
+from dogbot_logtool.report.text.gait_diagram import default_window
+
+ROW_PIXELS: Final = 105
+_BINS: Final = 900
+"""Bins of a curve, each with its lowest and highest value: twice as many points."""
+_BESIDE_S: Final = 0.1
+"""s before and after a time between which its speed is measured."""
+
+
+class Line(NamedTuple):
+    """A quantity over time, reduced to what can be seen."""
+
+    curve: Curve
+    trace: Trace
+
+
+def line_over_time(
+    walk: Walk,
+    name: str,
+    curve: tuple[Ints, Floats | Float32s],
+    breaks: Ints,
+    hover: str,
+    colour: str = LINE,
+    *,
+    width: float = 1.5,
+    dash: str = "solid",
+    more: Trace | None = None,
+) -> Line | None:
+    """Reduce a quantity: the typical strides have every sample; None where nothing is known.
+
+    Args:
+        walk: of the log.
+        name: of the quantity.
+        curve: (n,) ns, strictly increasing, and (n,) values, NaN where not known.
+        breaks: (b, 2) ns, over which no line leads, beside unknown values.
+        hover: how a value is written.
+        colour: see `line`, as all that follow.
+        width: px.
+        dash: as Plotly names it.
+        more: of the trace.
+    """
+    time, value = curve
+    coarse = curve_of(time, value, _BINS)
+    if coarse is None:
+        return None
+    first, last = (walk.origin + round(each * 1e9) for each in default_window(walk))
+    # Whole bins, so that each is either replaced or kept.
+    window = first // coarse.bin_ns * coarse.bin_ns, -(-last // coarse.bin_ns) * coarse.bin_ns - 1
+    fine = curve_of(time, value, window=window)
+    unknown = timespans.spans_where(time, np.isnan(value[:-1]))
+    no_line = timespans.merge(np.concatenate([breaks, unknown]))
+    x, y = (coarse if fine is None else coarse.refined(fine, window)).line(no_line)
+    words = {"hovertemplate": hover} | (more or {})
+    trace = line(seconds(walk, x), y, name, colour, width=width, dash=dash, more=words)
+    return Line(coarse, trace)
+
+
+def _row(title: str, lines: Sequence[Line | None], least: float) -> Iterator[Row]:
+    """Yield a row of curves, if any is known; noise below `least` does not fill it."""
+    known = [each for each in lines if each is not None]
+    if known:
+        values = np.concatenate([each.curve.value for each in known])
+        yield Row(title, [(0, each.trace) for each in known], extent_of(values, least))
+
+
+_MOTION_WORDS: Final = {
+    "margin (mm)": "Margin: distance of the base's projection from the edge of the support "
+    "polygon, below 0 outside; none with fewer than three feet down.",
+    "speed (m/s)": f"Speed: forward, over {2.0 * _BESIDE_S:g} s.",
+    "height (m)": "Height: over the feet's latest contact points.",
+    "attitude (deg)": "Attitude: roll (line; positive with the left side higher) and pitch "
+    "(dashed; positive with the front lower).",
+}
+
+
+def motion(walk: Walk) -> Drawing | None:
+    """Draw what is known of margin, speed, height and attitude; None without poses."""
+    rows = list(_motion_rows(walk)) if len(walk.base_history.time) > 1 else []
+    if not rows:
+        return None
+    caption = " ".join(_MOTION_WORDS[row.title] for row in rows)
+    alt, base = "The motion of the base over time.", walk.base
+    if base is not None and base.roll_rad is not None and base.pitch_rad is not None:
+        roll, pitch = (np.degrees([each.min, each.max]) for each in (base.roll_rad, base.pitch_rad))
+        alt += (
+            f" Roll from {roll[0]:.1f} to {roll[1]:.1f} degrees, pitch from {pitch[0]:.1f} to "
+            f"{pitch[1]:.1f}."
+        )
+    drawn = grid(rows, time_axis(walk), ROW_PIXELS)
+    return Drawing("motion", "Motion", alt, caption, *drawn, over_time=True)
+
+
+def _motion_rows(walk: Walk) -> Iterator[Row]:
+    base, feet = walk.base_history, [foot.record for foot in walk.feet]
+
+    def curve(name: str, value: Floats, hover: str, colour: str = LINE, dash: str = "solid") -> Any:  # noqa: ANN401
+        points = base.time, value
+        return line_over_time(walk, name, points, base.gaps, hover, colour, dash=dash)
+
+    if walk.stability is not None:
+        offset = walk.settings.com_offset_m or (0.0, 0.0, 0.0)
+        time, margin = margins(feet, base, offset)
+        points = time, margin * 1e3
+        known = line_over_time(walk, "static margin", points, base.gaps, "%{y:.0f} mm")
+        yield from _row("margin (mm)", [known], 20.0)
+    yield from _row("speed (m/s)", [curve("speed forward", _speed(walk), "%{y:.3f} m/s")], 0.1)
+    if feet and not walk.base_clock_is_apart:
+        height = height_over_feet(base, feet)
+        yield from _row("height (m)", [curve("height over the feet", height, "%{y:.3f} m")], 0.02)
+    roll, pitch = np.degrees(roll_and_pitch(base.angles, walk.settings.forward_axis))
+    lines = (
+        curve("roll", roll, "%{y:.1f} deg"),
+        curve("pitch", pitch, "%{y:.1f} deg", SECOND, "dash"),
+    )
+    yield from _row("attitude (deg)", lines, 2.0)
+
+
+def _speed(walk: Walk) -> Floats:
+    """(n,) m/s along the forward axis at each pose, over `_BESIDE_S` before and after it."""
+    base, beside = walk.base_history, round(_BESIDE_S * 1e9)
+    first = np.maximum(base.time - beside, base.time[0])
+    last = np.minimum(base.time + beside, base.time[-1])
+    step = base.position_at(last)[:, :2] - base.position_at(first)[:, :2]
+    heading = base.angles[:, 2] + FORWARD_ANGLES[walk.settings.forward_axis]
+    forward, _ = along_heading(step, heading)
+    speed: Floats = forward / ((last - first) / 1e9)
+    breaks = timespans.merge(np.concatenate([walk.jumps.spans, base.gaps]))
+    speed[timespans.touches(breaks, first, last)] = np.nan
+    return speed
+
+
+_VELOCITIES: Final = (("forward", "m/s"), ("to the left", "m/s"), ("yaw rate", "rad/s"))
+"""Title and unit of each column of the velocities."""
+
+
+def tracked_commands(walk: Walk) -> Drawing | None:
+    """Draw commanded and measured velocity, an axis a row; None without commands."""
+    track = walk.command_track
+    if track is None or len(track.time) == 0:
+        return None
+    rows: list[Row] = []
+    words = []
+    for column, (title, unit) in enumerate(_VELOCITIES):
+        rms = track.errors(column)[3]
+        if rms is None:
+            continue
+        lines = [
+            line_over_time(
+                walk, name, (track.time, value[:, column]), track.breaks,
+                f"%{{y:.3f}} {unit}", colour, dash=dash,
+            )
+            for name, value, colour, dash in (
+                ("measured", track.measured, LINE, "solid"),
+                ("commanded", track.commanded, SECOND, "dash"),
+            )
+        ]  # fmt: skip
+        rows += _row(f"{title} ({unit})", lines, 0.1)
+        words.append(f"{title.capitalize()}: error {rms:.3f} {unit} (root mean square).")
+    caption = (
+        "Velocity of the base in its own axes (line) and as commanded (dashed), both averaged over "
+        f"{track.window_ns / 1e9:.2f} s, so that the gait's own swing is left out. No line where "
+        f"there is no command. {' '.join(words)}"
+    )
+    alt = f"Commanded and measured velocity over time. {' '.join(words)}"
+    drawn = grid(rows, time_axis(walk), ROW_PIXELS)
+    return Drawing("commands", "Commands", alt, caption, *drawn, over_time=True)

@@ -1,0 +1,203 @@
+"""Topics of a log by the names that users write, and what is said of those that cannot be read."""
+
+import re
+from collections.abc import Collection, Container, Iterable, Iterator, Sequence
+from itertools import islice
+from typing import Final
+
+from dogbot_logtool.errors import CallError, DefinitionError, LogError
+from dogbot_logtool.finding import Finding
+from dogbot_logtool.io.printable import listed
+from dogbot_logtool.io.storage import shown
+from dogbot_logtool.reader.containers.log import Channel, Log
+from dogbot_logtool.reader.decode.fields import Fields
+from dogbot_logtool.reader.foot import Foot
+from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
+from dogbot_logtool.reader.messages.contacts import foot_source
+from dogbot_logtool.reader.messages.message_type import Part
+from dogbot_logtool.reader.messages.messages import SERIALISATIONS, DecodedMessages, decode_channels
+from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES, TRANSFORM_TYPES
+from dogbot_logtool.reader.messages.source import Source, source_of
+
+_COMPARED: Final = 2000
+"""Topics that a wrong name is compared with."""
+_MOST_REASONS: Final = 3
+_NOT_USED: Final = "; not used"
+_SPAN_NS: Final = 5_000_000_000
+"""ns of a log in which a robot has named all of its feet and frames."""
+_MOST_CHUNKS: Final = 64
+
+
+def topic_words(name: str) -> frozenset[str]:
+    """Return the words of a topic's name, in small letters."""
+    return frozenset(re.findall(r"[a-z0-9]+", name.lower()))
+
+
+def message_count(log: Log, topic: str) -> int:
+    """Return how many messages of a topic the index counts."""
+    return sum(log.counts.get(channel.id, 0) for channel in log.channels_by_topic.get(topic, ()))
+
+
+def most_frequent(log: Log, topics: Iterable[str]) -> str:
+    """Return the topic with the most messages; of several, the one with the shortest name."""
+    return max(topics, key=lambda topic: (message_count(log, topic), -len(topic), topic))
+
+
+def sources_of(log: Log, topic: str, part: Part) -> list[Source]:
+    """Return how a part of a topic's messages is read; faulty ones are left out."""
+    sources = [source_of(channel, part) for channel in log.channels_by_topic.get(topic, ())]
+    return [source for source in sources if source and not source.fault]
+
+
+def readable_topics(log: Log, part: Part) -> list[str]:
+    """Return the topics that tell of a part and can be decoded, sorted."""
+    return sorted(topic for topic in log.channels_by_topic if sources_of(log, topic, part))
+
+
+def first_messages(log: Log, channel: Channel, fields: Fields) -> Iterator[DecodedMessages]:
+    """Decode the messages of a channel's first seconds, which tell names, wherever they stand."""
+    chunks = (c for c in log.chunks if c.counts is None or channel.id in c.counts)
+    end: int | None = None
+    for chunk in islice(chunks, _MOST_CHUNKS):
+        if end is not None and chunk.start_time is not None and chunk.start_time > end:
+            return
+        batch = log.read((chunk,))
+        time = batch.messages.log_time[batch.messages.channel == channel.id]
+        if len(time):
+            end = int(time.min()) + _SPAN_NS if end is None else end
+            yield from decode_channels(batch.cropped(None, end), [channel], fields)
+
+
+def has_field(channel: Channel, foot: Foot) -> bool:
+    """Tell whether a foot is a field of a channel's messages."""
+    try:
+        named = channel.topic == foot.topic and foot.field is not None
+        return named and foot_source(channel, [foot]) is not None
+    except DefinitionError:
+        return False
+
+
+def split_topic(name: str, topics: Container[str]) -> tuple[str, str]:
+    """Split ``/topic:field`` into the topic and what is named in its messages; empty: nothing is.
+
+    Args:
+        name: what the user wrote.
+        topics: those of the log, whose names may have colons.
+    """
+    if name in topics:
+        return name, ""
+    colons = [match.start() for match in re.finditer(":", name)]
+    known = (colon for colon in colons if name[:colon] in topics)
+    colon = next(known, colons[0] if colons else len(name))
+    return name[:colon], name[colon + 1 :]
+
+
+def require_topic(
+    log: Log, option: str, topic: str, part: Part | None, otherwise: str = ""
+) -> None:
+    """Check that the topic of an option is in the log, and of a type that can be used.
+
+    Args:
+        log: the log.
+        option: the option, as sentences name it.
+        topic: its topic.
+        part: what its messages must tell of; None: any will do.
+        otherwise: what can be done with a topic of another type.
+
+    Raises:
+        CallError: it is not; with the topics that could be meant.
+        LogError: it is, but cannot be decoded.
+    """
+    channels = log.channels_by_topic.get(topic, ())
+    where = f"{shown(log.source.path)}: {option}"
+    sources = [source for c in channels if part and (source := source_of(c, part))]
+    if sources and all(source.fault for source in sources):
+        raise LogError(f"{where}: {topic} cannot be read: {sources[0].fault}")
+    if sources or (channels and part is None):
+        return
+    usable = readable_topics(log, part) if part else sorted(log.channels_by_topic)
+    can_be_used = f"Topics that can be used: {listed(usable) or 'none'}"
+    if channels:
+        found = ", ".join(sorted({channel.type_name for channel in channels}))
+        raise CallError(
+            f"{where}: {topic} is of type {found}, which does not fit. {can_be_used}"
+            f"{otherwise and '. '}{otherwise}"
+        )
+    from difflib import get_close_matches  # noqa: PLC0415 - for wrong calls only
+
+    # The slash at the beginning is forgotten most often.
+    close = [one for one in usable if one.strip("/") == topic.strip("/")]
+    close = close or get_close_matches(topic, usable[:_COMPARED], n=3)
+    meant = f"; did you mean {' or '.join(close)}?" if close else "."
+    raise CallError(f"{where}: the log has no topic {topic}{meant} {can_be_used}")
+
+
+def unreadable_findings(
+    log: Log, odometry: Sequence[Channel], contacts: Sequence[Channel]
+) -> Iterator[Finding]:
+    """Say which topics of types that could be used cannot be decoded, once for every reason.
+
+    It is an error where no odometry, or no foot, is left.
+
+    Args:
+        log: the log.
+        odometry: channels that are used.
+        contacts: channels that are used.
+    """
+    lost: dict[tuple[bool, str], set[str]] = {}
+    for channel in log.channels.values():
+        foot, source = source_of(channel, "feet"), source_of(channel, "base")
+        # Messages that can be about anything need not be about feet.
+        is_error = foot is not None and not foot.row.anything and not contacts
+        if channel.type_name in {ODOMETRY_TYPE, *TRANSFORM_TYPES}:
+            foot, is_error = source, channel.type_name == ODOMETRY_TYPE and not odometry
+        if foot is not None and foot.fault:
+            lost.setdefault((is_error, foot.fault), set()).add(channel.topic)
+    for (is_error, reason), topics in sorted(lost.items()):
+        yield _about(topics, reason + _NOT_USED, () if is_error else ("one_topic",))
+    others = {c.topic: c.message_encoding for c in log.channels.values() if not _is_read(c)}
+    if others and not (contacts or lost):
+        many, all_topics = len(others), len(log.channels_by_topic)
+        what = f"{many:,} of {all_topics:,} topics" if all_topics > 1 else "its topic"
+        text = (
+            f"{what} {'is' if many == 1 else 'are'} encoded as "
+            f"{listed(sorted({encoding or 'nothing' for encoding in others.values()}))}; only "
+            "ROS 1 messages, CDR and Foxglove's poses, transforms and joints are read"
+        )
+        yield Finding("UNREADABLE", text, cases=("not_needed",))
+
+
+def _is_read(channel: Channel) -> bool:
+    if channel.message_encoding in SERIALISATIONS or channel.type_name in FOXGLOVE_TYPES:
+        return True
+    source = source_of(channel, "base")
+    return source is not None and not source.fault
+
+
+def own_definition_findings(used: Iterable[Channel]) -> Iterator[Finding]:
+    """Say for which of the used channels this program's definition stands in for the log's."""
+    found: dict[str, set[str]] = {}
+    for channel in used:
+        for source in (source_of(channel, "feet"), source_of(channel, "base")):
+            if source and source.own_definition:
+                found.setdefault(source.own_definition, set()).add(channel.topic)
+    for because, topics in sorted(found.items()):
+        text = f"{because}; the one that comes with dogbot-logtool is used"
+        yield _about(topics, text, ("own_definition",))
+
+
+def _about(topics: Collection[str], text: str, cases: tuple[str, ...]) -> Finding:
+    named = sorted(topics)
+    where = named[0] if len(named) == 1 else ""
+    return Finding("UNREADABLE", f"{listed(named)}: {text}", where, cases=cases)
+
+
+def reasons(findings: Iterable[Finding]) -> str:
+    """Return why topics that could have been used cannot be read; empty: there are none."""
+    texts = [
+        each.text.removesuffix(_NOT_USED)
+        for each in findings
+        if each.code == "UNREADABLE" and "own_definition" not in each.cases
+    ]
+    more = f"; and {len(texts) - _MOST_REASONS} more" if len(texts) > _MOST_REASONS else ""
+    return "; ".join(texts[:_MOST_REASONS]) + more
