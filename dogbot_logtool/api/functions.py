@@ -21,9 +21,9 @@ from dogbot_logtool.options import CompareOptions, ConvertOptions, InfoOptions, 
 if TYPE_CHECKING:
     from dogbot_logtool.api.recording import Recording
     from dogbot_logtool.api.walk import Walk
+    from dogbot_logtool.comparison.judge import Judgement
     from dogbot_logtool.comparison.outcome import Comparison
-    from dogbot_logtool.comparison.rules.judge import Judgement
-    from dogbot_logtool.comparison.walks.two_runs import GaitComparison
+    from dogbot_logtool.comparison.walks import GaitComparison
     from dogbot_logtool.results import Conversion, LogInfo
 
 Log = PathOrName | Sequence[PathOrName]

@@ -18,7 +18,8 @@ from dogbot_logtool.robot.measuring.plan import make_plan
 class Recording:
     """Columns of a log, each topic's in the order of its log times, which are ns.
 
-    Nothing is corrected: forces have the sensors' offsets and are in the frames of their messages.
+    Nothing is corrected: forces have the sensors' offsets and are in the frames of their messages;
+    those of raw sensors without a scale are counts.
     """
 
     feet: Mapping[str, Samples]

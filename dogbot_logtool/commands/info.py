@@ -15,7 +15,7 @@ from dogbot_logtool.io.storage import Location
 from dogbot_logtool.options import ConvertOptions, InfoOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
-from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES
+from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES
 from dogbot_logtool.reader.opening import open_joined
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of
@@ -162,7 +162,7 @@ def _outlook(
 def _base_use(selection: Selection) -> str:
     """Return what the channels of the base's poses are used for."""
     base = selection.base
-    if base is None or (base.source.type_name == ODOMETRY_TYPE and not base.element):
+    if base is None or (base.source.row.name == ODOMETRY_TYPE and not base.element):
         return "odometry"
     return f"base {base.element}".rstrip()
 

@@ -15,7 +15,7 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Batch, Channel, Chunk, LoadedChunk, Log, Messages
-from dogbot_logtool.reader.messages.contact_messages import read_contacts
+from dogbot_logtool.reader.messages.contacts import read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.writer.chunks import (
@@ -65,9 +65,9 @@ class Copier:
     def _arrows(self, batch: Batch) -> tuple[Arrows, Counter[str]]:
         found, counts = [no_arrows()], Counter[str]()
         if self.drawn:
-            for decoded in read_contacts(batch.in_time_order(), self.drawn, self.feet):
-                if decoded.reduced.contacts is not None:
-                    arrows, skipped = classic_arrows(decoded.reduced.contacts)
+            for read in read_contacts(batch.in_time_order(), self.drawn, self.feet):
+                if read.pairs is not None:
+                    arrows, skipped = classic_arrows(read.pairs.contacts)
                     found.append(arrows)
                     counts += skipped
         return concatenated(found), counts

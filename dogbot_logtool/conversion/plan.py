@@ -194,7 +194,7 @@ def _magnitude_only(selection: Selection, frames: WorldFrames | None) -> Iterato
 
 def _without_states(selection: Selection, style: ArrowStyle) -> list[Finding]:
     return [
-        Finding("NOT_DRAWN", f"{source.type_name} has no contact states: no {style.name} arrows")
+        Finding("NOT_DRAWN", f"{source.row.name} has no contact states: no {style.name} arrows")
         for source in selection.sources
         if source.has_force and not source.has_points
     ]

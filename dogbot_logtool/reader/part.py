@@ -18,16 +18,16 @@ from dogbot_logtool.core.legs.joints import MOST_JOINTS, JointSamples, JointTabl
 from dogbot_logtool.core.plausible import plausible_odometry
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss
 from dogbot_logtool.reader.messages.bases import BasePoses, joined_poses
-from dogbot_logtool.reader.messages.contact_messages import DecodedContacts, read_contacts
-from dogbot_logtool.reader.messages.gazebo import UNTIMED, StepTiming
-from dogbot_logtool.reader.messages.joints import read_joints
+from dogbot_logtool.reader.messages.contacts import ReadContacts, read_contacts
+from dogbot_logtool.reader.messages.gazebo import UNTIMED
 from dogbot_logtool.reader.messages.messages import malformed_in
-from dogbot_logtool.reader.messages.transforms import (
-    decode_transforms,
+from dogbot_logtool.reader.messages.others import (
+    ReadVectors,
     is_static,
-    transform_columns,
+    read_joints,
+    read_transforms,
+    read_vectors,
 )
-from dogbot_logtool.reader.messages.vectors import ReadVectors, read_vectors
 from dogbot_logtool.reader.wanted import Wanted, WantedVectors
 
 
@@ -87,57 +87,59 @@ def read_part(wanted: Wanted, log: Log, whole: Batch) -> Part:
     base = wanted.base.read(batch, wanted.base_channels) if wanted.base else []
     poses, implausible = plausible_odometry(joined_poses(base))
     contacts = read_contacts(batch, wanted.contacts, wanted.feet)
-    planned: Sequence[DecodedContacts] = ()
+    planned: Sequence[ReadContacts] = ()
     if wanted.planned_feet is not None:
         planned = read_contacts(batch, wanted.planned, wanted.planned_feet)
     # Transforms that hold for ever do so within the limits, too, wherever they stand.
     static = [channel for channel in wanted.transforms if is_static(channel)]
     moving = [channel for channel in wanted.transforms if not is_static(channel)]
-    transforms = [*decode_transforms(batch, moving), *decode_transforms(whole, static)]
+    transforms = [*read_transforms(batch, moving), *read_transforms(whole, static)]
     commands, accelerations = _read(batch, wanted.commands), _read(batch, wanted.accelerations)
-    malformed = Counter(malformed_in([*(read.messages for read in contacts), *transforms]))
+    malformed = Counter(malformed_in(read.messages for read in contacts))
+    for _, lost in transforms:
+        malformed.update(lost)
     for each in (*base, commands, accelerations):
         malformed.update(each.malformed if each else {})
     joints = tuple(_joint_tables(batch, wanted, malformed))
-    timings = [read.timing for read in contacts]
-    feet, lags = _by_foot(contacts, timings, len(wanted.feet.feet))
+    feet, lags = _by_foot(contacts, len(wanted.feet.feet))
+    pairs = [read.pairs for read in contacts if read.pairs]
     return Part(
         feet=feet,
         lags=lags,
-        planned=_by_foot(planned, [None] * len(planned), len(wanted.feet.feet))[0],
-        step=np.concatenate([np.empty(0, np.int64), *(each.step for each in timings if each)]),
+        planned=_by_foot(planned, len(wanted.feet.feet))[0],
+        step=np.concatenate([np.empty(0, np.int64), *(each.step for each in pairs)]),
         links=_links(contacts),
         base=poses,
         world_frames={name for each in base for name in each.worlds},
         base_frames={name for each in base for name in each.bases},
-        transforms=concatenate_transforms([no_transforms(), *map(transform_columns, transforms)]),
+        transforms=concatenate_transforms([no_transforms(), *(each for each, _ in transforms)]),
         joints=joints,
         commands=commands,
         accelerations=accelerations,
         log_times=_by_channel(recorded),
         stamps=_stamped(log, wanted, base, [*contacts, *planned]),
-        implausible=implausible + sum(read.reduced.implausible for read in contacts),
-        untimed_messages=sum(read.reduced.untimed_messages for read in contacts),
-        foreign_states=sum(read.reduced.foreign_states for read in contacts),
+        implausible=implausible + sum(read.implausible for read in contacts),
+        untimed_messages=sum(each.untimed_messages for each in pairs),
+        foreign_states=sum(each.foreign_states for each in pairs),
         malformed=malformed,
         losses=batch.losses,
     )
 
 
 def _read(batch: Batch, topic: WantedVectors | None) -> ReadVectors | None:
-    return read_vectors(batch, topic.channels, topic.rows) if topic else None
+    return read_vectors(batch, topic.channels, topic.part) if topic else None
 
 
 def _by_foot(
-    contacts: Sequence[DecodedContacts], timings: Sequence[StepTiming | None], feet: int
+    contacts: Sequence[ReadContacts], feet: int
 ) -> tuple[tuple[Samples, ...], tuple[Lags, ...]]:
     """Return the contact samples of each foot, small enough to keep them all, and their lags."""
-    lags = [np.empty(0, np.int64)]
-    for read, timing in zip(contacts, timings, strict=True):
-        count = len(read.reduced.samples.foot)
-        lags.append(np.full(count, UNTIMED) if timing is None else timing.lag)
-    samples = concatenated([no_samples(), *(read.reduced.samples for read in contacts)])
-    lag = np.concatenate(lags)
+    lags = (
+        read.pairs.lag if read.pairs else np.full(len(read.samples.foot), UNTIMED)
+        for read in contacts
+    )
+    lag = np.concatenate([np.empty(0, np.int64), *lags])
+    samples = concatenated([no_samples(), *(read.samples for read in contacts)])
     return (
         tuple(_compact(each) for each in samples_by_foot(samples, feet)),
         tuple(Lags(lag[samples.foot == foot]) for foot in range(feet)),
@@ -156,7 +158,7 @@ def _compact(samples: Samples) -> Samples:
     )
 
 
-def _links(contacts: Sequence[DecodedContacts]) -> dict[int, set[str]]:
+def _links(contacts: Sequence[ReadContacts]) -> dict[int, set[str]]:
     found: dict[int, set[str]] = {}
     for read in contacts:
         for foot, names in read.links.items():
@@ -187,7 +189,7 @@ def _by_channel(batch: Batch) -> dict[int, Ints]:
 
 
 def _stamped(
-    log: Log, wanted: Wanted, base: Sequence[BasePoses], contacts: Sequence[DecodedContacts]
+    log: Log, wanted: Wanted, base: Sequence[BasePoses], contacts: Sequence[ReadContacts]
 ) -> dict[str, Stamps]:
     """Return the times of messages with a header, by topic."""
     stamps: dict[str, list[Stamps]] = {}

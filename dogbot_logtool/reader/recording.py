@@ -17,8 +17,7 @@ from dogbot_logtool.core.recording import Recording, Times, VectorTopic
 from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Loss, Span
 from dogbot_logtool.reader.growing import LARGEST_IN_MEMORY, GrowingColumns
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
-from dogbot_logtool.reader.messages.transforms import is_static
-from dogbot_logtool.reader.messages.vectors import ReadVectors
+from dogbot_logtool.reader.messages.others import ReadVectors, is_static
 from dogbot_logtool.reader.part import Lags, Part, Stamps, read_part
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.reader.workers import Start, in_order

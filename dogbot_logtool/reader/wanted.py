@@ -1,12 +1,11 @@
 """What is read of a log, and as what."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.messages.bases import Base
 from dogbot_logtool.reader.messages.feet import FootChannels
-from dogbot_logtool.reader.messages.message_type import MessageType
+from dogbot_logtool.reader.messages.message_type import Part
 
 TimeLimits = tuple[int | None, int | None]
 """ns, log times from which and up to which messages are taken; None: no limit."""
@@ -19,8 +18,8 @@ class WantedVectors:
     topic: str
     channels: tuple[Channel, ...]
     """All of one type."""
-    rows: Mapping[str, MessageType]
-    """How each type is read."""
+    part: Part
+    """What is read of its messages."""
 
 
 @dataclass(frozen=True, slots=True)

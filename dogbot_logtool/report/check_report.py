@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 
 from rich.console import Console
 
-from dogbot_logtool.comparison.rules.judge import DAMAGE, Judgement, Status, Value, worst
+from dogbot_logtool.comparison.judge import DAMAGE, Judgement, Status, Value, worst
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.text.console import print_sentence
 

@@ -8,7 +8,7 @@ from rich.console import Console
 
 from dogbot_logtool import __version__
 from dogbot_logtool.comparison.outcome import Comparison, Difference, Tally
-from dogbot_logtool.comparison.walks.two_runs import CONFIDENCE, FigureDifference, GaitComparison
+from dogbot_logtool.comparison.walks import CONFIDENCE, FigureDifference, GaitComparison
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown

@@ -4,38 +4,29 @@ A base is a topic, and where its messages hold poses of several things an elemen
 ``/tf:odom/base_link``, ``/gazebo/model_states:anymal``, ``/state:base.pose``.
 """
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from dogbot_logtool.errors import CallError, DefinitionError, LogError
+from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.messages.bases import (
-    ODOMETRY_TYPE,
-    Base,
-    base_types,
-    path_source,
-)
-from dogbot_logtool.reader.messages.source import (
-    Source,
-    base_source,
-    base_type,
-    lists_poses,
-)
+from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base
 from dogbot_logtool.robot.base_candidates import (
     BaseCandidate,
     base_candidates,
     elements_in,
     elements_of,
     frame_pair,
+    is_of_another_robot,
     likely_base,
+    namespace,
+    sources_at,
 )
-from dogbot_logtool.robot.other_robots import is_of_another_robot, of_another_robot
-from dogbot_logtool.robot.readable import require_topic, split_topic
 from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.robot.topics import require_topic, split_topic
 
 _MOST_OFFERED: Final = 3
 _MOST_LISTED: Final = 12
@@ -71,28 +62,34 @@ def choose_base(
     """
     named = robot.odometry_topic
     try:
-        own = _named(log, robot, named) if named else None
+        if named:
+            return _chosen(log, robot, _named(log, robot, named), findings)
     except (CallError, LogError):
         if is_asked:
             raise
-        own = None
-    if own is not None:
-        return _chosen(log, robot, own, findings)
-    found = base_candidates(log, robot, feet)
-    foreign = [each.topic for each in found if is_of_another_robot(each.topic, feet)]
-    if foreign:
-        found = [each for each in found if each.topic not in foreign]
-        findings.append(of_another_robot(foreign, [each.name for each in found], feet))
-    best = next((each for each in found if each.is_sure), None)
-    others = [each for each in found if each is not best]
+    found = list(base_candidates(log, robot, feet))
+    found.sort(key=lambda each: (not each.is_sure, each.is_planned))
+    own = [each for each in found if not is_of_another_robot(each.topic, feet)]
+    if foreign := [each.topic for each in found if each not in own]:
+        text = f"{listed(foreign)}: poses of another robot than that of the feet "
+        text += f"({namespace(next(iter(feet)))}), not used; "
+        names = listed([each.name for each in own])
+        text += f"{names} would be its own" if own else "the log has none of its own"
+        findings.append(
+            Finding("POSE_OTHER_ROBOT", text, foreign[0], cases=() if own else ("alone",))
+        )
+    best = own[0] if own and own[0].is_sure else None
+    others = own[1:] if best else own
     if best is None:
-        findings.append(_none(log, others))
+        is_there = any(channel.type_name == ODOMETRY_TYPE for channel in log.channels.values())
+        text = "no odometry can be read" if is_there else "there is no odometry"
+        text += ": no /tf and no figures of the base's motion"
+        text += f", unless these poses are the base's: {_options(others)}" if others else ""
+        findings.append(Finding("NO_BASE", text))
         return ChosenBase(robot, offered=likely_base(log, others, feet))
-    text = f"the base's poses are taken from {best.name} ({best.source.type_name})"
-    if named is not None:
-        text += f", since the robot's {named} is missing or cannot be used"
-    if others:
-        text += f"; there are also {_options(others)}"
+    text = f"the base's poses are taken from {best.name} ({best.source.row.name})"
+    text += f", since the robot's {named} is missing or cannot be used" if named else ""
+    text += f"; there are also {_options(others)}" if others else ""
     findings.append(Finding("TOPICS_CHOSEN", text, best.topic))
     return _chosen(log, robot, best, findings)
 
@@ -105,44 +102,26 @@ def _named(log: Log, robot: Robot, name: str) -> BaseCandidate:
         LogError: it has, but they cannot be decoded.
     """
     topic, element = split_topic(name, log.channels_by_topic)
-    channels = log.channels_by_topic.get(topic, ())
-    if not element or not channels:
-        require_topic(log, "--odom-topic", topic, base_types(log.channels.values()))
-    where = f"{shown(log.source.path)}: --odom-topic"
-    try:
-        source, element = _source_of(channels, element)
-    except DefinitionError as error:
-        raise CallError(f"{where}: {topic}: {error}") from error
-    if not source.lists_poses:
+    if not element or topic not in log.channels_by_topic:
+        require_topic(log, "--odom-topic", topic, "base")
+    where = f"{shown(log.source.path)}: --odom-topic: {topic}"
+    sources, reason = sources_at(log.channels_by_topic[topic], element)
+    if not sources:
+        raise CallError(f"{where}: {reason}")
+    source = sources[0]
+    if not source.row.choose:
         return BaseCandidate(topic, source, element)
-    names = elements_in(log, topic, source)
+    names, element = elements_in(log, topic, source), element.lstrip("/")
     known = listed(sorted(names), _MOST_LISTED) or "none"
     if element and element not in names:
-        raise CallError(f"{where}: {topic} has no {element}; it has {known}")
-    sure = [each for each in elements_of(log, robot, topic, source) if each.is_sure]
+        raise CallError(f"{where} has no {element}; it has {known}")
+    sure = [each for each in elements_of(log, robot, topic, source, ()) if each.is_sure]
     if not element and not sure:
         raise CallError(
-            f"{where}: {topic} is of type {source.type_name}, and which of its poses is the "
+            f"{where} is of type {source.row.name}, and which of its poses is the "
             f"base's is not known: name one as {topic}:NAME; it has {known}"
         )
     return BaseCandidate(topic, source, element) if element else sure[0]
-
-
-def _source_of(channels: Iterable[Channel], element: str) -> tuple[Source, str]:
-    """Return the source of the first channel with an element, and the element for its reader.
-
-    Raises:
-        DefinitionError: no channel has such poses.
-    """
-    reason = DefinitionError("it has no messages")
-    for channel in channels:
-        try:
-            if lists_poses(channel.type_name):
-                return base_source(channel), element.lstrip("/")
-            return (path_source(channel, element) if element else base_source(channel)), element
-        except DefinitionError as error:
-            reason = error
-    raise reason
 
 
 def _chosen(
@@ -152,11 +131,8 @@ def _chosen(
     source, topic = candidate.source, candidate.topic
     channels = []
     for channel in log.channels_by_topic[topic]:
-        try:
-            fits = _source_of([channel], candidate.element)[0].fields == source.fields
-        except DefinitionError:
-            continue
-        if fits and source.type_name in {channel.type_name, base_type(channel.type_name)}:
+        like, _ = sources_at([channel], candidate.element)
+        if like and (like[0].row.name, like[0].fields) == (source.row.name, source.fields):
             channels.append(channel)
     if candidate.is_planned:
         text = f"{candidate.name}: these poses are planned, not measured"
@@ -164,34 +140,22 @@ def _chosen(
     if remark := source.row.remark:
         findings.append(Finding("TOPICS_CHOSEN", f"{candidate.name}: {remark}", topic))
     if not source.has_header:
-        text = f"{source.type_name} has no header: log time is used for it"
+        text = f"{source.row.name} has no header: log time is used for it"
         findings.append(Finding("LOG_TIME_USED", text, cases=("no_header",)))
     if source.is_transform:
         parent, child = frame_pair(candidate.element)
         robot = replace(robot, world_frame=parent, base_frame=child)
         if "footprint" in child:
-            text = (
-                f"{child} is the base's projection on the ground: height, roll and pitch are "
-                "those of the ground"
-            )
-            findings.append(Finding("TOPICS_CHOSEN", text, topic))
+            text = f"{child} is the base's projection on the ground: height, roll and pitch are "
+            findings.append(Finding("TOPICS_CHOSEN", f"{text}those of the ground", topic))
     return ChosenBase(robot, tuple(channels), Base(source, candidate.element))
-
-
-def _none(log: Log, offered: Sequence[BaseCandidate]) -> Finding:
-    found = any(channel.type_name == ODOMETRY_TYPE for channel in log.channels.values())
-    none = "no odometry can be read" if found else "there is no odometry"
-    text = f"{none}: no /tf and no figures of the base's motion"
-    if offered:
-        text += f", unless these poses are the base's: {_options(offered)}"
-    return Finding("NO_BASE", text)
 
 
 def _options(candidates: Sequence[BaseCandidate]) -> str:
     """Return the words that choose some candidates."""
-    shown_ones = candidates[:_MOST_OFFERED]
     words = [
-        f"--odom-topic {each.name}{' (planned)' if each.is_planned else ''}" for each in shown_ones
+        f"--odom-topic {each.name}{' (planned)' if each.is_planned else ''}"
+        for each in candidates[:_MOST_OFFERED]
     ]
-    more = len(candidates) - len(shown_ones)
+    more = len(candidates) - len(words)
     return ", ".join(words) + (f" and {more} more" if more else "")

@@ -1,33 +1,24 @@
-"""Whether flags and raw counts of feet tell contact, by some messages of each topic.
+"""Contacts by what all samples of a log tell: whether flags do, and from which raw count on.
 
 Flags are compared with the forces beside them. Raw counts have two clear modes in a walk, in the
 air and on the ground: from which count on a foot touches then lies between them, although nothing
 says what a count is in newtons.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints, distinct, norms, percentiles_of
+from dogbot_logtool.core.arrays import norms, percentiles_of
 from dogbot_logtool.core.contact.contact_rule import MOST_OF_LOAD, contact_rule
-from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.contact.contacts import Samples, without_contact
 from dogbot_logtool.core.corrections.sensor import SensorLevel, estimate_level
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
-from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.messages.contact_messages import source_of
-from dogbot_logtool.reader.messages.feet import FootChannels
-from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.reader.wanted import Wanted
-from dogbot_logtool.robot.message_feet import is_planned
-from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.robot.selection import Selection, not_calibrated
 
-_LOOKS_AT_COUNTS: Final = 24
-"""Chunks of which counts are read; also `_LOOKS_AT_FLAGS`."""
-_LOOKS_AT_FLAGS: Final = 4
 _LOAD_SHARE: Final = 0.2
 """Share of all feet's load from which a foot cannot be in the air."""
 _CONTRADICTED: Final = 0.2
@@ -43,44 +34,56 @@ _WALKING: Final = (0.1, 0.95)
 """Share of the time in which a walking robot's foot is on the ground."""
 
 
-def _sampled(
-    log: Log, contacts: Sequence[Channel], feet: FootChannels, looks: int
-) -> tuple[Samples, ...]:
-    """Read the samples of each foot in some chunks, spread over the log."""
-    ids = {channel.id for channel in contacts}
-    useful = [c for c in log.chunks if c.counts is None or not ids.isdisjoint(c.counts)]
-    rows = distinct(np.linspace(0, len(useful) - 1, looks).round().astype(int))
-    spans = log.grouped([useful[row] for row in rows.tolist()] if useful else [])
-    return read_recording(log, Wanted(tuple(contacts), feet), 1, spans=spans).recording.feet
+def decide_contacts(
+    feet: Sequence[Samples], selection: Selection
+) -> tuple[tuple[Samples, ...], Selection]:
+    """Decide when feet touch whose messages have flags beside forces, or raw counts.
+
+    Args:
+        feet: samples of each foot, as recorded.
+        selection: how they are read.
+
+    Returns:
+        the samples, and the selection with the thresholds that were found and what is said.
+    """
+    sources = [selection.sources_of(row) for row in range(len(feet))]
+    flagged = [
+        row for row, of in enumerate(sources) if any(s.has_flags and s.has_force for s in of)
+    ]
+    raw = [row for row, of in enumerate(sources) if any(s.row.unit == "counts" for s in of)]
+    raw = [row for row in raw if selection.robot.feet[row].newtons_per_count is None]
+    found = list(feet)
+    if flagged:
+        findings, ignores = _compare_flags([feet[row] for row in flagged], selection, flagged)
+        selection = replace(
+            selection, ignores_flags=ignores, findings=(*selection.findings, *findings)
+        )
+    for row in flagged:
+        each = feet[row]
+        if selection.ignores_flags:
+            each = replace(each, in_contact=np.asarray((each.force != 0.0).any(axis=1)))
+        found[row] = without_contact(each, ~each.in_contact)
+    if raw:
+        selection, offsets = _with_levels(feet, selection, raw)
+        for row in raw:
+            found[row] = _counted(feet[row], offsets[row], selection.robot.contact_on_counts)
+    return tuple(found), selection
 
 
-@dataclass(frozen=True, slots=True)
-class FlagUse:
-    """Whether the contact flags of a log are used."""
+def _compare_flags(
+    feet: Sequence[Samples], selection: Selection, rows: Sequence[int]
+) -> tuple[tuple[Finding, ...], bool]:
+    """Compare contact flags with the forces beside them.
 
-    are_useless: bool = False
-    """Whether they never change although forces do: they are not filled in."""
-    findings: tuple[Finding, ...] = ()
-
-
-def compare_flags(
-    log: Log, contacts: Sequence[Channel], feet_of: Mapping[int, tuple[int, ...]], robot: Robot
-) -> FlagUse:
-    """Compare contact flags with the forces beside them."""
-    flagged = []
-    for channel in contacts:
-        source = source_of(channel, robot.feet_of(channel.topic))
-        if source is not None and source.has_flags and source.has_force:
-            flagged.append(channel)
-    if not flagged:
-        return FlagUse()
-    feet = FootChannels(robot.feet, feet_of)
-    by_flag = _sampled(log, flagged, feet, _LOOKS_AT_FLAGS)
-    by_force = _sampled(log, flagged, replace(feet, ignores_flags=True), _LOOKS_AT_FLAGS)
-    times = np.unique(np.concatenate([each.log_time for each in (*by_flag, *by_force)]))
-    flag = _table(times, [(each, each.in_contact.astype(float)) for each in by_flag])
-    load = _table(times, [(each, norms(each.force)) for each in by_force])
-    known = np.isfinite(flag) & np.isfinite(load)
+    Returns:
+        what is said; and whether flags never change although forces do: they are not filled in.
+    """
+    times = np.unique(np.concatenate([each.log_time for each in feet]))
+    load, flag = np.full((2, len(times), len(feet)), np.nan)
+    for foot, each in enumerate(feet):
+        at = np.searchsorted(times, each.log_time)
+        load[at, foot], flag[at, foot] = norms(each.force), each.in_contact
+    known = np.isfinite(load)
     total = np.where(known, load, 0.0).sum(axis=1, keepdims=True)
     touching = flag > 0.0
     wrong = np.where(touching, load == 0.0, load > _LOAD_SHARE * total)
@@ -88,78 +91,66 @@ def compare_flags(
     wrong &= known & (total > 0.0)
     contradicted = float(wrong.sum() / max(known.sum(), 1))
     constant = int((touching & known).sum()) in {0, int(known.sum())}
-    share = f"{contradicted:.0%} of the contact flags of {listed([c.topic for c in flagged])}"
+    topics = dict.fromkeys(selection.robot.feet[row].topic for row in rows)
+    text = f"{contradicted:.0%} of the contact flags of {listed([*topics])} contradict the forces"
     if constant and contradicted > _CONTRADICTED:
-        text = f"{share} contradict the forces, and no flag ever changes: forces decide contact"
-        return FlagUse(are_useless=True, findings=(Finding("FLAGS_CONTRADICTED", text),))
-    if contradicted > _DOUBTFUL:
-        text = f"{share} contradict the forces; flags decide contact"
-        return FlagUse(findings=(Finding("FLAGS_CONTRADICTED", text),))
-    return FlagUse()
+        text += ", and no flag ever changes: forces decide contact"
+        return (Finding("FLAGS_CONTRADICTED", text),), True
+    doubtful = Finding("FLAGS_CONTRADICTED", f"{text}; flags decide contact")
+    return (doubtful,) if contradicted > _DOUBTFUL else (), False
 
 
-def _table(times: Ints, columns: Sequence[tuple[Samples, Floats]]) -> Floats:
-    """Return (n, feet) values at n times; NaN where a foot has none."""
-    found = np.full((len(times), len(columns)), np.nan)
-    for foot, (samples, values) in enumerate(columns):
-        found[np.searchsorted(times, samples.log_time), foot] = values
-    return found
-
-
-@dataclass(frozen=True, slots=True)
-class RawLevels:
-    """A robot whose raw sensors tell contact, or why they do not."""
-
-    robot: Robot
-    estimated: bool = False
-    """Whether offsets and the contact threshold are estimated from the log."""
-    reason: str = ""
-    """Why they could not be; empty: they could, or need not."""
-
-
-def with_raw_levels(
-    log: Log, contacts: Sequence[Channel], feet_of: Mapping[int, tuple[int, ...]], robot: Robot
-) -> RawLevels:
-    """Estimate offsets and contact threshold of raw sensors that nothing else tells.
+def _with_levels(
+    feet: Sequence[Samples], selection: Selection, raw: Sequence[int]
+) -> tuple[Selection, Mapping[int, float]]:
+    """Find what raw sensors read without load, and the threshold of contact, where none is given.
 
     All feet must have two clear modes: a threshold that fits some says nothing of the others.
+
+    Returns:
+        the selection, and the counts to take off each raw foot's.
     """
-    raw = [
-        channel
-        for channel in contacts
-        if (source := source_of(channel, robot.feet_of(channel.topic))) and source.is_raw
-    ]
+    robot, offsets, thresholds, reason = selection.robot, dict.fromkeys(raw, 0.0), [], ""
     scaled = any(foot.newtons_per_count is not None for foot in robot.feet)
-    if not raw or scaled or robot.contact_on_counts is not None:
-        return RawLevels(robot)
-    # So their vertical force is the count itself.
-    counting = [replace(foot, offset=0.0, newtons_per_count=1.0) for foot in robot.feet]
-    samples = _sampled(log, raw, FootChannels(counting, feet_of), _LOOKS_AT_COUNTS)
-    feet, thresholds = [], []
-    for foot, mine in zip(robot.feet, samples, strict=True):
-        level = _level(mine)
+    for row in raw if robot.contact_on_counts is None and not scaled else ():
+        level = _level(feet[row])
         rule = contact_rule(level, None)
         offset, loaded = float(level.offset_n[2]), level.loaded_n
-        if level.reason or loaded is None or rule.on_n > MOST_OF_LOAD * loaded:
-            why = level.reason or "its counts hardly change"
-            return RawLevels(robot, reason=f"{foot.name}: {why}")
-        down = float((mine.force[:, 2] - offset >= rule.on_n).mean())
-        if not _WALKING[0] <= down <= _WALKING[1]:
-            return RawLevels(robot, reason=f"{foot.name}: on the ground {down:.0%} of the time")
-        feet.append(replace(foot, offset=offset))
+        down = float((feet[row].force[:, 2] - offset >= rule.on_n).mean()) if loaded else 0.0
+        why = level.reason
+        if not why and (loaded is None or rule.on_n > MOST_OF_LOAD * loaded):
+            why = "its counts hardly change"
+        elif not why and not _WALKING[0] <= down <= _WALKING[1]:
+            why = f"on the ground {down:.0%} of the time"
+        if why:
+            reason = f"{robot.feet[row].name}: {why}"
+            break
+        offsets[row] = offset
         thresholds.append(rule.on_n)
-    robot = replace(robot, feet=tuple(feet), contact_on_counts=max(thresholds))
-    return RawLevels(robot, estimated=True)
+    estimated = len(thresholds) == len(raw)
+    if estimated:
+        feet_of = enumerate(robot.feet)
+        shifted = (
+            replace(foot, offset=foot.offset + offsets.get(row, 0.0)) for row, foot in feet_of
+        )
+        robot = replace(robot, feet=tuple(shifted), contact_on_counts=max(thresholds))
+    others = (each for each in selection.findings if each.code != "NOT_CALIBRATED")
+    told = not_calibrated(robot, [robot.feet[row] for row in raw], reason, estimated=estimated)
+    own = (each for each in selection.contacts if not {*raw}.isdisjoint(selection.feet_of[each.id]))
+    types = dict.fromkeys(channel.type_name for channel in own)
+    findings = (*others, *(replace(told, text=f"{name} {told.text}") for name in types))
+    return replace(selection, robot=robot, findings=findings), offsets
 
 
 def _level(samples: Samples) -> SensorLevel:
     """Return the level of a sensor that load raises, from its counts."""
-    if not len(samples.force):
-        return estimate_level(samples.log_time, samples.force)
+    force = samples.force.astype(float)
+    if not len(force):
+        return estimate_level(samples.log_time, force)
     # A mode that is a count or two narrower than the other must not pass for the unloaded one.
-    low, high = percentiles_of(samples.force[:, 2], [5.0, 95.0])
-    blur = np.random.default_rng(0).normal(0.0, _BLUR * (high - low), len(samples.force))
-    level = estimate_level(samples.log_time, samples.force + blur[:, None] * [0.0, 0.0, 1.0])
+    low, high = percentiles_of(force[:, 2], [5.0, 95.0])
+    force[:, 2] += np.random.default_rng(0).normal(0.0, _BLUR * (high - low), len(force))
+    level = estimate_level(samples.log_time, force)
     light = level.alternative
     if light is None or light.loaded_n is None:
         return level
@@ -167,40 +158,11 @@ def _level(samples: Samples) -> SensorLevel:
     return light if 0.0 <= offset <= _UNLOADED * (offset + light.loaded_n) else level
 
 
-def source_findings(contacts: Sequence[Channel], levels: RawLevels) -> Iterator[Finding]:
-    """Say what contact messages do not tell."""
-    for channel in sorted(contacts, key=lambda channel: channel.type_name):
-        name, source = channel.type_name, source_of(channel, levels.robot.feet_of(channel.topic))
-        if source is None:
-            continue
-        if not source.has_force:
-            text = f"{name} tells contact, not force: gait figures only, no arrows, no loads"
-            yield Finding("NO_FORCE", text)
-        if source.is_raw:
-            yield from _not_calibrated(name, levels)
-        if not source.has_header:
-            text = f"{name} has no header: log time is used for it"
-            yield Finding("LOG_TIME_USED", text, cases=("no_header",))
-        if source.silent_in_swing:
-            text = f"{name} is published only in contact: silence is taken for swing"
-            yield Finding("SILENT_SWING", text)
-    for channel in filter(is_planned, contacts):
-        text = "is a plan, not a measurement: contacts, forces and figures are the planned ones"
-        yield Finding("PLANNED", f"{channel.topic} {text}", channel.topic)
-
-
-def _not_calibrated(name: str, levels: RawLevels) -> Iterator[Finding]:
-    """Warn of figures that are missing while the counts of raw sensors have no scale."""
-    robot = levels.robot
-    unscaled = [foot.name for foot in robot.feet if foot.newtons_per_count is None]
-    if not unscaled:
-        return
-    text = f"{name} has raw counts, and the robot's file has no newtons_per_count for "
-    text += f"{', '.join(unscaled)}: no forces"
-    if robot.contact_on_counts is None:
-        text += ", and without contact.on_counts no contact either"
-        text += f" (it cannot be estimated from the log; {levels.reason})" if levels.reason else ""
-    else:
-        text += f"; contact from {robot.contact_on_counts:g} counts above a foot's offset on"
-        text += " (both estimated from the log)" if levels.estimated else ""
-    yield Finding("NOT_CALIBRATED", text, feet=tuple(unscaled))
+def _counted(samples: Samples, offset: float, on_counts: float | None) -> Samples:
+    """Return samples with contact from a count on, and without the force, which is not known."""
+    if on_counts is None:
+        return samples.pick(np.empty(0, np.int64))
+    touches = np.asarray(samples.force[:, 2] - offset >= on_counts)
+    force = np.zeros_like(samples.force)
+    force[touches, 2] = np.nan
+    return replace(samples, in_contact=touches, force=force)

@@ -1,5 +1,6 @@
 """Which topics are a robot's feet: by the user's word, by the robot's file, else by names."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
@@ -14,21 +15,23 @@ from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.definition import type_text
 from dogbot_logtool.reader.decode.field_path import readable_fields
 from dogbot_logtool.reader.foot import Foot, FootField
-from dogbot_logtool.reader.messages.contact_messages import contact_types, source_of
+from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.message_type import is_named_as_planned
 from dogbot_logtool.reader.messages.messages import definition_of
-from dogbot_logtool.reader.messages.source import FOOT_TYPES, Source
+from dogbot_logtool.reader.messages.source import Source, source_of
+from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.robot.message_feet import feet_of_messages, front_to_back
 from dogbot_logtool.robot.names import FootSet, leg_position, name_feet
 from dogbot_logtool.robot.offers import alternatives
-from dogbot_logtool.robot.readable import (
-    most_frequent,
-    require_topic,
-    split_topic,
-    topics_of_type,
-    why_unreadable,
-)
 from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.robot.topics import (
+    message_count,
+    most_frequent,
+    readable_topics,
+    require_topic,
+    sources_of,
+    split_topic,
+)
 
 _MOST_LISTED: Final = 12
 _MOST_COMPARED: Final = 2000
@@ -60,10 +63,9 @@ def assign_feet(
     """
     known = {foot.name: foot for foot in robot.feet}
     unknown = [name for name in topics if name not in known]
-    others = [foot for foot in robot.feet if foot.name not in topics]
+    others = {foot.topic for foot in robot.feet if foot.name not in topics} & recorded
     named = {split_topic(word, recorded)[0] for word in topics.values()}
-    left_over = {foot.topic for foot in others} & recorded - named
-    if known and unknown and (left_over or not guessed):
+    if known and unknown and (others - named or not guessed):
         whose = f"{robot.name}{' (guessed from the topics)' if guessed else ''}"
         raise CallError(
             f"--foot {unknown[0]}: the robot {whose} has no such foot; it has {', '.join(known)}. "
@@ -85,11 +87,10 @@ def check_topics(log: Log, topics: Mapping[str, str]) -> None:
     Raises:
         CallError: it lacks one, or one is of a wrong type.
     """
-    types = contact_types(log.channels.values())
     for name, word in topics.items():
         topic, path = split_topic(word, log.channels_by_topic)
         otherwise = "" if path else _fields_text(log, topic)
-        require_topic(log, f"--foot {name}", topic, None if path else types, otherwise)
+        require_topic(log, f"--foot {name}", topic, None if path else "feet", otherwise)
 
 
 def _fields_text(log: Log, topic: str) -> str:
@@ -105,27 +106,30 @@ def _fields_text(log: Log, topic: str) -> str:
     return ""
 
 
-def foot_channels(log: Log, robot: Robot, topic: str) -> list[Channel]:
-    """Return the channels from which a topic's feet can be read.
+def channels_of_feet(log: Log, robot: Robot) -> dict[Channel, tuple[int, ...]]:
+    """Return the channels from which feet can be read, and which feet each tells of.
 
     Raises:
         CallError: a field of a foot does not exist, or only some of the feet have one.
     """
-    feet = robot.feet_of(topic)
-    fields = [foot for foot in feet if foot.field is not None]
-    if fields and len(fields) < len(feet):
-        raise CallError(f"{topic}: all feet of a topic need a field, or none")
-    found: list[Channel] = []
-    because = ""
-    for channel in log.channels_by_topic.get(topic, ()):
-        try:
-            if source_of(channel, feet) and (fields or not why_unreadable(channel)):
-                found.append(channel)
-        except DefinitionError as reason:
-            because = str(reason)
-    if because and not found:
+    found: dict[Channel, tuple[int, ...]] = {}
+    for topic in dict.fromkeys(foot.topic for foot in robot.feet):
+        feet = robot.feet_of(topic)
         names = f"{'foot' if len(feet) == 1 else 'feet'} {listed([foot.name for foot in feet])}"
-        raise CallError(f"{shown(log.source.path)}: {names}, {topic}: {because}")
+        if len({foot.field is None for foot in feet}) > 1:
+            raise CallError(f"{topic}: all feet of a topic need a field, or none")
+        sources: dict[Channel, Source | None] = {}
+        because = ""
+        for channel in log.channels_by_topic.get(topic, ()):
+            try:
+                sources[channel] = foot_source(channel, feet)
+            except DefinitionError as reason:
+                because = str(reason)
+        own = [channel for channel, source in sources.items() if source and not source.fault]
+        if because and not own:
+            raise CallError(f"{shown(log.source.path)}: {names}, {topic}: {because}")
+        indices = tuple(index for index, foot in enumerate(robot.feet) if foot.topic == topic)
+        found |= dict.fromkeys(own, indices)
     return found
 
 
@@ -147,9 +151,8 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, S
     Returns:
         the robot with its feet, and sets of topics that may be feet if none surely are.
     """
-    types = contact_types(log.channels.values())
     named = {foot.topic for foot in robot.feet if foot.field is not None}
-    topics = {*topics_of_type(log, types), *named & log.channels_by_topic.keys()}
+    topics = {*readable_topics(log, "feet"), *named & log.channels_by_topic.keys()}
     found, offered, told = _feet_by_names(log)
     if any(foot.topic in topics for foot in robot.feet):
         feet = tuple(_with_element(log, foot, findings) for foot in robot.feet)
@@ -168,8 +171,13 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, S
         return replace(robot, feet=(*feet, *missing)), ()
     findings += told
     if not found and not offered:
-        is_recorded = any(channel.type_name in types for channel in log.channels.values())
-        findings.append(Finding("NO_FEET", _without_feet(sorted(topics), is_recorded=is_recorded)))
+        text = f"no topic with forces or contacts is named like a foot's: {listed(sorted(topics))}"
+        text += "; no arrows, no gait (--foot NAME=TOPIC names one)"
+        if not topics:
+            is_recorded = any(source_of(channel, "feet") for channel in log.channels.values())
+            text = "no contact topics can be read" if is_recorded else "there are no contact topics"
+            text += ": no arrows, no gait"
+        findings.append(Finding("NO_FEET", text))
     return replace(robot, feet=found), () if found else offered
 
 
@@ -190,7 +198,7 @@ def _feet_by_names(log: Log) -> tuple[tuple[Foot, ...], Sequence[FootSet], list[
     """
     offered: list[FootSet] = []
     part: FootSet | None = None
-    others: tuple[FootSet, ...] = ()
+    others: Sequence[FootSet] = ()
     for planned, source, topics in _by_source(log):
         if planned and part is not None:
             break
@@ -198,24 +206,23 @@ def _feet_by_names(log: Log) -> tuple[tuple[Foot, ...], Sequence[FootSet], list[
             if feet := feet_of_messages(log, most_frequent(log, topics)):
                 return feet, (), [_found(feet)]
             continue
-        names = name_feet(topics, contacts_only=not source.anything)
-        if names.chosen is not None and not names.chosen.missing:
-            feet = _feet_of(names.chosen)
-            return feet, (), [_found(feet, names.offered)]
-        if part is None and names.chosen is not None:
+        names = name_feet(topics, contacts_only=not source.row.anything)
+        if names.chosen is not None and (part is None or not names.chosen.missing):
             part, others = names.chosen, names.offered
+            if not part.missing:
+                break
         offered.extend(names.offered[:_MOST_OFFERED])
     if part is None:
         return (), offered, []
-    rest = next((one for one in offered if one.completes(part)), None)
-    feet = (*_feet_of(part), *(_feet_of(rest) if rest is not None else ()))
+    rest = next((one for one in offered if one.completes(part)), None) if part.missing else None
+    feet = tuple(foot for one in (part, rest) for foot in (_feet_of(one) if one else ()))
     told = [_found(feet, [one for one in others if one is not rest])]
     for name in part.missing if rest is None else ():
         text = f"foot {name} has no messages: there is no topic like those of the other feet"
         told.append(_missing(text, name, name))
         # A foot that none tells of stays a foot of the robot: what all feet carry is not known.
         feet = (*feet, Foot(name, "", leg_position=leg_position(name)))
-    return tuple(sorted(feet, key=front_to_back)), offered, told
+    return tuple(sorted(feet, key=front_to_back)) if part.missing else feet, offered, told
 
 
 def _by_source(log: Log) -> Iterator[tuple[bool, Source, list[str]]]:
@@ -225,19 +232,20 @@ def _by_source(log: Log) -> Iterator[tuple[bool, Source, list[str]]]:
     are much more frequent.
     """
     groups: dict[tuple[int, str], tuple[Source, set[str]]] = {}
-    counts: dict[tuple[int, str], int] = {}
     for channel in log.channels.values():
-        source = source_of(channel)
-        if source is None or why_unreadable(channel):
-            continue
-        named = source.tells_all_feet and is_named_as_planned(channel.topic)
-        key = source.is_planned(channel.topic) + named, source.type_name
-        groups.setdefault(key, (source, set()))[1].add(channel.topic)
-        counts[key] = max(counts.get(key, 0), log.counts.get(channel.id, 0))
-    raw = {key for key, (source, _) in groups.items() if source.is_raw}
-    most = max((counts[key] for key in raw), default=0)
-    rare = {key for key in raw if _RARE * counts[key] < most}
-    for key in sorted(groups, key=lambda key: (key[0], key in rare, FOOT_TYPES.index(key[1]))):
+        source = source_of(channel, "feet")
+        if source is not None and not source.fault:
+            named = source.tells_all_feet and is_named_as_planned(channel.topic)
+            key = source.row.is_planned(channel.topic) + named, source.row.name
+            groups.setdefault(key, (source, set()))[1].add(channel.topic)
+    raw = {
+        key: max(message_count(log, topic) for topic in topics)
+        for key, (source, topics) in groups.items()
+        if source.row.unit == "counts"
+    }
+    rare = {key for key, count in raw.items() if _RARE * count < max(raw.values())}
+    order = types_of("feet")
+    for key in sorted(groups, key=lambda key: (key[0], key in rare, order.index(key[1]))):
         source, topics = groups[key]
         yield key[0] > 0, source, sorted(topics)
 
@@ -251,7 +259,7 @@ def _check_feet_differ(log: Log, feet: Sequence[Foot]) -> None:
     seen: dict[tuple[str, str | int | None], str] = {}
     for foot in feet:
         own = foot.field.path if foot.field is not None else foot.element
-        sources = _sources(log, foot.topic)
+        sources = sources_of(log, foot.topic, "feet")
         if own is None and all(source.tells_all_feet for source in sources):
             continue
         other = seen.setdefault((foot.topic, own), foot.name)
@@ -262,17 +270,27 @@ def _check_feet_differ(log: Log, feet: Sequence[Foot]) -> None:
             text += "; each needs a field of its own"
         elif own is None:
             text = f"{foot.topic} would be the topic of {other}, {foot.name}; a message of type "
-            text += f"{sources[0].type_name} is about one foot"
+            text += f"{sources[0].row.name} is about one foot"
         raise CallError(f"{shown(log.source.path)}: --foot {foot.name}: {text}")
 
 
-def _sources(log: Log, topic: str) -> list[Source]:
-    channels = log.channels_by_topic.get(topic, ())
-    return [source for channel in channels if (source := source_of(channel))]
-
-
 def _feet_of(found: FootSet) -> tuple[Foot, ...]:
-    return tuple(Foot(foot.name, foot.topic, leg_position=foot.position) for foot in found.feet)
+    """Return feet with names of their own; those of one name are the sensors of one foot."""
+    number: Counter[str] = Counter()
+    feet = []
+    for foot in found.feet:
+        several = sum(other.name == foot.name for other in found.feet) > 1
+        number[foot.name] += 1
+        name = f"{foot.name}_{number[foot.name]}" if several else foot.name
+        feet.append(
+            Foot(
+                name,
+                foot.topic,
+                leg_position=foot.position,
+                sensor_of=foot.name if several else "",
+            )
+        )
+    return tuple(feet)
 
 
 def _missing(text: str, where: str, foot: str) -> Finding:
@@ -286,20 +304,13 @@ def _found(feet: Sequence[Foot], others: Sequence[FootSet] = ()) -> Finding:
     return Finding("TOPICS_CHOSEN", text)
 
 
-def _without_feet(topics: Sequence[str], *, is_recorded: bool) -> str:
-    if not topics:
-        none = "no contact topics can be read" if is_recorded else "there are no contact topics"
-        return f"{none}: no arrows, no gait"
-    text = f"no topic with forces or contacts is named like a foot's: {listed(topics)}"
-    return f"{text}; no arrows, no gait (--foot NAME=TOPIC names one)"
-
-
 def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
     """Note which element is a foot's, where messages hold all feet and no option says it."""
-    sources = _sources(log, foot.topic)
+    sources = sources_of(log, foot.topic, "feet")
     if foot.field is not None or not sources or not sources[0].tells_all_feet:
         return foot
-    if foot.element is not None and sources[0].legs:
+    row = sources[0].row
+    if foot.element is not None and row.legs and not row.maybe_without_legs:
         return foot
     positions = (foot.leg_position, leg_position(foot.name))
     names = (foot.name, *("_".join(position) for position in positions if position))

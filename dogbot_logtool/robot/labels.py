@@ -13,7 +13,7 @@ from dogbot_logtool.reader.decode.definition import (
 )
 from dogbot_logtool.reader.decode.paths import path_of
 from dogbot_logtool.reader.messages.messages import definition_of
-from dogbot_logtool.robot.first_messages import first_messages
+from dogbot_logtool.robot.topics import first_messages
 
 
 def array_labels(log: Log, topic: str, path: str) -> tuple[str, ...]:

@@ -6,16 +6,12 @@ from typing import Final
 
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.foot import Foot, FootField
-from dogbot_logtool.reader.messages.contact_messages import source_of
 from dogbot_logtool.reader.messages.feet import MessageFoot, feet_in
 from dogbot_logtool.reader.messages.message_type import is_named_as_planned
-from dogbot_logtool.robot.first_messages import first_messages
+from dogbot_logtool.reader.messages.source import source_of
 from dogbot_logtool.robot.names import label_names, leg_position
-from dogbot_logtool.robot.readable import (
-    most_frequent,
-    why_unreadable,
-)
 from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.robot.topics import first_messages, most_frequent
 from dogbot_logtool.robot.words import Part, words_of
 
 _ORDER: Final = ("front", "middle", "back", "left", "right")
@@ -28,15 +24,16 @@ _JOINTS: Final = 12
 def feet_of_messages(log: Log, topic: str) -> tuple[Foot, ...]:
     """Return the feet that a topic's messages tell of; none where they are not about feet."""
     for channel in log.channels_by_topic.get(topic, ()):
-        source = source_of(channel)
-        if source is None or why_unreadable(channel) or not source.tells_all_feet:
+        source = source_of(channel, "feet")
+        if source is None or source.fault or not source.tells_all_feet:
             continue
-        found: Sequence[MessageFoot] = [MessageFoot(name=leg) for leg in source.legs]
-        if not found:
+        found = [MessageFoot(name=leg) for leg in source.row.legs]
+        if not found or source.row.maybe_without_legs:
             seen = [feet_in(source, each) for each in first_messages(log, channel, source.fields)]
             labelled = {foot.label: foot for feet in seen for foot in feet if foot.label}
-            found = [labelled[label] for label in sorted(labelled)]
-            found = found or max(seen, key=len, default=())
+            found = [labelled[label] for label in sorted(labelled)] or max(
+                seen, key=len, default=[]
+            )
         if found:
             return _named_feet(_without_hands(found), topic)
     return ()
@@ -45,12 +42,12 @@ def feet_of_messages(log: Log, topic: str) -> tuple[Foot, ...]:
 def _without_hands(found: Sequence[MessageFoot]) -> Sequence[MessageFoot]:
     """Leave out hands, wheels, tools ... where other labels say that they are feet."""
     parts = [{word.part for word in words_of(foot.label)} for foot in found]
-    if not any({Part.FOOT, Part.LEG} & each for each in parts):
-        return found
+    legs = [bool({Part.FOOT, Part.LEG} & each) for each in parts]
+    pairs = zip(found, parts, legs, strict=True)
     return [
         foot
-        for foot, each in zip(found, parts, strict=True)
-        if Part.NOT_A_FOOT not in each or {Part.FOOT, Part.LEG} & each
+        for foot, each, is_leg in pairs
+        if is_leg or Part.NOT_A_FOOT not in each or not any(legs)
     ]
 
 
@@ -80,8 +77,8 @@ def front_to_back(foot: Foot) -> tuple[int, int, str]:
 
 def is_planned(channel: Channel) -> bool:
     """Tell whether a channel's messages tell what was planned, not what was measured."""
-    source = source_of(channel)
-    return source is not None and source.is_planned(channel.topic)
+    source = source_of(channel, "feet")
+    return source is not None and source.row.is_planned(channel.topic)
 
 
 def planned_feet(log: Log, robot: Robot, contacts: Sequence[Channel]) -> tuple[Foot, ...]:
@@ -92,24 +89,21 @@ def planned_feet(log: Log, robot: Robot, contacts: Sequence[Channel]) -> tuple[F
         robot: with the feet that are used.
         contacts: their channels.
     """
-    used = {channel.topic for channel in contacts}
+    used = {channel.topic: channel.type_name for channel in contacts}
     if any(is_named_as_planned(topic) for topic in used):
         return ()
-    for channel in contacts:
-        source = source_of(channel, robot.feet_of(channel.topic))
-        if source is not None and source.type_name == _JOINT_FOOT:
-            return tuple(_by_velocity(foot) for foot in robot.feet if foot.element is not None)
+    if _JOINT_FOOT in used.values():
+        return tuple(_by_velocity(foot) for foot in robot.feet if foot.element is not None)
     topics: dict[str, list[str]] = {}
     for channel in log.channels.values():
-        if channel.topic not in used and is_planned(channel) and not why_unreadable(channel):
+        if channel.topic not in used and is_planned(channel):
             topics.setdefault(channel.type_name, []).append(channel.topic)
-    own = {channel.type_name for channel in contacts}
+    names = {foot.name for foot in robot.feet}
     # A plan of the measurement's own type tells forces in the same way.
-    for _, of_type in sorted(topics.items(), key=lambda each: each[0] not in own):
-        names = {foot.name for foot in robot.feet}
-        found = [f for f in feet_of_messages(log, most_frequent(log, of_type)) if f.name in names]
-        if found:
-            return tuple(found)
+    for _, of_type in sorted(topics.items(), key=lambda each: each[0] not in used.values()):
+        feet = feet_of_messages(log, most_frequent(log, of_type))
+        if found := tuple(foot for foot in feet if foot.name in names):
+            return found
     return ()
 
 

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
-from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import MOST, printable, shell_joined
 from dogbot_logtool.io.storage import shown
@@ -15,35 +14,32 @@ from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base
-from dogbot_logtool.reader.messages.contact_messages import (
-    contact_types,
-    source_of,
-    without_flags,
-)
+from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.feet import FootChannels
-from dogbot_logtool.reader.messages.source import Source
-from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
+from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES, is_static
+from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.base import choose_base
-from dogbot_logtool.robot.contact_evidence import compare_flags, source_findings, with_raw_levels
 from dogbot_logtool.robot.feet import (
     assign_feet,
+    channels_of_feet,
     check_topics,
     find_feet,
-    foot_channels,
 )
+from dogbot_logtool.robot.message_feet import is_planned
 from dogbot_logtool.robot.offers import candidates_finding, split_cells, topics_finding
-from dogbot_logtool.robot.readable import (
-    own_definition_findings,
-    reasons,
-    split_topic,
-    topics_of_type,
-    unreadable_findings,
-    why_unreadable,
-)
 from dogbot_logtool.robot.robot import GENERIC, Robot, known_robots, load_robot, robot_toml
 from dogbot_logtool.robot.settings import with_settings
+from dogbot_logtool.robot.topics import (
+    has_field,
+    own_definition_findings,
+    readable_topics,
+    reasons,
+    sources_of,
+    split_topic,
+    unreadable_findings,
+)
 from dogbot_logtool.robot.unknown import FootCandidates, find_candidates
 
 _LIKELY_WORDS: Final = ("odom", "contact", "foot", "feet", "force", "wrench", "pose", "leg")
@@ -90,9 +86,8 @@ class Selection:
     @property
     def without_header(self) -> tuple[str, ...]:
         """The types of used messages that have no header."""
-        used: list[Source] = [*self.sources]
-        used += [self.base.source] if self.base else []
-        return tuple(source.type_name for source in used if not source.has_header)
+        used = [*self.sources, *([self.base.source] if self.base else [])]
+        return tuple(source.row.name for source in used if not source.has_header)
 
     @property
     def base_name(self) -> str | None:
@@ -109,24 +104,19 @@ class Selection:
 
     @property
     def sources(self) -> tuple[Source, ...]:
-        """The types of contact messages that are used."""
-        return self._sources(self.contacts)
+        """How contact messages are read, each once, by type name."""
+        feet = self.robot.feet_of
+        found = (source for c in self.contacts if (source := foot_source(c, feet(c.topic))))
+        return tuple(sorted(dict.fromkeys(found), key=lambda source: source.row.name))
 
     def sources_of(self, foot: int) -> tuple[Source, ...]:
-        """Return the types of contact messages that tell of a foot."""
-        return self._sources([c for c in self.contacts if foot in self.feet_of[c.id]])
-
-    def _sources(self, channels: Sequence[Channel]) -> tuple[Source, ...]:
-        """Return the different sources of channels, by type name."""
-        feet = self.robot.feet_of
-        found = [source for c in channels if (source := source_of(c, feet(c.topic)))]
-        different = {id(source): source for source in found}.values()
-        ordered = sorted(different, key=lambda source: source.type_name)
-        return tuple(without_flags(source, ignores=self.ignores_flags) for source in ordered)
+        """Return how the contact messages are read that tell of a foot."""
+        own = tuple(c for c in self.contacts if foot in self.feet_of[c.id])
+        return replace(self, contacts=own).sources
 
     def has_flags(self, foot: int) -> bool:
         """Tell whether contact flags of the messages decide a foot's contact."""
-        sources = self.sources_of(foot)
+        sources = () if self.ignores_flags else self.sources_of(foot)
         of_sensors = bool(sources) and all(source.has_flags for source in sources)
         return of_sensors or bool(self.contact_from)
 
@@ -136,23 +126,18 @@ class Selection:
             return self.contact_from == "joint_torques"
         scaled = self.robot.feet[foot].newtons_per_count is not None
         return all(
-            source.has_force and (scaled or not source.is_raw) for source in self.sources_of(foot)
+            source.has_force and (scaled or source.row.unit == "N")
+            for source in self.sources_of(foot)
         )
 
     def wanted(self) -> Wanted:
         """Return what is read of base, feet and frames."""
-        return Wanted(
-            self.contacts, self.foot_channels(), self.base, self.odometry, self.transforms
-        )
+        feet = self.foot_channels()
+        return Wanted(self.contacts, feet, self.base, self.odometry, self.transforms)
 
     def foot_channels(self) -> FootChannels:
         """Return what reading contacts needs."""
-        return FootChannels(
-            self.robot.feet,
-            self.feet_of,
-            self.robot.contact_on_counts,
-            ignores_flags=self.ignores_flags,
-        )
+        return FootChannels(self.robot.feet, self.feet_of)
 
 
 def select_topics(log: Log, options: RobotOptions) -> Selection:
@@ -170,14 +155,18 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
     of_feet: list[Finding] = []
     robot, unsure = find_feet(log, named, of_feet)
     robot = with_settings(robot, options.set)
-    contacts, feet_of = _contacts(log, robot)
-    found = find_candidates(log) if not (contacts or unsure) else []
+    feet_of = channels_of_feet(log, robot)
+    found = find_candidates(log) if not (feet_of or unsure) else []
     possible, cells = split_cells(found)
     of_robot = {foot.topic for foot in (possible[0].feet if possible else robot.feet)}
     of_robot = {*unsure[0].topics} if unsure else of_robot
     chosen = choose_base(log, robot, findings, of_robot, is_asked=options.odom_topic is not None)
-    if options.robot is not None and not _shows(log, named, chosen.channels):
-        findings.extend(_without_topics(named))
+    if options.robot is not None and named.topics and not _shows(log, named, chosen.channels):
+        text = (
+            f"the log has none of the topics of the robot {robot.name!r}: feet and odometry are "
+            "looked for by type and name, but its mass, axes and frames are used; check --robot"
+        )
+        findings.append(Finding("ROBOT_GUESSED", text, cases=("absent",)))
     call = _call(log, options, chosen.offered)
     if unsure:
         of_feet.append(topics_finding(unsure, call))
@@ -186,26 +175,24 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
         findings.append(candidates_finding(log, possible, call, chosen.offered))
     elif not unsure and chosen.offered:
         findings = [_with_command(each, call) for each in findings]
-    levels = with_raw_levels(log, contacts, feet_of, chosen.robot)
-    findings += source_findings(contacts, levels)
-    flags = compare_flags(log, contacts, feet_of, levels.robot)
-    findings += flags.findings
     transforms = [
         channel
         for channel in sorted(log.channels.values(), key=lambda channel: channel.topic)
-        if channel.type_name in TRANSFORM_TYPES and not why_unreadable(channel)
+        if channel.type_name in TRANSFORM_TYPES
+        and (source := source_of(channel, "base"))
+        and not source.fault
     ]
-    findings += unreadable_findings(log, chosen.channels, contacts)
-    findings += own_definition_findings([*chosen.channels, *contacts, *transforms])
+    findings += _of_sources(feet_of, chosen.robot)
+    findings += unreadable_findings(log, chosen.channels, [*feet_of])
+    findings += own_definition_findings([*chosen.channels, *feet_of, *transforms])
     return Selection(
-        levels.robot,
+        chosen.robot,
         chosen.channels,
-        tuple(contacts),
-        feet_of,
+        tuple(feet_of),
+        {channel.id: feet for channel, feet in feet_of.items()},
         tuple(transforms),
         tuple(dict.fromkeys(findings)),
         tuple(possible),
-        ignores_flags=flags.are_useless,
         base=chosen.base,
         robot_is_guessed=options.robot is None,
     )
@@ -223,7 +210,7 @@ def _choose_robot(log: Log, options: RobotOptions, findings: list[Finding]) -> R
         known = [load_robot(name) for name in may]
         topics = _usable_topics(log)
         for each in known:
-            if each.feet and all(_has_field(log, foot) for foot in each.feet):
+            if each.feet and all(_is_recorded(log, foot) for foot in each.feet):
                 topics |= each.topics
         robot = max(known, key=lambda one: (len(one.topics & topics), one.name == GENERIC))
         text = f"robot: {robot.name} (guessed from the topics; change with --robot)"
@@ -233,17 +220,14 @@ def _choose_robot(log: Log, options: RobotOptions, findings: list[Finding]) -> R
 
 def _usable_topics(log: Log) -> frozenset[str]:
     """Return the topics with odometry or contacts: a name alone makes no robot known."""
-    return frozenset(topics_of_type(log, {ODOMETRY_TYPE, *contact_types(log.channels.values())}))
+    odometry = (c.topic for c in log.channels.values() if c.type_name == ODOMETRY_TYPE)
+    readable = (topic for topic in odometry if sources_of(log, topic, "base"))
+    return frozenset((*readable_topics(log, "feet"), *readable))
 
 
-def _has_field(log: Log, foot: Foot) -> bool:
+def _is_recorded(log: Log, foot: Foot) -> bool:
     """Tell whether a foot is a field, and the log's messages have it."""
-    for channel in log.channels_by_topic.get(foot.topic, ()) if foot.field else ():
-        try:
-            return source_of(channel, [foot]) is not None
-        except DefinitionError:
-            continue
-    return False
+    return any(has_field(channel, foot) for channel in log.channels_by_topic.get(foot.topic, ()))
 
 
 def _with_options(log: Log, robot: Robot, options: RobotOptions) -> Robot:
@@ -252,22 +236,59 @@ def _with_options(log: Log, robot: Robot, options: RobotOptions) -> Robot:
     if options.feet:
         robot = replace(robot, feet=options.feet)
     if options.foot:
-        given, guessed = options.foot, options.robot is None
-        check_topics(log, given)
-        robot = assign_feet(robot, given, _usable_topics(log), guessed=guessed)
+        check_topics(log, options.foot)
+        guessed = options.robot is None
+        robot = assign_feet(robot, options.foot, _usable_topics(log), guessed=guessed)
     return robot
 
 
-def _contacts(log: Log, robot: Robot) -> tuple[list[Channel], dict[int, tuple[int, ...]]]:
-    """Return the channels of feet, and which feet each tells of."""
-    contacts: list[Channel] = []
-    feet_of: dict[int, tuple[int, ...]] = {}
-    for topic in dict.fromkeys(foot.topic for foot in robot.feet):
-        feet = tuple(index for index, foot in enumerate(robot.feet) if foot.topic == topic)
-        for channel in foot_channels(log, robot, topic):
-            contacts.append(channel)
-            feet_of[channel.id] = feet
-    return contacts, feet_of
+def _of_sources(feet_of: Mapping[Channel, tuple[int, ...]], robot: Robot) -> Iterator[Finding]:
+    """Say what contact messages do not tell."""
+    for channel in sorted(feet_of, key=lambda channel: channel.type_name):
+        name, source = channel.type_name, foot_source(channel, robot.feet_of(channel.topic))
+        if source is None:
+            continue
+        if not source.has_force:
+            text = f"{name} tells contact, not force: gait figures only, no arrows, no loads"
+            yield Finding("NO_FORCE", text)
+        unscaled = [foot for foot in robot.feet if foot.newtons_per_count is None]
+        if source.row.unit == "counts" and unscaled:
+            told = not_calibrated(robot, unscaled)
+            yield replace(told, text=f"{name} {told.text}")
+        if not source.has_header:
+            text = f"{name} has no header: log time is used for it"
+            yield Finding("LOG_TIME_USED", text, cases=("no_header",))
+        if source.row.silent_in_swing:
+            text = f"{name} is published only in contact: silence is taken for swing"
+            yield Finding("SILENT_SWING", text)
+    for channel in filter(is_planned, feet_of):
+        text = "is a plan, not a measurement: contacts, forces and figures are the planned ones"
+        yield Finding("PLANNED", f"{channel.topic} {text}", channel.topic)
+
+
+def not_calibrated(
+    robot: Robot, feet: Sequence[Foot], reason: str | None = None, *, estimated: bool = False
+) -> Finding:
+    """Return a warning of what is missing while the counts of raw sensors have no scale.
+
+    Args:
+        robot: with the threshold of contact.
+        feet: those without a scale.
+        reason: why contact cannot be estimated; None: the counts were not looked at.
+        estimated: whether the threshold comes from the log.
+    """
+    names = tuple(foot.name for foot in feet)
+    text = f"has raw counts, and the robot's file has no newtons_per_count for {', '.join(names)}"
+    text += ": no forces"
+    if robot.contact_on_counts is not None:
+        text += f"; contact from {robot.contact_on_counts:g} counts above a foot's offset on"
+        text += " (both estimated from the log)" if estimated else ""
+    elif reason is None:
+        text += "; contact only if the counts of each foot have two clear levels"
+    else:
+        text += ", and without contact.on_counts no contact either"
+        text += f" (it cannot be estimated from the log; {reason})" if reason else ""
+    return Finding("NOT_CALIBRATED", text, feet=names)
 
 
 def nothing_to_do(log: Log, selection: Selection) -> str:
@@ -312,16 +333,6 @@ def _shows(log: Log, robot: Robot, base: Sequence[Channel]) -> bool:
     if base and split_topic(robot.odometry_topic or "", log.channels_by_topic)[0] == base[0].topic:
         return True
     return not robot.topics.isdisjoint(_usable_topics(log))
-
-
-def _without_topics(robot: Robot) -> Iterator[Finding]:
-    """Say that the robot that the user named does not show in the log."""
-    if robot.topics:
-        text = (
-            f"the log has none of the topics of the robot {robot.name!r}: feet and odometry are "
-            "looked for by type and name, but its mass, axes and frames are used; check --robot"
-        )
-        yield Finding("ROBOT_GUESSED", text, cases=("absent",))
 
 
 def _call(log: Log, options: RobotOptions, base: str) -> str:

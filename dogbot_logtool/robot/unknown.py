@@ -22,14 +22,13 @@ from dogbot_logtool.reader.decode.definition import (
 )
 from dogbot_logtool.reader.decode.field_path import is_vector, readable_fields
 from dogbot_logtool.reader.foot import Foot, FootField
-from dogbot_logtool.reader.messages.contact_messages import source_of
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.messages import definition_of
+from dogbot_logtool.reader.messages.source import source_of
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.labels import array_labels
 from dogbot_logtool.robot.names import leg_position, name_feet
-from dogbot_logtool.robot.readable import message_count
 from dogbot_logtool.robot.score import (
     CONTACT_WORDS,
     FORCE_WORDS,
@@ -38,6 +37,7 @@ from dogbot_logtool.robot.score import (
     name_marks,
     rate_mark,
 )
+from dogbot_logtool.robot.topics import has_field, message_count
 from dogbot_logtool.robot.words import words_of
 
 _ENOUGH: Final = 5
@@ -139,7 +139,7 @@ def _named_sets(log: Log) -> Iterator[FootCandidates]:
     """Yield sets of fields whose names do not speak against feet, scored by names and rate."""
     by_type: dict[str, list[Channel]] = {}
     for channel in log.channels.values():
-        if channel.type_name and source_of(channel) is None:
+        if channel.type_name and source_of(channel, "feet") is None:
             by_type.setdefault(channel.type_name, []).append(channel)
     for type_name, channels in by_type.items():
         try:
@@ -274,20 +274,13 @@ def _read_fields(log: Log, sets: Sequence[FootCandidates]) -> Mapping[str, Sampl
     ]
     of_channel: dict[int, tuple[int, ...]] = {}
     for channel in log.channels.values():
-        if told := tuple(n for n, foot in enumerate(feet) if _has_field(channel, foot)):
+        if told := tuple(n for n, foot in enumerate(feet) if has_field(channel, foot)):
             of_channel[channel.id] = told
     channels = tuple(log.channels[number] for number in of_channel)
     chunks = (c for c in log.chunks if not (c.counts and of_channel.keys().isdisjoint(c.counts)))
     wanted = Wanted(channels, FootChannels(feet, of_channel))
     read = read_recording(log, wanted, 1, spans=log.grouped(chunks) if channels else ())
     return {foot.name: samples for foot, samples in zip(feet, read.recording.feet, strict=True)}
-
-
-def _has_field(channel: Channel, foot: Foot) -> bool:
-    try:
-        return channel.topic == foot.topic and source_of(channel, [foot]) is not None
-    except DefinitionError:
-        return False
 
 
 def _judged(named: FootCandidates, samples: Sequence[Samples]) -> FootCandidates | None:

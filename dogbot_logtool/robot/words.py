@@ -87,6 +87,11 @@ PARTS: Final[Mapping[str, Part]] = {
     **dict.fromkeys(_UPPER_LEG.split(), Part.UPPER_LEG),
     **dict.fromkeys(_NOT_A_FOOT.split(), Part.NOT_A_FOOT),
 }
+ON_A_FOOT: Final = frozenset(
+    f"{' '.join(map(str, range(1, 17)))} a b c d e f g h ball fore heel hind in inner inside "
+    f"lateral medial mid out outer outside toe {' '.join((*ENDS, *SIDES, *LETTERS))}".split()
+)
+"""Words that tell the sensors of one foot apart."""
 NEUTRAL: Final = frozenset(_NEUTRAL.split())
 """Words of a sensor or its message; they say nothing about where it is."""
 WHOLE: Final[Mapping[str, tuple[str, ...]]] = {
@@ -102,6 +107,8 @@ MERITS: Final[Mapping[str, int]] = {
     **dict.fromkeys(_NOT_MEASURED.split(), -4),
 }
 """How good what a word announces is for telling a foot's contact; other words count 0."""
+VOCABULARY: Final = frozenset({*ENDS, *SIDES, *LETTERS, *PARTS, *NEUTRAL, *MERITS})
+"""All words of these tables; none is the name of a robot."""
 USABLE: Final = -2
 """Merit below which a topic tells no measured force: it is planned, or an error."""
 

@@ -25,7 +25,7 @@ from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.core.scene.support_scene import margin_colour
 from dogbot_logtool.core.stability import feet_down
 from dogbot_logtool.options import ConvertOptions, MeasureOptions
-from dogbot_logtool.reader.messages.contact_messages import read_contacts
+from dogbot_logtool.reader.messages.contacts import read_contacts
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.robot.selection import select_topics
@@ -268,7 +268,7 @@ def recorded(path: Path) -> tuple[list[Any], Any]:
         found = selection.base.read(batch, selection.odometry)
         poses.extend(each.poses for each in found)
         read = read_contacts(batch, selection.contacts, selection.foot_channels())
-        samples.extend(each.reduced.samples for each in read)
+        samples.extend(each.samples for each in read)
     log.close()
     together = concatenated(samples)
     feet = [

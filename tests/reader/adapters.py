@@ -13,16 +13,12 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.reader.containers.log import Batch, Channel, Messages, Schema
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.bases import Base, joined_poses
-from dogbot_logtool.reader.messages.contact_messages import read_contacts, source_of
+from dogbot_logtool.reader.messages.contacts import read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels
-from dogbot_logtool.reader.messages.gazebo import StepTiming
-from dogbot_logtool.reader.messages.messages import check_channel, malformed_in
-from dogbot_logtool.reader.messages.source import BASE_TYPES, FOOT_TYPES, base_source
-from dogbot_logtool.reader.messages.transforms import (
-    TRANSFORM_TYPES,
-    decode_transforms,
-    transform_columns,
-)
+from dogbot_logtool.reader.messages.messages import malformed_in
+from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES, read_transforms
+from dogbot_logtool.reader.messages.source import Source, source_of
+from dogbot_logtool.reader.messages.table import types_of
 from tests.oracles import base_walks, state_walks, walks
 
 SAME_AS: Final = {
@@ -39,9 +35,10 @@ VARIANTS: Final = (
     "old_dwl/WholeBodyState",
 )
 """Earlier definitions of types, by the packages that the tests give them."""
+FOOT_TYPES: Final = types_of("feet")
 BASES: Final = tuple(
     name
-    for name in BASE_TYPES
+    for name in types_of("base")
     if name not in FOOT_TYPES and name not in TRANSFORM_TYPES and not name.startswith("foxglove")
 )
 """Types of base poses; their elements are those of `base_walks`."""
@@ -191,36 +188,31 @@ def _labels(type_name: str) -> Mapping[str, str]:
     return state_walks.SENSORS if type_name.startswith("hrpsys") else state_walks.LABELS
 
 
-def check(of: Channel) -> str:
-    """Check a channel's definition; see `check_channel`."""
-    bases = (*BASES, *POSES, *TRANSFORM_TYPES)
-    source = base_source(of) if of.type_name in bases else source_of(of)
-    return check_channel(of, source.fields) if source else ""
+def source(of: Channel) -> Source | None:
+    """Return how a channel is read."""
+    bases = (*BASES, *POSES, *TRANSFORM_TYPES, *FOXGLOVE)
+    return source_of(of, "base" if of.type_name in bases else "feet")
 
 
 def read(of: Channel, given: Batch) -> Outcome:
     """Decode a batch, and make all that the adapter can make of it."""
-    if of.type_name in FOXGLOVE:
-        decoded = decode_transforms(given, [of])
-        times = _times([transform_columns(each).log_time for each in decoded])
-        return Outcome(times, malformed_in(decoded))
+    if of.type_name in (*FOXGLOVE, *TRANSFORM_TYPES):
+        read = read_transforms(given, [of])
+        lost = {number: count for _, malformed in read for number, count in malformed.items()}
+        return Outcome(_times([each.log_time for each, _ in read]), lost)
+    how = source(of)
     if of.type_name in (*BASES, *POSES):
-        base = Base(base_source(of), base_walks.ELEMENTS.get(of.type_name, ""))
+        assert how is not None
+        base = Base(how, base_walks.ELEMENTS.get(of.type_name, ""))
         parts = base.read(given, [of])
         malformed = {number: lost for part in parts for number, lost in part.malformed.items()}
         return Outcome(joined_poses(parts).log_time, malformed)
-    if of.type_name in TRANSFORM_TYPES:
-        decoded = decode_transforms(given, [of])
-        return Outcome(
-            _times([transform_columns(m).log_time for m in decoded]), malformed_in(decoded)
-        )
     found = read_contacts(given, [of], feet(of.type_name))
     for each in found:
         assert each.links is not None
-        assert isinstance(each.timing, StepTiming | None)
         if each.source.has_header:
             each.messages.table.nanoseconds("header.stamp")
-    times = _times([each.reduced.samples.log_time for each in found])
+    times = _times([each.samples.log_time for each in found])
     return Outcome(times, malformed_in(each.messages for each in found))
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.reader.messages.source import FOOT_TYPES
+from dogbot_logtool.reader.messages.table import types_of
 from tests.reader import adapters
 from tests.reader.adapters import ALL, DAMAGES, FOXGLOVE, POSES, Outcome
 
@@ -73,4 +73,4 @@ def test_messages_of_nothing_are_sound(type_name: str) -> None:
 
 
 def test_every_contact_source_is_tested() -> None:
-    assert set(FOOT_TYPES) <= set(ALL)
+    assert set(types_of("feet")) <= set(ALL)

@@ -1,7 +1,7 @@
 """Poses of the base, read of messages by any row of the table."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -13,19 +13,10 @@ from dogbot_logtool.core.rotations import from_roll_pitch_yaw
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel
-from dogbot_logtool.reader.decode.columns import Table, Texts
-from dogbot_logtool.reader.decode.paths import FieldPath
-from dogbot_logtool.reader.messages.message_type import BASE, MessageType
-from dogbot_logtool.reader.messages.messages import (
-    DecodedMessages,
-    decode_channels,
-)
-from dogbot_logtool.reader.messages.source import (
-    BASE_TYPES,
-    Source,
-    base_type,
-    fitting,
-)
+from dogbot_logtool.reader.decode.columns import Table
+from dogbot_logtool.reader.messages.message_type import MessageType
+from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels
+from dogbot_logtool.reader.messages.source import Source, first_fitting
 
 ODOMETRY_TYPE: Final = "nav_msgs/Odometry"
 FORMS: Final = (
@@ -33,17 +24,11 @@ FORMS: Final = (
     "x y z w) or data[0:6] (x y z roll pitch yaw)"
 )
 """Suffix that a user may write behind the topic."""
-_SLICE: Final = r"([A-Za-z_][\w.]*)\[(\d{1,6}):(\d{1,6})\]"
-_PATH: Final = r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*"
+_PATH: Final = r"([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*)(?:\[(\d{1,6}):(\d{1,6})\])?"
 _ANGLES, _QUATERNION = 6, 7
 """Numbers of a pose with roll, pitch and yaw, or a quaternion, behind the position."""
 _JOINTS: Final = 6
 """Of a base that is told as a list of joints: roll, pitch, yaw, x, y, z."""
-_ORDERS: Final = {
-    "wxyz": [1, 2, 3, 0],
-    "xyz": [0, 1, 2],
-    "zyx": [2, 1, 0],
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,13 +56,7 @@ class Base:
     def read(self, batch: Batch, channels: Sequence[Channel]) -> list[BasePoses]:
         """Read the poses of a batch; one entry a definition, nearly always one."""
         decoded = decode_channels(batch, channels, self.source.fields)
-        return [read_base(self.source, messages, self.element) for messages in decoded]
-
-
-def base_types(channels: Iterable[Channel]) -> frozenset[str]:
-    """Return the types that hold poses: all that are known, and those of channels read as such."""
-    own = {channel.type_name for channel in channels}
-    return frozenset({*BASE_TYPES, *(name for name in own if base_type(name))})
+        return [_read(self.source, messages, self.element) for messages in decoded]
 
 
 def joined_poses(parts: Sequence[BasePoses]) -> Odometry:
@@ -85,24 +64,22 @@ def joined_poses(parts: Sequence[BasePoses]) -> Odometry:
     return concatenate_odometry([part.poses for part in parts])
 
 
-def read_base(source: Source, messages: DecodedMessages, element: str = "") -> BasePoses:
+def _read(source: Source, messages: DecodedMessages, element: str) -> BasePoses:
     """Return the poses of messages; of those that list several, the poses of one element."""
-    if source.lists_poses:
+    table, paths = messages.table, source.paths
+    if source.row.choose:
         return _chosen_poses(source, messages, element)
     if source.row.numbered:
-        position, orientation = _poses_of_joints(source, messages.table)
-        return _poses(source, messages, slice(None), position, orientation)
-    path, table = source.paths["position"][0], messages.table
-    message: Ints | slice = slice(None)
-    if path.is_array_of_elements:
-        held = np.bincount(table.nested(path.arrays[0].path).parent, minlength=table.rows)
-        message = np.flatnonzero(held)
-    values = [
-        source.paths[name][0].first_values(table)[message]
-        for name in ("position", "orientation", "linear", "angular")
-        if name in source.paths
-    ]
-    return _poses(source, messages, message, *values)
+        values = dict(
+            zip(("position", "orientation"), _poses_of_joints(source, table), strict=True)
+        )
+        return _poses(source, messages, np.arange(table.rows), values)
+    message = np.arange(table.rows)
+    if paths["position"][0].is_array_of_elements:
+        message = np.unique(table.nested(paths["position"][0].arrays[0].path).parent)
+    names = ("position", "orientation", "linear", "angular")
+    values = {name: paths[name][0].first_values(table)[message] for name in names if name in paths}
+    return _poses(source, messages, message, values)
 
 
 def choices(source: Source, messages: DecodedMessages) -> frozenset[str]:
@@ -110,107 +87,93 @@ def choices(source: Source, messages: DecodedMessages) -> frozenset[str]:
     return frozenset(name for name, _ in _names(source, messages.table)[1])
 
 
-def _pair_name(parent: str, child: str) -> str:
-    """Return the name of a pair of frames, without leading slashes."""
-    return f"{parent.lstrip('/')}/{child.lstrip('/')}"
-
-
 def _names(source: Source, table: Table) -> tuple[Ints, list[tuple[str, tuple[str, ...]]]]:
     """Return which name each listed pose has, (m,), and the names with their parts."""
-    texts = [path.texts(table)[1] for path in source.paths["choose"]]
-    if len(texts) == 1:
-        code, names = texts[0].encode()
+    encoded = [path.texts(table)[1].encode() for path in source.paths["choose"]]
+    code, names = encoded[0]
+    if len(encoded) == 1:
         return code, [(name, ()) for name in names]
-    code, pairs = _pairs_of(*texts)
-    return code, [(_pair_name(*pair), pair) for pair in pairs]
-
-
-def _pairs_of(first: Texts, second: Texts) -> tuple[Ints, list[tuple[str, str]]]:
-    """Return which pair each two texts are, (m,), and the different pairs."""
-    (one, ones), (other, others) = first.encode(), second.encode()
-    different, code = np.unique(one * max(len(others), 1) + other, return_inverse=True)
-    pairs = [divmod(number, len(others)) for number in different.tolist()]
-    return code, [(ones[row], others[column]) for row, column in pairs]
+    other, others = encoded[1]
+    different, pair = np.unique(code * max(len(others), 1) + other, return_inverse=True)
+    pairs = [
+        (names[row], others[column])
+        for row, column in (divmod(number, len(others)) for number in different.tolist())
+    ]
+    return pair, [("/".join(frame.lstrip("/") for frame in each), each) for each in pairs]
 
 
 def _chosen_poses(source: Source, messages: DecodedMessages, element: str) -> BasePoses:
     """Return the poses of an element, wherever in each message it stands."""
-    table, (name, *_) = messages.table, source.paths["choose"]
+    table, paths, name = messages.table, source.paths, source.paths["choose"][0]
     code, names = _names(source, table)
     wanted = [number for number, (each, _) in enumerate(names) if each == element]
+    message_of, _ = name.texts(table)
     named = np.flatnonzero(np.isin(code, wanted))
-    named = named[np.argsort(name.texts(table)[0][named], kind="stable")]
-    position, orientation = source.paths["position"][0], source.paths["orientation"][0]
-    beside = position.rows_beside(table, name)
+    named = named[np.argsort(message_of[named], kind="stable")]
+    beside = paths["position"][0].rows_beside(table, name)
     rows = named if beside is None else beside[named]
     named, rows = named[rows >= 0], rows[rows >= 0]
-    message = name.texts(table)[0][named]
-    stamp = source.paths["stamp"][0].times(table)[rows] if source.has_header else None
-    parts = [names[number][1] for number in wanted]
-    found = _poses(
-        source,
-        messages,
-        message,
-        position.all_values(table)[rows],
-        orientation.all_values(table)[rows],
-        stamp=stamp,
-    )
-    if not source.is_transform:
-        return found
-    worlds, bases = ({pair[side] for pair in parts} for side in (0, 1))
-    return BasePoses(
-        found.poses,
-        found.channel,
-        tuple(sorted(worlds)),
-        tuple(sorted(bases)),
-        found.malformed,
-    )
+    values = {key: paths[key][0].all_values(table)[rows] for key in ("position", "orientation")}
+    stamp = paths["stamp"][0].times(table)[rows] if source.has_header else None
+    frames = None
+    if source.is_transform:
+        sides = zip(*(names[number][1] for number in wanted), strict=True)
+        worlds, bases = (tuple(sorted(set(side))) for side in sides) if wanted else ((), ())
+        frames = (worlds, bases)
+    return _poses(source, messages, message_of[named], values, stamp, frames)
 
 
 def _poses_of_joints(source: Source, table: Table) -> tuple[Floats, Floats]:
     """Return positions, (n, 3) m, NaN where one is missing, and roll, pitch, yaw, (n, 3) rad."""
     number, position = source.paths["numbered"]
-    nested = table.nested(number.arrays[0].path)
+    parent = table.nested(number.arrays[0].path).parent
     joint = number.all_values(table)[:, 0].astype(np.int64)
     known = (joint >= 0) & (joint < _JOINTS)
     values = np.full((table.rows, _JOINTS), np.nan)
     # A base that cannot turn has no joints for it.
     values[:, :3] = 0.0
-    values[nested.parent[known], joint[known]] = position.all_values(table)[known, 0]
+    values[parent[known], joint[known]] = position.all_values(table)[known, 0]
     return values[:, 3:], values[:, :3]
 
 
 def _poses(
     source: Source,
     messages: DecodedMessages,
-    message: Ints | slice,
-    position: Floats,
-    orientation: Floats,
-    linear: Floats | None = None,
-    angular: Floats | None = None,
-    *,
+    message: Ints,
+    values: Mapping[str, Floats],
     stamp: Ints | None = None,
+    frames: tuple[tuple[str, ...], tuple[str, ...]] | None = None,
 ) -> BasePoses:
-    """Return poses of some messages as columns; without velocities these are NaN."""
-    if source.row.turned != "xyzw":
-        orientation = orientation[:, _ORDERS[source.row.turned]]
-    if len(source.row.turned) < len("xyzw"):
-        orientation = from_roll_pitch_yaw(orientation)
-    unknown = np.full((len(position), 3), np.nan)
+    """Return poses of some messages.
+
+    Args:
+        source: of the messages.
+        messages: all.
+        message: (n,) the message of each pose.
+        values: by the row's field, (n, w); without velocities these are NaN.
+        stamp: (n,) ns; None: that of the message.
+        frames: worlds and bases; None: those that headers and bodies name.
+    """
+    turned = source.row.turned
+    orientation = values["orientation"]
+    if len(turned) < len("xyzw"):
+        orientation = from_roll_pitch_yaw(orientation[:, [turned.index(axis) for axis in "xyz"]])
+    elif turned != "xyzw":
+        orientation = orientation[:, [turned.index(axis) for axis in "xyzw"]]
+    unknown = np.full((len(message), 3), np.nan)
     poses = Odometry(
         log_time=messages.log_time[message],
         stamp=source.stamps(messages)[message] if stamp is None else stamp,
-        position=position,
+        position=values["position"],
         orientation=orientation,
-        linear_velocity=unknown if linear is None else linear,
-        angular_velocity=unknown if angular is None else angular,
+        linear_velocity=values.get("linear", unknown),
+        angular_velocity=values.get("angular", unknown),
     )
-    worlds, bases = (_texts(source.paths.get(name), messages.table) for name in ("frame", "body"))
+    worlds, bases = frames or (
+        path[0].texts(messages.table)[1].encode()[1] if path else ()
+        for path in (source.paths.get("frame"), source.paths.get("body"))
+    )
     return BasePoses(poses, messages.channel[message], worlds, bases, messages.malformed)
-
-
-def _texts(paths: Sequence[FieldPath] | None, table: Table) -> tuple[str, ...]:
-    return paths[0].texts(table)[1].encode()[1] if paths else ()
 
 
 def path_source(channel: Channel, path: str) -> Source:
@@ -219,26 +182,33 @@ def path_source(channel: Channel, path: str) -> Source:
     Raises:
         DefinitionError: the path is none, or the messages have no pose there.
     """
-    if re.fullmatch(_SLICE, path) or re.fullmatch(_PATH, path):
-        return fitting(channel, _rows_of_words(channel.type_name, path), BASE)
-    raise DefinitionError(f"{path!r} is not {FORMS}")
+    source = first_fitting(channel, _rows_of_words(channel.type_name, path), "base")
+    if source.fault:
+        raise DefinitionError(source.fault)
+    return source
 
 
 def _rows_of_words(type_name: str, path: str) -> Iterator[MessageType]:
-    """Yield the rows that may read poses at a path."""
-    if match := re.fullmatch(_SLICE, path):
+    """Yield the rows that may read poses at a path.
+
+    Raises:
+        DefinitionError: the path is none.
+    """
+    match = re.fullmatch(_PATH, path)
+    if match is None:
+        raise DefinitionError(f"{path!r} is not {FORMS}")
+    if match[2]:
         name, first, last = match[1], int(match[2]), int(match[3])
         size = last - first
         if size not in {_ANGLES, _QUATERNION}:
             raise DefinitionError(f"{path} has {size} numbers; a pose is {FORMS}")
-        whole = f" of {last}+]"
         yield MessageType(
             type_name,
             stamp="",
             frame="",
             turned="xyz" if size == _ANGLES else "xyzw",
-            position=f"{name}[{first}:{first + 3} by 3{whole}",
-            orientation=f"{name}[{first + 3}:{last} by {size - 3}{whole}",
+            position=f"{name}[{first}:{first + 3} by 3 of {last}+]",
+            orientation=f"{name}[{first + 3}:{last} by {size - 3} of {last}+]",
         )
         return
     for position, orientation in (("position", "orientation"), ("translation", "rotation")):

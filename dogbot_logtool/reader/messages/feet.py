@@ -1,13 +1,13 @@
 """The columns of each foot, read of messages by any row of the table."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, concatenated, median_of
-from dogbot_logtool.core.contact.contacts import Contacts, Samples, no_samples
+from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.leg_position import leg_names
 from dogbot_logtool.core.rotations import conjugate, normalised, rotate
 from dogbot_logtool.reader.decode.paths import MOST_ELEMENTS
@@ -18,7 +18,6 @@ from dogbot_logtool.reader.messages.source import Source
 
 _HANDS: Final = ("lhsensor", "rhsensor", "hand", "arm", "wrist")
 """Words in names of sensors that are no feet, beside sensors that are called by their legs."""
-_COMPONENT: Final = {"x": 0, "y": 1, "z": 2}
 _READ: Final = ("flag", "force", "point", "normal")
 Values = Mapping[str, Floats]
 """(n, w) numbers of one foot, by the row's field; NaN where a message lacks it."""
@@ -32,10 +31,6 @@ class FootChannels:
     """The robot's feet."""
     of_channel: Mapping[int, tuple[int, ...]]
     """Indices in `feet` by channel id; several where one message tells of several feet."""
-    contact_on_counts: float | None = None
-    """Counts from which a raw sensor without a scale touches; None: it cannot be told."""
-    ignores_flags: bool = False
-    """Whether forces decide contact although messages have flags, which forces contradict."""
 
     def of(self, channel: int) -> tuple[Foot, ...]:
         """Return the feet of a channel, by its id."""
@@ -46,28 +41,6 @@ class FootChannels:
         ids = np.array(sorted(self.of_channel), np.int64)
         feet = np.array([self.of_channel[number][0] for number in ids.tolist()], np.int64)
         return feet[np.searchsorted(ids, channel)]
-
-    def rows(self, foot: int, channel: Ints) -> Ints:
-        """Return the rows of messages that tell of a foot, (m,)."""
-        channels = [number for number, told in self.of_channel.items() if foot in told]
-        return np.flatnonzero(np.isin(channel, channels))
-
-
-@dataclass(frozen=True, slots=True)
-class ContactSamples:
-    """Contact samples of messages."""
-
-    samples: Samples
-    contacts: Contacts | None = None
-    """The states that the samples were made of; None: messages have none."""
-    untimed_messages: int = 0
-    """Messages of several states whose `info` tells no time: read as one physics step."""
-    foreign_states: int = 0
-    """States of pairs in which not exactly one body is the foot, or both are of one robot."""
-    links: Mapping[int, set[str]] = field(default_factory=dict)
-    """Links of the feet's own collisions, by foot."""
-    implausible: int = 0
-    """Samples with numbers that no robot reaches; those are NaN."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,49 +55,53 @@ class MessageFoot:
 
 def read_feet(source: Source, messages: DecodedMessages, feet: FootChannels) -> Samples:
     """Return the samples of all feet, foot by foot."""
-    stamp = source.stamps(messages)
-    parts = [no_samples()]
-    for index, values in enumerate(foot_values(source, messages, feet.feet)):
-        rows = feet.rows(index, messages.channel)
-        if values is None or not len(rows):
+    stamp, parts = source.stamps(messages), [no_samples()]
+    values_of = _values_by_label if source.row.label else _values_by_element
+    for index, values in enumerate(values_of(source, messages, feet.feet)):
+        channels = [number for number, told in feet.of_channel.items() if index in told]
+        rows = np.flatnonzero(np.isin(messages.channel, channels))
+        if not len(rows):
             continue
         own = values if len(rows) == len(stamp) else {name: v[rows] for name, v in values.items()}
-        touching = _touching(source.row, feet, index, own)
-        if touching is None:
+        force = _force(source.row, feet.feet[index], own)
+        told = _contact(source.row, feet.feet[index], own, force)
+        if told is None:
             continue
-        known, touches, force = touching
+        known, touches = told
+        if force is None:
+            force = np.where(touches[:, None], np.nan, np.zeros(3))
+        # Whether flags or the forces beside them decide contact is not known yet.
+        placed = touches if not (source.has_flags and source.has_force) else known
         samples = Samples(
             np.full(len(rows), index),
             messages.log_time[rows],
             stamp[rows],
             touches,
             force,
-            *_where(source, own, touches),
+            np.full(len(rows), source.row.axes == "world"),
+            *_points(source, own, placed),
         )
         parts.append(samples if known.all() else samples.pick(known))
     return concatenated(parts)
 
 
-def foot_values(
+def _values_by_element(
     source: Source, messages: DecodedMessages, feet: Sequence[Foot]
-) -> Iterator[Values | None]:
-    """Yield what n messages tell of each foot; None: they do not tell of it."""
-    told = [field for field in _READ if field in source.paths]
-    if source.row.label:
-        return _by_label(source, messages, feet, told)
-    return _by_element(source, messages, feet, told)
-
-
-def _by_element(
-    source: Source, messages: DecodedMessages, feet: Sequence[Foot], told: Sequence[str]
-) -> Iterator[Values | None]:
-    columns = {field: _elements(source, messages, field) for field in told}
+) -> Iterator[Values]:
+    """Yield what n messages tell of each foot, by its element in them."""
+    columns = {name: _elements(source, messages, name) for name in _READ if name in source.paths}
     for foot in feet:
         element = _element(source, foot)
-        if element is None or element < 0:
-            yield None
-            continue
-        yield {name: each[element] for name, each in columns.items() if element < len(each)}
+        known = element is not None and element >= 0
+        yield {name: each[element or 0] for name, each in columns.items()
+               if known and (element or 0) < len(each)}  # fmt: skip
+
+
+def _element(source: Source, foot: Foot) -> int | None:
+    """Return which of the elements is a foot's; None: messages do not tell of it."""
+    if words := source.row.words:
+        return words.index(foot.field.path) if foot.field and foot.field.path in words else None
+    return foot.element if source.tells_all_feet else 0
 
 
 def _elements(source: Source, messages: DecodedMessages, field: str) -> list[Floats]:
@@ -139,61 +116,36 @@ def _elements(source: Source, messages: DecodedMessages, field: str) -> list[Flo
     return found
 
 
-def _element(source: Source, foot: Foot) -> int | None:
-    """Return which of the elements is a foot's."""
-    if source.row.words:
-        named = foot.field is not None and foot.field.path in source.row.words
-        return source.row.words.index(foot.field.path) if named and foot.field else None
-    return foot.element if source.tells_all_feet else 0
-
-
-def _by_label(
-    source: Source, messages: DecodedMessages, feet: Sequence[Foot], told: Sequence[str]
-) -> Iterator[Values | None]:
+def _values_by_label(
+    source: Source, messages: DecodedMessages, feet: Sequence[Foot]
+) -> Iterator[Values]:
+    """Yield what n messages tell of each foot, by its label beside the values."""
     label, table = source.paths["label"][0], messages.table
     message, texts = label.texts(table)
     code, names = texts.encode()
-    columns = {field: source.paths[field][0].beside(table, label) for field in told}
+    told = {name: source.paths[name][0].beside(table, label) for name in _READ
+            if name in source.paths}  # fmt: skip
     for foot in feet:
-        if foot.label not in names:
-            yield None
-            continue
-        rows = np.flatnonzero(code == names.index(foot.label))
-        values = {
-            name: np.full((table.rows, column.shape[1]), np.nan) for name, column in columns.items()
-        }
-        for name, column in columns.items():
+        values = {}
+        rows = np.flatnonzero(code == names.index(foot.label)) if foot.label in names else None
+        for name, column in told.items() if rows is not None else ():
+            values[name] = np.full((table.rows, column.shape[1]), np.nan)
             values[name][message[rows]] = column[rows]
         yield values
 
 
-def _touching(
-    row: MessageType, feet: FootChannels, index: int, values: Values
-) -> tuple[Flags, Flags, Floats] | None:
-    """Return whether a foot's contact is known, and whether it touches, (n,), and (n, 3) N.
-
-    None: messages do not tell.
-    """
-    foot = feet.feet[index]
-    flag, recorded = values.get("flag"), values.get("force")
-    if recorded is not None and row.unit == "counts":
-        force = _of_counts(foot, recorded, feet.contact_on_counts)
-    elif recorded is not None:
-        force = _newtons(foot, recorded)
-    elif flag is not None:
-        force = np.full((len(flag), 3), np.nan)
-    else:
+def _contact(
+    row: MessageType, foot: Foot, values: Values, force: Floats | None
+) -> tuple[Flags, Flags] | None:
+    """Return whether a foot's contact is known, and whether it touches, (n,); None: never known."""
+    flag = values.get("flag")
+    if row.flag:
+        return None if flag is None else flagged(row, foot, flag[:, 0])
+    if force is None:
         return None
-    by_flag = bool(row.flag) and not (feet.ignores_flags and row.force)
-    if force is None or (by_flag and flag is None):
-        return None
-    if by_flag and flag is not None:
-        known, touches = flagged(row, foot, flag[:, 0])
-    else:
-        # What tells of one foot and nothing else tells of it in each message.
-        known = ~np.asarray(np.isnan(values["force"]).all(axis=1))
-        touches = np.asarray((force != 0.0).any(axis=1))
-    return known, touches, np.where(touches[:, None], force, 0.0)
+    # What tells of one foot and nothing else tells of it in each message.
+    known = ~np.asarray(np.isnan(values["force"]).all(axis=1))
+    return known, np.asarray((force != 0.0).any(axis=1))
 
 
 def flagged(row: MessageType, foot: Foot, flag: Floats) -> tuple[Flags, Flags]:
@@ -207,67 +159,45 @@ def flagged(row: MessageType, foot: Foot, flag: Floats) -> tuple[Flags, Flags]:
     return known, (flag > foot.field.threshold) != (foot.field.sign == "-")
 
 
-def _of_counts(foot: Foot, counts: Floats, on_counts: float | None) -> Floats | None:
-    """(n, 3) N, NaN for a contact whose force is not known; None: nothing is known."""
-    load = counts[:, 0] - foot.offset
-    if foot.newtons_per_count is not None:
+def _force(row: MessageType, foot: Foot, values: Values) -> Floats | None:
+    """(n, 3) N, or counts without a scale; a single number is along z; None: there is none."""
+    recorded, field = values.get("force"), foot.field
+    if recorded is None or (field is None and row.unit == "N"):
+        return recorded
+    if field is not None and recorded.shape[1] > 1 and not field.axis:
+        return field.newtons * recorded
+    axis = field.axis if field is not None else ""
+    load = recorded[:, "xyz".index(axis[-1]) if axis else 0]
+    load = (-load if axis.startswith("-") else load) - foot.offset
+    if field is not None:
+        load = field.newtons * load
+    elif foot.newtons_per_count is not None:
         load = foot.newtons_per_count * load
-    elif on_counts is not None:
-        load = np.where(load >= on_counts, np.nan, 0.0)
-    else:
-        return None
-    return _upwards(load)
+    return np.pad(load[:, None], ((0, 0), (2, 0)))
 
 
-def _newtons(foot: Foot, values: Floats) -> Floats:
-    """(n, 3) N; a single number is a force along z."""
-    field = foot.field
-    if field is None:
-        return values
-    if values.shape[1] > 1 and not field.axis:
-        return field.newtons * values
-    load = values[:, _COMPONENT[field.axis[-1]] if field.axis else 0]
-    return _upwards(field.newtons * ((-load if field.axis.startswith("-") else load) - foot.offset))
-
-
-def _upwards(load: Floats) -> Floats:
-    force = np.zeros((len(load), 3))
-    force[:, 2] = load
-    return force
-
-
-def _where(source: Source, values: Values, touches: Flags) -> tuple[Flags, Ints, Floats, Floats]:
-    """Return whether forces are along the world's axes, points, positions and normals."""
-    count = len(touches)
-    in_world = np.full(count, source.row.axes == "world")
-    nothing = np.full((count, 3), np.nan)
+def _points(source: Source, values: Values, touches: Flags) -> tuple[Ints, Floats, Floats]:
+    """Return the number of points, (n,), their position and the normal, (n, 3)."""
+    nothing = np.full((len(touches), 3), np.nan)
     point, normal = values.get("point", nothing), values.get("normal", nothing)
     normal = np.where(touches[:, None], normal, np.nan)
     if source.row.point_in_swing:
-        return in_world, np.zeros(count, np.int64), point, normal
+        return np.zeros(len(touches), np.int64), point, normal
     placed = touches & all_finite(point)
     # A position in the base's frame is no contact point in the world yet.
     points = (placed & (not source.in_base)).astype(np.int64)
-    return in_world, points, np.where(placed[:, None], point, np.nan), normal
+    return points, np.where(placed[:, None], point, np.nan), normal
 
 
-def feet_in(source: Source, messages: DecodedMessages) -> Sequence[MessageFoot]:
+def feet_in(source: Source, messages: DecodedMessages) -> list[MessageFoot]:
     """Find the feet that messages tell of; none where they are not about feet."""
-    row = source.row
+    row, table = source.row, messages.table
     if row.by_place:
         return [MessageFoot(name=name) for name in _legs_by_place(source, messages)]
-    if row.label:
-        return _labelled_feet(source, messages)
-    forces = [path.values(messages.table) for path in source.paths.get("force", ())]
-    if row.maybe_without_legs and not all(
-        np.isfinite(each).all(axis=(1, 2)).any() for each in forces
-    ):
-        return ()
-    return [MessageFoot(name=name) for name in row.legs]
-
-
-def _labelled_feet(source: Source, messages: DecodedMessages) -> Sequence[MessageFoot]:
-    row, table = source.row, messages.table
+    if not row.label:
+        forces = [path.values(table) for path in source.paths.get("force", ())]
+        told = all(np.isfinite(each).all(axis=(1, 2)).any() for each in forces)
+        return [MessageFoot(name=name) for name in row.legs if told or not row.maybe_without_legs]
     _, texts = source.paths["label"][0].texts(table)
     if row.only is not None:
         kind = source.paths["only"][0].all_values(table)[:, 0]

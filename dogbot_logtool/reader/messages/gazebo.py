@@ -5,7 +5,7 @@ puts the states of several steps into one message; which of them a state belongs
 text `info` alone. The new Gazebo's messages are one step each.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from typing import Final
@@ -19,39 +19,44 @@ from dogbot_logtool.core.contact.contacts import (
     FOOT_IS_COLLISION2,
     NOT_THIS_FOOT,
     Contacts,
+    Samples,
     contact_samples,
 )
 from dogbot_logtool.reader.decode.columns import Texts, gather_bytes
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.reader.messages.feet import ContactSamples, FootChannels
+from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.message_type import Pairs
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 
 UNTIMED: Final = int(np.iinfo(np.int64).min)
-"""The lag of a message that tells no physics step."""
+"""The time of a text that tells none, and the lag of a message that tells no physics step."""
 _GROUND_WORDS: Final = ("ground", "plane", "terrain", "heightmap", "floor", "world")
 _INFO_TAIL: Final = 48
 """Bytes at the end of `info` that hold the time of the physics step, and more."""
-_TIME: Final = np.frombuffer(b"time:", np.uint8)
-_NANOSECOND_DIGITS: Final = 9
-_NINE: Final = 9
-_MOST_DIGITS: Final = 19
-"""Of times since 1970 in ns; more may not fit into an int64."""
+_MOST_DIGITS: Final = 18
+"""Of a number; more may not fit into an int64."""
 
 
 @dataclass(frozen=True, slots=True)
-class StepTiming:
-    """How the physics steps of n messages lie to their stamps."""
+class PairStates:
+    """Contact states of n messages, as recorded, and which physics steps they are of."""
 
+    contacts: Contacts
     lag: Ints
     """(n,) ns by which a message's newest step is older than its stamp; `UNTIMED`: not known."""
     step: Ints
     """(k,) ns between neighbouring steps of one message."""
+    untimed_messages: int
+    """Messages of several states of which some tell no time: read as one physics step."""
+    foreign_states: int
+    """States of pairs in which not exactly one body is the foot, or both are of one robot."""
+    links: Mapping[int, set[str]]
+    """Links of the feet's own collisions, by foot."""
 
 
 def read_pairs(
     pairs: Pairs, messages: DecodedMessages, stamp: Ints, feet: FootChannels
-) -> ContactSamples:
+) -> tuple[Samples, PairStates]:
     """Reduce n messages of pairs to one sample each, of the newest physics step.
 
     Args:
@@ -70,12 +75,15 @@ def read_pairs(
         total = inside.vectors(pairs.total, "xyz")
     else:
         total = sum_by_group(force, wrenches.parent, inside.rows)
-    newest, untimed = np.ones(inside.rows, np.bool_), 0
+    newest, untimed, step = np.ones(inside.rows, np.bool_), 0, np.empty(0, np.int64)
+    lag = np.full(len(stamp), UNTIMED)
     if pairs.info:
-        newest, untimed = newest_step(inside.texts(pairs.info), states.parent, messages.table.rows)
+        time = step_times(inside.texts(pairs.info))
+        newest, lag, untimed = newest_step(time, states.parent, stamp)
+        step = steps_of_messages(time, states.parent)
     foot = feet.single(messages.channel)
-    names = inside.texts(pairs.bodies[0]), inside.texts(pairs.bodies[1])
-    side, links = foot_sides(*names, foot[states.parent], feet.feet)
+    names = [inside.texts(body) for body in pairs.bodies]
+    side, links = foot_sides(names[0], names[1], foot[states.parent], feet.feet)
     contacts = Contacts(
         foot=foot,
         log_time=messages.log_time,
@@ -95,157 +103,97 @@ def read_pairs(
     if not pairs.info:
         # The new Gazebo writes wrenches along the world's axes.
         samples = replace(samples, in_world=samples.in_contact)
-    return ContactSamples(samples, contacts, untimed, int((side == NOT_THIS_FOOT).sum()), links)
+    foreign = int((side == NOT_THIS_FOOT).sum())
+    return samples, PairStates(contacts, lag, step, untimed, foreign, links)
 
 
-def step_timing(pairs: Pairs, messages: DecodedMessages, stamp: Ints) -> StepTiming:
-    """Tell how the physics steps of messages lie to their stamps, (n,) ns."""
-    states = messages.table.nested(pairs.array)
-    info = states.table.texts(pairs.info)
-    return StepTiming(
-        newest_lag(info, states.parent, stamp), steps_of_messages(info, states.parent)
-    )
-
-
-def newest_step(info: Texts, message: Ints, messages: int) -> tuple[Flags, int]:
+def newest_step(time: Ints, message: Ints, stamp: Ints) -> tuple[Flags, Ints, int]:
     """Tell which states belong to their message's newest physics step.
 
-    The step's time is only in the text `info`: ``time:12.345000000`` in ROS 1, ``time: [12.345]``
-    in ROS 2. States come in the order of the steps, so those whose time reads like the last
-    state's are the newest. Where any state of a message tells no time, all count as one step.
+    States come in the order of the steps, so those with the last state's time are the newest.
+    Where any state of a message tells no time, all count as one step.
 
     Args:
-        info: (s,) texts.
-        message: (s,) the message of each state; states of one message stand in order.
-        messages: number of messages.
-
-    Returns:
-        (s,) flags, and how many messages of several states tell no time.
-    """
-    newest = np.ones(len(message), np.bool_)
-    rows = _in_several(message)
-    if not len(rows):
-        return newest, 0
-    message_of = message[rows]
-    time, timed = _step_times(info.pick(rows))
-    last = np.zeros(messages, np.int64)
-    last[message_of] = np.arange(len(rows))
-    untimed = np.zeros(messages, np.bool_)
-    untimed[message_of[~timed]] = True
-    newest[rows] = (time == time[last[message_of]]) | untimed[message_of]
-    return newest, int(untimed.sum())
-
-
-def _in_several(message: Ints) -> Ints:
-    """Return the rows of states whose message holds several, most of which hold one."""
-    return np.flatnonzero(np.bincount(message)[message] > 1)
-
-
-def _step_times(info: Texts) -> tuple[NDArray[np.void], Flags]:
-    """(s,) the text after the last ``time:`` in a form that compares, and (s,) if there is one."""
-    end = info.end
-    alike = _times_at_same_offset(info, end)
-    if alike is not None:
-        return alike, np.ones(len(end), np.bool_)
-    size = min(_INFO_TAIL, len(info.buffer))
-    first = np.maximum(end - size, 0)
-    tail = np.zeros((len(end), _INFO_TAIL), np.uint8)
-    tail[:, :size] = gather_bytes(info.buffer, first, size)
-    column = np.arange(_INFO_TAIL)
-    begins_at = (info.start - first)[:, None]
-    inside = (column >= begins_at) & (column < (end - first)[:, None])
-    colons = (tail == ord(":")) & inside
-    colon = _INFO_TAIL - 1 - colons[:, ::-1].argmax(axis=1)
-    rows = np.arange(len(end))
-    timed = colons[rows, colon] & (colon >= 4)
-    for back, letter in enumerate(b"emit", start=1):
-        timed &= tail[rows, colon - back] == letter
-    tail[column <= colon[:, None]] = 0
-    tail[~inside] = 0
-    return tail.view(f"V{_INFO_TAIL}")[:, 0], timed
-
-
-def _times_at_same_offset(info: Texts, end: Ints) -> NDArray[np.void] | None:
-    """(s,) what `_step_times` seeks if it is as long in all texts, as is usual; else None."""
-    text = info.text(0)
-    size = len(text) - text.rfind("time:") if text.isascii() and "time:" in text else 0
-    if not len(_TIME) < size <= _INFO_TAIL or int(info.length.min()) < size:
-        return None
-    tail = gather_bytes(info.buffer, end - size, size)
-    if (tail[:, : len(_TIME)] != _TIME).any() or (tail[:, len(_TIME) :] == ord(":")).any():
-        return None
-    return tail.view(f"V{size}")[:, 0]
-
-
-def newest_lag(info: Texts, message: Ints, stamp: Ints) -> Ints:
-    """Return by how much the newest step of each message is older than its stamp.
-
-    Args:
-        info: (s,) texts.
+        time: (s,) ns, as `step_times` returns them.
         message: (s,) the message of each state; states of one message stand in order.
         stamp: (n,) ns.
 
     Returns:
-        (n,) ns; `UNTIMED` where a message has no state, or one that tells no time.
+        (s,) flags; (n,) ns by which each message's newest step is older than its stamp, or
+        `UNTIMED`; and how many messages of several states have one that tells no time.
     """
-    last_state = np.full(len(stamp), -1, np.int64)
-    last_state[message] = np.arange(len(message))
-    known = np.flatnonzero(last_state >= 0)
-    time, timed = _nanoseconds(info.pick(last_state[known]))
-    lag = np.full(len(stamp), UNTIMED)
-    lag[known[timed]] = stamp[known[timed]] - time[timed]
-    return lag
+    last, untimed = np.full(len(stamp), UNTIMED), np.zeros(len(stamp), np.bool_)
+    last[message] = time
+    untimed[message[time == UNTIMED]] = True
+    newest = (time == last[message]) | untimed[message]
+    lag = np.where(last == UNTIMED, UNTIMED, stamp - last)
+    several = np.bincount(message, minlength=len(stamp)) > 1
+    return newest, lag, int((untimed & several).sum())
 
 
-def steps_of_messages(info: Texts, message: Ints) -> Ints:
-    """(k,) ns between neighbouring steps in one message; arguments as for `newest_lag`."""
-    rows = _in_several(message)
-    time, timed = _nanoseconds(info.pick(rows))
-    time, message = time[timed], message[rows[timed]]
-    order = np.lexsort((time, message))
-    time, message = time[order], message[order]
-    step = np.diff(time)
-    later: Ints = step[(message[1:] == message[:-1]) & (step > 0)]
+def steps_of_messages(time: Ints, message: Ints) -> Ints:
+    """(k,) ns between neighbouring steps in one message; arguments as for `newest_step`."""
+    rows = np.flatnonzero((np.bincount(message)[message] > 1) & (time != UNTIMED))
+    rows = rows[np.lexsort((time[rows], message[rows]))]
+    step = np.diff(time[rows])
+    later: Ints = step[(np.diff(message[rows]) == 0) & (step > 0)]
     return later
 
 
-def _nanoseconds(info: Texts) -> tuple[Ints, Flags]:
-    """(s,) ns, the time that texts tell, and (s,) if they do.
+def step_times(info: Texts) -> Ints:
+    """(s,) ns, the time behind the last ``time:`` of each text; `UNTIMED`: none.
 
-    Behind the point stand nanoseconds, which ROS 1 fills up with zeros and ROS 2 does not.
+    It reads ``time:12.345000000`` in ROS 1 and ``time: [12.345]`` in ROS 2: behind the point stand
+    nanoseconds, which ROS 1 fills up with zeros and ROS 2 does not.
     """
     if not len(info.start):
-        return info.start, np.ones(0, np.bool_)
-    time, timed = _step_times(info)
-    characters: Bytes = time.view(np.uint8).reshape(len(time), -1)
-    padded = _padded_nanoseconds(characters)
-    if padded is not None:
-        return padded, timed
-    seconds, nanoseconds = np.zeros((2, len(time)), np.int64)
-    behind_point = np.zeros(len(time), np.bool_)
-    for column in characters.T:
-        digit = (column >= ord("0")) & (column <= ord("9"))
-        for number, here in ((seconds, digit & ~behind_point), (nanoseconds, digit & behind_point)):
-            number[here] = 10 * number[here] + column[here] - ord("0")
-        behind_point |= column == ord(".")
-    return seconds * 1_000_000_000 + nanoseconds, timed
+        return info.start
+    alike = _times_of_alike(info)
+    if alike is not None:
+        return alike
+    size = min(_INFO_TAIL, len(info.buffer))
+    first, column = np.maximum(info.end - size, 0), np.arange(size)
+    begin, end = (info.start - first)[:, None], (info.end - first)[:, None]
+    tail = np.where(
+        (column >= begin) & (column < end), gather_bytes(info.buffer, first, size), np.uint8(0)
+    )
+    colon = size - 1 - (tail == ord(":"))[:, ::-1].argmax(axis=1)
+    before = np.maximum(colon[:, None] + np.arange(-4, 1), 0)
+    timed = (np.take_along_axis(tail, before, 1) == np.frombuffer(b"time:", np.uint8)).all(axis=1)
+    seconds, nanoseconds = np.zeros((2, len(tail)), np.int64)
+    behind_point = np.zeros(len(tail), np.bool_)
+    for place in range(int(colon.min()) + 1, size):
+        letter, here = tail[:, place], place > colon
+        digit = _is_digit(letter) & here
+        for number, own in ((seconds, digit & ~behind_point), (nanoseconds, digit & behind_point)):
+            number[own] = 10 * number[own] + letter[own] - ord("0")
+        behind_point |= (letter == ord(".")) & here
+    return np.where(timed, seconds * 1_000_000_000 + nanoseconds, UNTIMED)
 
 
-def _padded_nanoseconds(characters: Bytes) -> Ints | None:
-    """(s,) ns of texts that end in seconds, a point and nine digits, as in ROS 1; None: others."""
-    points = np.flatnonzero(characters[0] == ord("."))
-    point = int(points[0]) if len(points) == 1 else 0
-    end = point + 1 + _NANOSECOND_DIGITS
-    if point <= len(_TIME) or (characters[:, point] != ord(".")).any():
+def _times_of_alike(info: Texts) -> Ints | None:
+    """(s,) ns, if all texts end alike but for the digits, as is usual; else None."""
+    text = info.text(0)
+    size = len(text) - text.rfind("time:") if text.isascii() and "time:" in text else 0
+    if not 0 < size <= _INFO_TAIL or int(info.length.min()) < size:
         return None
-    if (characters[:, end:] != ord("\n")).any():
+    tail = gather_bytes(info.buffer, info.end - size, size)
+    digit = _is_digit(tail[0])
+    if (tail != tail[0])[:, ~digit].any() or not _is_digit(tail[:, digit]).all():
         return None
-    digits = np.delete(characters[:, :end], point, axis=1)[:, len(_TIME) :] - np.uint8(ord("0"))
-    powers = np.arange(digits.shape[1] - 1, -1, -1)
-    if end > characters.shape[1] or len(powers) > _MOST_DIGITS or (digits > _NINE).any():
+    behind_point = np.cumsum(tail[0] == ord(".")) > 0
+    numbers = [tail[:, digit & side] for side in (~behind_point, behind_point)]
+    if max(each.shape[1] for each in numbers) > _MOST_DIGITS:
         return None
-    nanoseconds: Ints = digits.astype(np.int64) @ 10**powers
-    return nanoseconds
+    seconds, nanoseconds = (
+        (each - np.uint8(ord("0"))).astype(np.int64) @ 10 ** np.arange(each.shape[1])[::-1]
+        for each in numbers
+    )
+    return np.asarray(seconds * 1_000_000_000 + nanoseconds)
+
+
+def _is_digit(letters: Bytes) -> Flags:
+    return np.asarray((letters >= ord("0")) & (letters <= ord("9")))
 
 
 def foot_sides(
@@ -273,49 +221,28 @@ def foot_sides(
     for row in rows:
         number, first = int(foot[row]), first_names.text(row)
         sides.append(_side(feet[number], first, second_names.text(row)))
-        link = link_of_collision(first)
-        if sides[-1] == FOOT_IS_COLLISION1 and link is not None:
-            links.setdefault(number, set()).add(link)
+        # Nested models add parts in front of ``model::link::collision``.
+        if sides[-1] == FOOT_IS_COLLISION1 and first.count("::") > 1:
+            links.setdefault(number, set()).add(first.split("::")[-2])
     side: NDArray[np.int8] = np.array(sides, np.int8)[pair]
     return side, links
 
 
 def _side(foot: Foot, first: str, second: str) -> int:
     """Tell which of two bodies is the foot, by their names."""
-    if _of_same_robot(first, second):
+    names = (first, second)
+    models = [name.split("::")[0] for name in names if name.count("::") > 1]
+    is_ground = [any(word in name.lower() for word in _GROUND_WORDS) for name in names]
+    if len(models) == len(names) and models[0] == models[1] and not any(is_ground):
         return NOT_THIS_FOOT
-    is_first, is_second = _is_foot(foot, first), _is_foot(foot, second)
-    if is_first != is_second:
-        return FOOT_IS_COLLISION1 if is_first else FOOT_IS_COLLISION2
-    if is_first or foot.collision:
+    if foot.collision:
+        is_foot = [fnmatchcase(name, foot.collision) for name in names]
+    else:
+        is_foot = [foot.name.lower() in name.lower() for name in names]
+    if is_foot[0] != is_foot[1]:
+        return FOOT_IS_COLLISION1 if is_foot[0] else FOOT_IS_COLLISION2
+    if is_foot[0] or foot.collision:
         return NOT_THIS_FOOT
     # Without a pattern, and with names that do not tell, the ground's name may; else the sensor's
     # own body stands first.
-    only_first_is_ground = _is_ground(first) and not _is_ground(second)
-    return FOOT_IS_COLLISION2 if only_first_is_ground else FOOT_IS_COLLISION1
-
-
-def _of_same_robot(first: str, second: str) -> bool:
-    """Tell whether two bodies belong to one model that is not the ground's."""
-    models = [name.split("::")[0] for name in (first, second) if name.count("::") >= 2]
-    ground = _is_ground(first) or _is_ground(second)
-    return len(models) == 2 and models[0] == models[1] and not ground
-
-
-def link_of_collision(collision: str) -> str | None:
-    """Return the link in Gazebo's name of a collision, ``model::link::collision``; None: none.
-
-    Nested models add parts in front; the link is always the last but one.
-    """
-    parts = collision.split("::")
-    return parts[-2] if len(parts) >= 3 else None
-
-
-def _is_foot(foot: Foot, name: str) -> bool:
-    if foot.collision:
-        return fnmatchcase(name, foot.collision)
-    return foot.name.lower() in name.lower()
-
-
-def _is_ground(name: str) -> bool:
-    return any(word in name.lower() for word in _GROUND_WORDS)
+    return FOOT_IS_COLLISION2 if is_ground == [True, False] else FOOT_IS_COLLISION1

@@ -153,34 +153,34 @@ class MessageType:
             return tuple(value.replace("{}", word) for word in self.each)
         return (value,) if value else ()
 
-    @property
-    def tells_feet(self) -> bool:
-        """Whether it tells of feet."""
-        return bool(self.flag or self.force or self.pairs)
-
-    @property
-    def tells_base(self) -> bool:
-        """Whether it has poses."""
-        return bool(self.position or self.numbered)
+    def is_planned(self, topic: str) -> bool:
+        """Tell whether a topic of this type tells what is planned and not what was measured."""
+        by_name = self.planned == "by name" and is_named_as_planned(topic)
+        return self.planned == "always" or by_name
 
 
-FEET: Final[Mapping[str, Want]] = {
-    "stamp": "time", "frame": "text", "label": "text", "only": "number", "flag": "number",
-    "force": "xyz", "point": "xyz", "normal": "xyz",
+Part = Literal["feet", "base", "joints", "commands", "accelerations"]
+"""What a row may tell of."""
+TOLD_BY: Final[Mapping[Part, tuple[str, ...]]] = {
+    "feet": ("flag", "force", "pairs"), "base": ("position", "numbered"),
+    "joints": ("joint_position",), "commands": ("command",), "accelerations": ("acceleration",),
 }  # fmt: skip
-BASE: Final[Mapping[str, Want]] = {
-    "position": "xyz", "orientation": "xyzw", "stamp": "time", "frame": "text", "body": "text",
-    "choose": "text", "numbered": "number", "linear": "xyz", "angular": "xyz",
+"""Fields of a row of which one is filled in if it tells of that part."""
+WANTS: Final[Mapping[Part, Mapping[str, Want]]] = {
+    "feet": {"stamp": "time", "frame": "text", "label": "text", "only": "number",
+             "flag": "number", "force": "xyz", "point": "xyz", "normal": "xyz"},
+    "base": {"position": "xyz", "orientation": "xyzw", "stamp": "time", "frame": "text",
+             "body": "text", "choose": "text", "numbered": "number", "linear": "xyz",
+             "angular": "xyz"},
+    "joints": {"stamp": "time", "joint": "text", "joint_position": "number",
+               "joint_velocity": "number", "joint_effort": "number"},
+    "commands": {"command": "number", "stamp": "time", "frame": "text"},
+    "accelerations": {"acceleration": "xyz", "turn_rate": "xyz", "stamp": "time",
+                      "frame": "text"},
 }  # fmt: skip
-JOINTS: Final[Mapping[str, Want]] = {
-    "stamp": "time", "joint": "text", "joint_position": "number", "joint_velocity": "number",
-    "joint_effort": "number",
-}  # fmt: skip
-VECTOR: Final[Mapping[str, Want]] = {
-    "command": "number", "acceleration": "xyz", "turn_rate": "xyz", "stamp": "time",
-    "frame": "text",
-}  # fmt: skip
-"""The fields of a row that are read of feet, base, joints or vectors, and what they lead to."""
+"""The fields of a row that are read of each part, and what they lead to."""
+COPIED: Final[tuple[Part, ...]] = ("feet", "base")
+"""Parts that are read of any package: drivers copy messages into packages of their own."""
 
 
 def is_named_as_planned(topic: str) -> bool:

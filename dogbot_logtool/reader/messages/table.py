@@ -1,11 +1,11 @@
 """The table of message types that are read, of feet and of base the best first."""
 
 from collections.abc import Iterator
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any, Final
 
+from dogbot_logtool.reader.messages.message_type import COPIED, TOLD_BY, Pairs, Part
 from dogbot_logtool.reader.messages.message_type import MessageType as Row
-from dogbot_logtool.reader.messages.message_type import Pairs
 
 QUADRUPED: Final = ("front_left", "front_right", "back_left", "back_right")
 """Feet in the order that most messages have."""
@@ -201,13 +201,26 @@ TABLE: Final = (
 )  # fmt: skip
 
 
+def tells(row: Row, part: Part) -> bool:
+    """Tell whether a row tells of a part."""
+    return any(getattr(row, field) for field in TOLD_BY[part])
+
+
+@cache
+def types_of(part: Part) -> tuple[str, ...]:
+    """Return the types that tell of a part, the best first."""
+    return tuple(dict.fromkeys(row.name for row in TABLE if tells(row, part)))
+
+
 @lru_cache(maxsize=1024)
-def rows_of(type_name: str) -> tuple[Row, ...]:
+def rows_of(type_name: str, part: Part) -> tuple[Row, ...]:
     """Return the rows that may read a type: its own, else those of drivers that copied it."""
-    own = tuple(row for row in TABLE if row.name == type_name)
+    rows = [row for row in TABLE if row.name == type_name]
     last = type_name.rpartition("/")[2]
-    return own or tuple(
-        row
-        for row in TABLE
-        if row.name.rpartition("/")[2] == last and row.name.partition("/")[0] not in _STANDARD
-    )
+    if not rows and part in COPIED:
+        rows = [
+            row
+            for row in TABLE
+            if row.name.rpartition("/")[2] == last and row.name.partition("/")[0] not in _STANDARD
+        ]
+    return tuple(row for row in rows if tells(row, part))

@@ -8,7 +8,7 @@ from dogbot_logtool.core.frames.frame_tree import FrameEdge, RecordedFrames, rec
 from dogbot_logtool.reader.containers.log import Channel, Chunk, Log, Loss
 from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS
 from dogbot_logtool.reader.messages.feet import FootChannels
-from dogbot_logtool.reader.messages.transforms import FOXGLOVE_TYPES, is_static
+from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES, is_static
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.salvage.losses import malformed_messages
 from dogbot_logtool.reader.wanted import Wanted

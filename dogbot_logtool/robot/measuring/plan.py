@@ -15,6 +15,8 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted, WantedJoints
+from dogbot_logtool.robot.contact_evidence import decide_contacts
+from dogbot_logtool.robot.measuring.joined_sensors import with_joined_sensors
 from dogbot_logtool.robot.measuring.moved_base import with_poses_of_base
 from dogbot_logtool.robot.measuring.one_clock import on_one_clock
 from dogbot_logtool.robot.measuring.side_topics import SideTopics, side_topics
@@ -122,7 +124,11 @@ def _foot(selection: Selection, row: int) -> FootSettings:
     foot = robot.feet[row]
     is_given = robot.is_given(f"tare.{foot.name}")
     offset = foot.offset_n if is_given or robot.tare != "none" else None
-    lists_contacts = bool(sources) and all(source.lists_contacts for source in sources)
+    uses_flags = not selection.ignores_flags
+    lists_contacts = bool(sources) and all(
+        (source.has_flags and uses_flags) or not source.has_force or source.row.pairs
+        for source in sources
+    )
     return FootSettings(
         name=foot.name,
         topic=foot.topic,
@@ -130,9 +136,9 @@ def _foot(selection: Selection, row: int) -> FootSettings:
         has_force=selection.knows_force(row),
         has_flags=selection.has_flags(row),
         lists_contacts=lists_contacts or bool(selection.contact_from),
-        only_presses=any(source.is_raw or source.one_axis for source in sources),
+        only_presses=any(source.row.unit == "counts" or source.row.one_axis for source in sources),
         in_base=any(source.in_base for source in sources),
-        silent_in_swing=any(source.silent_in_swing for source in sources),
+        silent_in_swing=any(source.row.silent_in_swing for source in sources),
         offset_n=offset,
         offset_from="option" if is_given or offset is None else "robot",
     )
@@ -181,9 +187,15 @@ def prepare(
     Raises:
         CallError: an option names a foot that the log does not have.
     """
-    recording, moved = with_poses_of_base(recording, plan.selection)
-    recording, joined = on_one_clock(recording, plan.selection)
-    selection, model = plan.selection, None
+    feet, selection = decide_contacts(recording.feet, plan.selection)
+    planned_feet, plan_of_feet = recording.planned, plan.planned
+    if plan_of_feet is not None:
+        planned_feet, plan_of_feet = decide_contacts(planned_feet, plan_of_feet)
+    recording = replace(recording, feet=feet, planned=planned_feet)
+    recording, moved = with_poses_of_base(recording, selection)
+    recording, joined = on_one_clock(recording, selection)
+    recording, selection, whole = with_joined_sensors(recording, selection)
+    model = None
     if recording.joints:
         from dogbot_logtool.robot.measuring.array_feet import named_by_legs  # noqa: PLC0415
         from dogbot_logtool.robot.measuring.by_legs import read_model, told_by_legs  # noqa: PLC0415
@@ -210,9 +222,9 @@ def prepare(
         recording,
         settings,
         _find_legs(selection, model),
-        settings_of(plan.planned, options) if plan.planned else None,
+        settings_of(plan_of_feet, options) if plan_of_feet else None,
         selection,
-        (*selection.findings, *moved, *joined, *plan.side.findings),
+        (*selection.findings, *moved, *joined, *whole, *plan.side.findings),
     )
 
 

@@ -1,25 +1,22 @@
 """Topics beside feet and base that `stats` compares with them: commands, accelerometers."""
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-from dogbot_logtool.errors import CallError, DefinitionError, LogError
+from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.messages.message_type import MessageType
-from dogbot_logtool.reader.messages.vectors import (
-    COMMANDS,
-    INERTIAL_UNITS,
-    check_vectors,
-)
+from dogbot_logtool.reader.messages.message_type import Part
+from dogbot_logtool.reader.messages.source import source_of
+from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.reader.wanted import WantedVectors
 from dogbot_logtool.robot.robot import Robot
 
-_ROWS: Final = {**COMMANDS, **INERTIAL_UNITS}
+_TYPES: Final = frozenset((*types_of("commands"), *types_of("accelerations")))
 Rank = Callable[[str], "tuple[int, ...] | None"]
 """Returns how likely a topic is meant, low first; None: it is not."""
 _MEASURED: Final = frozenset(
@@ -58,18 +55,19 @@ def side_topics(log: Log, robot: Robot) -> SideTopics:
         LogError: the robot names a topic that cannot be decoded.
     """
     asked = robot.command_topic, robot.imu_topic
-    if not any(asked) and not any(c.type_name in _ROWS for c in log.channels.values()):
+    if not any(asked) and not any(c.type_name in _TYPES for c in log.channels.values()):
         return SideTopics(None, None, ())
     findings: list[Finding] = []
     found: list[WantedVectors | None] = []
-    for topic, rows, rank, what, option in (
-        (asked[0], COMMANDS, _command_rank, "velocity commands", "command_topic"),
-        (asked[1], INERTIAL_UNITS, _inertial_rank, "the base's accelerations", "imu_topic"),
-    ):
+    choices: tuple[tuple[str | None, Part, Rank, str, str], ...] = (
+        (asked[0], "commands", _command_rank, "velocity commands", "command_topic"),
+        (asked[1], "accelerations", _inertial_rank, "the base's accelerations", "imu_topic"),
+    )
+    for topic, part, rank, what, option in choices:
         if topic is not None:
-            found.append(_named(log, topic, rows, option))
+            found.append(_named(log, topic, part, option))
             continue
-        ranked = _ranked(log, rows, rank)
+        ranked = _ranked(log, part, rank)
         found.append(ranked[0] if ranked else None)
         if ranked:
             others = [each.topic for each in ranked[1:]]
@@ -101,52 +99,50 @@ def _inertial_rank(topic: str) -> tuple[int, ...] | None:
     return (int("raw" in words),)
 
 
-def _ranked(log: Log, rows: Mapping[str, MessageType], rank: Rank) -> list[WantedVectors]:
+def _ranked(log: Log, part: Part, rank: Rank) -> list[WantedVectors]:
     """Return the topics of some types that may be meant, the best first.
 
     Of equally good ones that of the better type comes first, then that with the most messages.
     """
     found: dict[tuple[tuple[int, ...], int, int, int, str], WantedVectors] = {}
-    for topic in {c.topic for c in log.channels.values() if c.type_name in rows}:
-        readable = _readable(log, topic, rows)
+    types = types_of(part)
+    for topic in {c.topic for c in log.channels.values() if c.type_name in types}:
+        readable = _readable(log, topic, part)
         order = rank(topic)
         if readable and order is not None:
-            kind = list(rows).index(readable[0].type_name)
+            kind = types.index(readable[0].type_name)
             count = sum(log.counts.get(channel.id, 0) for channel in readable)
             key = (order, kind, -count, len(topic), topic)
-            found[key] = WantedVectors(topic, readable, rows)
+            found[key] = WantedVectors(topic, readable, part)
     return [found[key] for key in sorted(found)]
 
 
-def _readable(log: Log, topic: str, rows: Mapping[str, MessageType]) -> tuple[Channel, ...]:
+def _readable(log: Log, topic: str, part: Part) -> tuple[Channel, ...]:
     """Return the channels of a topic that can be decoded, all of one type."""
     channels = log.channels_by_topic.get(topic, ())
-    for type_name in rows:
-        found = [c for c in channels if c.type_name == type_name and not _unreadable(c, rows)]
+    for type_name in types_of(part):
+        found = [c for c in channels if c.type_name == type_name and not _fault(c, part)]
         if found:
             return tuple(found)
     return ()
 
 
-def _unreadable(channel: Channel, rows: Mapping[str, MessageType]) -> str:
+def _fault(channel: Channel, part: Part) -> str:
     """Return why a channel's messages cannot be decoded; empty if they can be."""
-    try:
-        check_vectors(channel, rows)
-    except DefinitionError as reason:
-        return str(reason)
-    return ""
+    source = source_of(channel, part)
+    return source.fault if source else ""
 
 
-def _named(log: Log, topic: str, rows: Mapping[str, MessageType], option: str) -> WantedVectors:
+def _named(log: Log, topic: str, part: Part, option: str) -> WantedVectors:
     """Return the topic that the user names."""
     where = f"{shown(log.source.path)}: {option}"
-    channels = [c for c in log.channels_by_topic.get(topic, ()) if c.type_name in rows]
-    readable = _readable(log, topic, rows)
+    channels = [c for c in log.channels_by_topic.get(topic, ()) if c.type_name in types_of(part)]
+    readable = _readable(log, topic, part)
     if readable:
-        return WantedVectors(topic, readable, rows)
+        return WantedVectors(topic, readable, part)
     if channels:
-        raise LogError(f"{where}: {topic} cannot be read: {_unreadable(channels[0], rows)}")
-    usable = sorted({c.topic for c in log.channels.values() if c.type_name in rows})
+        raise LogError(f"{where}: {topic} cannot be read: {_fault(channels[0], part)}")
+    usable = sorted({c.topic for c in log.channels.values() if c.type_name in types_of(part)})
     is_there = topic in log.channels_by_topic
     problem = "is of another type" if is_there else "is not in the log"
     raise CallError(

@@ -13,8 +13,9 @@ from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
 from dogbot_logtool.reader.decode.fields import Field, Kind
-from dogbot_logtool.reader.messages.joints import JOINT_TYPES, check_joints, read_joints
 from dogbot_logtool.reader.messages.messages import check_channel, decode_channels
+from dogbot_logtool.reader.messages.others import JOINT_TYPES, read_joints
+from dogbot_logtool.reader.messages.source import source_of
 from dogbot_logtool.robot.robot_model.urdf import parse_urdf, urdf_joints
 
 _MOST_CHANNELS: Final = 16
@@ -127,13 +128,10 @@ def joint_channels(log: Log) -> list[Channel]:
     found = []
     for channel in log.channels.values():
         words = channel.topic.lower()
-        if channel.type_name not in JOINT_TYPES or any(word in words for word in _NOT_MEASURED):
+        if any(word in words for word in _NOT_MEASURED):
             continue
-        try:
-            check_joints(channel)
-        except DefinitionError:
-            continue
-        if log.counts.get(channel.id, 1):
+        source = source_of(channel, "joints")
+        if source is not None and not source.fault and log.counts.get(channel.id, 1):
             found.append(channel)
     found.sort(key=lambda each: (JOINT_TYPES.index(each.type_name), len(each.topic), each.topic))
     return found[:_MOST_CHANNELS]

@@ -9,11 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dogbot_logtool.reader.decode.columns import Texts
+from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.gazebo import (
     UNTIMED,
-    link_of_collision,
-    newest_lag,
+    foot_sides,
     newest_step,
+    step_times,
     steps_of_messages,
 )
 
@@ -49,9 +50,8 @@ def test_states_of_the_last_states_time_are_the_newest(
     owner = np.array([n for n, message in enumerate(messages) for _ in message], np.int64)
     wanted = [step == message[-1] for message in messages for step in message]
 
-    newest, untimed = newest_step(
-        texts([info(start + step) for step in steps]), owner, len(messages)
-    )
+    time = step_times(texts([info(start + step) for step in steps]))
+    newest, _, untimed = newest_step(time, owner, np.zeros(len(messages), np.int64))
 
     assert newest.tolist() == wanted
     assert untimed == 0
@@ -72,13 +72,14 @@ def test_lags_and_steps_are_those_of_the_times_in_the_text(
     lags = [3000 * n - message[-1] if message else UNTIMED for n, message in enumerate(messages)]
     steps = [b - a for message in messages for a, b in pairwise(sorted(set(message)))]
 
-    assert newest_lag(infos, owner, stamp).tolist() == lags
-    assert steps_of_messages(infos, owner).tolist() == steps
+    assert newest_step(step_times(infos), owner, stamp)[1].tolist() == lags
+    assert steps_of_messages(step_times(infos), owner).tolist() == steps
 
 
 def test_a_message_that_tells_no_time_has_no_lag() -> None:
     infos, owner = texts([ros1_info(5), "no time here"]), np.array([0, 1], np.int64)
-    assert newest_lag(infos, owner, np.array([9, 9, 9])).tolist() == [4, UNTIMED, UNTIMED]
+    lag = newest_step(step_times(infos), owner, np.array([9, 9, 9]))[1]
+    assert lag.tolist() == [4, UNTIMED, UNTIMED]
 
 
 @pytest.mark.parametrize("info", ["", "no time here", "time12.5", "x" * 100, "time"])
@@ -86,7 +87,7 @@ def test_a_message_that_tells_no_time_is_one_step_and_is_counted(info: str) -> N
     infos = [ros1_info(1), info, ros1_info(2), info, ros1_info(3)]
     owner = np.array([0, 0, 0, 1, 2], np.int64)
 
-    newest, untimed = newest_step(texts(infos), owner, 3)
+    newest, _, untimed = newest_step(step_times(texts(infos)), owner, np.zeros(3, np.int64))
 
     assert newest.tolist() == [True] * 5
     assert untimed == 1
@@ -101,4 +102,7 @@ def test_a_message_that_tells_no_time_is_one_step_and_is_counted(info: str) -> N
     ],
 )
 def test_the_link_stands_in_the_collisions_name(collision: str, link: str | None) -> None:
-    assert link_of_collision(collision) == link
+    pair = texts([collision, "ground_plane::link::collision"])
+    foot = Foot("front_left", "/x", collision=collision)
+    _, links = foot_sides(pair.pick(np.array([0])), pair.pick(np.array([1])), np.array([0]), [foot])
+    assert links == ({0: {link}} if link else {})

@@ -11,7 +11,8 @@ from foxglove_schemas_protobuf.JointStates_pb2 import JointStates as Message
 from mcap.writer import Writer
 from rosbags.typesys import get_types_from_msg
 
-from dogbot_logtool.reader.messages.joints import JointStates, check_joints, read_joints
+from dogbot_logtool.reader.messages.others import JointStates, read_joints
+from dogbot_logtool.reader.messages.source import source_of
 from dogbot_logtool.reader.opening import open_log
 from tests.oracles import walks
 
@@ -101,7 +102,9 @@ def read(path: Path) -> JointStates:
     log = open_log(path)
     try:
         (channel,) = log.channels.values()
-        assert check_joints(channel) == ""
+        source = source_of(channel, "joints")
+        assert source
+        assert not source.fault
         (span,) = log.spans()
         (states,) = read_joints(log.read(span), channel)
     finally:

@@ -1,8 +1,8 @@
-"""Which topics of a log can be decoded, and what users should know of those that cannot."""
+"""Topics of a log by the names that users write, and what is said of those that cannot be read."""
 
 import re
 from collections.abc import Collection, Container, Iterable, Iterator, Sequence
-from collections.abc import Set as AbstractSet
+from itertools import islice
 from typing import Final
 
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
@@ -10,37 +10,27 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Channel, Log
+from dogbot_logtool.reader.decode.fields import Fields
+from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
-from dogbot_logtool.reader.messages.contact_messages import source_of
-from dogbot_logtool.reader.messages.messages import SERIALISATIONS, check_channel
-from dogbot_logtool.reader.messages.source import base_source, base_type
-from dogbot_logtool.reader.messages.transforms import FOXGLOVE_TYPES, TRANSFORM_TYPES
+from dogbot_logtool.reader.messages.contacts import foot_source
+from dogbot_logtool.reader.messages.message_type import Part
+from dogbot_logtool.reader.messages.messages import SERIALISATIONS, DecodedMessages, decode_channels
+from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES, TRANSFORM_TYPES
+from dogbot_logtool.reader.messages.source import Source, source_of
 
 _COMPARED: Final = 2000
 """Topics that a wrong name is compared with."""
 _MOST_REASONS: Final = 3
 _NOT_USED: Final = "; not used"
-_ALWAYS_USED: Final = frozenset((ODOMETRY_TYPE, *TRANSFORM_TYPES))
-"""Types that cannot be about anything else, like those of feet: what they would tell is missed."""
+_SPAN_NS: Final = 5_000_000_000
+"""ns of a log in which a robot has named all of its feet and frames."""
+_MOST_CHUNKS: Final = 64
 
 
-def why_unreadable(channel: Channel) -> str:
-    """Return why the messages of a channel cannot be decoded; empty if they can be."""
-    try:
-        source = source_of(channel)
-        if source is None and base_type(channel.type_name):
-            source = base_source(channel)
-        if source is not None:
-            check_channel(channel, source.fields)
-    except DefinitionError as reason:
-        return str(reason)
-    return ""
-
-
-def topics_of_type(log: Log, types: AbstractSet[str]) -> list[str]:
-    """Return the topics of some types that can be decoded, sorted."""
-    of_type = [channel for channel in log.channels.values() if channel.type_name in types]
-    return sorted({channel.topic for channel in of_type if not why_unreadable(channel)})
+def topic_words(name: str) -> frozenset[str]:
+    """Return the words of a topic's name, in small letters."""
+    return frozenset(re.findall(r"[a-z0-9]+", name.lower()))
 
 
 def message_count(log: Log, topic: str) -> int:
@@ -51,6 +41,40 @@ def message_count(log: Log, topic: str) -> int:
 def most_frequent(log: Log, topics: Iterable[str]) -> str:
     """Return the topic with the most messages; of several, the one with the shortest name."""
     return max(topics, key=lambda topic: (message_count(log, topic), -len(topic), topic))
+
+
+def sources_of(log: Log, topic: str, part: Part) -> list[Source]:
+    """Return how a part of a topic's messages is read; faulty ones are left out."""
+    sources = [source_of(channel, part) for channel in log.channels_by_topic.get(topic, ())]
+    return [source for source in sources if source and not source.fault]
+
+
+def readable_topics(log: Log, part: Part) -> list[str]:
+    """Return the topics that tell of a part and can be decoded, sorted."""
+    return sorted(topic for topic in log.channels_by_topic if sources_of(log, topic, part))
+
+
+def first_messages(log: Log, channel: Channel, fields: Fields) -> Iterator[DecodedMessages]:
+    """Decode the messages of a channel's first seconds, which tell names, wherever they stand."""
+    chunks = (c for c in log.chunks if c.counts is None or channel.id in c.counts)
+    end: int | None = None
+    for chunk in islice(chunks, _MOST_CHUNKS):
+        if end is not None and chunk.start_time is not None and chunk.start_time > end:
+            return
+        batch = log.read((chunk,))
+        time = batch.messages.log_time[batch.messages.channel == channel.id]
+        if len(time):
+            end = int(time.min()) + _SPAN_NS if end is None else end
+            yield from decode_channels(batch.cropped(None, end), [channel], fields)
+
+
+def has_field(channel: Channel, foot: Foot) -> bool:
+    """Tell whether a foot is a field of a channel's messages."""
+    try:
+        named = channel.topic == foot.topic and foot.field is not None
+        return named and foot_source(channel, [foot]) is not None
+    except DefinitionError:
+        return False
 
 
 def split_topic(name: str, topics: Container[str]) -> tuple[str, str]:
@@ -69,7 +93,7 @@ def split_topic(name: str, topics: Container[str]) -> tuple[str, str]:
 
 
 def require_topic(
-    log: Log, option: str, topic: str, types: AbstractSet[str] | None, otherwise: str = ""
+    log: Log, option: str, topic: str, part: Part | None, otherwise: str = ""
 ) -> None:
     """Check that the topic of an option is in the log, and of a type that can be used.
 
@@ -77,7 +101,7 @@ def require_topic(
         log: the log.
         option: the option, as sentences name it.
         topic: its topic.
-        types: None: any will do.
+        part: what its messages must tell of; None: any will do.
         otherwise: what can be done with a topic of another type.
 
     Raises:
@@ -85,14 +109,13 @@ def require_topic(
         LogError: it is, but cannot be decoded.
     """
     channels = log.channels_by_topic.get(topic, ())
-    fitting = [channel for channel in channels if types is None or channel.type_name in types]
     where = f"{shown(log.source.path)}: {option}"
-    reasons = [why_unreadable(channel) for channel in fitting] if types is not None else []
-    if fitting:
-        if reasons and all(reasons):
-            raise LogError(f"{where}: {topic} cannot be read: {reasons[0]}")
+    sources = [source for c in channels if part and (source := source_of(c, part))]
+    if sources and all(source.fault for source in sources):
+        raise LogError(f"{where}: {topic} cannot be read: {sources[0].fault}")
+    if sources or (channels and part is None):
         return
-    usable = sorted(log.channels_by_topic) if types is None else topics_of_type(log, types)
+    usable = readable_topics(log, part) if part else sorted(log.channels_by_topic)
     can_be_used = f"Topics that can be used: {listed(usable) or 'none'}"
     if channels:
         found = ", ".join(sorted({channel.type_name for channel in channels}))
@@ -123,15 +146,13 @@ def unreadable_findings(
     """
     lost: dict[tuple[bool, str], set[str]] = {}
     for channel in log.channels.values():
-        source = source_of(channel)
-        if channel.type_name not in _ALWAYS_USED and source is None:
-            continue
-        if reason := why_unreadable(channel):
-            # Messages that can be about anything need not be about feet.
-            is_error = source is not None and not source.anything and not contacts
-            if channel.type_name == ODOMETRY_TYPE:
-                is_error = not odometry
-            lost.setdefault((is_error, reason), set()).add(channel.topic)
+        foot, source = source_of(channel, "feet"), source_of(channel, "base")
+        # Messages that can be about anything need not be about feet.
+        is_error = foot is not None and not foot.row.anything and not contacts
+        if channel.type_name in {ODOMETRY_TYPE, *TRANSFORM_TYPES}:
+            foot, is_error = source, channel.type_name == ODOMETRY_TYPE and not odometry
+        if foot is not None and foot.fault:
+            lost.setdefault((is_error, foot.fault), set()).add(channel.topic)
     for (is_error, reason), topics in sorted(lost.items()):
         yield _about(topics, reason + _NOT_USED, () if is_error else ("one_topic",))
     others = {c.topic: c.message_encoding for c in log.channels.values() if not _is_read(c)}
@@ -149,22 +170,17 @@ def unreadable_findings(
 def _is_read(channel: Channel) -> bool:
     if channel.message_encoding in SERIALISATIONS or channel.type_name in FOXGLOVE_TYPES:
         return True
-    return bool(base_type(channel.type_name)) and not why_unreadable(channel)
+    source = source_of(channel, "base")
+    return source is not None and not source.fault
 
 
 def own_definition_findings(used: Iterable[Channel]) -> Iterator[Finding]:
     """Say for which of the used channels this program's definition stands in for the log's."""
     found: dict[str, set[str]] = {}
     for channel in used:
-        for find in (source_of, base_source):
-            try:
-                source = find(channel)
-                because = check_channel(channel, source.fields) if source else ""
-            except DefinitionError:
-                # It is used for something else: a robot's state may have a base and no feet.
-                continue
-            if because:
-                found.setdefault(because, set()).add(channel.topic)
+        for source in (source_of(channel, "feet"), source_of(channel, "base")):
+            if source and source.own_definition:
+                found.setdefault(source.own_definition, set()).add(channel.topic)
     for because, topics in sorted(found.items()):
         text = f"{because}; the one that comes with dogbot-logtool is used"
         yield _about(topics, text, ("own_definition",))

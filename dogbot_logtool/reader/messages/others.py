@@ -1,0 +1,204 @@
+"""Joints, transforms, and vectors that single messages hold, read by any row of the table."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import Floats, Ints, concatenated, picked, stable_order
+from dogbot_logtool.core.frames.transforms import RecordedTransforms
+from dogbot_logtool.core.plausible import plausible_translations
+from dogbot_logtool.core.vectors import VectorSamples
+from dogbot_logtool.reader.containers.batch import Batch
+from dogbot_logtool.reader.containers.contents import Channel
+from dogbot_logtool.reader.decode.columns import Table, Texts
+from dogbot_logtool.reader.decode.paths import FieldPath
+from dogbot_logtool.reader.messages.message_type import Part
+from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels, malformed_in
+from dogbot_logtool.reader.messages.source import Source, source_of
+from dogbot_logtool.reader.messages.table import TABLE, types_of
+
+JOINT_TYPES: Final = tuple(
+    sorted(types_of("joints"), key=lambda name: not any(r.joint for r in TABLE if r.name == name))
+)
+"""The best first: those that name their joints."""
+_TRANSFORMS: Final = frozenset(row.name for row in TABLE if len(row.choose) > 1)
+FOXGLOVE_TYPES: Final = frozenset(name for name in _TRANSFORMS if name.startswith("foxglove."))
+"""Of transforms in protobuf or JSON: what `convert` writes must be found again by `info`."""
+TRANSFORM_TYPES: Final = _TRANSFORMS - FOXGLOVE_TYPES
+_MOST_CELLS: Final = 1 << 22
+"""Values in a matrix of messages and joints: 32 MB."""
+
+
+def _decoded(
+    batch: Batch, channels: Sequence[Channel], part: Part
+) -> Iterator[tuple[Source, DecodedMessages]]:
+    """Yield the messages of channels and how they are read, one entry a definition."""
+    groups: dict[Source, list[Channel]] = {}
+    for channel in channels:
+        source = source_of(channel, part)
+        if source is not None and not source.fault:
+            groups.setdefault(source, []).append(channel)
+    for source, own in groups.items():
+        yield from ((source, each) for each in decode_channels(batch, own, source.fields))
+
+
+# Joints
+
+
+@dataclass(frozen=True, slots=True)
+class JointStates:
+    """Values of k joints in n messages, in the order of the log; NaN where a message has none."""
+
+    log_time: Ints
+    """(n,) ns."""
+    stamp: Ints
+    """(n,) ns, header stamp as recorded; 0: none."""
+    names: tuple[str, ...]
+    position: Floats
+    """(n, k) rad or m."""
+    velocity: Floats
+    """(n, k) rad/s or m/s."""
+    effort: Floats
+    """(n, k) N m or N."""
+    malformed: Mapping[int, int]
+    """Messages that could not be decoded, by channel id."""
+
+
+def read_joints(batch: Batch, channel: Channel) -> list[JointStates]:
+    """Read the joint states of a batch that a channel has, one entry a definition."""
+    return [_joints(source, each) for source, each in _decoded(batch, [channel], "joints")]
+
+
+def _joints(source: Source, messages: DecodedMessages) -> JointStates:
+    """Return values as matrices.
+
+    Joints are left out where messages that each name others would make the matrices huge.
+    """
+    table, rows = messages.table, len(messages.channel)
+    paths = [source.paths[name][0] for name in ("joint_position", "joint_velocity", "joint_effort")]
+    name = source.paths["joint"][0] if source.row.joint else None
+    if name is not None and len(name.texts(table)[0]):
+        parent, joint, names = _named_joints(name, table)
+        columns = [path.beside(table, name)[:, 0] for path in paths]
+    else:
+        told = table.nested(paths[0].arrays[0].path)
+        parent, joint, names = told.parent, told.index, source.row.joints
+        columns = [path.all_values(table)[:, 0] for path in paths]
+        if name is not None:
+            # Some publishers leave the names out; positions keep their order.
+            names = tuple(f"joint_{n}" for n in range(-(-len(parent) // max(rows, 1))))
+    most = min(len(names), max(_MOST_CELLS, len(parent)) // max(rows, 1))
+    kept = joint < most
+    found: list[Floats] = []
+    for column in columns:
+        matrix = np.full((rows, most), np.nan)
+        # Arrays that some publishers leave empty.
+        own = column[kept] if len(column) == len(parent) else np.full(int(kept.sum()), np.nan)
+        cells = parent[kept], joint[kept]
+        matrix[cells] = own
+        # A name that stands twice in a message, with other numbers, tells nothing.
+        twice = (matrix[cells] != own) & ~np.isnan(own)
+        matrix[cells[0][twice], cells[1][twice]] = np.nan
+        found.append(matrix)
+    position, velocity, effort = found
+    times = messages.log_time, source.stamps(messages)
+    return JointStates(*times, names[:most], position, velocity, effort, messages.malformed)
+
+
+def _named_joints(name: FieldPath, table: Table) -> tuple[Ints, Ints, tuple[str, ...]]:
+    """Return the message and the joint of each name, (m,), and the different names."""
+    parent, called = name.texts(table)
+    count = len(parent) // table.rows
+    # Texts stand element by element: all messages' first names, then all second ones.
+    if count and np.array_equal(parent, np.tile(np.arange(table.rows), count)):
+        start, length = (each.reshape(count, -1) for each in (called.start, called.length))
+        # All names of a message, with what lies between them: they are alike in nearly all logs.
+        whole = Texts(called.buffer, start[0], start[-1] + length[-1] - start[0])
+        ends = np.stack([start, start + length]) - start[0]
+        names = tuple(called.text(row) for row in range(0, len(parent), table.rows))
+        is_alike = (ends == ends[:, :, :1]).all() and len(whole.alike()[1]) == 1
+        if is_alike and len(set(names)) == count:
+            return parent, np.repeat(np.arange(count), table.rows), names
+    return parent, *called.encode()
+
+
+# Vectors
+
+
+@dataclass(frozen=True, slots=True)
+class ReadVectors:
+    """Vectors of a batch."""
+
+    samples: VectorSamples
+    frames: tuple[str, ...]
+    """Header frame ids among them."""
+    malformed: Mapping[int, int]
+    """Messages that could not be decoded, by channel id."""
+
+
+def read_vectors(batch: Batch, channels: Sequence[Channel], part: Part) -> ReadVectors:
+    """Read the commands or accelerations of a batch, in the order of their log times.
+
+    Args:
+        batch: the batch.
+        channels: the senders of one topic, all of one type.
+        part: which of them.
+    """
+    decoded = list(_decoded(batch, channels, part))
+    frames: set[str] = set()
+    nothing = np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 3))
+    parts = [VectorSamples(*nothing)]
+    for source, messages in decoded:
+        values, turns = (
+            [path.first_values(messages.table) for path in source.paths.get(field, ())]
+            for field in ("command" if part == "commands" else "acceleration", "turn_rate")
+        )
+        vectors = np.concatenate(values, axis=1)
+        turn_rate = turns[0] if turns else np.full(vectors.shape, np.nan)
+        stamp = source.stamps(messages)
+        parts.append(VectorSamples(messages.log_time, stamp, vectors, turn_rate))
+        for path in source.paths.get("frame", ()):
+            frames.update(path.texts(messages.table)[1].encode()[1])
+    samples = concatenated(parts)
+    if len(decoded) > 1:
+        samples = picked(samples, stable_order(samples.log_time))
+    return ReadVectors(samples, tuple(sorted(frames)), malformed_in(each for _, each in decoded))
+
+
+# Transforms
+
+
+def is_static(channel: Channel) -> bool:
+    """Tell whether a channel's transforms hold for ever, as those of ``/tf_static`` do."""
+    return channel.topic.endswith("tf_static")
+
+
+def read_transforms(
+    batch: Batch, channels: Sequence[Channel]
+) -> list[tuple[RecordedTransforms, Mapping[int, int]]]:
+    """Read the transforms of a batch, each with the malformed messages by channel id."""
+    return [
+        (_transforms(source, messages), messages.malformed)
+        for source, messages in _decoded(batch, channels, "base")
+    ]
+
+
+def _transforms(source: Source, messages: DecodedMessages) -> RecordedTransforms:
+    table, paths = messages.table, source.paths
+    (message, parents), (_, children) = (path.texts(table) for path in paths["choose"])
+    order = np.argsort(message, kind="stable")
+    message = message[order]
+    (parent, parent_names), (child, child_names) = parents.encode(), children.encode()
+    return RecordedTransforms(
+        channel=messages.channel[message],
+        log_time=messages.log_time[message],
+        stamp=paths["stamp"][0].times(table)[order],
+        parent=parent[order],
+        parents=parent_names,
+        child=child[order],
+        children=child_names,
+        translation=plausible_translations(paths["position"][0].all_values(table))[order],
+        rotation=paths["orientation"][0].all_values(table)[order],
+    )
