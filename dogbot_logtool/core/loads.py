@@ -10,6 +10,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
+from dogbot_logtool.core.integral import Integral
 from dogbot_logtool.core.leg_position import LegPosition
 
 NEAR_ZERO: Final = 1e-9
@@ -171,7 +172,7 @@ def vertical_impulse_ns(foot: FootHistory, within: Ints | None = None) -> float 
         return None
     known = foot.vertical_known
     spans = known if within is None else timespans.intersect([known, within])
-    return foot.track.within(foot.track.vertical_impulse, spans)
+    return float(foot.track.vertical_impulse.within(spans)[0])
 
 
 def whole_strides(strides: Ints, feet: Sequence[FootHistory], *, vertical: bool) -> Ints:
@@ -226,8 +227,8 @@ def loads_of(
         spans = spans if within is None else timespans.intersect([spans, within])
     seconds = timespans.total(spans) / 1e9
     tracks = [foot.track for foot in feet]
-    magnitude = [track.within(track.force_impulse, spans) for track in tracks]
-    upward = [track.within(track.vertical_impulse, spans) for track in tracks]
+    magnitude = [float(track.force_impulse.within(spans)[0]) for track in tracks]
+    upward = [float(track.vertical_impulse.within(spans)[0]) for track in tracks]
     has_forces = all(foot.has_force for foot in feet)
     shared = upward if vertical else magnitude
     # A part of a stride counts one foot's stance and another's swing.
@@ -316,11 +317,8 @@ def mean_impulses(feet: Sequence[FootHistory], impulse: str, time: Ints, half_ns
         time: (m,) ns.
         half_ns: half of the window.
     """
-    added = [
-        foot.track.added(getattr(foot.track, impulse), time - half_ns, time + half_ns)
-        for foot in feet
-    ]
-    return np.stack(added, axis=1) / (2e-9 * half_ns)
+    totals: list[Integral] = [getattr(foot.track, impulse) for foot in feet]
+    return np.concatenate([each.mean(time, 2 * half_ns) for each in totals], axis=1)
 
 
 SAME_PHASE: Final = 0.05
