@@ -84,7 +84,7 @@ def _dataset(call: Call, logs: LogSet, options: Export, name: str) -> NoReturn:
     from dogbot_logtool.commands.tasks import MeasuredEntry, measure_entry  # noqa: PLC0415
     from dogbot_logtool.report.dataset import dataset_at, parse_labels  # noqa: PLC0415 - loads pyarrow
     from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415
-    from dogbot_logtool.report.text.conversion_text import DatasetRun, print_dataset  # noqa: PLC0415
+    from dogbot_logtool.report.text.written_text import DatasetRun, print_dataset  # noqa: PLC0415
 
     refuse_no_name(name)
     dataset = dataset_at(from_root(location(name)), options, parse_labels(options.label))
