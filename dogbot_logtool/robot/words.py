@@ -164,6 +164,11 @@ def words_of(name: str) -> tuple[Word, ...]:
     return tuple(_words_of(name[-_LONGEST:]))[-_MOST_WORDS:]
 
 
+def texts_of(name: str) -> set[str]:
+    """Return the words of a name, in small letters."""
+    return {word.text for word in words_of(name)}
+
+
 def _words_of(name: str) -> Iterator[Word]:
     segment, gap = 0, ""
     for piece in re.findall(r"[A-Za-z]+|[0-9]+|[^A-Za-z0-9]+", name):
