@@ -214,11 +214,7 @@ def _feet_by_names(log: Log) -> tuple[tuple[Foot, ...], Sequence[FootSet], list[
     if part is None:
         return (), offered, []
     rest = next((one for one in offered if one.completes(part)), None) if part.missing else None
-    feet = tuple(
-        Foot(foot.name, foot.topic, leg_position=foot.position)
-        for one in (part, rest)
-        for foot in (one.feet if one else ())
-    )
+    feet = (*part.feet, *(rest.feet if rest else ()))
     told = [_found(feet, [one for one in others if one is not rest])]
     for name in part.missing if rest is None else ():
         text = f"foot {name} has no messages: there is no topic like those of the other feet"

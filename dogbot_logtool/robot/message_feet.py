@@ -60,7 +60,7 @@ def _named_feet(found: Sequence[MessageFoot], topic: str) -> tuple[Foot, ...]:
         Foot(
             name if names.count(name) == 1 else foot.label or f"{name}_{element + 1}",
             topic,
-            leg_position=leg_position(name) or each.position,
+            leg_position=leg_position(name) or each.leg_position,
             element=element,
             label=foot.label,
         )

@@ -24,7 +24,8 @@ from itertools import combinations
 from typing import Final
 
 from dogbot_logtool.core.leg_position import LegPosition
-from dogbot_logtool.robot.readings import Reading, describing, is_doubtful, part_of, readings_of
+from dogbot_logtool.reader.foot import Foot
+from dogbot_logtool.robot.readings import Reading, position_of, readings_of
 from dogbot_logtool.robot.words import (
     ENDS,
     LETTERS,
@@ -46,25 +47,17 @@ _MOST_SLOTS: Final = 4
 _MOST_LEGS: Final = 16
 _MOST_TOPICS: Final = 2000
 """Topics of a type whose names are compared; no robot has more."""
-
-
-@dataclass(frozen=True, slots=True)
-class NamedFoot:
-    """A foot and its topic."""
-
-    name: str
-    topic: str
-    position: LegPosition | None = None
+_KINDS: Final = ("corners", "sides", "numbers")
 
 
 @dataclass(frozen=True, slots=True)
 class FootSet:
     """Topics whose names differ only in the leg."""
 
-    feet: tuple[NamedFoot, ...]
+    feet: tuple[Foot, ...]
     """In the order front to back, left before right, or of their numbers."""
     kind: str
-    """``corners``, ``sides`` or ``numbers``."""
+    """``corners``, ``sides`` or ``numbers``; ``alone``: they are no siblings."""
     part: Part
     words: frozenset[str]
     """Words that describe the leg, without those that name it."""
@@ -81,22 +74,24 @@ class FootSet:
     @property
     def missing(self) -> tuple[str, ...]:
         """Names of legs that such a robot has and this set lacks."""
-        if self.kind != "corners":
-            return ()
-        there = {foot.position for foot in self.feet if foot.position}
-        ends = dict.fromkeys(["front", "back", *(end for end, _ in there)])
+        there = {foot.leg_position for foot in self.feet if foot.leg_position}
+        ends = dict.fromkeys(["front", "back", *(end for end, _ in there)] if there else ())
         pairs = [(end, side) for end in ends for side in ("left", "right")]
         return tuple("_".join(pair) for pair in pairs if pair not in there)
 
     def completes(self, other: "FootSet") -> bool:
         """Tell whether these are the very feet that another set lacks, as other messages tell."""
-        usable = self.merit >= USABLE and self.part >= Part.UNKNOWN and not self.doubtful
-        return usable and sorted(foot.name for foot in self.feet) == sorted(other.missing)
+        return self.is_usable and sorted(foot.name for foot in self.feet) == sorted(other.missing)
 
     @property
     def merit(self) -> int:
         """How good what it tells is for telling a foot's contact."""
         return sum(MERITS.get(word, 0) for word in self.words)
+
+    @property
+    def is_usable(self) -> bool:
+        """Whether it tells of measured forces, and of no other part than a foot."""
+        return self.merit >= USABLE and self.part >= Part.UNKNOWN and not self.doubtful
 
     def is_clear(self, *, contacts_only: bool) -> bool:
         """Tell whether it may be taken for the feet without asking.
@@ -104,20 +99,16 @@ class FootSet:
         Args:
             contacts_only: its messages tell of contacts, and of nothing else.
         """
-        if self.merit < USABLE or self.part < Part.UNKNOWN or self.doubtful:
-            return False
         is_leg = self.part >= Part.LEG
+        if not self.is_usable:
+            return False
         if self.kind == "numbers":
             return is_leg and len(self.feet) >= _NUMBERED
         if self.kind == "sides":
             return is_leg or (contacts_only and self.words.isdisjoint({"bumper", "bumpers"}))
-        if len(self.feet) >= _MANY:
-            return True
-        fronts = self.letters_only and {foot.position for foot in self.feet} == {
-            ("front", "left"),
-            ("front", "right"),
-        }
-        return (is_leg or contacts_only) and not fronts
+        ends = {foot.leg_position[0] for foot in self.feet if foot.leg_position}
+        fronts = self.letters_only and ends == {"front"}
+        return len(self.feet) >= _MANY or ((is_leg or contacts_only) and not fronts)
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,12 +126,9 @@ def leg_position(name: str) -> LegPosition | None:
 
     None where the name does not tell, or tells several.
     """
-    words = words_of(name)
-    letters = {LETTERS[word.text] for word in words if word.text in LETTERS}
-    ends = {ENDS[word.text] for word in words if word.text in ENDS}
-    sides = {SIDES[word.text] for word in words if word.text in SIDES}
-    pairs = letters | {(end, side) for end in ends for side in sides}
-    return next(iter(pairs)) if len(pairs) == 1 else None
+    return position_of(
+        [word.text for word in words_of(name) if word.is_position or word.text in ENDS]
+    )
 
 
 def name_feet(topics: Iterable[str], *, contacts_only: bool) -> FootNames:
@@ -152,7 +140,13 @@ def name_feet(topics: Iterable[str], *, contacts_only: bool) -> FootNames:
             be a foot's. Else only those may be whose names say so.
     """
     names = {topic: words_of(topic) for topic in sorted(set(topics))[:_MOST_TOPICS]}
-    sets = _without_parts(list(_sibling_sets(names)))
+    sets: list[FootSet] = []
+    for one in sorted(
+        _sibling_sets(names), key=lambda one: (-len(one.feet), _KINDS.index(one.kind))
+    ):
+        # Parts of another set say nothing; of several of the same topics, the first one stands.
+        if not any(one.topics <= other.topics for other in sets):
+            sets.append(one)
     possible = [one for one in sets if _may_be_feet(one, contacts_only=contacts_only)]
     ranked = sorted(possible, key=_rank)
     clear = [one for one in ranked if one.is_clear(contacts_only=contacts_only)]
@@ -162,8 +156,7 @@ def name_feet(topics: Iterable[str], *, contacts_only: bool) -> FootNames:
     offered = [one for one in ranked if one is not chosen]
     in_sets = {topic for one in sets for topic in one.topics}
     rest = {topic: words for topic, words in names.items() if topic not in in_sets}
-    offered.extend(_alone(rest, contacts_only=contacts_only))
-    return FootNames(chosen, tuple(offered))
+    return FootNames(chosen, (*offered, *_alone(rest, contacts_only=contacts_only)))
 
 
 def _rank(one: FootSet) -> tuple[int, int]:
@@ -179,16 +172,30 @@ def _may_be_feet(one: FootSet, *, contacts_only: bool) -> bool:
 
 
 def _sibling_sets(names: Mapping[str, Sequence[Word]]) -> Iterator[FootSet]:
-    """Yield all sets of at least two siblings."""
+    """Yield all sets of at least two siblings: their names differ in some words, and no others."""
     alike: dict[object, list[str]] = {}
     for topic, words in names.items():
         shape = tuple((word.gap, word.slot or word.text) for word in words)
         alike.setdefault(shape, []).append(topic)
     for topics in alike.values():
-        columns = list(zip(*(names[topic] for topic in topics), strict=True))
-        varying = [n for n, column in enumerate(columns) if len({w.text for w in column}) > 1]
+        columns = [
+            {word.text for word in each}
+            for each in zip(*map(names.__getitem__, topics), strict=True)
+        ]
+        varying = [at for at, texts in enumerate(columns) if len(texts) > 1]
         for slots in _slots(varying[-_MOST_SLOTS:], names[topics[0]]):
-            yield from _siblings(topics, names, slots, frozenset(varying) - slots)
+            found: dict[object, dict[str, list[tuple[Reading, str]]]] = {}
+            for topic in topics:
+                same = tuple(names[topic][at].text for at in varying if at not in slots)
+                for reading in readings_of(names[topic], slots):
+                    legs = found.setdefault((reading.kind, same), {})
+                    legs.setdefault(reading.leg, []).append((reading, topic))
+            for legs in found.values():
+                # Two topics of one leg whose names differ in letter case only: none is the leg's.
+                feet = [entries[0] for entries in legs.values() if len(entries) == 1]
+                if len(feet) > 1:
+                    feet.sort(key=lambda entry: entry[0].order)
+                    yield _foot_set(feet, names[feet[0][1]], slots)
 
 
 def _slots(varying: Sequence[int], words: Sequence[Word]) -> Iterator[frozenset[int]]:
@@ -198,8 +205,7 @@ def _slots(varying: Sequence[int], words: Sequence[Word]) -> Iterator[frozenset[
     it is a leg's only beside the other one, as in ``front_left`` and ``front_right``.
     """
     for count in range(1, len(varying) + 1):
-        for chosen in combinations(varying, count):
-            yield frozenset(chosen)
+        yield from map(frozenset, combinations(varying, count))
     for one, other in (pair for at in varying for pair in ((at, at - 1), (at, at + 1))):
         if 0 <= other < len(words) and other not in varying:
             told = {words[at].slot.replace("l or r", "side") for at in (one, other)}
@@ -208,85 +214,56 @@ def _slots(varying: Sequence[int], words: Sequence[Word]) -> Iterator[frozenset[
                 yield frozenset((one, other))
 
 
-def _siblings(
-    topics: Sequence[str],
-    names: Mapping[str, Sequence[Word]],
-    slots: frozenset[int],
-    others: frozenset[int],
-) -> Iterator[FootSet]:
-    """Yield the sets of topics whose names differ in some words, and not in some others."""
-    found: dict[object, dict[str, list[tuple[Reading, str]]]] = {}
-    for topic in topics:
-        words = names[topic]
-        same = tuple(words[at].text for at in sorted(others))
-        for reading in readings_of(words, slots):
-            legs = found.setdefault((reading.kind, reading.scheme, same), {})
-            legs.setdefault(reading.leg, []).append((reading, topic))
-    for legs in found.values():
-        # Two topics of one leg whose names differ in letter case only: none is the leg's.
-        feet = [entries[0] for entries in legs.values() if len(entries) == 1]
-        if len(feet) > 1:
-            feet.sort(key=lambda entry: entry[0].order)
-            yield _foot_set(feet, names[feet[0][1]], slots)
-
-
 def _foot_set(
     feet: Sequence[tuple[Reading, str]], words: Sequence[Word], slots: frozenset[int]
 ) -> FootSet:
     """Return siblings as a set; the first one's words stand for all."""
-    near = describing(words, slots)
+    first = words[min(slots)].segment
+    before = [word for word in words if word.segment == first - 1]
+    # A segment before the leg's describes it only if it says nothing else, as `/foot_sensors/`.
+    telling = all(word.part is not None or word.text in NEUTRAL | MERITS.keys() for word in before)
+    near = [w for at, w in enumerate(words) if at not in slots and w.segment >= first - telling]
+    parts = [word.part for word in near if word.part is not None]
+    doubtful = any(word.part is Part.NOT_A_FOOT for word in before)
+    if len(slots) > 1 and any(words[at].slot == "number" for at in slots):
+        # The numbers in `foot_l1` may be those of the sensors of one foot.
+        inside = {word.part for word in words if word.segment == first}
+        doubtful = Part.FOOT in inside and Part.LEG not in inside
     return FootSet(
-        tuple(NamedFoot(each.leg, topic, each.position) for each, topic in feet),
+        tuple(Foot(each.leg, topic, leg_position=each.position) for each, topic in feet),
         feet[0][0].kind,
-        part_of(near),
+        Part.FOOT if Part.FOOT in parts else min(parts, default=Part.UNKNOWN),
         frozenset(word.text for word in near),
         letters_only=all(words[at].text in LETTERS for at in slots),
-        doubtful=is_doubtful(words, slots),
+        doubtful=doubtful,
     )
 
 
-def _without_parts(sets: Sequence[FootSet]) -> list[FootSet]:
-    """Leave out sets that are a part of another; of several of the same topics, keep the first."""
-    order = {"corners": 0, "sides": 1, "numbers": 2}
-    by_size = sorted(sets, key=lambda one: (-len(one.feet), order[one.kind]))
-    holders: dict[str, list[frozenset[str]]] = {}
-    kept = []
-    for one in by_size:
-        topics = one.topics
-        if not any(topics <= other for other in holders.get(one.feet[0].topic, ())):
-            kept.append(one)
-            for topic in topics:
-                holders.setdefault(topic, []).append(topics)
-    return kept
-
-
-def _alone(names: Mapping[str, Sequence[Word]], *, contacts_only: bool) -> list[FootSet]:
-    """Return topics without siblings that may be feet, as one set to offer."""
+def _alone(names: Mapping[str, Sequence[Word]], *, contacts_only: bool) -> Iterator[FootSet]:
+    """Yield topics without siblings that may be feet, as one set to offer."""
     topics = {
-        topic: _lone_name(topic, words)
+        topic: foot_name(topic)
         for topic, words in names.items()
         if _may_be_foot(words, contacts_only=contacts_only)
     }
     counts = Counter(topics.values())
     feet = [
-        NamedFoot(name if counts[name] == 1 else _sanitised(topic), topic)
+        Foot(name if counts[name] == 1 else _sanitised(topic), topic)
         for topic, name in topics.items()
     ]
-    unique = tuple({foot.name: foot for foot in feet}.values())[:_MOST_LEGS]
-    return [FootSet(unique, "alone", Part.UNKNOWN, frozenset())] if unique else []
+    if unique := tuple({foot.name: foot for foot in feet}.values())[:_MOST_LEGS]:
+        yield FootSet(unique, "alone", Part.UNKNOWN, frozenset())
 
 
 def _may_be_foot(words: Sequence[Word], *, contacts_only: bool) -> bool:
     """Tell whether a single topic may be a foot's."""
     parts = {word.part for word in words}
-    if Part.FOOT in parts:
-        return True
-    if Part.NOT_A_FOOT in parts:
-        return False
+    if Part.FOOT in parts or Part.NOT_A_FOOT in parts:
+        return Part.FOOT in parts
     return contacts_only or (Part.LEG in parts and any(word.is_position for word in words))
 
 
-def label_names(labels: Sequence[str]) -> list[NamedFoot]:
+def label_names(labels: Sequence[str]) -> list[Foot]:
     """Return feet that messages call by labels, in their order; ``topic`` is the label.
 
     Labels that differ in the leg only are read together: ``BR_tip`` is a middle leg beside
@@ -297,24 +274,19 @@ def label_names(labels: Sequence[str]) -> list[NamedFoot]:
         if together and together.kind != "alone" and together.topics == set(labels):
             by_label = {foot.topic: foot for foot in together.feet}
             return [by_label[label] for label in labels]
-    return [NamedFoot(foot_name(label), label, leg_position(label)) for label in labels]
+    return [Foot(foot_name(label), label, leg_position=leg_position(label)) for label in labels]
 
 
 def foot_name(label: str) -> str:
     """Return a name for a foot that messages call by a label, such as ``LF_FOOT``."""
-    return _lone_name(label, words_of(label))
-
-
-def _lone_name(topic: str, words: Sequence[Word]) -> str:
-    """Return a name for a foot whose topic has no siblings."""
+    words = words_of(label)
+    if position := leg_position(label):
+        return "_".join(position)
+    sides = {SIDES[word.text] for word in words if word.text in SIDES}
     slots = [at for at, word in enumerate(words) if word.slot][-_MOST_SLOTS:]
-    chosen = [frozenset(each) for n in range(1, 5) for each in combinations(slots, n)]
-    found = [reading for each in chosen for reading in readings_of(words, each)]
-    for kind in ("corners", "sides", "numbers"):
-        legs = {each.leg for each in found if each.kind == kind}
-        if len(legs) == 1:
-            return legs.pop()
-    return _sanitised(topic)
+    read = (each for at in slots for each in readings_of(words, frozenset({at})))
+    names = sides if len(sides) == 1 else {each.leg for each in read if each.kind == "numbers"}
+    return names.pop() if len(names) == 1 else _sanitised(label)
 
 
 def _sanitised(topic: str) -> str:

@@ -201,7 +201,9 @@ def _siblings(fields: Mapping[str, Foot]) -> Iterator[_Set]:
     sets = [found for found in (by_leg.chosen, *by_leg.offered) if found and found.kind != "alone"]
     for one in sets:
         feet = [
-            replace(fields[n.topic], name=n.name, leg_position=n.position or leg_position(n.name))
+            replace(
+                fields[n.topic], name=n.name, leg_position=n.leg_position or leg_position(n.name)
+            )
             for n in one.feet
         ]
         yield feet, [foot.topic for foot in one.feet], _DIFFER.get(one.kind, "one word")
