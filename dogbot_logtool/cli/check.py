@@ -10,7 +10,7 @@ import click
 from dogbot_logtool.cli.call import Call
 from dogbot_logtool.commands.check import check, exit_code, read_limits
 from dogbot_logtool.commands.tasks import figures
-from dogbot_logtool.comparison.rules.judge import Judgement
+from dogbot_logtool.comparison.judge import Judgement
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.output import whole_file
 from dogbot_logtool.io.printable import printable
@@ -57,7 +57,7 @@ def _measured(call: Call, logs: LogSet, options: Check) -> Iterator[Figures]:
 
 def _suggest(call: Call, options: Check) -> NoReturn:
     """Print limits that all logs pass."""
-    from dogbot_logtool.comparison.rules.suggestion import doubts, suggest_limits  # noqa: PLC0415
+    from dogbot_logtool.comparison.suggestion import doubts, suggest_limits  # noqa: PLC0415
 
     if options.baseline or options.junit or options.json:
         raise CallError("--suggest prints a limits file; it goes with none of the other outputs")

@@ -2,8 +2,13 @@
 
 from collections.abc import Sequence
 
-from dogbot_logtool.comparison.walks.comparable import doubts, why_not_comparable
-from dogbot_logtool.comparison.walks.two_runs import GaitComparison, RunStrides, figure_differences
+from dogbot_logtool.comparison.walks import (
+    GaitComparison,
+    RunStrides,
+    doubts,
+    figure_differences,
+    why_not_comparable,
+)
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.results import Figures
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from dogbot_logtool.commands.compare_gait import compare_gait
-from dogbot_logtool.comparison.walks.two_runs import GaitComparison
+from dogbot_logtool.comparison.walks import GaitComparison
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, file_stem
 from dogbot_logtool.io.targets import Output

@@ -20,9 +20,9 @@ from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.message_records import MessageRecords, recorded
 from dogbot_logtool.writer.topics import FALLBACK_PREFIX
 
-SPAN_ROWS = 20_000
+SPAN_ROWS = 40_000
 """Samples of feet in a span: enough to make the cost of a numpy call small, and few enough to be
-annotated in some 40 MB."""
+annotated in some 60 MB."""
 ESTIMATED_WIDTH = 0.5
 """Width of arrows whose forces are estimated, over that of measured ones."""
 _TIMES = np.iinfo(np.int64)

@@ -38,38 +38,37 @@ def refuse_bad_target(
         CallError: it is no regular file, is the input itself, exists and may not be overwritten, or
             its directory does not exist.
     """
+    if not isinstance(target, Path):
+        _refuse_object(target, source, overwrite=overwrite)
+        return
     try:
-        if isinstance(target, Path):
-            _refuse(target, source, overwrite=overwrite, makes_folder=makes_folder)
-        else:
-            _refuse_object(target, source, overwrite=overwrite)
+        if target.is_dir():
+            raise CallError(f"{target}: is a directory; name a file in it")
+        there = _status_of(target) is not None
+        if there and isinstance(source, Path) and target.samefile(source):
+            raise _is_input(target)
+        if there and not overwrite:
+            raise _exists_already(target)
+        folder = target.parent
+        if makes_folder:
+            folder = next(one for one in (folder, *folder.parents) if one.exists())
+        if not folder.is_dir():
+            what = "is a file, not a folder" if folder.exists() else "no such folder"
+            raise CallError(f"{folder}: {what}")
     except OSError as error:
         raise CallError(f"{target}: cannot be written: {error.strerror}") from error
 
 
-def _refuse(target: Path, source: Location | None, *, overwrite: bool, makes_folder: bool) -> None:
-    if target.is_dir():
-        raise CallError(f"{target}: is a directory; name a file in it")
-    there = _status_of(target) is not None
-    if there and isinstance(source, Path) and target.samefile(source):
-        raise CallError(f"{target}: is the input itself; choose another output with -o")
-    if there and not overwrite:
-        raise _exists_already(target)
-    folder = target.parent
-    if makes_folder:
-        folder = next(one for one in (folder, *folder.parents) if one.exists())
-    if not folder.is_dir():
-        what = "is a file, not a folder" if folder.exists() else "no such folder"
-        raise CallError(f"{folder}: {what}")
-
-
 def _refuse_object(target: "UPath", source: Location | None, *, overwrite: bool) -> None:
     if target == source:
-        raise CallError(
-            f"{storage.shown(target)}: is the input itself; choose another output with -o"
-        )
+        raise _is_input(target)
     if not overwrite and storage.asked(target, lambda: target.fs.exists(target.path)):
         raise _exists_already(target)
+
+
+def _is_input(target: Location) -> CallError:
+    what = "is the input itself; choose another output with -o"
+    return CallError(f"{storage.shown(target)}: {what}")
 
 
 def _exists_already(target: Location) -> CallError:
@@ -130,89 +129,77 @@ def whole_file(
         replaced = _status_of(target) if overwrite else None
         path = target.resolve() if overwrite and target.is_symlink() else target
         parents = path.parents if makes_folder else path.parents[:1]
-        with _Part.opened(next(filter(Path.is_dir, parents), path.parent)) as part:
+        with _part(next(filter(Path.is_dir, parents), path.parent)) as (file, name):
             if replaced is not None:
-                _resemble(part.file, replaced)
-            yield part.file
+                _resemble(file, replaced)
+            yield file
             if not is_wanted():
                 return
-            part.file.flush()
+            file.flush()
             # A power failure leaves a whole file, the one before, or none.
-            os.fsync(part.file.fileno())
+            os.fsync(file.fileno())
             if makes_folder:
                 path.parent.mkdir(parents=True, exist_ok=True)
-            if not part.take(path, overwrite=overwrite):
+            _give_name(file, name)
+            file.close()  # Windows gives no open file another name
+            if overwrite:
+                name.replace(path)
+            elif not _take_free_name(name, path):
                 raise _exists_already(target)
     except OSError as error:
         raise LogtoolError(f"{target}: cannot be written: {error.strerror or error}") from error
 
 
-class _Part:
-    """A file that is being written."""
+@contextlib.contextmanager
+def _part(folder: Path) -> Iterator[tuple[BinaryIO, Path]]:
+    """Open a file in a directory, without a name where the system allows that.
 
-    def __init__(self, temporary: Path) -> None:
-        self.temporary = temporary
-        """The name that it has, or may have, until it is whole."""
-        self.file: BinaryIO
-        self.has_name = False
-
-    @classmethod
-    @contextlib.contextmanager
-    def opened(cls, folder: Path) -> Iterator["_Part"]:
-        """Open one in a directory; a temporary name that it has is gone when the block ends."""
-        part = cls(_temporary_name(folder))
-        try:
-            with part._open(folder):
-                yield part
-        finally:
-            if part.has_name:
-                part.temporary.unlink(missing_ok=True)
-
-    def _open(self, folder: Path) -> BinaryIO:
-        """Open it, without a name where the system allows that."""
-        flag = getattr(os, "O_TMPFILE", None)
-        if flag is not None and _OPEN_FILES.is_dir():
-            # Where a filesystem has no such thing, the file is named; other faults show again.
-            with contextlib.suppress(OSError):
-                self.file = os.fdopen(os.open(folder, flag | os.O_WRONLY, 0o666), "wb")
-                return self.file
-        # Known before it is there, so that an interruption in between leaves nothing.
-        self.has_name = True
-        self.file = self.temporary.open("xb")
-        return self.file
-
-    def take(self, path: Path, *, overwrite: bool) -> bool:
-        """Take a name, from another file only if that may be; tell whether it could be had."""
-        if not self.has_name:
-            source = _OPEN_FILES / str(self.file.fileno())
-            if not overwrite:
-                return _link(source, path)
-            self.temporary = _temporary_name(path.parent)
-            self.has_name = True
-            _link(source, self.temporary)
-        self.file.close()  # Windows gives no open file another name
-        if not overwrite:
-            with contextlib.suppress(OSError, NotImplementedError):
-                return _link(self.temporary, path)
-            # A filesystem without hard links.
-            if os.path.lexists(path):
-                return False
-        self.temporary.replace(path)
-        return True
+    Yields:
+        the file, and the temporary name that it has or may get; it is gone in the end.
+    """
+    # Known before it is there, so that an interruption in between leaves nothing.
+    name = folder / f".dogbot-logtool.{os.urandom(8).hex()}.part"
+    try:
+        with _nameless(folder) or name.open("xb") as file:
+            yield file, name
+    finally:
+        with contextlib.suppress(OSError):
+            name.unlink()
 
 
-def _link(source: Path, path: Path) -> bool:
-    """Give a file one more name; tell whether that was free."""
-    if not callable(getattr(os, "link", None)):
-        raise NotImplementedError("this system has no hard links")
-    folder = os.open(path.parent, getattr(os, "O_PATH", os.O_RDONLY))
+def _nameless(folder: Path) -> BinaryIO | None:
+    flag = getattr(os, "O_TMPFILE", None)
+    if flag is None or not _OPEN_FILES.is_dir():
+        return None
+    # Where a filesystem has no such thing, the file is named; other faults show again.
+    with contextlib.suppress(OSError):
+        return os.fdopen(os.open(folder, flag | os.O_WRONLY, 0o666), "wb")
+    return None
+
+
+def _give_name(file: BinaryIO, name: Path) -> None:
+    """Give a file a name that has none yet."""
+    if name.exists():
+        return
+    folder = os.open(name.parent, os.O_RDONLY)
     try:
         # Only with a directory given does Python follow the link that stands for an open file.
-        os.link(source, path.name, dst_dir_fd=folder, follow_symlinks=True)
-    except FileExistsError:
-        return False
+        source = _OPEN_FILES / str(file.fileno())
+        os.link(source, name.name, dst_dir_fd=folder, follow_symlinks=True)
     finally:
         os.close(folder)
+
+
+def _take_free_name(name: Path, path: Path) -> bool:
+    """Give a file another name; tell whether that was free."""
+    try:
+        os.link(name, path)
+    except FileExistsError:
+        return False
+    except OSError:  # a filesystem without hard links
+        if os.path.lexists(path):
+            return False
+        name.replace(path)
     return True
 
 
@@ -226,10 +213,6 @@ def _resemble(file: BinaryIO, replaced: os.stat_result) -> None:
     os.fchmod(file.fileno(), stat.S_IMODE(replaced.st_mode))
 
 
-def _temporary_name(folder: Path) -> Path:
-    return folder / f".dogbot-logtool.{os.urandom(8).hex()}.part"
-
-
 @contextlib.contextmanager
 def _uploaded_object(
     target: "UPath", *, overwrite: bool, is_wanted: Callable[[], bool]
@@ -239,18 +222,20 @@ def _uploaded_object(
         file = target.fs.open(target.path, "wb", autocommit=False)
         try:
             yield file
-            if is_wanted():
-                file.close()
-                _refuse_object(target, None, overwrite=overwrite)
-                file.commit()
-            else:
+            if not is_wanted():
                 _discard(file)
+                return
+            file.close()
+            _refuse_object(target, None, overwrite=overwrite)
+            file.commit()
         except BaseException:
             _discard(file)
             raise
-    except (OSError, NotImplementedError) as error:
-        is_refused = isinstance(error, NotImplementedError)
-        what = "this kind of store is read only" if is_refused else str(error) or "no reason given"
+    except NotImplementedError as error:
+        what = "this kind of store is read only"
+        raise StoreError(f"{storage.shown(target)}: cannot be written: {what}") from error
+    except OSError as error:
+        what = str(error) or "no reason given"
         raise StoreError(f"{storage.shown(target)}: cannot be written: {what}") from error
 
 

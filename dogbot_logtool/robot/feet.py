@@ -20,9 +20,10 @@ from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.robot.message_feet import feet_of_messages, front_to_back
-from dogbot_logtool.robot.names import FootSet, leg_position, name_feet
+from dogbot_logtool.robot.names import leg_position, name_feet
 from dogbot_logtool.robot.offers import alternatives
 from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.robot.siblings import FootSet
 from dogbot_logtool.robot.topics import (
     message_count,
     most_frequent,

@@ -9,8 +9,8 @@ from dogbot_logtool.io.printable import listed, shell_joined, shell_quoted
 from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.robot.names import FootSet
 from dogbot_logtool.robot.score import FootCandidates, word_of
+from dogbot_logtool.robot.siblings import FootSet
 from dogbot_logtool.robot.words import ENDS, SIDES, words_of
 
 _ALTERNATIVES: Final = 3

@@ -31,10 +31,16 @@ TROT, TROUBLED = (
 LACKING = """
 import io, os, signal, sys, types
 for name in ("fork", "forkpty", "pread", "preadv", "fchown", "fchmod", "O_TMPFILE", "O_NONBLOCK",
-             "O_PATH", "link", "sched_getaffinity", "geteuid", "getuid", "symlink"):
+             "sched_getaffinity", "geteuid", "getuid", "symlink"):
     if hasattr(os, name):
         delattr(os, name)
-os.link = None
+
+
+def no_links(*_paths, **_others):
+    raise OSError(95, "there are no hard links")
+
+
+os.link = no_links
 for name in ("pthread_sigmask", "pthread_kill", "setitimer", "SIGALRM", "SIGHUP"):
     if hasattr(signal, name):
         delattr(signal, name)

@@ -10,7 +10,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from dogbot_logtool.comparison.walks.two_runs import CONFIDENCE, FigureDifference, GaitComparison
+from dogbot_logtool.comparison.walks import CONFIDENCE, FigureDifference, GaitComparison
 from dogbot_logtool.core.arrays import Floats, median_of
 from dogbot_logtool.core.events.event import STEPS
 from dogbot_logtool.report.numbers import NOTHING, nice_step

@@ -76,8 +76,8 @@ class Encoding(ABC):
         """Return a message that removes a drawing."""
 
     @abstractmethod
-    def _event(self, event: EventMessage) -> Literal:
-        """Return a message for log panels."""
+    def event(self, event: EventMessage) -> bytes:
+        """Return a message that log panels show."""
 
     def template(self, kind: MessageType, literal: Literal) -> Template:
         """Learn how a message is written."""
@@ -103,10 +103,6 @@ class Encoding(ABC):
         slots = {name: Slot(name) for name in ("in_contact", "force", "force_bw")}
         literal = {self.time_name: self.stamp(), "state": state, **slots}
         return self.template(self.load_type, literal)
-
-    def event(self, event: EventMessage) -> bytes:
-        """Return a message that log panels show."""
-        return self.serialise(self.event_type, self._event(event))
 
     def span(self, event: EventMessage) -> bytes:
         """Return a message that gives an event from its begin to its end, of `span_type`."""

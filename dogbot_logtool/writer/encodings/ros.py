@@ -168,9 +168,10 @@ class Ros2Encoding(Encoding):
         header, pose = self._header(drawing.frame), {"orientation": UPRIGHT}
         return {"header": header, "ns": drawing.namespace, "action": _DELETE, "pose": pose}
 
-    def _event(self, event: EventMessage) -> Literal:
+    def event(self, event: EventMessage) -> bytes:
+        """See `Encoding.event`."""
         time = self.time(event.time)
-        return {
+        literal = {
             # Levels of ROS 1 are powers of two, those of ROS 2 tens.
             "level": 1 << (event.level - 1) if self.is_ros1 else 10 * event.level,
             "name": event.source,
@@ -178,6 +179,7 @@ class Ros2Encoding(Encoding):
             "file": EVENT_SOURCE,
             **({"header": {"stamp": time}} if self.is_ros1 else {"stamp": time}),
         }
+        return self.serialise(self.event_type, literal)
 
 
 def _geometry(one: Primitive) -> Literal:

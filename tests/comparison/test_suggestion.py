@@ -5,9 +5,9 @@ from typing import Any, Final
 
 import pytest
 
-from dogbot_logtool.comparison.rules.judge import Status, judge, worst
-from dogbot_logtool.comparison.rules.limits import parse_limits
-from dogbot_logtool.comparison.rules.suggestion import doubts, suggest_limits
+from dogbot_logtool.comparison.judge import Status, judge, worst
+from dogbot_logtool.comparison.limits import parse_limits
+from dogbot_logtool.comparison.suggestion import doubts, suggest_limits
 
 
 def finding(code: str) -> dict[str, Any]:

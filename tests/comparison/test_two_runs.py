@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.comparison.walks.two_runs import (
+from dogbot_logtool.comparison.walks import (
     FigureDifference,
     RunStrides,
     figure_differences,

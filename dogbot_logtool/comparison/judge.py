@@ -11,7 +11,7 @@ from enum import StrEnum
 from fnmatch import fnmatchcase
 from typing import Any, Final, TypeGuard
 
-from dogbot_logtool.comparison.rules.limits import Level, Null, Rule, Subject
+from dogbot_logtool.comparison.limits import Rule
 
 Json = Mapping[str, Any]
 Value = float | str | bool | None
@@ -31,9 +31,7 @@ NEEDED: Final[Mapping[str, str]] = {
 """Figures by type of event: where all are null, that there was no such event is not known."""
 
 
-DAMAGE: Final = Rule(
-    Subject.FINDING, "LOST", high=0, level=Level.WARN, name="the log is not damaged"
-)
+DAMAGE: Final = Rule("finding", "LOST", high=0, level="warn", name="the log is not damaged")
 """A rule that every log is judged by, beside those of the limits."""
 
 
@@ -85,11 +83,11 @@ def worst(judgements: Sequence[Judgement]) -> Status:
 
 def _judged(document: Json, rule: Rule, baseline: Json | None) -> Iterator[Judgement]:
     match rule.subject:
-        case Subject.FINDING:
+        case "finding":
             yield _of_findings(document, rule)
-        case Subject.EVENT:
+        case "event":
             yield _of_events(document, rule)
-        case Subject.FIGURE:
+        case "figure":
             yield from _of_figures(document, rule, baseline)
 
 
@@ -186,12 +184,12 @@ def _of_figure(
 
 
 def _broken(rule: Rule) -> Status:
-    return Status.WARN if rule.level is Level.WARN else Status.FAIL
+    return Status.WARN if rule.level == "warn" else Status.FAIL
 
 
 def _unknown(rule: Rule, path: str, why: str) -> Judgement:
-    status = {Null.UNKNOWN: Status.UNKNOWN, Null.PASS: Status.GOOD, Null.FAIL: Status.FAIL}
-    return Judgement(status[rule.null], rule, path, None, rule.demand, why)
+    status = {"unknown": Status.UNKNOWN, "pass": Status.GOOD, "fail": Status.FAIL}[rule.null]
+    return Judgement(status, rule, path, None, rule.demand, why)
 
 
 def _parts(document: Json, where: str | None) -> Iterator[tuple[str, Json]]:

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from dogbot_logtool.comparison.rules.judge import can_tell, figures_in, findings_in
+from dogbot_logtool.comparison.judge import can_tell, figures_in, findings_in
 from dogbot_logtool.io.printable import printable
 
 Json = Mapping[str, Any]

@@ -4,8 +4,8 @@ from typing import Any, Final
 
 import pytest
 
-from dogbot_logtool.comparison.rules.judge import Judgement, Status, figures_in, judge, worst
-from dogbot_logtool.comparison.rules.limits import parse_limits
+from dogbot_logtool.comparison.judge import Judgement, Status, figures_in, judge, worst
+from dogbot_logtool.comparison.limits import parse_limits
 
 LOG: Final[dict[str, Any]] = {
     "schema_version": 2,

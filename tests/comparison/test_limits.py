@@ -5,16 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from dogbot_logtool.comparison.rules.limits import (
-    Deviation,
-    Level,
-    Null,
-    Rule,
-    Subject,
-    load_limits,
-    parse_limits,
-)
+from dogbot_logtool.comparison.limits import Deviation, Rule, load_limits, parse_limits
+from dogbot_logtool.comparison.renamed import RENAMED, new_name
+from dogbot_logtool.core.metrics import WalkMetrics
+from dogbot_logtool.core.records import metric_paths
 from dogbot_logtool.errors import CallError
+
+PATHS = {path for path, _, _ in metric_paths(WalkMetrics)}
 
 
 def rule(lines: str) -> Rule:
@@ -30,31 +27,21 @@ def rule(lines: str) -> Rule:
         ("at_most = 0.005", -math.inf, 0.005, "at most 0.005"),
         ("at_least = 2", 2.0, math.inf, "at least 2"),
         ("at_least = 2\nat_most = 3", 2.0, 3.0, "2 to 3"),
+        ('equals = "trot"', -math.inf, math.inf, "equal to trot"),
+        ("baseline = { by_percent = 5 }", -math.inf, math.inf, "within 5 % of the baseline"),
     ],
 )
-def test_a_range_of_a_figure(lines: str, low: float, high: float, demand: str) -> None:
+def test_a_range_of_a_metric(lines: str, low: float, high: float, demand: str) -> None:
     found = rule(f'figure = "feet.*.slip_m.max"\n{lines}')
-
-    assert (found.subject, found.pattern) == (Subject.FIGURE, "feet.*.slip_m.max")
+    assert (found.subject, found.pattern) == ("figure", "feet.*.slip_m.max")
     assert (found.low, found.high, found.demand) == (low, high, demand)
-    assert (found.null, found.level, found.where) == (Null.UNKNOWN, Level.FAIL, None)
+    assert (found.null, found.level, found.where) == ("unknown", "fail", None)
 
 
 def test_a_rule_may_say_more() -> None:
-    found = rule(
-        'figure = "a"\nat_most = 1\nwhere = "walk"\nnull = "pass"\nlevel = "warn"\nname = "calm"'
-    )
-
-    assert (found.where, found.null, found.level, found.name) == (
-        "walk",
-        Null.PASS,
-        Level.WARN,
-        "calm",
-    )
-
-
-def test_a_text_may_have_to_be_equal() -> None:
-    assert rule('figure = "gait.name"\nequals = "trot"').equals == "trot"
+    more = 'where = "walk"\nnull = "pass"\nlevel = "warn"\nname = "calm"'
+    found = rule(f'figure = "a"\nat_most = 1\n{more}')
+    assert (found.where, found.null, found.level, found.name) == ("walk", "pass", "warn", "calm")
 
 
 def test_nothing_may_be_found_or_happen_unless_a_rule_says_more() -> None:
@@ -77,13 +64,6 @@ def test_a_deviation_from_a_baseline(
     assert deviation.around(value) == pytest.approx(near)
 
 
-def test_a_baseline_is_taken_by_value_or_percent() -> None:
-    found = rule('figure = "a"\nbaseline = { by_percent = 5 }')
-
-    assert found.baseline == Deviation(by_percent=5.0)
-    assert found.demand == "within 5 % of the baseline"
-
-
 @pytest.mark.parametrize(
     ("text", "says"),
     [
@@ -95,15 +75,18 @@ def test_a_baseline_is_taken_by_value_or_percent() -> None:
         ("[[rule]]\nfigure = 'a'\nevent = 'b'", "needs one of"),
         ("[[rule]]\nfigure = 'a'", "rule 1: needs one of between, within"),
         ("[[rule]]\nfigure = 3\nat_most = 1", "figure is 3; it must be a text"),
+        ("[[rule]]\nfigure = 'a'\nat_most = 1\nwhere = ''", "where is ''; it must be a text"),
         ("[[rule]]\nfigure = 'a'\nat_mots = 1", "at_mots is not known"),
         ("[[rule]]\nfigure = 'a'\nat_most = 'b'", "at_most is 'b'; it must be a number"),
         ("[[rule]]\nfigure = 'a'\nat_most = nan", "it must be a finite number"),
         ("[[rule]]\nfigure = 'a'\nat_most = true", "it must be a number"),
+        ("[[rule]]\nfigure = 'a'\nequals = [1]", "equals is [1]; it must be a number"),
         ("[[rule]]\nfigure = 'a'\nbetween = [2, 1]", "its higher number first"),
         ("[[rule]]\nfigure = 'a'\nbetween = 2", "two numbers"),
         ("[[rule]]\nfigure = 'a'\nwithin = { of = 2 }", "within must be like"),
+        ("[[rule]]\nfigure = 'a'\nwithin = { of = 2, by = 1, x = 1 }", "within must be like"),
         ("[[rule]]\nfigure = 'a'\nbetween = [1, 2]\nat_most = 1", "do not go together"),
-        ("[[rule]]\nfigure = 'a'\nbaseline = { by = -1 }", "numbers from 0 on"),
+        ("[[rule]]\nfigure = 'a'\nbaseline = { by = -1 }", "baseline.by is -1; it must be"),
         ("[[rule]]\nfigure = 'a'\nbaseline = 5", "baseline must be like"),
         ("[[rule]]\nevent = 'slip'\nbetween = [1, 2]", "at_most and at_least only"),
         ("[[rule]]\nevent = 'slips'", "no event is called 'slips'; there are slip"),
@@ -113,18 +96,37 @@ def test_a_baseline_is_taken_by_value_or_percent() -> None:
         ("[[rule]]\nfinding = 'W_ZERO_STAMPS'", "W_ZERO_STAMPS is now BAD_STAMPS"),
         ("[[rule]]\nfinding = 'W_*'", "W_* is now warning"),
         ("[[rule]]\nfigure = 'a'\nat_most = 1\nnull = 'ok'", "must be unknown, fail, pass"),
+        ("[[rule]]\nfigure = 'a'\nat_most = 1\nlevel = 1", "level is 1; it must be fail, warn"),
+        ("[[rule]]\nfigure = 'gait.class'\nequals = 'a'", "gait.class is now gait.name"),
         ("[[rule]]\nevent = 'gap'\n\n[[rule]]\nevent = 1", "line 4: rule 2: event is 1"),
         ("not toml", "not valid TOML"),
     ],
 )
-def test_a_fault_is_told_with_rule_and_line(text: str, says: str) -> None:
+def test_a_fault_is_told_with_rule_and_line(tmp_path: Path, text: str, says: str) -> None:
+    (tmp_path / "limits.toml").write_text(text)
     with pytest.raises(CallError) as raised:
-        parse_limits(text, "limits.toml")
-
+        load_limits(tmp_path / "limits.toml")
     assert says in str(raised.value)
-    assert str(raised.value).startswith("limits.toml")
+    assert str(raised.value).startswith(str(tmp_path / "limits.toml"))
 
 
-def test_a_file_that_is_missing(tmp_path: Path) -> None:
-    with pytest.raises(CallError, match="no such file"):
-        load_limits(tmp_path / "none.toml")
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("gait.class", "gait.name"),
+        ("legs.feet.*.clearance_m.median", "feet.*.clearance_m.median"),
+        ("legs.feet.left.clearance_m.max", "feet.left.clearance_m.max"),
+        ("gait.phase_left_hind.left.mean", "gait.phase.left.left_hind"),
+        ("quality.topics.*.gaps.total_s", "quality.topics.*.gaps_total_s"),
+        ("feet.*.slip_m.max", ""),
+        ("gait.*", ""),
+    ],
+)
+def test_a_key_of_before_has_its_new_name(old: str, new: str) -> None:
+    assert new_name(old) == new
+
+
+def test_old_names_are_no_metrics_and_new_ones_are() -> None:
+    assert not RENAMED.keys() & PATHS
+    for new in RENAMED.values():
+        assert any(f"{path}.".startswith(f"{new}.") for path in PATHS), new

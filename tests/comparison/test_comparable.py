@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from dogbot_logtool.comparison.walks.comparable import doubts, why_not_comparable
+from dogbot_logtool.comparison.walks import doubts, why_not_comparable
 
 
 def log(

@@ -1,1 +1,0 @@
-"""How a robot walks in two runs, or in a run and in its labels."""
