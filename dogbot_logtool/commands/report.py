@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_log
@@ -11,7 +10,6 @@ from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, file_name, is_folder, shown, version
 from dogbot_logtool.io.targets import Output, targets
 from dogbot_logtool.options import Report
-from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.report.page.assets import page_script, shared_name
 from dogbot_logtool.report.page.events import listed_events
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
@@ -19,8 +17,6 @@ from dogbot_logtool.report.page.render import ALONE, Beside, page
 from dogbot_logtool.report.page.replay import frame_times, replay
 from dogbot_logtool.results import Page
 from dogbot_logtool.robot.annotated import open_recorded
-from dogbot_logtool.robot.robot_model.description import read_urdf
-from dogbot_logtool.robot.robot_model.joint_motion import joint_motion
 from dogbot_logtool.robot.robot_model.limbs import find_limbs
 from dogbot_logtool.run.runner import OnProgress
 
@@ -62,7 +58,7 @@ class Reports:
         self._refuse(target, source)
         with closing(open_recorded(source, options.joined)) as log:
             found = measure_log(log, options, progress)
-            replay = replay_of(log, found, options.urdf) if options.replay else None
+            replay = replay_of(found) if options.replay else None
         measured = found.measurement
         size = 0 if is_folder(source) else version(source)[0]
         html = page(measured, size, replay=replay, beside=self._beside)
@@ -99,19 +95,11 @@ def _row_without_page(log: Location, failures: Mapping[str, str]) -> IndexRow:
     return IndexRow(file_name(log), error=error.removeprefix(f"{shown(log)}: "))
 
 
-def replay_of(log: Log, found: MeasuredLog, urdf: Path | None = None) -> dict[str, Any] | None:
-    """Return what the page's replay draws; None without poses of the base.
-
-    Args:
-        log: an open log.
-        found: its figures and columns.
-        urdf: the user's robot description.
-    """
+def replay_of(found: MeasuredLog) -> dict[str, Any] | None:
+    """Return what the page's replay draws; None without poses of the base."""
     walk = found.measurement.walk
     if not len(walk.base_history.time):
         return None
     events = listed_events(found.measurement.metrics)
-    frames, time, settings = walk.frames, frame_times(walk, events), walk.settings
-    motion = joint_motion(log, frames, frames.base, read_urdf(urdf) if urdf else None)
-    limbs = find_limbs(walk.recording, found.selection, frames, motion, settings.clock, time)
-    return replay(walk, events, time, limbs)
+    time = frame_times(walk, events)
+    return replay(walk, events, time, find_limbs(walk, found.selection, time))
