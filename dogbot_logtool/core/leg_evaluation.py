@@ -14,7 +14,7 @@ from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.strides import typical_period_s
 from dogbot_logtool.core.legs.joints import JointTable, JointTrack, joint_tracks
 from dogbot_logtool.core.legs.legs import LegFigures, LegFoot, joint_curve, summed_work
-from dogbot_logtool.core.legs.paths import LegSettings, foot_path
+from dogbot_logtool.core.legs.paths import LegSettings, foot_path, link_tracks
 from dogbot_logtool.core.legs.swings import (
     STEPS,
     SWINGS,
@@ -54,7 +54,9 @@ def with_legs(
         clocks: how far topics' clocks are from that of the feet, those of joint states among them.
     """
     joints = joint_tracks(tables, walk.settings.clock, settings.limits)
-    paths = [foot_path(chain, joints, frames, settings.statics) for chain in settings.chains]
+    links = link_tracks(settings.joints, joints)
+    frames = settings.statics.then(links).then(frames)
+    paths = [foot_path(chain, frames) for chain in settings.chains]
     if not joints and not any(path is not None for path in paths):
         return walk
     period = typical_period_s([foot.stances for foot in walk.feet])
@@ -70,6 +72,7 @@ def with_legs(
         settings=settings,
         feet=feet,
         joints=joints,
+        links=links,
         work=work,
         metrics=Legs(
             absolute_work_j=aggregate(work[1]),
@@ -105,7 +108,7 @@ def _feet(
             reason = "the clocks of odometry and feet differ"
         elif path is not None and walk.loses_way:
             reason = "the odometry drifts among the contact points"
-        elif path is not None and joints_apart and chain is not None and chain.joints:
+        elif path is not None and joints_apart and settings.joints:
             reason = "the clock of the joint states differs from that of the feet"
         elif path is not None and not len(base.time):
             reason = "the log has no usable poses"

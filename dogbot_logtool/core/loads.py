@@ -201,6 +201,7 @@ def loads_of(
     within: Ints | None = None,
     *,
     mass_is_assumed: bool = False,
+    lacks_feet: bool = False,
 ) -> WalkLoads:
     """Compare the feet's impulses with each other and with the weight.
 
@@ -215,6 +216,7 @@ def loads_of(
             that step there are no shares.
         within: (w, 2) ns, a segment; its strides are given. None: the whole log.
         mass_is_assumed: whether the weight is that of a robot that was only guessed.
+        lacks_feet: whether the robot has other feet, too.
     """
     loaded = [foot for foot in feet if len(foot.in_contact)]
     vertical = bool(loaded) and all(vertical_is_known(foot) for foot in loaded)
@@ -237,13 +239,15 @@ def loads_of(
     return WalkLoads(
         known_s=seconds,
         over_strides=over_strides,
-        complete=len(loaded) == len(feet),
+        complete=len(loaded) == len(feet) and not lacks_feet,
         mean_vertical_n=sum(upward) / seconds if vertical and seconds else None,
         mean_magnitude_n=sum(magnitude) / seconds if (vertical or has_forces) and seconds else None,
         body_weight_n=body_weight_n,
         mass_is_assumed=mass_is_assumed,
         share_of=("vertical_impulse" if vertical else "force_impulse") if shares else None,
-        shares=tuple(each / sum(shared) for each in shared) if shares and not in_part else None,
+        shares=tuple(each / sum(shared) for each in shared)
+        if shares and not (in_part or lacks_feet)
+        else None,
     )
 
 
