@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
@@ -44,10 +43,7 @@ def draw_figure(measured: Measurement, target: Path, *, overwrite: bool) -> tupl
     """
     stats = measured.walk
     window = default_window(stats)
-    first, last = (stats.origin + round(each * 1e9) for each in window)
-    detail = CurveDetail(window=(first, last))
-    curves = tuple(foot.record.load_curves(detail) for foot in stats.feet)
-    figure = gait_figure(stats, curves, window)
+    figure = gait_figure(stats, window)
     with whole_file(target, overwrite=overwrite) as file:
         write_figure(figure, file, _format(target))
     return window

@@ -318,25 +318,6 @@ def rows_of_runs(begin: Ints, end: Ints) -> tuple[Ints, Ints, Ints]:
     return np.arange(len(run)) + (begin - first)[run], run, first
 
 
-def added_within(total: Floats, knots: Floats, at: Floats, half: float) -> Floats:
-    """Return by how much running totals grow over a window about each time.
-
-    Args:
-        total: (n, k) any unit, at each knot; between knots they grow evenly.
-        knots: (n,) times, increasing.
-        at: (m,) times, in the knots' unit.
-        half: half of the window, likewise.
-
-    Returns:
-        (m, k) in the totals' unit; divided by the window's length, means over it.
-    """
-    columns = [
-        np.interp(at + half, knots, column) - np.interp(at - half, knots, column)
-        for column in total.T
-    ]
-    return np.stack(columns, axis=1)
-
-
 def quantiles(ordered: Floats, begin: Ints, end: Ints, share: float) -> Floats:
     """Quantile of each run of sorted values, interpolated linearly between neighbours.
 

@@ -15,10 +15,11 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.integral import Integral
 from dogbot_logtool.core.metrics import Commands, Tracking, Turning
 from dogbot_logtool.core.records import Number
 from dogbot_logtool.core.rotations import along_heading
-from dogbot_logtool.core.vectors import Integral, VectorHistory
+from dogbot_logtool.core.vectors import VectorHistory
 
 TRACKING_HZ: Final = 50.0
 """Commanded and measured velocity are compared so often."""
@@ -182,8 +183,7 @@ def _base_way(base: BaseHistory, forward_axis: str, jumps: Ints) -> tuple[Integr
     sparse = np.flatnonzero(np.diff(base.time) > SPARSE_NS)
     broken = np.stack([base.time[sparse], base.time[sparse + 1]], axis=1)
     known = timespans.subtract(base.known, timespans.merge(np.concatenate([jumps, broken])))
-    origin = int(base.time[0])
-    return Integral(origin, (base.time - origin).astype(np.float64), total), known
+    return Integral(base.time, total), known
 
 
 def _command(held: Ints, velocity: Floats) -> Integral:
@@ -192,8 +192,7 @@ def _command(held: Ints, velocity: Floats) -> Integral:
     total = np.zeros((2 * len(held), 3))
     total[1::2] = np.cumsum(each, axis=0)
     total[2::2] = total[1:-1:2]
-    origin = int(held[0, 0])
-    return Integral(origin, (held.ravel() - origin).astype(np.float64), total)
+    return Integral(held.ravel(), total)
 
 
 def _in_axes(

@@ -12,6 +12,7 @@ from dogbot_logtool.core.base.axes import leaning_walk_rad
 from dogbot_logtool.core.base.foot_path import FootPath, path_in_base, path_of
 from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history
 from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.contact.filtered import time_constants_s, without_filter
 from dogbot_logtool.core.contact.foot_history import FootHistory, foot_history
 from dogbot_logtool.core.contact.silent_swing import with_swings
 from dogbot_logtool.core.corrections.clock import (
@@ -101,6 +102,7 @@ def correct(recording: Recording, settings: WalkSettings) -> Corrected:
     if clock.reason:
         settings = replace(settings, time_source=clock.source, time_source_reason=clock.reason)
     on_stamps = clock.source is TimeSource.HEADER
+    recording, settings = _without_filters(recording, settings)
     settings = with_sensors(settings, recording.feet)
     frames = known_frames(recording, settings)
     settings = _in_frames(recording, settings, frames)
@@ -151,6 +153,26 @@ def usable_samples(recording: Recording, settings: WalkSettings) -> tuple[Sample
 def _check(topic: str, columns: Samples | Odometry) -> StampCheck:
     """Check the header stamps of a foot or the base."""
     return check_stamps(topic, columns.stamp, columns.log_time)
+
+
+def _without_filters(
+    recording: Recording, settings: WalkSettings
+) -> tuple[Recording, WalkSettings]:
+    """Take out low-pass filters that forces went through, where these decide contact."""
+    rows = [
+        row
+        for row, foot in enumerate(settings.feet)
+        if foot.has_force
+        and not (foot.has_flags or foot.lists_contacts or foot.silent_in_swing)
+        and len(recording.feet[row].log_time)
+    ]
+    samples, feet = list(recording.feet), list(settings.feet)
+    told = time_constants_s([samples[row] for row in rows])
+    for row, tau_s in zip(rows, told, strict=True):
+        if tau_s is not None:
+            samples[row] = without_filter(samples[row], tau_s)
+            feet[row] = replace(feet[row], filter_s=tau_s)
+    return replace(recording, feet=tuple(samples)), replace(settings, feet=tuple(feet))
 
 
 def _joint_clocks(

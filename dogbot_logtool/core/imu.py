@@ -18,11 +18,12 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.integral import Integral, trapezoids
 from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
 from dogbot_logtool.core.metrics import Imu
 from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
-from dogbot_logtool.core.vectors import Integral, VectorHistory
+from dogbot_logtool.core.vectors import VectorHistory
 
 STANDING_WINDOW_S: Final = 0.5
 """s, what means are over in a log without strides."""
@@ -205,10 +206,8 @@ def compare_imu(
 
 
 def _integral(time: Ints, values: Floats) -> Integral:
-    """Add up values, (n, k), over times, (n,) ns, by the trapezoidal rule."""
-    parts = (values[1:] + values[:-1]) / 2.0 * (np.diff(time) / 1e9)[:, None]
-    total = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(parts, axis=0)])
-    return Integral(int(time[0]), (time - time[0]).astype(np.float64), total)
+    """Add up values, (n, k), over times, (n,) ns."""
+    return Integral(time, trapezoids(np.diff(time) / 1e9, values))
 
 
 def _acceleration(base: BaseHistory, time: Ints, half_ns: int) -> Floats:

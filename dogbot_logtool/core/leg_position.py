@@ -30,6 +30,17 @@ def quadruped(leg_positions: Sequence[LegPosition | None]) -> tuple[int, int, in
     return front_left, front_right, back_left, back_right
 
 
+def are_some_of(leg_positions: Sequence[LegPosition | None]) -> bool:
+    """Tell whether a robot with these feet has others, too, by how many there are and by names."""
+    if len(leg_positions) == 1:
+        return True
+    known = {each for each in leg_positions if each}
+    ends, sides = {end for end, _ in known}, {side for _, side in known}
+    if len(known) < len(leg_positions) or not ends <= set(_ENDS) or not sides <= set(_SIDES):
+        return False
+    return bool(known) and len(known) < 2 * len(ends | {"front", "back"})
+
+
 _ENDS: Final = ("front", "middle", "back")
 _SIDES: Final = ("left", "right")
 

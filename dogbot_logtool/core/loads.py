@@ -10,6 +10,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
+from dogbot_logtool.core.integral import Integral
 from dogbot_logtool.core.leg_position import LegPosition
 
 NEAR_ZERO: Final = 1e-9
@@ -171,7 +172,7 @@ def vertical_impulse_ns(foot: FootHistory, within: Ints | None = None) -> float 
         return None
     known = foot.vertical_known
     spans = known if within is None else timespans.intersect([known, within])
-    return foot.track.within(foot.track.vertical_impulse, spans)
+    return float(foot.track.vertical_impulse.within(spans)[0])
 
 
 def whole_strides(strides: Ints, feet: Sequence[FootHistory], *, vertical: bool) -> Ints:
@@ -200,6 +201,7 @@ def loads_of(
     within: Ints | None = None,
     *,
     mass_is_assumed: bool = False,
+    lacks_feet: bool = False,
 ) -> WalkLoads:
     """Compare the feet's impulses with each other and with the weight.
 
@@ -214,6 +216,7 @@ def loads_of(
             that step there are no shares.
         within: (w, 2) ns, a segment; its strides are given. None: the whole log.
         mass_is_assumed: whether the weight is that of a robot that was only guessed.
+        lacks_feet: whether the robot has other feet, too.
     """
     loaded = [foot for foot in feet if len(foot.in_contact)]
     vertical = bool(loaded) and all(vertical_is_known(foot) for foot in loaded)
@@ -226,8 +229,8 @@ def loads_of(
         spans = spans if within is None else timespans.intersect([spans, within])
     seconds = timespans.total(spans) / 1e9
     tracks = [foot.track for foot in feet]
-    magnitude = [track.within(track.force_impulse, spans) for track in tracks]
-    upward = [track.within(track.vertical_impulse, spans) for track in tracks]
+    magnitude = [float(track.force_impulse.within(spans)[0]) for track in tracks]
+    upward = [float(track.vertical_impulse.within(spans)[0]) for track in tracks]
     has_forces = all(foot.has_force for foot in feet)
     shared = upward if vertical else magnitude
     # A part of a stride counts one foot's stance and another's swing.
@@ -236,13 +239,15 @@ def loads_of(
     return WalkLoads(
         known_s=seconds,
         over_strides=over_strides,
-        complete=len(loaded) == len(feet),
+        complete=len(loaded) == len(feet) and not lacks_feet,
         mean_vertical_n=sum(upward) / seconds if vertical and seconds else None,
         mean_magnitude_n=sum(magnitude) / seconds if (vertical or has_forces) and seconds else None,
         body_weight_n=body_weight_n,
         mass_is_assumed=mass_is_assumed,
         share_of=("vertical_impulse" if vertical else "force_impulse") if shares else None,
-        shares=tuple(each / sum(shared) for each in shared) if shares and not in_part else None,
+        shares=tuple(each / sum(shared) for each in shared)
+        if shares and not (in_part or lacks_feet)
+        else None,
     )
 
 
@@ -316,11 +321,8 @@ def mean_impulses(feet: Sequence[FootHistory], impulse: str, time: Ints, half_ns
         time: (m,) ns.
         half_ns: half of the window.
     """
-    added = [
-        foot.track.added(getattr(foot.track, impulse), time - half_ns, time + half_ns)
-        for foot in feet
-    ]
-    return np.stack(added, axis=1) / (2e-9 * half_ns)
+    totals: list[Integral] = [getattr(foot.track, impulse) for foot in feet]
+    return np.concatenate([each.mean(time, 2 * half_ns) for each in totals], axis=1)
 
 
 SAME_PHASE: Final = 0.05

@@ -82,6 +82,7 @@ def loads_in(walk: Walk, within: Ints | None = None) -> WalkLoads:
         strides[0].spans if strides else None,
         within,
         mass_is_assumed=walk.settings.mass_is_assumed,
+        lacks_feet=walk.settings.lacks_feet,
     )
 
 
@@ -104,15 +105,19 @@ def mask_walk(corrected: Corrected) -> Walk:
     height = _steadiest_height(records, placed, base)
     fallen = fallen_spans(recorded, records, height, jumps.spans)
     weighed = loads_of(
-        records, settings.body_weight_n, any_strides(records, fallen, timespans.no_spans())
+        records,
+        settings.body_weight_n,
+        any_strides(records, fallen, timespans.no_spans()),
+        lacks_feet=settings.lacks_feet,
     )
     dead = tuple(dead_feet(records, weighed))
     period_s = typical_period_s([each.stances for each in records])
     apart = too_far_apart(corrected.clocks, period_s)
-    supported = None if any(dead) or _feet_apart(settings, apart) else support(records)
+    unsupported = any(dead) or settings.lacks_feet or _feet_apart(settings, apart)
+    supported = None if unsupported else support(records)
     standing = _standing(settings, records, supported, base, fallen)
     strides = any_strides(records, fallen, standing.without_steps)
-    delay = None if apart else _long_delay(records, base, period_s, strides)
+    delay = None if apart or settings.lacks_feet else _long_delay(records, base, period_s, strides)
     apart = apart | {settings.odometry_topic} if delay else apart
     rise_m = height_drift_m(base, height, strides)
     placed_by_poses = any(path is not None for path in corrected.places)

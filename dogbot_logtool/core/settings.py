@@ -7,7 +7,7 @@ from dogbot_logtool.core.contact.contact_rule import FootSensor, Thresholds, con
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.core.leg_position import LegPosition, are_some_of
 
 GRAVITY_MPS2: Final = 9.81
 """Standard in simulators (Gazebo's default world has 9.8)."""
@@ -42,6 +42,8 @@ class FootSettings:
     offset_n: tuple[float, float, float] | None = None
     """N, what its sensor reads without load; None: not given. Also where it is from."""
     offset_from: Origin = "option"
+    filter_s: float | None = None
+    """s, time constant of the low-pass filter that its forces went through; None: of none."""
     sensor: FootSensor | None = None
     """How its sensor reads; None: to be learnt from its samples."""
 
@@ -116,6 +118,11 @@ class WalkSettings:
     def body_weight_n(self) -> float | None:
         """N; None when the mass is not known."""
         return body_weight_n(self.mass_kg)
+
+    @property
+    def lacks_feet(self) -> bool:
+        """Whether the robot has feet beside these, so that nothing is known of all together."""
+        return are_some_of([foot.leg_position for foot in self.feet])
 
     def sensor(self, foot: int) -> FootSensor:
         """Return how a foot's sensor reads, and what counts as contact of it."""

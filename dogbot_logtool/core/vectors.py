@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints, added_within, all_finite, picked
+from dogbot_logtool.core.arrays import Floats, Ints, all_finite, picked
 from dogbot_logtool.core.corrections.clock import (
     WINDOW_NS,
     OffsetTrack,
@@ -140,20 +140,3 @@ def _behind(base: OffsetTrack | None, log_time: Ints) -> Ints:
     growth = np.interp(since, middle, base.least_ns - base.least_ns[0])
     behind: Ints = growth.astype(np.int64) + base.least_ns[0]
     return behind
-
-
-@dataclass(frozen=True, slots=True)
-class Integral:
-    """Integrals of some columns over time, so that means over any time can be asked for."""
-
-    origin: int
-    """ns."""
-    time: Floats
-    """(n,) ns since the origin, increasing."""
-    total: Floats
-    """(n, k) unit times s; between rows it grows evenly."""
-
-    def mean(self, time: Ints, window_ns: int) -> Floats:
-        """(m, k) means over a window about each time; ask only where the columns are known."""
-        since = (time - self.origin).astype(np.float64)
-        return added_within(self.total, self.time, since, window_ns / 2.0) / (window_ns / 1e9)

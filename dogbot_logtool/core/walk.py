@@ -179,7 +179,7 @@ class Walk:
     def contacts_known(self) -> bool:
         """Whether the contacts of all feet are known, on one clock."""
         known = all(foot.contact_known or foot.record.start is None for foot in self.feet)
-        return known and not self.feet_clocks_are_apart
+        return known and not (self.feet_clocks_are_apart or self.settings.lacks_feet)
 
     def seconds(self, time: Ints) -> list[float]:
         """Return times as seconds since the origin, to the nanosecond."""

@@ -82,3 +82,6 @@ class Foot:
     """N, what its sensor reads without load; None: estimated from the log."""
     newtons_per_count: float | None = toml_field(TomlTable.positive)
     """Scale of a raw sensor; None: it was never measured."""
+
+    sensor_of: str = ""
+    """The foot that this is one of several sensors of; empty: it is a foot of its own."""

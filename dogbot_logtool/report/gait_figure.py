@@ -14,12 +14,12 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.contact.curves import Curve, LoadCurves
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.errors import ExtraMissingError, LogError
 from dogbot_logtool.io.printable import printable
+from dogbot_logtool.report.curves import Curve, curve_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -115,18 +115,13 @@ def _layout(names: Sequence[str], panels: int) -> _Layout:
     return _Layout(width, _TOP + _BOTTOM + inner, left, right)
 
 
-def gait_figure(
-    stats: Walk,
-    curves: Sequence[LoadCurves | None],
-    window: tuple[float, float],
-) -> "Figure":
+def gait_figure(stats: Walk, window: tuple[float, float]) -> "Figure":
     """Draw the figure.
 
     Bars are named ``stance-<foot>`` and lines ``load-<foot>`` in it, and in SVG.
 
     Args:
         stats: figures of a log.
-        curves: load curves of its feet; None for a foot that tells no force.
         window: s since the log's start, from and to.
 
     Raises:
@@ -140,7 +135,14 @@ def gait_figure(
     if not stats.end > stats.origin:
         raise LogError("there is nothing to draw: all messages of the feet have the same time")
     names = [printable(name) for name in short_names([foot.name for foot in stats.feet])]
-    forces = {row: each.force for row, each in enumerate(curves) if each and each.force}
+    tracks = {
+        row: foot.record.track for row, foot in enumerate(stats.feet) if foot.record.has_force
+    }
+    loads = {
+        row: curve_of(each.time, each.force, window=_limits(stats, window))
+        for row, each in tracks.items()
+    }
+    forces = {row: each for row, each in loads.items() if each}
     layout = _layout(names, len(forces))
     with context(["default", _STYLE]):
         figure = Figure((layout.width / _MM_PER_INCH, layout.height / _MM_PER_INCH))

@@ -19,8 +19,8 @@ One name alone misleads: ``rl_controller`` is no left hind leg and the ``front``
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import combinations
+from dataclasses import dataclass, replace
+from itertools import combinations, takewhile
 from typing import Final
 
 from dogbot_logtool.core.leg_position import LegPosition
@@ -30,6 +30,8 @@ from dogbot_logtool.robot.words import (
     LETTERS,
     MERITS,
     NEUTRAL,
+    ON_A_FOOT,
+    PARTS,
     SIDES,
     USABLE,
     Part,
@@ -59,10 +61,11 @@ class NamedFoot:
 
 @dataclass(frozen=True, slots=True)
 class FootSet:
-    """Topics whose names differ only in the leg."""
+    """Topics whose names differ only in the leg, or also in the place on each foot."""
 
     feet: tuple[NamedFoot, ...]
-    """In the order front to back, left before right, or of their numbers."""
+    """In the order front to back, left before right, or of their numbers; sensors of one foot have
+    one name."""
     kind: str
     """``corners``, ``sides`` or ``numbers``."""
     part: Part
@@ -107,6 +110,8 @@ class FootSet:
         if self.merit < USABLE or self.part < Part.UNKNOWN or self.doubtful:
             return False
         is_leg = self.part >= Part.LEG
+        if self.kind == "alone":
+            return len(self.feet) == 1 and contacts_only and self.feet[0].position is not None
         if self.kind == "numbers":
             return is_leg and len(self.feet) >= _NUMBERED
         if self.kind == "sides":
@@ -152,18 +157,23 @@ def name_feet(topics: Iterable[str], *, contacts_only: bool) -> FootNames:
             be a foot's. Else only those may be whose names say so.
     """
     names = {topic: words_of(topic) for topic in sorted(set(topics))[:_MOST_TOPICS]}
-    sets = _without_parts(list(_sibling_sets(names)))
+    siblings = list(_sibling_sets(names))
+    several = [one for one in _with_several(siblings) if one.is_clear(contacts_only=contacts_only)]
+    sets = [
+        one
+        for one in _without_parts(siblings)
+        if not any(one.topics <= other.topics for other in several)
+    ] + several
     possible = [one for one in sets if _may_be_feet(one, contacts_only=contacts_only)]
     ranked = sorted(possible, key=_rank)
+    in_sets = {topic for one in sets for topic in one.topics}
+    rest = {topic: words for topic, words in names.items() if topic not in in_sets}
+    ranked += _alone(rest, contacts_only=contacts_only)
     clear = [one for one in ranked if one.is_clear(contacts_only=contacts_only)]
     chosen = None
     if clear and (len(clear) == 1 or _rank(clear[0]) < _rank(clear[1])):
         chosen = clear[0]
-    offered = [one for one in ranked if one is not chosen]
-    in_sets = {topic for one in sets for topic in one.topics}
-    rest = {topic: words for topic, words in names.items() if topic not in in_sets}
-    offered.extend(_alone(rest, contacts_only=contacts_only))
-    return FootNames(chosen, tuple(offered))
+    return FootNames(chosen, tuple(one for one in ranked if one is not chosen))
 
 
 def _rank(one: FootSet) -> tuple[int, int]:
@@ -260,6 +270,44 @@ def _without_parts(sets: Sequence[FootSet]) -> list[FootSet]:
     return kept
 
 
+def _with_several(sets: Sequence[FootSet]) -> Iterator[FootSet]:
+    """Yield the feet of which each has the same sensors, as ``left_toe`` and ``left_heel``.
+
+    Their names differ in a place on the foot. Where all of them can be legs, they are.
+    """
+    alike: dict[tuple[str, tuple[str, ...], frozenset[str]], list[FootSet]] = {}
+    for one in sets:
+        legs, rest = tuple(foot.name for foot in one.feet), one.words - ON_A_FOOT
+        if one.kind != "numbers" and rest != one.words:
+            alike.setdefault((one.kind, legs, rest), []).append(one)
+    all_legs = [one.topics for one in sets]
+    corners = {topic for one in sets if one.kind == "corners" for topic in one.topics}
+    for (_, _, rest), (first, *others) in alike.items():
+        feet = tuple(foot for one in (first, *others) for foot in one.feet)
+        topics = frozenset(foot.topic for foot in feet)
+        is_grid = len(topics) == len(feet) and any(_on_one_foot(first, one) for one in others)
+        is_leg = first.kind == "corners" or corners.isdisjoint(topics)
+        if is_grid and is_leg and not any(topics <= other for other in all_legs):
+            yield replace(first, feet=feet, words=rest)
+
+
+def _on_one_foot(one: FootSet, other: FootSet) -> bool:
+    """Tell whether names differ in a place on the foot, and not in the robot that it is of.
+
+    Words such as toe and heel may stand before the leg's, numbers, letters and ends only behind.
+    """
+    if (one.words ^ other.words) & PARTS.keys():
+        return True
+    left, right, left_too = (foot.topic for foot in (*one.feet[:2], other.feet[0]))
+    return _words_alike(left, left_too) > _words_alike(left, right)
+
+
+def _words_alike(one: str, other: str) -> int:
+    """Count the words with which two names begin alike."""
+    pairs = zip(words_of(one), words_of(other), strict=False)
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
+
+
 def _alone(names: Mapping[str, Sequence[Word]], *, contacts_only: bool) -> list[FootSet]:
     """Return topics without siblings that may be feet, as one set to offer."""
     topics = {
@@ -269,7 +317,7 @@ def _alone(names: Mapping[str, Sequence[Word]], *, contacts_only: bool) -> list[
     }
     counts = Counter(topics.values())
     feet = [
-        NamedFoot(name if counts[name] == 1 else _sanitised(topic), topic)
+        NamedFoot(name if counts[name] == 1 else _sanitised(topic), topic, leg_position(name))
         for topic, name in topics.items()
     ]
     unique = tuple({foot.name: foot for foot in feet}.values())[:_MOST_LEGS]

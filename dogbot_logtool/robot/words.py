@@ -87,6 +87,11 @@ PARTS: Final[Mapping[str, Part]] = {
     **dict.fromkeys(_UPPER_LEG.split(), Part.UPPER_LEG),
     **dict.fromkeys(_NOT_A_FOOT.split(), Part.NOT_A_FOOT),
 }
+ON_A_FOOT: Final = frozenset(
+    f"{' '.join(map(str, range(1, 17)))} a b c d e f g h ball fore heel hind in inner inside "
+    f"lateral medial mid out outer outside toe {' '.join((*ENDS, *SIDES, *LETTERS))}".split()
+)
+"""Words that tell the sensors of one foot apart."""
 NEUTRAL: Final = frozenset(_NEUTRAL.split())
 """Words of a sensor or its message; they say nothing about where it is."""
 WHOLE: Final[Mapping[str, tuple[str, ...]]] = {

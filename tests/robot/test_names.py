@@ -42,6 +42,15 @@ def test_feet_that_are_not_sure_are_offered(name: str) -> None:
     assert {topic for one in found.offered for topic in one.topics} == set(topics(row))
 
 
+@pytest.mark.parametrize("name", TABLE["several"])
+def test_sensors_of_one_foot_are_told_by_names(name: str) -> None:
+    row = TABLE["several"][name]
+    found = name_feet([*row["left"], *row["right"]], contacts_only=row["contacts_only"])
+    assert found.chosen is not None
+    for side in ("left", "right"):
+        assert sorted(f.topic for f in found.chosen.feet if f.name == side) == row[side]
+
+
 @pytest.mark.parametrize("name", TABLE["none"])
 def test_what_is_no_foot_is_neither_chosen_nor_offered(name: str) -> None:
     row = TABLE["none"][name]

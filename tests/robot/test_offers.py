@@ -11,7 +11,7 @@ from tests.forked_cli import Ended
 from tests.oracles.foot_logs import CONTACTS, WRENCH, write_log
 
 SIDES = ("left", "right")
-SENSORS = {f"/{side} {part}/wrench": WRENCH for side in SIDES for part in ("toe", "heel")}
+SENSORS = {f"/{side} {part}/wrench": WRENCH for side in SIDES for part in ("toe y", "toe x")}
 CORNERS = ("front_left", "front_right", "back_left", "back_right")
 
 
@@ -40,7 +40,7 @@ def test_the_offered_command_can_be_typed(sensors: Path) -> None:
     done = run(*command(told.stdout), "--json", "-v")
     figures = json.loads(done.stdout)
     feet = {name: foot["topic"] for name, foot in figures["settings"]["feet"].items()}
-    assert feet == {side: f"/{side} heel/wrench" for side in SIDES}
+    assert feet == {side: f"/{side} toe x/wrench" for side in SIDES}
     assert all(foot["touchdown_s"] for foot in figures["feet"].values())
 
 
@@ -67,11 +67,20 @@ def test_a_trot_under_a_controller_called_rl_is_a_trot(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--foot", "nose=/left toe/wrench", "--robot", "dogbot"], "no such foot; it has front_"),
-        (["--foot", "a=/left toe/wrench", "--foot", "a=/left heel/wrench"], "--foot a: is given"),
-        (["--foot", "a=/left toe/wrench", "--foot", "a=/left toe/wrench"], "--foot a: is given"),
-        (["--foot", "a=/left toe/wrench", "--foot", "b=/left toe/wrench"], "topic of a, b"),
-        (["--foot", "a=/left_toe/wrench"], "did you mean /left toe/wrench"),
+        (
+            ["--foot", "nose=/left toe y/wrench", "--robot", "dogbot"],
+            "no such foot; it has front_",
+        ),
+        (
+            ["--foot", "a=/left toe y/wrench", "--foot", "a=/left toe x/wrench"],
+            "--foot a: is given",
+        ),
+        (
+            ["--foot", "a=/left toe y/wrench", "--foot", "a=/left toe y/wrench"],
+            "--foot a: is given",
+        ),
+        (["--foot", "a=/left toe y/wrench", "--foot", "b=/left toe y/wrench"], "topic of a, b"),
+        (["--foot", "a=/left_toe_y/wrench"], "did you mean /left toe y/wrench"),
         (["--foot", "a=/odom"], "is of type nav_msgs/Odometry"),
         (["--odom-topic", "odom"], "did you mean /odom?"),
     ],

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tests.truth.recording import Disturbance, FootRecording, Recording
+from tests.truth.recording import Disturbance, FootRecording, Recording, Sensor
 
 
 def as_flags(recording: Recording) -> Recording:
@@ -89,3 +89,48 @@ def treadmill(recording: Recording) -> Recording:
     position = base.position - way + np.outer(sway, (0.3, 1.0, 0.5))
     still = replace(base, position=position, velocity=np.zeros_like(base.velocity))
     return replace(recording, feet=feet, base=still)
+
+
+def without(*feet: str) -> Disturbance:
+    """Let feet have no sensor."""
+    return lambda recording: replace(recording, unrecorded=tuple(feet))
+
+
+def several(*names: str, share_frames: bool = False, reach_m: float = 0.1) -> Disturbance:
+    """Let each foot have sensors from heel to toe, over which the load rolls in each stance.
+
+    Args:
+        names: of their topics, from heel to toe, with ``{foot}`` for the foot.
+        share_frames: whether their frames are the foot's, and not their own.
+        reach_m: of the first behind the foot's point, and of the last ahead of it.
+    """
+
+    def change(recording: Recording) -> Recording:
+        sensors = []
+        for row, foot in enumerate(recording.feet):
+            name, duty = recording.robot.feet[row], recording.truth.feet[row].stance_s or 1.0
+            began = np.flatnonzero(np.diff(foot.touching.astype(np.int8), prepend=0) > 0)
+            since = (
+                foot.time
+                - foot.time[began[np.searchsorted(began, np.arange(len(foot.time)), "right") - 1]]
+            )
+            # Where the load is between the first sensor and the last one.
+            load = np.clip(1.4 * since / duty - 0.2, 0.0, 1.0) * (len(names) - 1)
+            of_foot = []
+            for number, each in enumerate(names):
+                part = np.clip(1.0 - np.abs(load - number), 0.0, 1.0)
+                ahead = reach_m * (2.0 * number / (len(names) - 1) - 1.0)
+                columns = replace(
+                    foot,
+                    force=foot.force * part[:, None],
+                    touching=foot.touching & (part > 0.0),
+                    point=foot.point + np.array([ahead, 0.0, 0.0]),
+                )
+                topic = each.format(foot=name)
+                own = topic.strip("/").replace("/", "_")
+                frame = f"{name if share_frames else own}_link"
+                of_foot.append(Sensor(topic, frame, columns))
+            sensors.append(tuple(of_foot))
+        return replace(recording, sensors=tuple(sensors))
+
+    return change

@@ -1,7 +1,7 @@
 """Is a result right, or null with its cause named? Every figure against the truth."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
 import numpy as np
@@ -89,12 +89,24 @@ STRUCTURAL: Final = {
 
 def judge(case: Case, recording: Recording, found: Outcome) -> list[Judged]:
     """Judge all figures of a case."""
+    recording = _measured_feet(recording, found)
     judged = [*_gait(case, recording.truth, found), *_verdict(case, recording.truth, found)]
     walks = recording.truth.feet[0].stride_period_s is not None
     judged += _walk(case, recording, found) if walks else _no_steps(recording, found)
     judged += _whole(case, recording, found)
     judged = [each for each in judged if each.figure not in case.skip]
     return judged + [each for each in _unknown(judged, found) if each.figure not in case.skip]
+
+
+def _measured_feet(recording: Recording, found: Outcome) -> Recording:
+    """Return a recording of those feet only of which the result knows."""
+    robot, truth = recording.robot, recording.truth
+    rows = [row for row, name in enumerate(robot.feet) if name in found.json["feet"]]
+    if not rows or len(rows) == len(robot.feet):
+        return recording
+    names = tuple(robot.feet[row] for row in rows)
+    feet = tuple(truth.feet[row] for row in rows)
+    return replace(recording, robot=replace(robot, feet=names), truth=replace(truth, feet=feet))
 
 
 def faults(judged: Sequence[Judged]) -> list[Judged]:

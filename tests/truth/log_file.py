@@ -22,7 +22,7 @@ from tests.truth.messages import (
     WRENCH,
     Messages,
 )
-from tests.truth.recording import Ints, Recording, VectorRecording
+from tests.truth.recording import Ints, Recording, Sensor, VectorRecording
 
 BASE: Final = "base_link"
 WORLD: Final = "odom"
@@ -44,16 +44,11 @@ def _messages(ros: int) -> Messages:
     return Messages(ros)
 
 
-def link_name(foot: str) -> str:
-    """Name the frame that a foot's sensor is in."""
-    return f"{foot}_link"
-
-
 def _entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
     yield from _base_entries(recording, messages)
     for foot, name in enumerate(recording.robot.feet):
         if name not in recording.unrecorded:
-            yield from _SENSORS[recording.kind_of(foot)](recording, messages, foot)
+            yield from _foot_entries(recording, messages, foot)
     if recording.has_tf:
         yield from _transform_entries(recording, messages)
     if recording.statics:
@@ -75,17 +70,24 @@ def _rows(log_time: Ints, topic: str, kind: str, data: Sequence[bytes]) -> Itera
         yield time, topic, kind, each
 
 
-def _force_entries(recording: Recording, messages: Messages, foot: int) -> Iterator[Entry]:
-    sensor, topic = recording.feet[foot], recording.robot.topic(foot)
-    template = messages.wrench_stamped(link_name(recording.robot.feet[foot]))
-    data = template.all_filled(sensor.stamp, sensor.force)
-    yield from _rows(sensor.log_time, topic, WRENCH, data)
+def _foot_entries(recording: Recording, messages: Messages, foot: int) -> Iterator[Entry]:
+    kind = recording.kind_of(foot)
+    if kind in _ALL_FEET:
+        # One message tells of all feet: it comes with the first.
+        yield from _ALL_FEET[kind](recording, messages) if foot == 0 else ()
+        return
+    for sensor in recording.sensors_of(foot):
+        yield from _SENSORS[kind](recording, messages, sensor)
 
 
-def _bumper_entries(recording: Recording, messages: Messages, foot: int) -> Iterator[Entry]:
-    sensor, robot = recording.feet[foot], recording.robot
-    link = link_name(robot.feet[foot])
-    name = f"{robot.name}::{link}::{robot.feet[foot]}_collision"
+def _force_entries(_: Recording, messages: Messages, of: Sensor) -> Iterator[Entry]:
+    data = messages.wrench_stamped(of.frame).all_filled(of.columns.stamp, of.columns.force)
+    yield from _rows(of.columns.log_time, of.topic, WRENCH, data)
+
+
+def _bumper_entries(recording: Recording, messages: Messages, of: Sensor) -> Iterator[Entry]:
+    sensor, robot, link = of.columns, recording.robot, of.frame
+    name = f"{robot.name}::{link}::{link.removesuffix('_link')}_collision"
     contact = messages.contact(link, name)
     numbers = np.concatenate([sensor.force, sensor.force, sensor.point, sensor.normal], axis=1)
     data = contact.all_filled(sensor.stamp, numbers)
@@ -99,18 +101,17 @@ def _bumper_entries(recording: Recording, messages: Messages, foot: int) -> Iter
         others = messages.no_contact(link).all_filled(sensor.stamp[swing], nothing)
     for row, each in zip(swing.tolist(), others, strict=True):
         data[row] = each
-    yield from _rows(sensor.log_time, robot.topic(foot), CONTACTS, data)
+    yield from _rows(sensor.log_time, of.topic, CONTACTS, data)
 
 
-def _gz_entries(recording: Recording, messages: Messages, foot: int) -> Iterator[Entry]:
+def _gz_entries(recording: Recording, messages: Messages, of: Sensor) -> Iterator[Entry]:
     """Report contacts only; the force on the ground is the force on the foot turned round."""
-    sensor, robot = recording.feet[foot], recording.robot
-    sensor = sensor.pick(sensor.touching)
-    link = link_name(robot.feet[foot])
-    contact = messages.gz_contact(link, f"{robot.name}::{link}::{robot.feet[foot]}_collision")
+    sensor, link = of.columns.pick(of.columns.touching), of.frame
+    collision = f"{link.removesuffix('_link')}_collision"
+    contact = messages.gz_contact(link, f"{recording.robot.name}::{link}::{collision}")
     numbers = np.concatenate([sensor.force, -sensor.force, sensor.point, sensor.normal], axis=1)
     data = contact.all_filled(sensor.stamp, numbers)
-    yield from _rows(sensor.log_time, robot.topic(foot), GZ_CONTACTS, data)
+    yield from _rows(sensor.log_time, of.topic, GZ_CONTACTS, data)
 
 
 def _static_entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
@@ -131,10 +132,8 @@ def _vector_entries(topic: VectorRecording, messages: Messages) -> Iterator[Entr
     yield from _rows(topic.log_time, topic.topic, name, data)
 
 
-def _spot_entries(recording: Recording, messages: Messages, foot: int) -> Iterator[Entry]:
-    """Tell contact, as 1 or 2, and place of all feet, once, with the first foot."""
-    if foot:
-        return
+def _spot_entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
+    """Tell contact, as 1 or 2, and place of all feet."""
     first = recording.feet[0]
     numbers = np.concatenate(recording.places, axis=1)
     touching = np.stack([each.touching for each in recording.feet], axis=1)
@@ -143,10 +142,8 @@ def _spot_entries(recording: Recording, messages: Messages, foot: int) -> Iterat
     yield from _rows(first.log_time, "/status/feet", SPOT, filled)
 
 
-def _flag_entries(recording: Recording, messages: Messages, foot: int) -> Iterator[Entry]:
-    """Tell contact of all feet, once, with the first foot."""
-    if foot:
-        return
+def _flag_entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
+    """Tell contact of all feet."""
     first = recording.feet[0]
     touching = np.stack([each.touching for each in recording.feet], axis=1)
     feet = len(recording.feet)
@@ -159,9 +156,8 @@ _SENSORS: Final = {
     "contacts": _bumper_entries,
     "gz_contacts": _gz_entries,
     "wrench": _force_entries,
-    "spot": _spot_entries,
-    "flags": _flag_entries,
 }
+_ALL_FEET: Final = {"spot": _spot_entries, "flags": _flag_entries}
 
 
 def _transform_entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
@@ -169,7 +165,7 @@ def _transform_entries(recording: Recording, messages: Messages) -> Iterator[Ent
     first, robot = recording.feet[0], recording.robot
     ticks = np.searchsorted(first.time, np.arange(0.0, first.time[-1], 1.0 / TF_RATE_HZ))
     ticks = np.append(ticks, len(first.time) - 1)
-    template = messages.transforms(BASE, [link_name(name) for name in robot.feet])
+    template = messages.transforms(BASE, [f"{name}_link" for name in robot.feet])
     hips = [(x, y, -0.5 * robot.height_m) for x, y in robot.corners_m]
     for row in np.unique(ticks).tolist():
         numbers: list[float] = []

@@ -66,11 +66,16 @@ class Outcome:
 
 
 def _foot_topics(recording: Recording) -> Mapping[str, str] | None:
-    """Name the feet of robots with two legs, whose wrench topics are not found by name."""
+    """Name the feet of which one or two have wrench topics, which are not found by name."""
     robot = recording.robot
-    if recording.kind != "wrench" or len(robot.feet) != 2:
+    topics = {
+        name: robot.topic(foot)
+        for foot, name in enumerate(robot.feet)
+        if name not in recording.unrecorded
+    }
+    if recording.sensors:
         return None
-    return {name: robot.topic(foot) for foot, name in enumerate(robot.feet)}
+    return topics if recording.kind == "wrench" and len(topics) <= 2 else None
 
 
 def outcome(recording: Recording, folder: Path) -> Outcome:

@@ -147,6 +147,15 @@ in the base's axes, or flags alone."""
 
 
 @dataclass(frozen=True, slots=True)
+class Sensor:
+    """One of several sensors of a foot."""
+
+    topic: str
+    frame: str
+    columns: FootRecording
+
+
+@dataclass(frozen=True, slots=True)
 class Recording:
     """All sensors of one robot."""
 
@@ -158,6 +167,8 @@ class Recording:
     kind: SensorKind = "contacts"
     kinds: tuple[SensorKind, ...] = ()
     """Kind of each foot's sensor, where they differ."""
+    sensors: tuple[tuple[Sensor, ...], ...] = ()
+    """Those of each foot, where it has several."""
     unrecorded: tuple[str, ...] = ()
     """Feet without a topic."""
     has_tf: bool = False
@@ -180,6 +191,13 @@ class Recording:
     def kind_of(self, foot: int) -> SensorKind:
         """Return the kind of a foot's sensor."""
         return self.kinds[foot] if self.kinds else self.kind
+
+    def sensors_of(self, foot: int) -> tuple[Sensor, ...]:
+        """Return a foot's sensors."""
+        if self.sensors:
+            return self.sensors[foot]
+        frame = f"{self.robot.feet[foot]}_link"
+        return (Sensor(self.robot.topic(foot), frame, self.feet[foot]),)
 
     def each_foot(
         self, change: Callable[[int, FootRecording], FootRecording], *only: str

@@ -5,7 +5,8 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, added_within, median_of, norms
+from dogbot_logtool.core.arrays import Floats, median_of, norms
+from dogbot_logtool.core.integral import Integral, trapezoids
 from dogbot_logtool.core.rotations import conjugate, multiply, normalised, rotate
 
 SHORT_S: Final = 0.01
@@ -107,12 +108,10 @@ def inertial_at(
 
 def _means(seconds: Floats, values: Floats, at: Floats, half_s: float) -> Floats:
     """(n, 3) means of values over a window about each time; at the ends over what there is."""
-    steps = np.diff(seconds)[:, None]
-    total = np.zeros_like(values)
-    total[1:] = np.cumsum((values[1:] + values[:-1]) / 2.0 * steps, axis=0)
     inside = np.clip(at, seconds[0], seconds[-1])
-    length = np.minimum(inside + half_s, seconds[-1]) - np.maximum(inside - half_s, seconds[0])
-    return np.asarray(added_within(total, seconds, inside, half_s) / length[:, None])
+    begin, end = np.maximum(inside - half_s, seconds[0]), np.minimum(inside + half_s, seconds[-1])
+    added = Integral(seconds, trapezoids(np.diff(seconds), values)).added(begin, end)
+    return np.asarray(added / (end - begin)[:, None])
 
 
 def _added_up(steps: Floats) -> Floats:

@@ -194,6 +194,7 @@ def _weights(walk: Walk) -> tuple[Ints, Floats] | None:
     period_s = walk.period_s
     if (
         not period_s
+        or walk.settings.lacks_feet
         or not all(each.has_force for each in walk.records)
         or walk.feet_clocks_are_apart
     ):

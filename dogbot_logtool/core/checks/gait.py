@@ -15,6 +15,8 @@ from dogbot_logtool.finding import Finding, found
 def no_class(walk: Walk) -> Iterator[Finding]:
     """Yield why the gait has no name."""
     main, where = walk.main, "gait.class"
+    if walk.settings.lacks_feet:
+        return
     if main is None:
         say = "clocks" if walk.feet_clocks_are_apart else "no_strides"
         yield found("CLASS_UNKNOWN", where=where, say=say)

@@ -54,7 +54,8 @@ def impulse_is_not_weight(walk: Walk) -> Iterator[Finding]:
     if ratio is None and (loads.mean_vertical_n or 0.0) < 0.0:
         yield found(code, *cases, where=_RATIO, say="downwards", newtons=loads.mean_vertical_n)
     tolerance = REFUTED if walk.settings.contact_from else WEIGHT_TOLERANCE
-    if ratio is not None and abs(ratio - 1.0) > tolerance:
+    missing = walk.settings.lacks_feet and (ratio or 0.0) < 1.0
+    if ratio is not None and not missing and abs(ratio - 1.0) > tolerance:
         yield found(code, *cases, where=_RATIO, ratio=ratio, cause=_likely_cause(walk, ratio))
 
 

@@ -67,6 +67,20 @@ def sensor_findings(
             )
 
 
+def filtered(walk: Walk) -> Iterator[Finding]:
+    """Yield which forces went through a low-pass filter."""
+    told = {foot.name: foot.filter_s for foot in walk.settings.feet if foot.filter_s}
+    if told:
+        tau_s = max(told.values())
+        yield found(
+            "FORCE_FILTERED",
+            where="feet",
+            names=", ".join(told),
+            milliseconds=1e3 * tau_s,
+            hertz=1.0 / (2.0 * np.pi * tau_s),
+        )
+
+
 def silent_feet(walk: Walk) -> Iterator[Finding]:
     """Yield feet of which no message tells, or none that can be used."""
     for row, foot in enumerate(walk.feet):
@@ -75,6 +89,13 @@ def silent_feet(walk: Walk) -> Iterator[Finding]:
         if not record.messages or unusable:
             say = "unusable" if record.messages else "plain"
             yield found("NO_MESSAGES", "foot", say=say, feet=(foot.name,), on=on)
+
+
+def some_feet(walk: Walk) -> Iterator[Finding]:
+    """Yield that the robot has other feet, of which the log does not tell."""
+    if walk.settings.lacks_feet and any(foot.record.messages for foot in walk.feet):
+        names = ", ".join(foot.name for foot in walk.feet)
+        yield found("NO_MESSAGES", "others", where="gait", say="others", names=names)
 
 
 def dead(walk: Walk) -> Iterator[Finding]:

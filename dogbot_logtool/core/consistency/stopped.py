@@ -104,7 +104,7 @@ def _load_is_missing(foot: FootHistory, feet: Sequence[FootHistory], span: Ints)
     if 2 * timespans.total(inside) < timespans.total(span) or not len(usual):
         return True
     own, now, before = (
-        sum(each.track.within(each.track.force_impulse, spans) for each in those)
+        sum(float(each.track.force_impulse.within(spans)[0]) for each in those)
         / timespans.total(spans)
         for those, spans in (((foot,), usual), (feet, inside), (feet, usual))
     )

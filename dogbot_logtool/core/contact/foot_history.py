@@ -10,7 +10,6 @@ from dogbot_logtool.core.arrays import Flags, Ints, median_of
 from dogbot_logtool.core.contact.contact_detection import backdated, find_stances, schmitt
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
-from dogbot_logtool.core.contact.curves import CurveDetail, LoadCurves, curve_of
 from dogbot_logtool.core.contact.stances import Cut, StanceFigures, Stances, stance_figures
 from dogbot_logtool.core.contact.track import FootTrack, foot_track
 from dogbot_logtool.core.corrections.clock import TimeSource
@@ -55,8 +54,6 @@ class FootHistory:
     track: FootTrack
     has_force: bool = True
     """Whether forces are known at all, not only contact."""
-    curves: LoadCurves | None = None
-    """Load over time; None unless asked for, and where forces are not known."""
     stopped: Ints = field(default_factory=timespans.no_spans)
     """(s, 2) ns, gaps in which the sensor speaks, but has stopped to feel the foot."""
     down: Flags = field(default_factory=lambda: np.empty(0, np.bool_))
@@ -82,7 +79,6 @@ class FootHistory:
             self,
             has_force=False,
             stances=replace(self.stances, figures=nothing),
-            curves=None,
         )
 
     def stopped_in(self, spans: Ints) -> "FootHistory":
@@ -104,16 +100,6 @@ class FootHistory:
             stances=replace(stances, cut=cut, liftoff=liftoff).pick(kept),
             in_contact=timespans.subtract(self.in_contact, spans),
             stopped=spans,
-        )
-
-    def load_curves(self, detail: CurveDetail) -> LoadCurves | None:
-        """Return the load over time for drawing; None where forces are not known."""
-        if not self.has_force:
-            return None
-        track = self.track
-        return LoadCurves(
-            curve_of(track.time, track.force, detail),
-            curve_of(track.time, track.vertical_force, detail),
         )
 
     @property
@@ -217,9 +203,8 @@ def _scuffs(track: FootTrack, starts: Ints, ends: Ints) -> Flags:
     order = np.argsort(duration)
     half = np.searchsorted(np.cumsum(duration[order]), duration.sum() / 2)
     usual = int(duration[order[min(half, len(order) - 1)]])
-    mean = (track.force_impulse[ends] - track.force_impulse[starts]) / np.maximum(
-        duration / 1e9, 1e-9
-    )
+    impulse = track.force_impulse.total[:, 0]
+    mean = (impulse[ends] - impulse[starts]) / np.maximum(duration / 1e9, 1e-9)
     load = float(median_of(mean[duration > usual // 2]))
     scuff = (duration < SCUFF_DURATION * usual) & (mean < SCUFF_LOAD * load)
     swing = np.append(track.time[starts[1:]] - track.time[ends[:-1]], 0)

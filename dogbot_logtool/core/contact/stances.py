@@ -159,7 +159,7 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
     highest = np.flatnonzero(spike)[np.argsort(force[spike], kind="stable")]
     spike_phase = np.full(len(begin), np.nan)
     spike_phase[stance[highest]] = (time / ends_s[stance])[highest]
-    impulse = track.impulse[:, 2]
+    impulse = track.impulse.total[:, 2]
     travel, reach = contact_ways(samples, track.time, begin, end)
     loaded, quick = ways_under_load(samples, track, begin, end, mean)
     found = StanceFigures(

@@ -13,6 +13,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, all_finite, norms
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource, advancing, first_at_each_tick
+from dogbot_logtool.core.integral import Integral, trapezoids
 from dogbot_logtool.core.quality.quality import steady_gap_ns
 
 POINT_RATE_HZ: Final = 100.0
@@ -42,10 +43,10 @@ class FootTrack:
     `POINT_RATE_HZ` a second of the others."""
     gaps: Ints
     """(g, 2) ns, intervals that are too long: last sample before, first one after."""
-    force_impulse: Floats
-    """(n,) N s, integral of |F| since the first sample, gaps left out."""
-    impulse: Floats
-    """(n, 3) N s, of the force along the world's axes, where that is known."""
+    force_impulse: Integral
+    """N s, of |F|, gaps left out; one column."""
+    impulse: Integral
+    """N s, of the force along the world's three axes, where that is known."""
     vertical_unknown: Ints
     """(u, 2) ns, time with a load whose direction is not known."""
 
@@ -56,25 +57,13 @@ class FootTrack:
         return self.time[self.placed], point.astype(np.float64, copy=False)
 
     @property
-    def vertical_impulse(self) -> Floats:
-        """(n,) N s, of the vertical force, where that is known."""
-        return self.impulse[:, 2]
-
-    def added(self, totals: Floats, begin: Ints, end: Ints) -> Floats:
-        """(m,) N s, by how much running totals, (n,), grow from some times to others, ns."""
-        if len(self.time) < 2:
-            return np.zeros(len(begin))
-        start = self.time[0]
-        at = [(each - start).astype(np.float64) for each in (self.time, begin, end)]
-        return np.asarray(np.interp(at[2], at[0], totals) - np.interp(at[1], at[0], totals))
-
-    def within(self, totals: Floats, spans: Ints) -> float:
-        """Return by how much running totals, (n,), grow within spans, N s."""
-        return float(self.added(totals, *spans.T).sum())
+    def vertical_impulse(self) -> Integral:
+        """N s, of the vertical force, where that is known; one column."""
+        return Integral(self.time, self.impulse.total[:, 2:])
 
     def mean_force(self, begin: Ints, end: Ints) -> Floats:
         """(m, 3) N, along the world's axes, between some times; NaN where not known."""
-        added = np.stack([self.added(each, begin, end) for each in self.impulse.T], axis=1)
+        added = self.impulse.added(begin, end)
         added[timespans.touches(self.vertical_unknown, begin, end)] = np.nan
         return np.asarray(added / ((end - begin) / 1e9)[:, None])
 
@@ -111,8 +100,8 @@ def foot_track(
     # From the last known vertical force, or the start, to the next known one.
     edges = np.flatnonzero(np.diff(~known, prepend=False, append=False))
     first, behind = np.maximum(edges[::2] - 1, 0), np.minimum(edges[1::2], len(time) - 1)
-    counted = np.where(gap, 0, steps) / 2e9
-    known_steps = counted * (known[1:] & known[:-1])
+    seconds = np.where(gap, 0, steps) / 1e9
+    known_s = seconds * (known[1:] & known[:-1])
     track = FootTrack(
         time=time,
         row=row,
@@ -123,16 +112,8 @@ def foot_track(
         point=samples.position,
         placed=rows[placed],
         gaps=np.stack([time[:-1][gap], time[1:][gap]], axis=1),
-        force_impulse=_running_total(counted, force),
-        impulse=np.stack([_running_total(known_steps, each) for each in samples.force.T], axis=1),
+        force_impulse=Integral(time, trapezoids(seconds, force[:, None])),
+        impulse=Integral(time, trapezoids(known_s, samples.force)),
         vertical_unknown=np.stack([time[first], time[behind]], axis=1),
     )
     return track, samples, not_finite
-
-
-@np.errstate(over="ignore")
-def _running_total(half_steps: Floats, value: Floats | Float32s) -> Floats:
-    """(n,) integral of a value up to each row, over half the time of each step, (n - 1,) s."""
-    total = np.zeros(len(value))
-    np.cumsum(np.add(value[1:], value[:-1], dtype=np.float64) * half_steps, out=total[1:])
-    return total

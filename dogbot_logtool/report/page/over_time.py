@@ -9,10 +9,10 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints
 from dogbot_logtool.core.base.ground import height_over_feet
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES, roll_and_pitch
-from dogbot_logtool.core.contact.curves import Curve, CurveDetail, curve_of
 from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.core.stability import margins
 from dogbot_logtool.core.walk import Walk
+from dogbot_logtool.report.curves import Curve, curve_of
 from dogbot_logtool.report.page.chart import (
     LINE,
     SECOND,
@@ -67,13 +67,13 @@ def line_over_time(
         more: of the trace.
     """
     time, value = curve
-    coarse = curve_of(time, value, CurveDetail(_BINS))
+    coarse = curve_of(time, value, _BINS)
     if coarse is None:
         return None
     first, last = (walk.origin + round(each * 1e9) for each in default_window(walk))
     # Whole bins, so that each is either replaced or kept.
     window = first // coarse.bin_ns * coarse.bin_ns, -(-last // coarse.bin_ns) * coarse.bin_ns - 1
-    fine = curve_of(time, value, CurveDetail(window=window))
+    fine = curve_of(time, value, window=window)
     unknown = timespans.spans_where(time, np.isnan(value[:-1]))
     no_line = timespans.merge(np.concatenate([breaks, unknown]))
     x, y = (coarse if fine is None else coarse.refined(fine, window)).line(no_line)

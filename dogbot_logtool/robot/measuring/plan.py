@@ -16,6 +16,7 @@ from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted, WantedJoints
 from dogbot_logtool.robot.contact_evidence import decide_contacts
+from dogbot_logtool.robot.measuring.joined_sensors import with_joined_sensors
 from dogbot_logtool.robot.measuring.moved_base import with_poses_of_base
 from dogbot_logtool.robot.measuring.one_clock import on_one_clock
 from dogbot_logtool.robot.measuring.side_topics import SideTopics, side_topics
@@ -193,6 +194,7 @@ def prepare(
     recording = replace(recording, feet=feet, planned=planned_feet)
     recording, moved = with_poses_of_base(recording, selection)
     recording, joined = on_one_clock(recording, selection)
+    recording, selection, whole = with_joined_sensors(recording, selection)
     model = None
     if recording.joints:
         from dogbot_logtool.robot.measuring.array_feet import named_by_legs  # noqa: PLC0415
@@ -222,7 +224,7 @@ def prepare(
         _find_legs(selection, model),
         settings_of(plan_of_feet, options) if plan_of_feet else None,
         selection,
-        (*selection.findings, *moved, *joined, *plan.side.findings),
+        (*selection.findings, *moved, *joined, *whole, *plan.side.findings),
     )
 
 

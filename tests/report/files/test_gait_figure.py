@@ -18,7 +18,6 @@ from pypdf.generic import DictionaryObject
 
 from dogbot_logtool.commands.plot import draw_figure
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import stats_json
@@ -46,10 +45,7 @@ def draw(path: Path, form: str, window: Window | None = None) -> bytes:
 def figure_of(path: Path, window: Window | None) -> Figure:
     stats = measured(path, MeasureOptions()).walk
     window = window or default_window(stats)
-    first, last = (stats.origin + round(each * 1e9) for each in window)
-    detail = CurveDetail(window=(first, last))
-    curves = [foot.record.load_curves(detail) for foot in stats.feet]
-    return gait_figure(stats, curves, window)
+    return gait_figure(stats, window)
 
 
 drawn = cache(draw)
@@ -123,10 +119,9 @@ def test_only_the_window_is_drawn() -> None:
 def test_the_highest_load_is_the_highest_peak(path: Path) -> None:
     stats = measured(path, MeasureOptions()).walk
     window = 0.0, (stats.end - stats.origin) / 1e9
-    curves = [foot.record.load_curves(CurveDetail()) for foot in stats.feet]
     lines = {
         line.get_gid(): np.asarray(line.get_ydata(), np.float64)
-        for axes in gait_figure(stats, curves, window).axes
+        for axes in gait_figure(stats, window).axes
         for line in axes.lines
     }
     told = stats_json(measurement_of(stats, LogFacts()))
@@ -137,8 +132,7 @@ def test_the_highest_load_is_the_highest_peak(path: Path) -> None:
 
 def test_a_gap_parts_the_line_and_a_dead_foot_has_no_bars() -> None:
     stats = measured(TROUBLED, MeasureOptions()).walk
-    curves = [foot.record.load_curves(CurveDetail()) for foot in stats.feet]
-    figure = gait_figure(stats, curves, (0.0, 5.0))
+    figure = gait_figure(stats, (0.0, 5.0))
     lines = {line.get_gid(): line for axes in figure.axes for line in axes.lines}
     broken = {gid for gid, line in lines.items() if np.isnan(np.asarray(line.get_ydata())).any()}
     assert broken == {"load-front_right"}
@@ -213,4 +207,4 @@ def test_no_mass_means_newtons(tmp_path: Path) -> None:
 def test_what_cannot_be_drawn() -> None:
     stats = measured(TROT, MeasureOptions()).walk
     with pytest.raises(LogError, match="no feet"):
-        gait_figure(replace(stats, feet=()), [], (0.0, 1.0))
+        gait_figure(replace(stats, feet=()), (0.0, 1.0))

@@ -19,16 +19,6 @@ MOST_BINS: Final = 8192
 
 
 @dataclass(frozen=True, slots=True)
-class CurveDetail:
-    """How much of the curves is kept."""
-
-    most_bins: int = MOST_BINS
-    """At least 2; a curve has up to twice as many points."""
-    window: tuple[int, int] | None = None
-    """ns on the clock that is measured on: only samples from here to there; None keeps all."""
-
-
-@dataclass(frozen=True, slots=True)
 class Curve:
     """Lowest and highest sample of each bin that has one."""
 
@@ -70,24 +60,30 @@ class Curve:
         return time, np.insert(self.value, before, np.nan)
 
 
-def curve_of(time: Ints, value: Floats | Float32s, detail: CurveDetail) -> Curve | None:
+def curve_of(
+    time: Ints,
+    value: Floats | Float32s,
+    most_bins: int = MOST_BINS,
+    window: tuple[int, int] | None = None,
+) -> Curve | None:
     """Reduce a quantity; None where nothing is known.
 
     Args:
         time: (n,) ns, increasing.
         value: (n,), NaN where it is not known.
-        detail: how much is kept.
+        most_bins: at least 2; a curve has up to twice as many points.
+        window: ns on the same clock: only samples from here to there; None: all.
     """
     known = ~np.isnan(value)
-    if detail.window is not None:
-        known &= (time >= detail.window[0]) & (time <= detail.window[1])
+    if window is not None:
+        known &= (time >= window[0]) & (time <= window[1])
     time, value = time[known], value[known]
     if len(time) == 0:
         return None
 
     # Times before and after zero never share a bin.
     def is_wide_enough(shift: int) -> bool:
-        return int(np.count_nonzero(np.diff(time >> shift))) < max(detail.most_bins, 2)
+        return int(np.count_nonzero(np.diff(time >> shift))) < max(most_bins, 2)
 
     shift = bisect_left(range(63), x=True, key=is_wide_enough)
     starts = np.concatenate([[0], np.flatnonzero(np.diff(time >> shift)) + 1])
@@ -98,18 +94,3 @@ def curve_of(time: Ints, value: Floats | Float32s, detail: CurveDetail) -> Curve
         first.append(rows[np.searchsorted(bins[rows], np.arange(len(starts)))])
     rows = distinct(np.concatenate(first))
     return Curve(1 << shift, time[rows], value[rows].astype(np.float64))
-
-
-@dataclass(frozen=True, slots=True)
-class LoadCurves:
-    """The load of a foot over time."""
-
-    force: Curve | None
-    """N, |F|; None where no force is known."""
-    vertical: Curve | None
-    """N, the vertical force."""
-
-    @property
-    def bin_ns(self) -> int:
-        """ns, width of the wider bins."""
-        return max((curve.bin_ns for curve in (self.force, self.vertical) if curve), default=1)

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.contact.curves import CurveDetail, curve_of
+from dogbot_logtool.report.curves import curve_of
 
 START = 1_700_000_000_000_000_000
 NO_BREAKS = np.empty((0, 2), np.int64)
@@ -28,7 +28,7 @@ def test_each_bin_keeps_its_lowest_and_its_highest_sample(
     signal: tuple[Ints, Floats], most: int
 ) -> None:
     time, value = signal
-    result = curve_of(time, value, CurveDetail(most))
+    result = curve_of(time, value, most)
     bins: dict[int, list[tuple[int, float]]] = {}
     if result is None:
         assert np.isnan(value).all()
@@ -49,7 +49,7 @@ def test_each_bin_keeps_its_lowest_and_its_highest_sample(
 
 def test_no_line_leads_over_a_break() -> None:
     time = np.array([10, 20, 30, 1000, 1010], np.int64)
-    result = curve_of(time, np.arange(5.0), CurveDetail())
+    result = curve_of(time, np.arange(5.0))
     assert result is not None
     breaks = np.array([[0, 4], [30, 1000], [1020, 1030]], np.int64)
     drawn_time, drawn = result.line(breaks)
@@ -61,7 +61,7 @@ def test_a_window_has_its_own_detail() -> None:
     time = np.arange(100_000, dtype=np.int64) * 1_000_000
     value = np.sin(time / 1e9)
     window = (40_000 * 1_000_000, 40_500 * 1_000_000)
-    result = curve_of(time, value, CurveDetail(600, window))
+    result = curve_of(time, value, 600, window)
     assert result is not None
     assert result.bin_ns == 1
     assert result.time.tolist() == time[40_000:40_501].tolist()
