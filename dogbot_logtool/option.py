@@ -174,7 +174,7 @@ def _kind(hint: Any, how: As) -> tuple[Kind, tuple[str, ...]]:  # noqa: ANN401 -
         return "choice", how.choices
     if how.range is not None:
         return "number", ()
-    if get_origin(bare) is tuple:
+    if get_origin(bare) in {tuple, Sequence}:
         return "texts", ()
     if get_origin(bare) is Mapping:
         return "pairs", ()

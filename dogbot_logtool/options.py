@@ -4,10 +4,10 @@ A command's record inherits the groups that it shares with others; its docstring
 ``--help``. Fields without `As` are no options: commands set them.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from dogbot_logtool.option import LONGEST_S, As, Range
 
@@ -19,14 +19,14 @@ Flag = Annotated[bool, As()]
 File = Annotated[Path | None, As("FILE")]
 Target = Annotated[str | None, As("FILE")]
 """A file to write."""
-Globs = Annotated[tuple[str, ...], As("GLOB")]
+Globs = Annotated[Sequence[str], As("GLOB")]
 Seconds = Annotated[float | None, As("S", range=Range(-LONGEST_S, LONGEST_S))]
-Pairs = Mapping[str, str] | None
+Pairs = Mapping[str, Any] | None
 
 # Groups
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RobotOptions:
     """Which robot it is, and where its feet and its base are found."""
 
@@ -50,7 +50,7 @@ class RobotOptions:
     """Further files of the same recording, merged with the log by time."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class JoinOptions:
     """Files of one recording."""
 
@@ -59,7 +59,7 @@ class JoinOptions:
     time."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SpanOptions:
     """A part of the log."""
 
@@ -69,7 +69,7 @@ class SpanOptions:
     """Up to here, s since the log's start."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class JobOptions:
     """How much is done at once."""
 
@@ -77,12 +77,20 @@ class JobOptions:
     """Processes at work; default: all cores, in Python 1. The result is the same."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class MeasureOptions(JobOptions, SpanOptions, JoinOptions, RobotOptions):
     """Options of all that measures."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
+class BaselineOptions(MeasureOptions):
+    """Options of `check` beside its limits."""
+
+    baseline: Annotated[Path | None, As("FILE.json")] = None
+    """`stats --json` of the run that rules with `baseline` compare with."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class InfoOptions(JobOptions, JoinOptions, RobotOptions):
     """Options of `info`."""
 
@@ -90,7 +98,7 @@ class InfoOptions(JobOptions, JoinOptions, RobotOptions):
     """Read every transform: rate, gaps and senders of each frame, and what breaks the tree."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ConvertOptions(MeasureOptions):
     """Options of `convert`."""
 
@@ -124,7 +132,7 @@ class ConvertOptions(MeasureOptions):
         return tuple(glob[1:] for glob in self.topics if glob.startswith("!"))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CompareOptions:
     """Options of `compare` without --gait."""
 
@@ -134,15 +142,15 @@ class CompareOptions:
     """Relative tolerance; default: 0."""
     tolerances: Annotated[Path | None, As("FILE.toml")] = None
     """Tolerances by quantity: metres, radians, newtons ..."""
-    ignore: Annotated[tuple[str, ...], As("TOPIC|FIELD")] = ()
+    ignore: Annotated[Sequence[str], As("TOPIC|FIELD")] = ()
     """Glob of what may differ: topics, fields, TOPIC:FIELD, metadata:NAME, attachment:NAME."""
-    topics: Annotated[tuple[str, ...], As("TOPIC")] = ()
+    topics: Annotated[Sequence[str], As("TOPIC")] = ()
     """Glob of the topics to compare; of JSON, of paths (gait, feet.*.duty_factor.median)."""
     max_differences: Annotated[int, As("N", range=Range(0, 1e9, is_whole=True))] = 20
     """Differences that are printed one by one."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class QuietOptions:
     """How much is printed."""
 
@@ -152,7 +160,7 @@ class QuietOptions:
     """Print notes, causes of nulls and lists too."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CommonOptions(QuietOptions):
     """What all commands with a result have."""
 
@@ -160,7 +168,7 @@ class CommonOptions(QuietOptions):
     """Print the result as JSON on stdout."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LogOptions(QuietOptions):
     """The logs of a call."""
 
@@ -168,7 +176,7 @@ class LogOptions(QuietOptions):
     """Files, directories, globs, @LIST or URLs."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ClusterOptions:
     """Work on other machines."""
 
@@ -176,7 +184,7 @@ class ClusterOptions:
     """Use the workers of dask.distributed, such as tcp://host:8786."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class OutputOptions:
     """What is written."""
 
@@ -186,7 +194,7 @@ class OutputOptions:
     """Replace the output if it exists."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class JunitOptions:
     """A report for CI."""
 
@@ -199,7 +207,7 @@ class JunitOptions:
 # Commands
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Info(LogOptions, ClusterOptions, InfoOptions, CommonOptions):
     """Show what is in a log, what is used of it, and what is wrong.
 
@@ -207,7 +215,7 @@ class Info(LogOptions, ClusterOptions, InfoOptions, CommonOptions):
     """
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Convert(LogOptions, ClusterOptions, OutputOptions, ConvertOptions, CommonOptions):
     """Write an annotated MCAP: the log, arrows, loads and events.
 
@@ -221,7 +229,7 @@ class Convert(LogOptions, ClusterOptions, OutputOptions, ConvertOptions, CommonO
     """
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Stats(LogOptions, ClusterOptions, MeasureOptions, CommonOptions):
     """Measure a walk: gait, loads, and whether to trust the log.
 
@@ -238,7 +246,7 @@ class Stats(LogOptions, ClusterOptions, MeasureOptions, CommonOptions):
     """Replace the figure if it exists."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Report(LogOptions, OutputOptions, MeasureOptions, CommonOptions):
     """Write a page: the walk in 3D, gait, loads, and what to doubt.
 
@@ -257,8 +265,8 @@ class Report(LogOptions, OutputOptions, MeasureOptions, CommonOptions):
     """Show the walk in 3D, which takes up to a megabyte."""
 
 
-@dataclass(frozen=True)
-class Check(LogOptions, ClusterOptions, JunitOptions, MeasureOptions, CommonOptions):
+@dataclass(frozen=True, kw_only=True)
+class Check(LogOptions, ClusterOptions, JunitOptions, BaselineOptions, CommonOptions):
     """Judge logs by rules: each is GOOD, WARN, FAIL or UNKNOWN.
 
     A rule names a metric of `stats --json`, a finding or an event, by a pattern, and what is
@@ -274,13 +282,11 @@ class Check(LogOptions, ClusterOptions, JunitOptions, MeasureOptions, CommonOpti
 
     limits: Annotated[Path | None, As("FILE.toml")] = None
     """Rules on metrics, findings and events."""
-    baseline: Annotated[Path | None, As("FILE.json")] = None
-    """`stats --json` of the run that rules with `baseline` compare with."""
     suggest: Flag = False
     """Print limits that these runs pass, as a file to edit."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Export(LogOptions, ClusterOptions, OutputOptions, MeasureOptions):
     """Write a table of strides, stances, events, poses or samples.
 
@@ -308,7 +314,7 @@ class Export(LogOptions, ClusterOptions, OutputOptions, MeasureOptions):
     """With --dataset: remove logs from there that are gone from where they were."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Compare(JunitOptions, JobOptions, RobotOptions, CompareOptions, CommonOptions):
     """Compare two logs, or two `stats --json` files, with tolerances.
 
@@ -331,7 +337,7 @@ class Compare(JunitOptions, JobOptions, RobotOptions, CompareOptions, CommonOpti
     """Compare how the robot walks in two logs, or groups of logs: which metrics differ?"""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Layout(OutputOptions, RobotOptions, QuietOptions):
     """Print a viewer's layout: the robot, its loads, its gait diagram.
 
@@ -347,7 +353,7 @@ class Layout(OutputOptions, RobotOptions, QuietOptions):
     """The file to write; default: stdout."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Robots(OutputOptions, JoinOptions, RobotOptions, CommonOptions):
     """List the known robots, or print one's file to copy and edit.
 

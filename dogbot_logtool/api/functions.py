@@ -1,21 +1,19 @@
 """The functions of `import dogbot_logtool`; options are named as on the command line."""
 
 import os
-from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
-from dogbot_logtool.api.keywords import (
-    PathOrName,
-    log_and_others,
-    options_from,
-    several,
-    takes,
+from dogbot_logtool.api.keywords import Log, PathOrName, joined, several, takes, takes_with_two
+from dogbot_logtool.io.storage import location
+from dogbot_logtool.options import (
+    BaselineOptions,
+    CompareOptions,
+    ConvertOptions,
+    InfoOptions,
+    MeasureOptions,
 )
-from dogbot_logtool.io.storage import Location, location
-from dogbot_logtool.options import CompareOptions, ConvertOptions, InfoOptions, MeasureOptions
 
 # Each function loads what it needs: who only measures need not load the writer.
 if TYPE_CHECKING:
@@ -26,13 +24,9 @@ if TYPE_CHECKING:
     from dogbot_logtool.comparison.walks import GaitComparison
     from dogbot_logtool.results import Conversion, LogInfo
 
-Log = PathOrName | Sequence[PathOrName]
-"""A log; with ``join=True``, the files of one recording."""
-Options = TypeVar("Options", MeasureOptions, ConvertOptions, InfoOptions)
-
 
 @takes(MeasureOptions)
-def measure(log: Log, **options: Any) -> "Walk":  # noqa: ANN401 - checked by the record
+def measure(log: Log, options: MeasureOptions) -> "Walk":
     """Measure a walk: what `dogbot-logtool stats` does.
 
     >>> import dogbot_logtool as dl
@@ -51,12 +45,12 @@ def measure(log: Log, **options: Any) -> "Walk":  # noqa: ANN401 - checked by th
     from dogbot_logtool.api.walk import Walk  # noqa: PLC0415
     from dogbot_logtool.commands import stats  # noqa: PLC0415
 
-    path, chosen = _joined(log, options_from(MeasureOptions, options))
-    return Walk(path, stats.measure(path, chosen), chosen)
+    path, options = joined(log, options)
+    return Walk(path, stats.measure(path, options), options)
 
 
 @takes(MeasureOptions)
-def read(log: Log, **options: Any) -> "Recording":  # noqa: ANN401 - checked by the record
+def read(log: Log, options: MeasureOptions) -> "Recording":
     """Read a log as columns, uncorrected: what `measure` measures.
 
     >>> import dogbot_logtool as dl
@@ -70,11 +64,11 @@ def read(log: Log, **options: Any) -> "Recording":  # noqa: ANN401 - checked by 
     """
     from dogbot_logtool.api.recording import read_columns  # noqa: PLC0415
 
-    return read_columns(*_joined(log, options_from(MeasureOptions, options)))
+    return read_columns(*joined(log, options))
 
 
-@takes(ConvertOptions)
-def convert(log: Log, target: PathOrName, **options: Any) -> "Conversion":  # noqa: ANN401
+@takes_with_two(ConvertOptions)
+def convert(log: Log, target: PathOrName, options: ConvertOptions) -> "Conversion":
     """Write the annotated MCAP of a log: what `dogbot-logtool convert` does.
 
     Raises:
@@ -84,12 +78,12 @@ def convert(log: Log, target: PathOrName, **options: Any) -> "Conversion":  # no
     """
     from dogbot_logtool.commands import convert as command  # noqa: PLC0415
 
-    path, chosen = _joined(log, options_from(ConvertOptions, options))
-    return command.convert(path, _location(target), chosen)
+    path, options = joined(log, options)
+    return command.convert(path, location(os.fspath(target)), options)
 
 
 @takes(InfoOptions)
-def info(log: Log, **options: Any) -> "LogInfo":  # noqa: ANN401
+def info(log: Log, options: InfoOptions) -> "LogInfo":
     """Tell what is in a log, what is used for what, and what is wrong with it.
 
     Raises:
@@ -98,11 +92,11 @@ def info(log: Log, **options: Any) -> "LogInfo":  # noqa: ANN401
     """
     from dogbot_logtool.commands.info import describe  # noqa: PLC0415
 
-    return describe(*_joined(log, options_from(InfoOptions, options)))
+    return describe(*joined(log, options))
 
 
-@takes(CompareOptions)
-def compare(expected: PathOrName, actual: PathOrName, **options: Any) -> "Comparison":  # noqa: ANN401
+@takes_with_two(CompareOptions)
+def compare(expected: PathOrName, actual: PathOrName, options: CompareOptions) -> "Comparison":
     """Compare two logs, or two results of `stats --json`; `exit_code` is 0 where they agree.
 
     Raises:
@@ -110,16 +104,11 @@ def compare(expected: PathOrName, actual: PathOrName, **options: Any) -> "Compar
     """
     from dogbot_logtool.commands import compare as command  # noqa: PLC0415
 
-    chosen = options_from(CompareOptions, options)
-    return command.compare(Path(expected), Path(actual), chosen)
+    return command.compare(Path(expected), Path(actual), options)
 
 
-@takes(MeasureOptions)
-def compare_gait(
-    first: PathOrName | Sequence[PathOrName],
-    second: PathOrName | Sequence[PathOrName],
-    **options: Any,  # noqa: ANN401
-) -> "GaitComparison":
+@takes_with_two(MeasureOptions)
+def compare_gait(first: Log, second: Log, options: MeasureOptions) -> "GaitComparison":
     """Compare how the robot walks in two logs, or groups of logs: what `compare --gait` does.
 
     Raises:
@@ -129,25 +118,17 @@ def compare_gait(
     from dogbot_logtool.commands import compare_gait as command  # noqa: PLC0415
     from dogbot_logtool.commands.tasks import figures  # noqa: PLC0415
 
-    work = partial(figures, options=options_from(MeasureOptions, options))
-    sides = [[work(_location(log)) for log in several(side)] for side in (first, second)]
-    return command.compare_gait(*sides)
+    work = partial(figures, options=options)
+    return command.compare_gait(*([work(log) for log in several(side)] for side in (first, second)))
 
 
-@takes(MeasureOptions)
-def check(
-    log: Log,
-    limits: PathOrName,
-    *,
-    baseline: PathOrName | None = None,
-    **options: Any,  # noqa: ANN401
-) -> "tuple[Judgement, ...]":
+@takes_with_two(BaselineOptions)
+def check(log: Log, limits: PathOrName, options: BaselineOptions) -> "tuple[Judgement, ...]":
     """Judge a log by the rules of a file: what `dogbot-logtool check` does.
 
     Args:
         log: the log.
         limits: the TOML file of rules.
-        baseline: `stats --json` of the run that rules with `baseline` compare with.
         options: see the keywords.
 
     Raises:
@@ -155,17 +136,8 @@ def check(
         LogError: it is no log, or has nothing to measure.
     """
     from dogbot_logtool.commands import check as command  # noqa: PLC0415
+    from dogbot_logtool.commands.tasks import figures  # noqa: PLC0415
 
-    rules = command.read_limits(Path(limits), None if baseline is None else Path(baseline))
-    return tuple(command.check(measure(log, **options).stats, rules))
-
-
-def _joined(log: Log, options: Options) -> tuple[Location, Options]:
-    """Return the log, and options with the other files of its recording."""
-    path, others = log_and_others(log, join=options.join)
-    return path, replace(options, joined=others)
-
-
-def _location(path: PathOrName) -> Location:
-    """Return the path or URL that was given."""
-    return location(os.fspath(path))
+    rules = command.read_limits(Path(limits), options.baseline)
+    path, chosen = joined(log, options)
+    return tuple(command.check(figures(path, options=chosen).json, rules))

@@ -1,70 +1,84 @@
-"""Options as keywords: those of the command line, by the same names."""
+"""Options as keywords: those of the command line, by the same names, with the types of a record."""
 
 import inspect
 import os
-from collections.abc import Callable, Iterable, Mapping
-from typing import Any, TypeVar
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from functools import wraps
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.storage import Location, location
 from dogbot_logtool.option import as_keyword, definitions, make, options_of
+from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
 from dogbot_logtool.robot.settings import check_robot_options
 
 PathOrName = str | os.PathLike[str]
 """A file, the directory of a ROS 2 bag, or a URL."""
-Function = TypeVar("Function", bound=Callable[..., Any])
+Log = PathOrName | Iterable[PathOrName]
+"""A log; with ``join=True``, the files of one recording."""
+First = TypeVar("First")
+Second = TypeVar("Second")
+Keywords = ParamSpec("Keywords")
 Options = TypeVar("Options")
-Word = TypeVar("Word", bound=PathOrName)
+JoinedOptions = TypeVar("JoinedOptions", MeasureOptions, ConvertOptions, InfoOptions)
+Result = TypeVar("Result")
 
 
-def takes(record: type) -> Callable[[Function], Function]:
-    """Return a decorator that shows the options of a record in a function's help."""
+def takes(
+    record: Callable[Keywords, Options],
+) -> Callable[[Callable[[First, Options], Result]], Callable[Concatenate[First, Keywords], Result]]:
+    """Return a decorator that gives a function keywords for the options of a record.
 
-    def document(function: Function) -> Function:
-        words, options = definitions(record), options_of(record)
-        lines = [f"    {each.name}: {words[each.name]}" for each in options]
-        own = inspect.cleandoc(function.__doc__ or "")
-        function.__doc__ = "\n".join([own, "", "Keywords:", *lines])
-        signature = inspect.signature(function)
-        parameters = signature.parameters.values()
-        shown = [each for each in parameters if each.kind is not each.VAR_KEYWORD]
-        shown += [
-            inspect.Parameter(each.name, inspect.Parameter.KEYWORD_ONLY, default=each.default)
-            for each in options
-            if each.name not in signature.parameters
-        ]
-        function.__signature__ = signature.replace(parameters=shown)  # type: ignore[attr-defined]
-        return function
-
-    return document
-
-
-def options_from(record: type[Options], given: Mapping[str, Any]) -> Options:
-    """Make a record of options from keywords.
-
-    Raises:
-        TypeError: there is no such option.
-        CallError: one is not what it must be.
+    A checker sees the fields of the record, and `help` their definitions. The function gets them
+    as `options`. Keywords that are no options are a TypeError, wrong values a CallError.
     """
-    made = make(record, given, as_keyword)
-    check_robot_options(made)
-    return made
+    return lambda function: _with_keywords(function, record)
 
 
-def log_and_others(
-    log: PathOrName | Iterable[PathOrName], *, join: bool
-) -> tuple[Location, tuple[Location, ...]]:
-    """Return the log, and further files of the same recording.
+def takes_with_two(
+    record: Callable[Keywords, Options],
+) -> Callable[
+    [Callable[[First, Second, Options], Result]],
+    Callable[Concatenate[First, Second, Keywords], Result],
+]:
+    """Return the decorator of `takes` for a function of two files."""
+    return lambda function: _with_keywords(function, record)
+
+
+def _with_keywords(function: Callable[..., Any], record: Any) -> Callable[..., Any]:  # noqa: ANN401 - a class
+    signature, words = inspect.signature(function), definitions(record)
+    own = [each for each in signature.parameters.values() if each.name != "options"]
+
+    @wraps(function)
+    def call(*args: Any, **given: Any) -> Any:  # noqa: ANN401 - checked by the record
+        named = {each.name: given.pop(each.name) for each in own if each.name in given}
+        options = make(record, given, as_keyword)
+        check_robot_options(options)
+        return function(*args, **named, options=options)
+
+    options = options_of(record)
+    lines = [f"    {each.name}: {words[each.name]}" for each in options]
+    call.__doc__ = "\n".join([inspect.getdoc(function) or "", "", "Keywords:", *lines])
+    kind = inspect.Parameter.KEYWORD_ONLY
+    added = [inspect.Parameter(each.name, kind, default=each.default) for each in options]
+    call.__signature__ = signature.replace(parameters=own + added)  # type: ignore[attr-defined]
+    return call
+
+
+def joined(log: Log, options: JoinedOptions) -> tuple[Location, JoinedOptions]:
+    """Return the log, and options with the other files of its recording.
 
     Raises:
         CallError: several are named and not to be joined, or none is.
     """
-    paths = [location(os.fspath(path)) for path in several(log)]
-    if len(paths) != 1 and not (join and paths):
+    paths = several(log)
+    if len(paths) != 1 and not (options.join and paths):
         raise CallError(f"one log is measured at a time, not {len(paths)}; join=True merges files")
-    return paths[0], tuple(paths[1:])
+    return paths[0], replace(options, joined=tuple(paths[1:]))
 
 
-def several(words: Iterable[Word] | Word) -> Iterable[Word]:
-    """Return words; a text is one word, not as many as it has letters."""
-    return [words] if isinstance(words, str | os.PathLike) else words
+def several(words: Log) -> list[Location]:
+    """Return paths; a text is one word, not as many as it has letters."""
+    listed = [words] if isinstance(words, str | os.PathLike) else words
+    return [location(os.fspath(each)) for each in listed]

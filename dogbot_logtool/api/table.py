@@ -1,17 +1,16 @@
-"""A table: numpy columns of one length, with units in their names."""
+"""Tables, and curves over the gait cycle: numpy arrays with units in their names."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, TypeVar
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.report.table_file import arrow_table
-
-Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -55,7 +54,7 @@ class Table:
         Raises:
             LogtoolError: pandas is not installed.
         """
-        return with_package("pandas", lambda pandas: pandas.DataFrame(self._copies()))
+        return _package("pandas").DataFrame(self._copies())
 
     def to_polars(self) -> Any:  # noqa: ANN401 - polars is not among our packages
         """Return a `polars.DataFrame`; NaN stays NaN.
@@ -63,7 +62,7 @@ class Table:
         Raises:
             LogtoolError: polars is not installed.
         """
-        return with_package("polars", lambda polars: polars.DataFrame(self._copies()))
+        return _package("polars").DataFrame(self._copies())
 
     def to_arrow(self) -> Any:  # noqa: ANN401 - pyarrow has no types
         """Return a `pyarrow.Table`; NaN is null there, as in the dataset of `export --dataset`.
@@ -71,7 +70,8 @@ class Table:
         Raises:
             LogtoolError: pyarrow is not installed.
         """
-        return with_package("pyarrow", lambda _: arrow_table(self.columns))
+        _package("pyarrow")
+        return arrow_table(self.columns)
 
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
         """Export the table; see the Arrow PyCapsule interface."""
@@ -89,17 +89,77 @@ def texts(values: list[str | None]) -> NDArray[np.object_]:
     return column
 
 
-def with_package(package: str, make: Callable[[Any], Result]) -> Result:
-    """Call a function with a package that may not be installed.
+def _package(name: str) -> Any:  # noqa: ANN401 - any module
+    """Import a package that may not be installed.
 
     Raises:
         LogtoolError: it is not installed.
     """
     try:
-        module = import_module(package)
+        return import_module(name)
     except ImportError as error:
         raise LogtoolError(
-            f"{package} is not installed; 'pip install {package}' into the environment of this "
-            "Python installs it"
+            f"{name} is not installed; 'pip install {name}' into the environment of this Python "
+            "installs it"
         ) from error
-    return make(module)
+
+
+POINTS: Final = 101
+"""Points of a curve: 0, 1, ... 100 %."""
+_CURVES: Final = ("force_n", "force_x_n", "force_y_n", "force_z_n")
+"""Columns of samples that curves are made of."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curves:
+    """Curves of a foot over its whole strides; `curves["force_z_n"]` is an array, (n, p)."""
+
+    foot: str
+    percent: Floats
+    """(p,) % of the stride, from touchdown to the next touchdown."""
+    start_s: Floats
+    """(n,) s since the walk's `start_ns`, touchdown of each stride."""
+    values: Mapping[str, Floats]
+    """(n, p) each, the unit at the end of the name; NaN where not known. Read-only."""
+
+    def __post_init__(self) -> None:
+        for array in (self.percent, self.start_s, *self.values.values()):
+            array.flags.writeable = False
+
+    def __len__(self) -> int:
+        return len(self.start_s)
+
+    def __getitem__(self, name: str) -> Floats:
+        """Return the curves of a quantity, (n, p).
+
+        Raises:
+            KeyError: there is no such quantity; the message lists those there are.
+        """
+        try:
+            return self.values[name]
+        except KeyError:
+            raise KeyError(f"{name!r}: there are {', '.join(self.values)}") from None
+
+
+def curves_of(foot: str, samples: Table, start_s: Floats, period_s: Floats, points: int) -> Curves:
+    """Interpolate samples linearly at equal parts of each stride.
+
+    Args:
+        foot: its name.
+        samples: of the foot, in the order of time; see `Walk.samples`.
+        start_s: (n,) s, touchdowns of whole strides.
+        period_s: (n,) s, to the next touchdown.
+        points: of each curve, at least 2.
+    """
+    phase: Floats = np.linspace(0.0, 1.0, points)
+    time = start_s[:, None] + period_s[:, None] * phase
+    # Samples that repeat a time or step back belong to no figure, either.
+    latest = np.maximum.accumulate(samples["time_s"])
+    forward = np.concatenate([[True], samples["time_s"][1:] > latest[:-1]])[: len(samples)]
+    values: dict[str, Floats] = {
+        name: np.interp(time, samples["time_s"][forward], samples[name][forward])
+        if len(time)
+        else time
+        for name in _CURVES
+    }
+    return Curves(foot, phase * 100.0, start_s, values)

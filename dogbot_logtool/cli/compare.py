@@ -12,8 +12,8 @@ from dogbot_logtool.option import options_of, part_of
 from dogbot_logtool.options import Compare, CompareOptions, MeasureOptions, RobotOptions
 from dogbot_logtool.report.comparison_report import (
     comparison_json,
+    comparison_junit,
     gait_comparison_json,
-    junit_xml,
     print_gait_comparison,
     show_comparison,
 )
@@ -60,7 +60,7 @@ def _compare_files(call: Call, options: Compare) -> NoReturn:
         call.add_damage(damage)
     if junit is not None:
         with whole_file(junit, overwrite=options.overwrite) as file:
-            file.write(junit_xml(comparison))
+            file.write(comparison_junit(comparison))
     for warning in comparison.warnings:
         click.echo(printable(f"warning: {warning}"), err=True)
     if options.json:

@@ -30,7 +30,7 @@ def run(options: Convert) -> NoReturn:
         call.add(_json(done) if options.json else {})
         if not options.quiet:
             from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415 - rich costs 40 ms
-            from dogbot_logtool.report.text.conversion_text import print_conversion  # noqa: PLC0415
+            from dogbot_logtool.report.text.written_text import print_conversion  # noqa: PLC0415
 
             print_conversion(diagnostics(), done, verbose=options.verbose)
     call.finish(as_json=options.json)

@@ -6,16 +6,19 @@ from functools import partial
 from pathlib import Path
 from typing import NoReturn
 
-from dogbot_logtool.api.export import Export as Exporter
+from dogbot_logtool.api.table import texts
+from dogbot_logtool.api.walk import Walk
 from dogbot_logtool.cli.call import Call
+from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
+from dogbot_logtool.io.storage import Location, from_root, location, shown
 from dogbot_logtool.io.targets import refuse_no_name
 from dogbot_logtool.options import Export
 from dogbot_logtool.report.table_file import TableFile, table_file
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.run.inputs import LogSet
-from dogbot_logtool.run.runner import SerialRunner
+from dogbot_logtool.run.runner import OnProgress, SerialRunner
 
 
 def run(options: Export) -> NoReturn:
@@ -62,19 +65,26 @@ def _refuse_others(options: Export) -> None:
 
 def _write(call: Call, logs: LogSet, options: Export, file: TableFile) -> None:
     """Export all logs, one after the other."""
-    work = Exporter(options, options.table or "strides", file)
+    table = options.table or "strides"
+
+    def export(log: Location, progress: OnProgress | None = None) -> Measurement:
+        measured = measure(log, options, progress)
+        walk = Walk(log, measured, options)
+        for each in walk.all_samples() if table == "samples" else [getattr(walk, table)]:
+            file.add({"log": texts([shown(log)] * len(each)), **each.columns})
+        return measured
+
     runner: SerialRunner[Measurement] = SerialRunner(options.jobs)
-    for _ in call.each(work, logs.paths, logs.names, runner):
+    for _ in call.each(export, logs.paths, logs.names, runner):
         call.add({})
 
 
 def _dataset(call: Call, logs: LogSet, options: Export, name: str) -> NoReturn:
     """Measure the logs that are not in a dataset, or not as they are now; exit."""
     from dogbot_logtool.commands.tasks import MeasuredEntry, measure_entry  # noqa: PLC0415
-    from dogbot_logtool.io.storage import from_root, location, shown  # noqa: PLC0415
     from dogbot_logtool.report.dataset import dataset_at, parse_labels  # noqa: PLC0415 - loads pyarrow
     from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415
-    from dogbot_logtool.report.text.conversion_text import DatasetRun, print_dataset  # noqa: PLC0415
+    from dogbot_logtool.report.text.written_text import DatasetRun, print_dataset  # noqa: PLC0415
 
     refuse_no_name(name)
     dataset = dataset_at(from_root(location(name)), options, parse_labels(options.label))

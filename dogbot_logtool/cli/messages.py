@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from dogbot_logtool.io.printable import printable
+from dogbot_logtool.io.printable import listed, printable
 from dogbot_logtool.io.storage import valid_unicode, without_secrets
 
 NEW_LINE: Final = "\n  "
@@ -32,7 +32,7 @@ def say_damage(sentence: str) -> None:
 
 
 def say_failures(failures: list[tuple[str, str]], logs: int) -> None:
-    """Print a table of the logs that could not be done.
+    """Print the logs that could not be done; those of one cause share a line.
 
     Args:
         failures: names and sentences.
@@ -41,11 +41,14 @@ def say_failures(failures: list[tuple[str, str]], logs: int) -> None:
     from dogbot_logtool.report.text.console import diagnostics, print_sentence  # noqa: PLC0415
 
     say(f"{len(failures)} of {logs} logs could not be done")
-    width = min(max(len(printable(name)) for name, _ in failures), 60)
+    names: dict[str, list[str]] = {}
     for name, sentence in failures:
         first, *_ = sentence.removeprefix(f"{name}: ").split(NEW_LINE)
-        line = f"  {printable(name):<{width}}  {printable(first)}"
-        print_sentence(diagnostics(), line, indent=4)
+        names.setdefault(first, []).append(name)
+    labels = {first: printable(listed(each)) for first, each in names.items()}
+    width = min(max(map(len, labels.values())), 60)
+    for first, label in labels.items():
+        print_sentence(diagnostics(), f"  {label:<{width}}  {printable(first)}", indent=4)
 
 
 def note(sentence: str) -> None:

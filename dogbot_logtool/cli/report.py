@@ -10,9 +10,11 @@ from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.io.targets import may_be_several, output_at
 from dogbot_logtool.options import Report
-from dogbot_logtool.report.comparison_report import gait_comparison_json, print_comparison_page
+from dogbot_logtool.report.comparison_report import gait_comparison_json
+from dogbot_logtool.report.documents import page_json
 from dogbot_logtool.report.page import require_libraries
 from dogbot_logtool.report.text.console import diagnostics
+from dogbot_logtool.report.text.written_text import print_comparison_page, print_page
 from dogbot_logtool.results import Page
 from dogbot_logtool.run.runner import SerialRunner
 
@@ -21,7 +23,6 @@ def run(options: Report) -> NoReturn:
     """Write the page of each log; or one of two sides."""
     require_libraries()
     from dogbot_logtool.commands.report import Reports  # noqa: PLC0415 - needs them
-    from dogbot_logtool.report.page.page_result import page_json, print_page  # noqa: PLC0415
 
     call = Call(options)
     if options.against:

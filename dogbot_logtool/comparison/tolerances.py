@@ -44,9 +44,9 @@ class Rules:
     """For every float that no quantity claims. Integers are exact unless a quantity claims them."""
     quantities: tuple[Quantity, ...] = ()
     """The first whose globs fit a field counts."""
-    ignore: tuple[str, ...] = ()
+    ignore: Sequence[str] = ()
     """Globs of topics and fields."""
-    topics: tuple[str, ...] = ()
+    topics: Sequence[str] = ()
     """Globs of the topics to compare; none: all."""
 
     def takes(self, topic: str) -> bool:
@@ -104,8 +104,8 @@ def load_rules(
     atol: float | None,
     rtol: float | None,
     tolerances: Path | None,
-    ignore: tuple[str, ...],
-    topics: tuple[str, ...],
+    ignore: Sequence[str],
+    topics: Sequence[str],
 ) -> Rules:
     """Put together what the options and the tolerance file say; an option beats the file.
 

@@ -2,6 +2,7 @@
 
 import tempfile
 from dataclasses import fields
+from io import BytesIO
 from typing import IO, Any, Final, Generic
 
 import numpy as np
@@ -12,9 +13,6 @@ from dogbot_logtool.errors import LogtoolError
 
 LARGEST_IN_MEMORY: Final = 2 << 30
 """Bytes from which columns lie in a file that is mapped into memory."""
-_FIRST_BYTES: Final = 64 << 10
-_BLOCK_BYTES: Final = 4 << 20
-"""Of a block: large enough for the system to take it back when it is freed."""
 
 
 class GrowingColumns(Generic[AnyColumns]):
@@ -27,16 +25,20 @@ class GrowingColumns(Generic[AnyColumns]):
     def __init__(self, *, on_disk: bool = False) -> None:
         self._on_disk = on_disk
         self._type: type[AnyColumns] | None = None
-        self._columns: list[_Blocks | _File] = []
+        self._columns: list[_Column] = []
 
     def add(self, part: AnyColumns) -> None:
-        """Append the rows of a record."""
-        names = [field.name for field in fields(part)]
+        """Append the rows of a record.
+
+        Raises:
+            LogtoolError: the file cannot be written.
+        """
+        values: list[NDArray[Any]] = [getattr(part, field.name) for field in fields(part)]
         if self._type is None:
             self._type = type(part)
-            self._columns = [_File() if self._on_disk else _Blocks() for _ in names]
-        for name, column in zip(names, self._columns, strict=True):
-            column.add(getattr(part, name))
+            self._columns = [_Column(each, on_disk=self._on_disk) for each in values]
+        for column, each in zip(self._columns, values, strict=True):
+            column.add(each)
 
     def finish(self, nothing: AnyColumns) -> AnyColumns:
         """Return all rows, or a record without any if none was ever added."""
@@ -47,61 +49,20 @@ class GrowingColumns(Generic[AnyColumns]):
         return found
 
 
-class _Blocks:
-    """A column in memory: copied into blocks, so that small parts can be freed at once."""
+class _Column:
+    """The bytes of a column."""
 
-    def __init__(self) -> None:
-        self._blocks: list[NDArray[Any]] = []
-        self._filled = 0
-
-    def add(self, values: NDArray[Any]) -> None:
-        """Append rows."""
-        if not self._blocks:
-            self._begin(values)
-        while True:
-            block = self._blocks[-1]
-            count = min(len(values), len(block) - self._filled)
-            block[self._filled : self._filled + count] = values[:count]
-            self._filled += count
-            values = values[count:]
-            if not len(values):
-                return
-            self._begin(values)
-
-    def finish(self) -> NDArray[Any]:
-        """Return all rows."""
-        self._blocks[-1] = self._blocks[-1][: self._filled]
-        whole = np.concatenate(self._blocks)
-        self._blocks.clear()
-        return whole
-
-    def _begin(self, values: NDArray[Any]) -> None:
-        row_bytes = values.itemsize * int(np.prod(values.shape[1:], dtype=np.int64))
-        size = min(_FIRST_BYTES << len(self._blocks), _BLOCK_BYTES)
-        rows = max(size // row_bytes, 1)
-        self._blocks.append(np.empty((rows, *values.shape[1:]), values.dtype))
-        self._filled = 0
-
-
-class _File:
-    """A column in a file that has no name, so that nothing of it stays."""
-
-    def __init__(self) -> None:
-        self._file: IO[bytes] = tempfile.TemporaryFile(prefix="dogbot_logtool_")  # noqa: SIM115 - mapped as long as the column is used
-        self._rows = 0
-        self._like: NDArray[Any] = np.empty(0)
+    def __init__(self, like: NDArray[Any], *, on_disk: bool) -> None:
+        self._nothing = np.empty((0, *like.shape[1:]), like.dtype)
+        self._bytes: IO[bytes] = BytesIO()
+        if on_disk:
+            # Without a name, so that nothing of it stays.
+            self._bytes = tempfile.TemporaryFile(prefix="dogbot_logtool_")  # noqa: SIM115
 
     def add(self, values: NDArray[Any]) -> None:
-        """Append rows.
-
-        Raises:
-            LogtoolError: the file cannot be written.
-        """
-        self._like = values[:0]
-        self._rows += len(values)
         try:
-            self._file.write(np.ascontiguousarray(values).data)
-            self._file.flush()
+            self._bytes.write(np.ascontiguousarray(values).data)
+            self._bytes.flush()
         except OSError as error:
             folder = tempfile.gettempdir()
             raise LogtoolError(
@@ -110,9 +71,10 @@ class _File:
             ) from error
 
     def finish(self) -> NDArray[Any]:
-        """Return all rows, mapped into memory."""
-        shape = (self._rows, *self._like.shape[1:])
-        with self._file:
-            if not self._rows:
-                return np.empty(shape, self._like.dtype)
-            return np.memmap(self._file, self._like.dtype, "r+", shape=shape)
+        shape, dtype = (-1, *self._nothing.shape[1:]), self._nothing.dtype
+        if isinstance(self._bytes, BytesIO):
+            return np.frombuffer(self._bytes.getbuffer(), dtype).reshape(shape)
+        with self._bytes:
+            if not self._bytes.tell():
+                return self._nothing
+            return np.memmap(self._bytes, dtype, "r+").reshape(shape)

@@ -124,7 +124,7 @@ def _describe_text(text: bytes) -> str | None:
     if re.match(rb'\{\s*["}]|\[\s*["\[\]{\d.tfn-]', text):
         return (
             "is a JSON text, not a log: maybe a server's error (look into it, and download the log "
-            "again), or figures of 'stats --json', which only 'compare' reads"
+            "again), or metrics of 'stats --json', which only 'compare' reads"
         )
     return None
 

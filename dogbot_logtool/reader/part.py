@@ -1,34 +1,41 @@
 """A part of a log as columns: some neighbouring chunks, read and decoded in any process."""
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Ints, concatenated, header_time, rows_by_group
-from dogbot_logtool.core.base.poses import Odometry
-from dogbot_logtool.core.contact.contacts import Samples, no_samples, samples_by_foot
-from dogbot_logtool.core.frames.transforms import (
-    RecordedTransforms,
-    concatenate_transforms,
-    no_transforms,
-)
+from dogbot_logtool.core.arrays import Ints, header_time, rows_by_group
+from dogbot_logtool.core.contact.contacts import Samples, samples_by_foot
+from dogbot_logtool.core.frames.transforms import RecordedTransforms
 from dogbot_logtool.core.legs.joints import MOST_JOINTS, JointSamples, JointTable
 from dogbot_logtool.core.plausible import plausible_odometry
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss
 from dogbot_logtool.reader.messages.bases import BasePoses, joined_poses
 from dogbot_logtool.reader.messages.contacts import ReadContacts, read_contacts
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
-from dogbot_logtool.reader.messages.messages import malformed_in
 from dogbot_logtool.reader.messages.others import (
-    ReadVectors,
     is_static,
     read_joints,
     read_transforms,
     read_vectors,
 )
-from dogbot_logtool.reader.wanted import Wanted, WantedVectors
+from dogbot_logtool.reader.wanted import Wanted
+
+Key = tuple[str, Any]
+"""What something is of: a kind, and which of that kind: a foot, a topic, a channel's id."""
+ONLY = 0
+"""Which one of a kind that there is one of."""
+
+
+@dataclass(frozen=True, slots=True)
+class Numbers:
+    """A column of numbers."""
+
+    values: Ints
+    """(n,)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,135 +49,113 @@ class Stamps:
 
 
 @dataclass(frozen=True, slots=True)
-class Lags:
-    """How old contact samples are at their stamps."""
-
-    lag: Ints
-    """(n,) ns by which a sample's newest physics step is older than its stamp; `UNTIMED`: not
-    known."""
-
-
-@dataclass(frozen=True, slots=True)
 class Part:
-    """The columns of some neighbouring chunks."""
+    """What is in some neighbouring chunks."""
 
-    feet: tuple[Samples, ...]
-    """Of each foot."""
-    lags: tuple[Lags, ...]
-    """Of each foot's samples."""
-    planned: tuple[Samples, ...]
-    step: Ints
-    """(k,) ns between neighbouring physics steps of a message."""
-    links: Mapping[int, set[str]]
-    base: Odometry
-    world_frames: set[str]
-    base_frames: set[str]
-    transforms: RecordedTransforms
-    joints: tuple[JointTable, ...]
-    commands: ReadVectors | None
-    accelerations: ReadVectors | None
-    log_times: Mapping[int, Ints]
-    """ns, of all messages in file order, by channel id."""
-    stamps: Mapping[str, Stamps]
-    """By topic, of contacts and poses with a header."""
-    implausible: int
-    untimed_messages: int
-    foreign_states: int
-    malformed: Mapping[int, int]
-    losses: tuple[Loss, ...]
+    columns: dict[Key, list[Any]] = field(default_factory=lambda: defaultdict(list))
+    """Tables by what they are of. `Samples` of ``feet`` and ``planned`` feet; `Numbers` of each
+    foot's ``lags``, ns by which the newest physics step is older than the stamp (`UNTIMED`: not
+    known), of ``steps``, ns between neighbouring physics steps of a message, and of ``times``, ns,
+    log times of all messages of a channel in file order; `Odometry` of the ``base``;
+    `VectorSamples` of ``commands`` and ``accelerations``; `Stamps` of a topic's ``stamps``."""
+    names: dict[Key, set[str]] = field(default_factory=lambda: defaultdict(set))
+    """Names of frames: ``links`` of a foot, ``worlds`` and ``bases`` of poses, those of
+    ``commands`` and ``accelerations``."""
+    counts: Counter[Key] = field(default_factory=Counter)
+    """``malformed`` messages of a channel; see `Recording` for the others."""
+    transforms: list[RecordedTransforms] = field(default_factory=list)
+    joints: list[JointTable] = field(default_factory=list)
+    losses: tuple[Loss, ...] = ()
+
+    def add_malformed(self, malformed: Mapping[int, int]) -> None:
+        """Count messages that could not be decoded, by channel id."""
+        self.counts.update({("malformed", channel): count for channel, count in malformed.items()})
 
 
 def read_part(wanted: Wanted, log: Log, whole: Batch) -> Part:
     """Decode some chunks that were read."""
     recorded = whole.cropped(*wanted.limits)
     batch = recorded.in_time_order()
-    base = wanted.base.read(batch, wanted.base_channels) if wanted.base else []
-    poses, implausible = plausible_odometry(joined_poses(base))
+    part = Part(losses=batch.losses)
+    for channel, rows in rows_by_group(recorded.messages.channel):
+        part.columns["times", channel].append(Numbers(recorded.messages.log_time[rows]))
+    base = _add_base(part, wanted, batch)
     contacts = read_contacts(batch, wanted.contacts, wanted.feet)
+    for read in contacts:
+        _add_contacts(part, read, len(wanted.feet.feet))
     planned: Sequence[ReadContacts] = ()
     if wanted.planned_feet is not None:
         planned = read_contacts(batch, wanted.planned, wanted.planned_feet)
-    # Transforms that hold for ever do so within the limits, too, wherever they stand.
+    for read in planned:
+        _add_samples(part, "planned", read.samples, len(wanted.feet.feet))
+    for topic, stamps in _stamped(log, wanted, base, [*contacts, *planned]):
+        part.columns["stamps", topic].append(stamps)
+    _add_transforms(part, wanted, batch, whole)
+    for kind, vectors in (("commands", wanted.commands), ("accelerations", wanted.accelerations)):
+        if vectors is not None:
+            found = read_vectors(batch, vectors.channels, vectors.part)
+            part.columns[kind, ONLY].append(found.samples)
+            part.names[kind, ONLY].update(found.frames)
+            part.add_malformed(found.malformed)
+    part.joints.extend(_joint_tables(part, batch, wanted))
+    return part
+
+
+def _add_base(part: Part, wanted: Wanted, batch: Batch) -> list[BasePoses]:
+    base = wanted.base.read(batch, wanted.base_channels) if wanted.base else []
+    poses, implausible = plausible_odometry(joined_poses(base))
+    part.columns["base", ONLY].append(poses)
+    part.counts["implausible", ONLY] += implausible
+    for each in base:
+        part.names["worlds", ONLY].update(each.worlds)
+        part.names["bases", ONLY].update(each.bases)
+        part.add_malformed(each.malformed)
+    return base
+
+
+def _add_contacts(part: Part, read: ReadContacts, feet: int) -> None:
+    samples, pairs = read.samples, read.pairs
+    _add_samples(part, "feet", samples, feet)
+    lag = np.full(len(samples.foot), UNTIMED) if pairs is None else pairs.lag
+    for foot in range(feet):
+        part.columns["lags", foot].append(Numbers(lag[samples.foot == foot]))
+    for foot, names in read.links.items():
+        part.names["links", foot].update(names)
+    part.counts["implausible", ONLY] += read.implausible
+    if pairs is not None:
+        part.columns["steps", ONLY].append(Numbers(pairs.step))
+        part.counts["untimed_messages", ONLY] += pairs.untimed_messages
+        part.counts["foreign_states", ONLY] += pairs.foreign_states
+    part.add_malformed(read.messages.malformed)
+
+
+def _add_samples(part: Part, kind: str, samples: Samples, feet: int) -> None:
+    """Add the samples of each foot in half the memory: places need all digits, others do not."""
+    for foot, own in enumerate(samples_by_foot(samples, feet)):
+        compact = replace(
+            own,
+            foot=own.foot.astype(np.uint8),
+            force=own.force.astype(np.float32),
+            normal=own.normal.astype(np.float32),
+            points=np.minimum(own.points, np.iinfo(np.uint8).max).astype(np.uint8),
+        )
+        part.columns[kind, foot].append(compact)
+
+
+def _add_transforms(part: Part, wanted: Wanted, batch: Batch, whole: Batch) -> None:
+    """Add transforms; those that hold for ever do so within the limits, too, wherever they are."""
     static = [channel for channel in wanted.transforms if is_static(channel)]
     moving = [channel for channel in wanted.transforms if not is_static(channel)]
-    transforms = [*read_transforms(batch, moving), *read_transforms(whole, static)]
-    commands, accelerations = _read(batch, wanted.commands), _read(batch, wanted.accelerations)
-    malformed = Counter(malformed_in(read.messages for read in contacts))
-    for _, lost in transforms:
-        malformed.update(lost)
-    for each in (*base, commands, accelerations):
-        malformed.update(each.malformed if each else {})
-    joints = tuple(_joint_tables(batch, wanted, malformed))
-    feet, lags = _by_foot(contacts, len(wanted.feet.feet))
-    pairs = [read.pairs for read in contacts if read.pairs]
-    return Part(
-        feet=feet,
-        lags=lags,
-        planned=_by_foot(planned, len(wanted.feet.feet))[0],
-        step=np.concatenate([np.empty(0, np.int64), *(each.step for each in pairs)]),
-        links=_links(contacts),
-        base=poses,
-        world_frames={name for each in base for name in each.worlds},
-        base_frames={name for each in base for name in each.bases},
-        transforms=concatenate_transforms([no_transforms(), *(each for each, _ in transforms)]),
-        joints=joints,
-        commands=commands,
-        accelerations=accelerations,
-        log_times=_by_channel(recorded),
-        stamps=_stamped(log, wanted, base, [*contacts, *planned]),
-        implausible=implausible + sum(read.implausible for read in contacts),
-        untimed_messages=sum(each.untimed_messages for each in pairs),
-        foreign_states=sum(each.foreign_states for each in pairs),
-        malformed=malformed,
-        losses=batch.losses,
-    )
+    for found, malformed in (*read_transforms(batch, moving), *read_transforms(whole, static)):
+        part.transforms.append(found)
+        part.add_malformed(malformed)
 
 
-def _read(batch: Batch, topic: WantedVectors | None) -> ReadVectors | None:
-    return read_vectors(batch, topic.channels, topic.part) if topic else None
-
-
-def _by_foot(
-    contacts: Sequence[ReadContacts], feet: int
-) -> tuple[tuple[Samples, ...], tuple[Lags, ...]]:
-    """Return the contact samples of each foot, small enough to keep them all, and their lags."""
-    lags = (
-        read.pairs.lag if read.pairs else np.full(len(read.samples.foot), UNTIMED)
-        for read in contacts
-    )
-    lag = np.concatenate([np.empty(0, np.int64), *lags])
-    samples = concatenated([no_samples(), *(read.samples for read in contacts)])
-    return (
-        tuple(_compact(each) for each in samples_by_foot(samples, feet)),
-        tuple(Lags(lag[samples.foot == foot]) for foot in range(feet)),
-    )
-
-
-def _compact(samples: Samples) -> Samples:
-    """Return samples in half the memory: places need all digits, forces and counts do not."""
-    few = np.minimum(samples.points, np.iinfo(np.uint8).max)
-    return replace(
-        samples,
-        foot=samples.foot.astype(np.uint8),
-        force=samples.force.astype(np.float32),
-        normal=samples.normal.astype(np.float32),
-        points=few.astype(np.uint8),
-    )
-
-
-def _links(contacts: Sequence[ReadContacts]) -> dict[int, set[str]]:
-    found: dict[int, set[str]] = {}
-    for read in contacts:
-        for foot, names in read.links.items():
-            found.setdefault(foot, set()).update(names)
-    return found
-
-
-def _joint_tables(batch: Batch, wanted: Wanted, malformed: Counter[int]) -> Iterator[JointTable]:
-    """Yield the joint states of each channel; count malformed messages by channel id."""
+def _joint_tables(part: Part, batch: Batch, wanted: Wanted) -> Iterator[JointTable]:
+    """Yield the joint states of each channel."""
     for joints in wanted.joints:
         for read in read_joints(batch, joints.channel):
-            malformed.update(read.malformed)
+            part.add_malformed(read.malformed)
             columns = [
                 column for column, name in enumerate(read.names) if name not in joints.left_out
             ][:MOST_JOINTS]
@@ -182,31 +167,18 @@ def _joint_tables(batch: Batch, wanted: Wanted, malformed: Counter[int]) -> Iter
                 yield JointTable(joints.channel.topic, names, samples)
 
 
-def _by_channel(batch: Batch) -> dict[int, Ints]:
-    """Return the log times of the messages of each channel, by its id."""
-    messages = batch.messages
-    return {channel: messages.log_time[rows] for channel, rows in rows_by_group(messages.channel)}
-
-
 def _stamped(
     log: Log, wanted: Wanted, base: Sequence[BasePoses], contacts: Sequence[ReadContacts]
-) -> dict[str, Stamps]:
-    """Return the times of messages with a header, by topic."""
-    stamps: dict[str, list[Stamps]] = {}
+) -> Iterator[tuple[str, Stamps]]:
+    """Yield the times of messages with a header, by topic."""
+    timed: list[tuple[Ints, Ints, Ints]] = []
     source = wanted.base.source if wanted.base else None
     if source is not None and source.has_header and source.has_one_pose:
-        for each in base:
-            for channel, rows in rows_by_group(each.channel):
-                topic = log.channels[channel].topic
-                times = Stamps(each.poses.log_time[rows], each.poses.stamp[rows])
-                stamps.setdefault(topic, []).append(times)
+        timed += [(each.channel, each.poses.log_time, each.poses.stamp) for each in base]
     for read in contacts:
-        if not read.source.has_header:
-            continue
-        messages = read.messages
-        stamp = read.source.stamps(messages)
-        for channel, rows in rows_by_group(messages.channel):
-            topic = log.channels[channel].topic
-            times = Stamps(messages.log_time[rows], stamp[rows])
-            stamps.setdefault(topic, []).append(times)
-    return {topic: concatenated(parts) for topic, parts in stamps.items()}
+        if read.source.has_header:
+            messages = read.messages
+            timed.append((messages.channel, messages.log_time, read.source.stamps(messages)))
+    for channels, log_time, stamp in timed:
+        for channel, rows in rows_by_group(channels):
+            yield log.channels[channel].topic, Stamps(log_time[rows], stamp[rows])

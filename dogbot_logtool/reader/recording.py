@@ -1,28 +1,36 @@
 """Read a log whole: every chunk is decoded once, in any process, and joined by log time."""
 
-from collections import Counter
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Final, Protocol, TypeVar
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Ints, Record, concatenated, median_of, picked
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Ints,
+    Record,
+    concatenated,
+    median_of,
+    picked,
+)
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contacts import Samples, no_samples, without_contact
 from dogbot_logtool.core.frames.transforms import concatenate_transforms, no_transforms
 from dogbot_logtool.core.legs.joints import MOST_JOINTS, JointSamples, JointTable
 from dogbot_logtool.core.recording import Recording, Times, VectorTopic
+from dogbot_logtool.core.vectors import VectorSamples
 from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Loss, Span
 from dogbot_logtool.reader.growing import LARGEST_IN_MEMORY, GrowingColumns
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
-from dogbot_logtool.reader.messages.others import ReadVectors, is_static
-from dogbot_logtool.reader.part import Lags, Part, Stamps, read_part
+from dogbot_logtool.reader.messages.others import is_static
+from dogbot_logtool.reader.part import ONLY, Key, Numbers, Part, Stamps, read_part
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.reader.workers import Start, in_order
 
-Key = TypeVar("Key", bound=Hashable)
+Table = TypeVar("Table")
+_NO_NUMBERS: Final = Numbers(np.empty(0, np.int64))
 _REGULAR: Final = 0.75
 """Share of messages that must have the usual lag. Only the last of each stance should not."""
 _MOST_CELLS: Final = 1 << 27
@@ -128,80 +136,113 @@ class _Joined:
     """Joins the parts of a log, in file order."""
 
     def __init__(self, wanted: Wanted, *, on_disk: bool) -> None:
-        feet = wanted.feet.feet
         self._wanted = wanted
-        self._feet = [GrowingColumns[Samples](on_disk=on_disk) for _ in feet]
-        self._lags = [GrowingColumns[Lags](on_disk=on_disk) for _ in feet]
-        self._planned = [GrowingColumns[Samples](on_disk=on_disk) for _ in feet]
-        self._base = GrowingColumns[Odometry]()
-        self._parts: list[Part] = []
-        """Without the columns that are joined already."""
+        self._on_disk = on_disk
+        self._columns: dict[Key, GrowingColumns[Any]] = {}
+        self._whole = Part()
+        """All but the columns."""
+        self._losses: list[Loss] = []
 
     def add(self, part: Part) -> None:
         """Take the next part."""
-        for columns, samples in zip(self._feet, part.feet, strict=True):
-            columns.add(samples)
-        for lags, own in zip(self._lags, part.lags, strict=True):
-            lags.add(own)
-        for columns, samples in zip(self._planned, part.planned, strict=True):
-            columns.add(samples)
-        self._base.add(part.base)
-        self._parts.append(replace(part, feet=(), lags=(), planned=(), base=no_odometry()))
+        for key, tables in part.columns.items():
+            if key not in self._columns:
+                on_disk = self._on_disk and key[0] in {"feet", "lags", "planned"}
+                self._columns[key] = GrowingColumns(on_disk=on_disk)
+            for table in tables:
+                self._columns[key].add(table)
+        for key, names in part.names.items():
+            self._whole.names[key].update(names)
+        self._whole.counts.update(part.counts)
+        self._whole.transforms.extend(part.transforms)
+        self._whole.joints.extend(part.joints)
+        self._losses.extend(part.losses)
+
+    def _take(self, kind: str, which: Any, nothing: Table) -> Table:  # noqa: ANN401
+        """Return whole columns, `nothing` if there are none."""
+        columns = self._columns.pop((kind, which), None)
+        return nothing if columns is None else columns.finish(nothing)
+
+    def _which(self, kind: str) -> list[Any]:
+        """Return which there are of a kind of columns."""
+        return sorted(which for each, which in self._columns if each == kind)
 
     def finish(self, log: Log) -> ReadLog:
         """Return the columns of the whole log."""
-        parts, counts, malformed = self._parts, Counter[int](), Counter[int]()
-        for part in parts:
-            counts.update({channel: len(times) for channel, times in part.log_times.items()})
-            malformed.update(part.malformed)
+        names, counts = self._whole.names, self._whole.counts
         feet = self._all_feet()
-        planned = tuple(_of_foot(foot, each) for foot, each in enumerate(self._planned))
-        base = in_time_order(self._base.finish(no_odometry()))
-        topics, out_of_order = _topics(log, parts, (*feet, *planned, base))
+        planned = tuple(
+            _of_foot(foot, self._take("planned", foot, no_samples())) for foot in range(len(feet))
+        )
+        base = in_time_order(self._take("base", ONLY, no_odometry()))
+        times = {
+            channel: self._take("times", channel, _NO_NUMBERS).values
+            for channel in self._which("times")
+        }
         recording = Recording(
             feet=feet,
             planned=planned,
-            links=_merged(part.links for part in parts),
+            links={foot: frozenset(own) for (kind, foot), own in names.items() if kind == "links"},
             base=base,
-            world_frames=tuple(sorted({name for part in parts for name in part.world_frames})),
-            base_frames=tuple(sorted({name for part in parts for name in part.base_frames})),
-            transforms=concatenate_transforms(
-                [no_transforms(), *(part.transforms for part in parts)]
-            ),
-            joints=_all_joints(parts, self._wanted),
-            commands=_all_vectors([part.commands for part in parts]),
-            accelerations=_all_vectors([part.accelerations for part in parts]),
-            topics=topics,
-            implausible=sum(part.implausible for part in parts),
-            untimed_messages=sum(part.untimed_messages for part in parts),
-            foreign_states=sum(part.foreign_states for part in parts),
-            out_of_order=out_of_order,
+            world_frames=tuple(sorted(names["worlds", ONLY])),
+            base_frames=tuple(sorted(names["bases", ONLY])),
+            transforms=concatenate_transforms([no_transforms(), *self._whole.transforms]),
+            joints=_all_joints(self._whole.joints, self._wanted),
+            commands=self._vectors("commands"),
+            accelerations=self._vectors("accelerations"),
+            topics=self._topics(log, times, (*feet, *planned, base)),
+            implausible=counts["implausible", ONLY],
+            untimed_messages=counts["untimed_messages", ONLY],
+            foreign_states=counts["foreign_states", ONLY],
+            out_of_order=sum(int((np.diff(each) < 0).sum()) for each in times.values()),
         )
-        losses = tuple(loss for part in parts for loss in part.losses)
-        return ReadLog(recording, losses, counts, malformed)
+        number = {channel: len(own) for channel, own in times.items()}
+        malformed = {channel: n for (kind, channel), n in counts.items() if kind == "malformed"}
+        return ReadLog(recording, tuple(self._losses), number, malformed)
 
     def _all_feet(self) -> tuple[Samples, ...]:
         """Join contact samples; a foot whose newest physics step is too old has left the ground."""
-        nothing = Lags(np.empty(0, np.int64))
-        lags = [columns.finish(nothing).lag for columns in self._lags]
-        step = np.concatenate([nothing.lag, *(part.step for part in self._parts)])
-        left_after = left_after_ns(lags, step)
+        feet = range(len(self._wanted.feet.feet))
+        lags = [self._take("lags", foot, _NO_NUMBERS).values for foot in feet]
+        left_after = left_after_ns(lags, self._take("steps", ONLY, _NO_NUMBERS).values)
         left = [None if left_after is None else lag > left_after for lag in lags]
         del lags
         return tuple(
-            _of_foot(foot, *each) for foot, each in enumerate(zip(self._feet, left, strict=True))
+            _of_foot(foot, self._take("feet", foot, no_samples()), left[foot]) for foot in feet
         )
 
+    def _vectors(self, kind: str) -> VectorTopic | None:
+        samples: VectorSamples | None = self._take(kind, ONLY, None)
+        frames = tuple(sorted(self._whole.names[kind, ONLY]))
+        return None if samples is None else VectorTopic(in_time_order(samples), frames)
 
-def _of_foot(foot: int, columns: GrowingColumns[Samples], left: Flags | None = None) -> Samples:
+    def _topics(
+        self, log: Log, times: Mapping[int, Ints], read: Sequence[Samples | Odometry]
+    ) -> dict[str, Times]:
+        """Return the times of all topics; those of what is read take no memory of their own."""
+        own: dict[str, list[Ints]] = {}
+        for channel, log_times in times.items():
+            own.setdefault(log.channels[channel].topic, []).append(log_times)
+        found = {}
+        for topic, columns in own.items():
+            sent = self._take("stamps", topic, None)
+            if sent is None:
+                found[topic] = Times(np.sort(np.concatenate(columns), kind="stable"), None)
+            else:
+                sent = in_time_order(sent)
+                same = next((each for each in read if _has_times(each, sent)), sent)
+                found[topic] = Times(same.log_time, same.stamp)
+        return found
+
+
+def _of_foot(foot: int, samples: Samples, left: Flags | None = None) -> Samples:
     """Return all samples of one foot; its number takes no memory.
 
     Args:
         foot: its number.
-        columns: its samples.
+        samples: its samples.
         left: (n,) whether the foot has left the ground; None: as the samples tell.
     """
-    samples = columns.finish(no_samples())
     samples = replace(samples, foot=np.broadcast_to(np.int64(foot), len(samples.log_time)))
     return in_time_order(samples if left is None else without_contact(samples, left))
 
@@ -225,12 +266,11 @@ def left_after_ns(lags: Sequence[Ints], step: Ints) -> int | None:
     return round(usual + half_a_step) if regular.mean() >= _REGULAR else None
 
 
-def _all_joints(parts: Sequence[Part], wanted: Wanted) -> tuple[JointTable, ...]:
+def _all_joints(parts: Sequence[JointTable], wanted: Wanted) -> tuple[JointTable, ...]:
     """Join the joint states of each topic; NaN where a message does not have a joint."""
     by_topic: dict[str, list[JointTable]] = {each.channel.topic: [] for each in wanted.joints}
     for part in parts:
-        for table in part.joints:
-            by_topic[table.topic].append(table)
+        by_topic[part.topic].append(part)
     return tuple(_one_table(topic, tables) for topic, tables in by_topic.items() if tables)
 
 
@@ -254,53 +294,10 @@ def _one_table(topic: str, tables: Sequence[JointTable]) -> JointTable:
     return JointTable(topic, names, in_time_order(concatenated(samples)))
 
 
-def _all_vectors(parts: Sequence[ReadVectors | None]) -> VectorTopic | None:
-    read = [part for part in parts if part is not None]
-    if not read:
-        return None
-    frames = sorted({name for part in read for name in part.frames})
-    return VectorTopic(in_time_order(concatenated([part.samples for part in read])), tuple(frames))
-
-
-def _topics(
-    log: Log, parts: Sequence[Part], read: Sequence[Samples | Odometry]
-) -> tuple[dict[str, Times], int]:
-    """Return the times of all topics, and how many messages stand behind later ones.
-
-    Those of what is read of a topic take no memory of their own.
-    """
-    times: dict[str, list[Ints]] = {}
-    backwards = 0
-    for channel in sorted({number for part in parts for number in part.log_times}):
-        own = [part.log_times[channel] for part in parts if channel in part.log_times]
-        joined = np.concatenate(own)
-        backwards += int((np.diff(joined) < 0).sum())
-        times.setdefault(log.channels[channel].topic, []).append(joined)
-    found = {}
-    for topic, columns in times.items():
-        stamped = [part.stamps[topic] for part in parts if topic in part.stamps]
-        if stamped:
-            sent = in_time_order(concatenated(stamped))
-            same = next((each for each in read if _has_times(each, sent)), sent)
-            found[topic] = Times(same.log_time, same.stamp)
-        else:
-            found[topic] = Times(np.sort(np.concatenate(columns), kind="stable"), None)
-    return found, backwards
-
-
 def _has_times(read: Samples | Odometry, sent: Stamps) -> bool:
     """Tell whether what was read of a topic has the times of some messages."""
     equal = np.array_equal(read.log_time, sent.log_time)
     return equal and np.array_equal(read.stamp, sent.stamp)
-
-
-def _merged(parts: Iterable[Mapping[Key, set[str]]]) -> dict[Key, frozenset[str]]:
-    """Join sets of names by key."""
-    found: dict[Key, set[str]] = {}
-    for part in parts:
-        for key, names in part.items():
-            found.setdefault(key, set()).update(names)
-    return {key: frozenset(names) for key, names in found.items()}
 
 
 def in_time_order(columns: Columns) -> Columns:

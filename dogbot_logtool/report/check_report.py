@@ -4,12 +4,12 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
-from xml.etree import ElementTree as ET
 
 from rich.console import Console
 
 from dogbot_logtool.comparison.judge import DAMAGE, Judgement, Status, Value, worst
 from dogbot_logtool.io.printable import printable
+from dogbot_logtool.report.junit import ERROR, FAILURE, REMARK, Case, junit_xml
 from dogbot_logtool.report.text.console import print_sentence
 
 _STYLES: Final = {
@@ -47,14 +47,13 @@ def print_check(
 
 def _parts(found: Judgement) -> list[str | tuple[str, str]]:
     name = f"{found.rule.name}: " if found.rule.name else ""
-    figure = f"{name}{found.figure} is {shown_value(found.value)}; wanted: {found.demand}"
     look = f" ({found.look})" if found.look else ""
     label = (f"  {found.status:<7}  ", _STYLES[found.status])
-    return [label, printable(figure), printable(look)]
+    return [label, printable(name + _sentence(found)), printable(look)]
 
 
 def shown_value(value: Value) -> str:
-    """Return a figure as a sentence shows it."""
+    """Return a value as a sentence shows it."""
     if value is None:
         return "not known"
     return f"{value:.4g}" if isinstance(value, float) else str(value)
@@ -85,42 +84,28 @@ def _judgement(found: Judgement) -> dict[str, Any]:
 
 
 def check_junit(checked: Mapping[str, Sequence[Judgement]], failed: Mapping[str, str]) -> bytes:
-    """Return the XML document, in UTF-8.
+    """Return JUnit XML.
 
-    A broken rule is a failure; a figure that is not known, and a log that cannot be read, is an
+    A broken rule is a failure; a metric that is not known, and a log that cannot be read, is an
     error. A warning is neither, but stands in the output of its case.
 
     Args:
         checked: judgements by log.
         failed: why the other logs could not be read, by log.
     """
-    root = ET.Element("testsuites", {"name": "dogbot-logtool check"})
-    for name, judgements in checked.items():
-        statuses = [found.status for found in judgements]
-        counts = {
-            "tests": str(len(statuses)),
-            "failures": str(statuses.count(Status.FAIL)),
-            "errors": str(statuses.count(Status.UNKNOWN)),
-        }
-        suite = ET.SubElement(root, "testsuite", {"name": printable(name), **counts})
-        for found in judgements:
-            _add_case(suite, name, found)
-    for name, sentence in failed.items():
-        counts = {"tests": "1", "failures": "0", "errors": "1"}
-        suite = ET.SubElement(root, "testsuite", {"name": printable(name), **counts})
-        case = ET.SubElement(suite, "testcase", {"classname": printable(name), "name": "is read"})
-        ET.SubElement(case, "error", {"message": printable(sentence)})
-    document: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
-    return document + b"\n"
+    suites = {log: (log, [_case(each) for each in found]) for log, found in checked.items()}
+    for log, sentence in failed.items():
+        suites[log] = (log, [Case("is read", ERROR, sentence)])
+    return junit_xml("dogbot-logtool check", suites)
 
 
-def _add_case(suite: ET.Element, log: str, found: Judgement) -> None:
+_OUTCOMES: Final = {Status.FAIL: FAILURE, Status.UNKNOWN: ERROR, Status.WARN: REMARK}
+
+
+def _case(found: Judgement) -> Case:
     name = found.rule.name or f"{found.figure} {found.demand}"
-    attributes = {"classname": printable(log), "name": printable(name)}
-    case = ET.SubElement(suite, "testcase", attributes)
-    message = f"{found.figure} is {shown_value(found.value)}; wanted: {found.demand}"
-    if found.status in {Status.FAIL, Status.UNKNOWN}:
-        tag = "failure" if found.status is Status.FAIL else "error"
-        ET.SubElement(case, tag, {"message": printable(message)}).text = printable(found.look)
-    elif found.status is Status.WARN:
-        ET.SubElement(case, "system-out").text = printable(f"{message} {found.look}".rstrip())
+    return Case(name, _OUTCOMES.get(found.status, ""), _sentence(found), found.look)
+
+
+def _sentence(found: Judgement) -> str:
+    return f"{found.figure} is {shown_value(found.value)}; wanted: {found.demand}"

@@ -1,8 +1,8 @@
 """Results of `compare` as text, plain data and JUnit XML."""
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any, Final
-from xml.etree import ElementTree as ET
 
 from rich.console import Console
 
@@ -13,7 +13,8 @@ from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.report.documents import damage_json
-from dogbot_logtool.report.text.console import human_size, print_losses, print_sentence
+from dogbot_logtool.report.junit import ERROR, FAILURE, Case, junit_xml
+from dogbot_logtool.report.text.console import print_losses, print_sentence
 from dogbot_logtool.report.text.text_layout import NameTable, Row
 
 _STYLES = {"same": "green", "different": "bold red"}
@@ -54,22 +55,16 @@ def _shown(tallies: Sequence[Tally]) -> Sequence[Tally]:
 def _table(comparison: Comparison, shown: Sequence[Tally]) -> NameTable:
     # Plain ASCII columns: what is redirected into a file is read in a browser or mailed.
     unit = comparison.unit
-    counts = (unit, "equal", "within tolerance", "different", "missing", "extra", "largest |d|")
-    rows = [_tally_row(tally) for tally in shown]
-    return NameTable(("topic" if unit == "messages" else "part", *counts), rows)
+    counts = "equal", "within tolerance", "different", "missing", "extra", "largest |d|"
+    headings = ("topic" if unit == "messages" else "part", unit, *counts)
+    return NameTable(headings, [_tally_row(tally) for tally in shown])
 
 
 def _tally_row(tally: Tally) -> Row:
     count = f"{tally.expected}"
     if tally.actual != tally.expected:
         count += f" / {tally.actual}"
-    numbers = (
-        tally.equal,
-        tally.within_tolerance,
-        tally.different,
-        tally.missing,
-        tally.extra,
-    )
+    numbers = tally.equal, tally.within_tolerance, tally.different, tally.missing, tally.extra
     deviation = f"{tally.deviation:.3g}" if tally.deviation else "0"
     style = "" if tally.same else _STYLES["different"]
     return Row([printable(tally.name)], [count, *map(str, numbers), deviation], style)
@@ -124,66 +119,29 @@ def _tally(tally: Tally) -> dict[str, Any]:
 
 
 def _difference(difference: Difference) -> dict[str, Any]:
-    return {
-        "kind": difference.kind.value,
-        "topic": difference.topic,
-        "index": difference.index,
-        "time_s": difference.time_s,
-        "path": difference.path,
-        "expected": difference.expected,
-        "actual": difference.actual,
-        "deviation": difference.deviation,
-        "line": difference.line,
-    }
+    return {**asdict(difference), "kind": difference.kind.value, "line": difference.line}
 
 
-def junit_xml(comparison: Comparison) -> bytes:
-    """Return the XML document, in UTF-8.
-
-    A topic that differs is a failure, damage of a file an error.
-    """
-    failures = sum(not tally.same for tally in comparison.tallies)
-    errors = bool(comparison.damage)
-    counts = {
-        "tests": str(len(comparison.tallies) + 1),
-        "failures": str(failures),
-        "errors": str(int(errors)),
-    }
-    root = ET.Element("testsuites", counts)
-    name = printable(f"compare {comparison.expected} {comparison.actual}")
-    suite = ET.SubElement(root, "testsuite", {"name": name, **counts})
-    _add_files(suite, comparison)
-    for tally in comparison.tallies:
-        _add_topic(suite, comparison, tally)
-    document: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
-    return document + b"\n"
-
-
-def _add_files(suite: ET.Element, comparison: Comparison) -> None:
-    case = _add_case(suite, comparison, "files can be read")
+def comparison_junit(comparison: Comparison) -> bytes:
+    """Return JUnit XML: a topic that differs is a failure, damage of a file an error."""
+    cases = [Case("files can be read")]
     if comparison.damage:
-        lines = [printable(damage.line) for damage in comparison.damage]
-        error = ET.SubElement(case, "error", {"message": f"damage: {'; '.join(lines)}"})
-        error.text = "\n".join(
-            printable(loss.what) for damage in comparison.damage for loss in damage.losses
-        )
-
-
-def _add_topic(suite: ET.Element, comparison: Comparison, tally: Tally) -> None:
-    case = _add_case(suite, comparison, printable(tally.name))
-    if not tally.same:
+        message = "; ".join(printable(damage.line) for damage in comparison.damage)
+        losses = (loss for damage in comparison.damage for loss in damage.losses)
+        text = "\n".join(printable(loss.what) for loss in losses)
+        cases = [Case("files can be read", ERROR, f"damage: {message}", text)]
+    for tally in comparison.tallies:
+        if tally.same:
+            cases.append(Case(tally.name))
+            continue
         summary = tally.summary(comparison.unit)
-        failure = ET.SubElement(case, "failure", {"message": summary})
-        lines = [one.line for one in comparison.differences if one.topic == tally.name]
-        failure.text = "\n".join(lines or [summary])
+        lines = [each.line for each in comparison.differences if each.topic == tally.name]
+        cases.append(Case(tally.name, FAILURE, summary, "\n".join(lines or [summary])))
+    name = f"compare {comparison.expected} {comparison.actual}"
+    return junit_xml(name, {name: (comparison.expected.name, cases)})
 
 
-def _add_case(suite: ET.Element, comparison: Comparison, name: str) -> ET.Element:
-    attributes = {"classname": printable(comparison.expected.name), "name": name}
-    return ET.SubElement(suite, "testcase", attributes)
-
-
-_HEADINGS: Final = ("figure", "first", "second", "difference", "from", "to", "effect", "strides")
+_HEADINGS: Final = ("metric", "first", "second", "difference", "from", "to", "effect", "strides")
 
 
 def print_gait_comparison(console: Console, found: GaitComparison, *, verbose: bool) -> None:
@@ -205,27 +163,11 @@ def print_gait_comparison(console: Console, found: GaitComparison, *, verbose: b
         return
     differing, all_of_them = found.differing, found.differences
     style = "bold red" if differing else "green"
-    verdict = f"{len(differing)} of {len(all_of_them)} figures differ"
+    verdict = f"{len(differing)} of {len(all_of_them)} metrics differ"
     print_sentence(console, (verdict, style), f" (at {CONFIDENCE:.0%} over all of them)")
     shown = all_of_them if verbose else differing
     if shown:
         console.print(NameTable(_HEADINGS, [_metric_row(each) for each in shown]), crop=False)
-
-
-def print_comparison_page(console: Console, name: str, size: int, found: GaitComparison) -> None:
-    """Print what a page that compares two sides comes to.
-
-    Args:
-        console: where to.
-        name: of the page.
-        size: bytes.
-        found: the comparison.
-    """
-    words = f"{len(found.differing)} of {len(found.differences)} figures differ"
-    if found.reasons:
-        words = f"not comparable: {'; '.join(found.reasons)}"
-    name_in_bold = printable(name), "bold"
-    print_sentence(console, name_in_bold, printable(f": {words} ({human_size(size)})"))
 
 
 def _metric_row(each: FigureDifference) -> Row:
@@ -254,7 +196,7 @@ def gait_comparison_json(found: GaitComparison) -> dict[str, Any]:
 def _metric_difference(each: FigureDifference) -> dict[str, Any]:
     return {
         "foot": each.foot,
-        "figure": each.figure,
+        "metric": each.figure,
         "strides": list(each.counts),
         "medians": list(each.medians),
         "difference": each.difference,

@@ -12,7 +12,8 @@ from dogbot_logtool.io.plain_json import not_finite, only_finite
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.loss import Damage
-from dogbot_logtool.results import Conversion, Measurement
+from dogbot_logtool.report.verdict import headline, quality_of
+from dogbot_logtool.results import Conversion, Measurement, Page
 
 
 def damage_json(damage: Damage) -> dict[str, Any]:
@@ -113,4 +114,18 @@ def conversion_json(done: Conversion) -> dict[str, Any]:
         "skipped": {why: done.counts[why] for why in _SKIPPED} | {"bad_poses": done.bad_poses},
         "findings": [finding_json(each) for each in done.findings],
         "damage": damage_json(done.damage),
+    }
+
+
+def page_json(done: Page) -> Json:
+    """Return what was written of a page as plain values."""
+    measured = done.measured
+    return {
+        "tool": {"name": "dogbot-logtool", "version": __version__},
+        "input": shown(done.source),
+        "output": shown(done.target),
+        "bytes": done.size,
+        "verdict": headline(measured.metrics),
+        "quality": quality_of(measured).word,
+        "damage": damage_json(measured.damage),
     }

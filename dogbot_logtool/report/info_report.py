@@ -1,6 +1,7 @@
 """`info` for people and for scripts."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any, Final
 
 from rich.console import Console
@@ -16,10 +17,10 @@ from dogbot_logtool.core.frames.frame_tree import (
     trees,
     walk,
 )
-from dogbot_logtool.io.printable import printable
+from dogbot_logtool.io.printable import listed, printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.report.documents import damage_json, finding_json
-from dogbot_logtool.report.numbers import date_of
+from dogbot_logtool.report.numbers import recorded_at
 from dogbot_logtool.report.text.console import (
     human_size,
     print_damage,
@@ -30,15 +31,11 @@ from dogbot_logtool.report.text.text_layout import NameTable, Row
 from dogbot_logtool.results import LogInfo
 from dogbot_logtool.robot.frames.frames import Frames
 
-_ADDED: Final = "added by convert, from odometry"
-_ARROW: Final = f"  <- {_ADDED}"
-_WIDE: Final = 100
-"""Columns from which it is said who sent the transforms."""
-_DEEPER: Final = 4
-"""Columns by which a remark on the next line stands right of the frame's name."""
+_DEEPER: Final = 6
+"""Columns by which the second line of a frame is indented."""
 _ASCII: Final = str.maketrans("│├└─", "|+`-")
-_SENDERS: Final = 20
-"""Columns that the senders take at least."""
+_MOST_TOPICS: Final = 1000
+"""Rows of the table."""
 
 
 def frame_pairs(info: LogInfo) -> list[Pair]:
@@ -47,51 +44,38 @@ def frame_pairs(info: LogInfo) -> list[Pair]:
     return [*pairs, info.added_transform] if info.added_transform else pairs
 
 
-def print_frame_names(console: Console, info: LogInfo) -> None:
-    """Print the tree that a quick look shows."""
+def _print_frames(console: Console, info: LogInfo) -> None:
+    """Print the tree of frames, with what all transforms say of each if all were read."""
     rows = list(walk(frame_pairs(info)))
-    tops = [number for number, row in enumerate(rows) if not row.more]
-    console.print("frames")
-    for number, row in enumerate(rows):
-        added = (row.parent, row.frame) == info.added_transform
-        guides = _guides(console, (number < tops[-1], *row.more))
-        name = printable(row.frame) + (_ARROW if added else "") + _remark(row)
-        print_sentence(console, (guides, "dim"), name, indent=len(guides) + _DEEPER)
-
-
-def print_frames(console: Console, info: LogInfo, frames: Frames) -> None:
-    """Print the tree with what all transforms say of each frame."""
-    edges = {(edge.parent, edge.child): edge for edge in frames.recorded.edges}
-    wide = console.width >= _WIDE
-    rows = []
-    for row in walk(frame_pairs(info)):
-        pair = (row.parent or "", row.frame)
-        added = not wide and pair == info.added_transform
-        remark = _remark(row) + (_ARROW if added else "")
-        guides = _guides(console, row.more)
-        name = Text.assemble((guides, "dim"), printable(row.frame), (remark, "dim"))
-        edge = edges.get(pair)
-        cells = _cells(edge) if edge else [""] * 4
-        rows.append(Row([name], [*cells, *([_sent_by(info, frames, edge, pair)] if wide else [])]))
-    headings = ("frame", "count", "Hz", "longest", "gaps", *(["sent by"] if wide else []))
-    last = _SENDERS if wide else 0
-    table = NameTable(headings, rows, (5,), wraps_last=last, margin=2, gap=3, is_ruled=True)
+    names = [_frame_name(console, info, row) for row in rows]
+    if info.frames is None:
+        console.print("frames")
+        for name in names:
+            print_sentence(console, "  ", name, indent=_DEEPER)
+        return
+    edges = {(edge.parent, edge.child): edge for edge in info.frames.recorded.edges}
+    found = [edges.get((row.parent or "", row.frame)) for row in rows]
+    cells = [_cells(edge) if edge else [""] * 4 for edge in found]
+    sent_by = [listed(info.frames.senders(edge), 2) if edge else "" for edge in found]
+    headings = ("frame", "count", "Hz", "longest", "gaps", "sent by")
+    each_row = zip(names, cells, sent_by, strict=True)
+    lines = [Row([name], [*numbers, printable(by)]) for name, numbers, by in each_row]
+    table = NameTable(headings, lines, (5,), margin=2, gap=3, is_ruled=True)
+    if table.width > console.width:
+        lines = [Row(line.names, line.cells[:-1]) for line in lines]
+        table = replace(table, headings=headings[:-1], rows=lines)
     console.print(table, crop=False)
 
 
-def _guides(console: Console, more: Sequence[bool]) -> str:
-    """Draw what leads to a frame, given whether more follows it and those above it."""
-    if not more:
-        return ""
-    above = "".join("│   " if follows else "    " for follows in more[:-1])
-    guides = above + ("├── " if more[-1] else "└── ")
-    return guides.translate(_ASCII) if console.options.ascii_only else guides
-
-
-def _remark(row: TreeRow) -> str:
-    if row.cut:
-        return "  ..."
-    return "  (see above)" if row.again else ""
+def _frame_name(console: Console, info: LogInfo, row: TreeRow) -> Text:
+    """Return a frame behind what leads to it in the tree."""
+    guides = "".join("│   " if follows else "    " for follows in row.more[:-1])
+    guides += "├── " if row.more[-1:] == (True,) else "└── " if row.more else ""
+    remark = "  ..." if row.cut else "  (see above)" if row.again else ""
+    if (row.parent, row.frame) == info.added_transform:
+        remark += "  <- added by convert, from odometry"
+    shown = guides.translate(_ASCII) if console.options.ascii_only else guides
+    return Text.assemble((shown, "dim"), printable(row.frame), (remark, "dim"))
 
 
 def _cells(edge: FrameEdge) -> list[str]:
@@ -102,27 +86,15 @@ def _cells(edge: FrameEdge) -> list[str]:
     return [
         f"{edge.transforms:,}",
         "" if timing.rate_hz is None else f"{timing.rate_hz:.1f}",
-        milliseconds(intervals.get("max")),
+        _milliseconds(intervals.get("max")),
         str(timing.gaps or "-"),
     ]
 
 
-def milliseconds(interval_s: float | None) -> str:
-    """Return an interval as people say it."""
+def _milliseconds(interval_s: float | None) -> str:
     if interval_s is None:
         return ""
     return f"{interval_s * 1e3:.3g} ms" if interval_s < 1.0 else f"{interval_s:.3g} s"
-
-
-def _sent_by(info: LogInfo, frames: Frames, edge: FrameEdge | None, pair: Pair) -> str:
-    senders = [printable(sender) for sender in frames.senders(edge)] if edge else []
-    if pair == info.added_transform:
-        senders.append(_ADDED)
-    return ", ".join(senders)
-
-
-_MOST_TOPICS = 1000
-"""Rows of the table; laying it out takes a millisecond each."""
 
 
 def info_json(info: LogInfo) -> dict[str, Any]:
@@ -165,10 +137,8 @@ def print_info(console: Console, info: LogInfo) -> None:
     console.print(_topics(info, console.width), crop=False)
     if (more := len(info.topics) - _MOST_TOPICS) > 0:
         print_sentence(console, f"  and {more:,} more topics; --json lists all")
-    if info.frames is not None:
-        print_frames(console, info, info.frames)
-    elif info.parents or info.added_transform:
-        print_frame_names(console, info)
+    if info.frames is not None or info.parents or info.added_transform:
+        _print_frames(console, info)
     print_findings(console, info.findings)
 
 
@@ -178,39 +148,27 @@ def _head(info: LogInfo) -> Iterator[tuple[str, str]]:
     yield "container", f"{info.container}{profile}, {human_size(info.size)}"
     yield "chunks", f"{info.chunks}, compression {codecs}"
     if info.duration_s is not None and info.start_time is not None:
-        yield "duration", f"{info.duration_s:.3f} s from {_when(info.start_time)}"
+        yield "duration", f"{info.duration_s:.3f} s from {recorded_at(info.start_time / 1e9)}"
     yield "messages", f"{info.messages:,}"
     yield "robot", info.robot
 
 
-def _when(time_ns: int) -> str:
-    date = date_of(time_ns / 1e9)
-    return f"{date:%Y-%m-%d %H:%M:%S} UTC" if date else f"{time_ns / 1e9:.3f} s (simulation time)"
-
-
 def _topics(info: LogInfo, width: int) -> NameTable:
     """Return the topics; where the types have no room beside them, they stand below."""
-    wide = _topic_table(info, types_beside=True)
-    return wide if wide.width <= width else _topic_table(info, types_beside=False)
-
-
-def _topic_table(info: LogInfo, *, types_beside: bool) -> NameTable:
-    rows = []
+    rows, below = [], []
     for topic in info.topics[:_MOST_TOPICS]:
-        name = printable(topic.topic)
-        if topic.senders > 1:
-            name += f" ({topic.senders} senders)"
-        kind = printable(topic.type_name) or "no type"
+        senders = f" ({topic.senders} senders)" if topic.senders > 1 else ""
+        name, kind = printable(topic.topic) + senders, printable(topic.type_name) or "no type"
         rate = "" if topic.rate_hz is None else f"{topic.rate_hz:.1f}"
         cells = [f"{topic.messages:,}", rate, printable(topic.use)]
         style = "" if topic.use else "dim"
-        if types_beside:
-            rows.append(Row([name], [kind, *cells], style))
-        else:
-            rows.append(Row([name, f"  {kind}"], cells, style))
-    headings = ("topic", *(["type"] if types_beside else []), "count", "Hz", "used as")
-    left = (1, 4) if types_beside else (3,)
-    return NameTable(headings, rows, left=left, margin=2, gap=3, is_ruled=True)
+        rows.append(Row([name], [kind, *cells], style))
+        below.append(Row([name, f"  {kind}"], cells, style))
+    headings = ("topic", "type", "count", "Hz", "used as")
+    wide = NameTable(headings, rows, left=(1, 4), margin=2, gap=3, is_ruled=True)
+    if wide.width <= width:
+        return wide
+    return replace(wide, headings=("topic", *headings[2:]), rows=below, left=(3,))
 
 
 def frames_json(info: LogInfo) -> dict[str, Any]:

@@ -14,8 +14,7 @@ _NEVER_S: Final = 3e10
 
 def decimal(value: float | None, decimals: int) -> str:
     """Write a number with a fixed number of decimals."""
-    # Adding zero makes a plain zero of a negative one.
-    return NOTHING if value is None else f"{round(value, decimals) + 0.0:.{decimals}f}"
+    return NOTHING if value is None else f"{value:z.{decimals}f}"
 
 
 def percent(value: float | None) -> str:
@@ -23,10 +22,13 @@ def percent(value: float | None) -> str:
     return NOTHING if value is None else f"{value:.1%}"
 
 
-def date_of(time_s: float) -> datetime | None:
-    """Return the date of a log time, s since the epoch; None: it is a simulation's."""
-    is_dated = _SIMULATED_BEFORE_S <= time_s < _NEVER_S
-    return datetime.fromtimestamp(time_s, UTC) if is_dated else None
+def recorded_at(time_s: float | None) -> str:
+    """Write a log time, s since the epoch, as a date in UTC; clocks of simulators begin in 1970."""
+    if time_s is None:
+        return "not known"
+    if not _SIMULATED_BEFORE_S <= time_s < _NEVER_S:
+        return f"{time_s:.3f} s (simulation time)"
+    return f"{datetime.fromtimestamp(time_s, UTC):%Y-%m-%d %H:%M:%S} UTC"
 
 
 def span_of(values: Sequence[float]) -> str:

@@ -14,6 +14,7 @@ from dogbot_logtool.core.metrics import Gait, Segment, WalkMetrics
 from dogbot_logtool.finding import Finding, Severity, counted
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.numbers import NOTHING, decimal
+from dogbot_logtool.report.tables import METRICS, why_null
 from dogbot_logtool.results import Measurement
 
 FEWEST_STRIDES: Final = 3
@@ -28,19 +29,6 @@ _SOURCES: Final = {
     "joint_torques": ", contact estimated from joint torques",
     "kinematics": ", contact estimated from the motion of the legs",
 }
-
-SUMMARY_HEADERS: Final = (
-    "log",
-    "gait",
-    "conf.",
-    "speed\nm/s",
-    "strides\n1/s",
-    "duty",
-    "load\n%",
-    "quality",
-    "worst",
-)
-"""Headings of a `summary_row`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,11 +52,6 @@ class Quality:
         return {"OK": "good", "USABLE": "care"}.get(self.word, "bad")
 
     @property
-    def mark(self) -> str:
-        """A sign for those who see no colours."""
-        return {"OK": "✔", "USABLE": "▲"}.get(self.word, "✖")
-
-    @property
     def line(self) -> str:
         """The verdict in one line."""
         return f"Data quality: {self.word} ({self.reasons})"
@@ -78,27 +61,22 @@ def quality_of(measured: Measurement) -> Quality:
     """Judge a recording."""
     checks = measured.metrics.quality.checks
     outcomes = Counter(check.outcome for check in checks)
-    made, lost = outcomes["passed"] + outcomes["failed"], measured.damage
+    made = counted(outcomes["passed"] + outcomes["failed"], "check")
     doubts = [each for each in measured.findings if each.severity is not Severity.NOTE]
     warnings = grouped(each for each in sorted(doubts, key=_consequence) if each.code != "LOST")
-    is_doubtful = any(
-        each.voids or each.severity is Severity.ERROR for group in warnings for each in group
-    )
-    is_damaged = bool(lost.losses or lost.bytes)
+    if measured.damage.losses or measured.damage.bytes:
+        word = "DAMAGED"
+    elif any(each.voids or each.severity is Severity.ERROR for group in warnings for each in group):
+        word = "DOUBTFUL"
+    else:
+        word = "USABLE" if warnings else "OK"
     reasons = [
         counted(len(warnings), "warning") if warnings else "",
-        f"{outcomes['passed']} of {counted(made, 'check')} passed"
-        if outcomes["failed"]
-        else f"{counted(made, 'check')} passed",
+        f"{outcomes['passed']} of {made} passed" if outcomes["failed"] else f"{made} passed",
         f"{outcomes['not made']} could not be made" if outcomes["not made"] else "",
     ]
-    word = (
-        "DAMAGED" if is_damaged else "DOUBTFUL" if is_doubtful else "USABLE" if warnings else "OK"
-    )
-    unchecked = tuple(
-        f"{each.name}: {each.reason}" for each in checks if each.outcome == "not made"
-    )
-    return Quality(word, ", ".join(filter(None, reasons)), warnings, unchecked)
+    unchecked = (f"{each.name}: {each.reason}" for each in checks if each.outcome == "not made")
+    return Quality(word, ", ".join(filter(None, reasons)), warnings, tuple(unchecked))
 
 
 def grouped(findings: Iterable[Finding]) -> tuple[tuple[Finding, ...], ...]:
@@ -114,39 +92,41 @@ def _consequence(finding: Finding) -> tuple[int, int, bool, float]:
     return finding.severity, finding.code != "FALL", not finding.voids, rank
 
 
-def headline(walk: WalkMetrics) -> str:
+def headline(metrics: WalkMetrics) -> str:
     """Name the gait, and how sure that is; before that, when the robot falls."""
-    gait, fall = gait_headline(walk), fall_headline(walk)
+    gait, fall = gait_headline(metrics), fall_headline(metrics)
     return f"{fall}; {gait[0].lower()}{gait[1:]}" if fall else gait
 
 
-def fall_headline(walk: WalkMetrics) -> str:
+def fall_headline(metrics: WalkMetrics) -> str:
     """``Fall at 8.0 s``, or that it tips over as the recording ends; empty if it does neither."""
-    times = [f"{each.onset_s:.1f} s" for each in walk.events if each.type == "fall"]
+    times = [f"{each.onset_s:.1f} s" for each in metrics.events if each.type == "fall"]
     if times:
         return f"Fall at {', '.join(times[:3])}"
-    tipping = [f"{each.onset_s:.1f} s" for each in walk.events if each.type == "tipping"]
+    tipping = [f"{each.onset_s:.1f} s" for each in metrics.events if each.type == "tipping"]
     return f"Tips over from {tipping[0]}, as the recording ends" if tipping else ""
 
 
-def gait_headline(walk: WalkMetrics) -> str:
+def gait_headline(metrics: WalkMetrics) -> str:
     """Name the gait of the longest segment, and how sure that is."""
-    details = gait_details(walk)
-    return f"Gait: {gait_of(walk)}" + (f" ({details})" if details else "") + contact_source(walk)
+    gait = metrics.gait
+    if gait.name is not None:
+        name, details = gait_name(gait), how_sure(gait)
+        if gait.name == "irregular" and gait.class_distance is not None:
+            details = f"nearest: {gait.nearest_name}, phases {gait.class_distance:.2f} cycles off; "
+            details += counted(gait.strides or 0, "stride")
+    elif metrics.feet:
+        slides = any(each.code == "MOVES_WITHOUT_STEPS" for each in metrics.findings)
+        name = "moves without steps" if slides else "not known"
+        details = why_null(metrics, METRICS.gait.name)
+    else:
+        name, details = "not measured", "no topic of feet"
+    return f"Gait: {name}" + (f" ({details})" if details else "") + contact_source(metrics)
 
 
-def contact_source(walk: WalkMetrics) -> str:
+def contact_source(metrics: WalkMetrics) -> str:
     """Say where contacts come from that no sensor tells; empty where one does."""
-    return _SOURCES.get(walk.settings.contact_from or "", "") if walk.feet else ""
-
-
-def gait_of(walk: WalkMetrics) -> str:
-    """Name the gait of the longest segment, or say that it has no name."""
-    if walk.gait.name is not None:
-        return gait_name(walk.gait)
-    if any(each.code == "MOVES_WITHOUT_STEPS" for each in walk.findings):
-        return "moves without steps"
-    return "not known" if walk.feet else "not measured"
+    return _SOURCES.get(metrics.settings.contact_from or "", "") if metrics.feet else ""
 
 
 def gait_name(gait: Gait) -> str:
@@ -157,17 +137,6 @@ def gait_name(gait: Gait) -> str:
     return " ".join(filter(None, (sequence, gait.name))) or "not known"
 
 
-def gait_details(walk: WalkMetrics) -> str:
-    """Say how sure the gait is, or why it is not known."""
-    gait = walk.gait
-    if gait.name is None:
-        return why_null(walk, "gait.name") if walk.feet else "no topic of feet"
-    if gait.name == "irregular" and gait.class_distance is not None:
-        near = f"nearest: {gait.nearest_name}, phases {gait.class_distance:.2f} cycles off"
-        return f"{near}; {counted(gait.strides or 0, 'stride')}"
-    return how_sure(gait)
-
-
 def how_sure(gait: Gait) -> str:
     """Say how sure the name of a gait is; empty where there is none, and of a stand."""
     if gait.name in UNNAMED or gait.name == "stand" or gait.confidence is None:
@@ -176,63 +145,63 @@ def how_sure(gait: Gait) -> str:
     if (gait.strides or 0) < FEWEST_STRIDES:
         return f"low confidence: only {strides}"
     # Never rounded up to 1.00.
-    return (
-        f"{confidence(gait)} confidence: {math.floor(gait.confidence * 100) / 100:.2f}; {strides}"
-    )
+    share = math.floor(gait.confidence * 100) / 100
+    return f"{confidence(gait)} confidence: {share:.2f}; {strides}"
 
 
 def confidence(gait: Gait) -> str:
-    """Return high, fair or low."""
-    if gait.confidence is None or (gait.strides or 0) < FEWEST_STRIDES:
+    """Return high, fair or low; a dash where there is none to tell."""
+    if gait.name in UNNAMED or gait.name == "stand" or gait.confidence is None:
+        return NOTHING
+    if (gait.strides or 0) < FEWEST_STRIDES:
         return "low"
     return "high" if gait.confidence >= _HIGH else "fair" if gait.confidence >= _FAIR else "low"
 
 
-def why_null(walk: WalkMetrics, path: str) -> str:
-    """Return why a metric is null, as a few words."""
-    because = walk.null_because.get(path, "not known")
-    found = next((each.text for each in walk.findings if each.code == because), "")
-    return found.split(": ")[0] or because
-
-
-def main_part(walk: WalkMetrics) -> Segment | None:
+def main_part(metrics: WalkMetrics) -> Segment | None:
     """Return the longest segment, where the whole log is another matter than it; None: it is not.
 
     A fall, a stand or another gait would be mixed into the metrics of the whole log.
     """
-    longest = max(walk.gait.segments, key=lambda each: each.end_s - each.start_s, default=None)
-    duration = walk.log.duration_s or 0.0
+    longest = max(metrics.gait.segments, key=lambda each: each.end_s - each.start_s, default=None)
+    duration = metrics.log.duration_s or 0.0
     if longest is None or longest.end_s - longest.start_s >= _WHOLE * duration:
         return None
     return longest
 
 
-def during(walk: WalkMetrics, segment: Segment) -> WalkMetrics:
-    """Return a walk whose metrics of a span are those of a segment."""
+def during(metrics: WalkMetrics, segment: Segment) -> WalkMetrics:
+    """Return metrics of which those of a span are a segment's."""
     own = {each.name: getattr(segment.gait, each.name) for each in fields(Gait)}
     return replace(
-        walk,
+        metrics,
         base=segment.base,
-        gait=replace(walk.gait, **own),
+        gait=replace(metrics.gait, **own),
         feet=segment.feet,
         forces=segment.forces,
         stability=segment.stability,
     )
 
 
+SUMMARY: Final = (
+    "log", "gait", "conf.", "speed\nm/s", "strides\n1/s", "duty", "load\n%", "quality", "worst",
+)  # fmt: skip
+"""Headings of a `summary_row`."""
+
+
 def summary_row(measured: Measurement) -> tuple[str, ...]:
     """Return the row of a log among several."""
     whole, quality = measured.metrics, quality_of(measured)
     part, others = main_part(whole), len(whole.gait.segments) - 1
-    walk = whole if part is None else during(whole, part)
-    gait, load = walk.gait, walk.forces.vertical_impulse_over_weight
+    metrics = whole if part is None else during(whole, part)
+    gait, load = metrics.gait, metrics.forces.vertical_impulse_over_weight
     codes = [first.code for first, *_ in quality.warnings]
     more = f" +{len(codes) - 1}" if len(codes) > 1 else ""
     return (
         printable(PurePath(whole.log.path).name),
         NOTHING if gait.name is None else gait.name + (f" +{others}" if others > 0 else ""),
-        confidence(gait) if how_sure(gait) else NOTHING,
-        decimal(walk.base.forward_speed_mps, 2),
+        confidence(gait),
+        decimal(metrics.base.forward_speed_mps, 2),
         decimal(gait.stride_frequency_hz, 2),
         decimal(gait.duty_factor, 2),
         decimal(load and load * 100.0, 0),

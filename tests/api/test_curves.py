@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import dogbot_logtool as dl
-from dogbot_logtool.api.curves import curves_of
-from dogbot_logtool.api.table import Table
+from dogbot_logtool.api.table import Table, curves_of
 from tests.measured import walk_of
 from tests.oracles.conversion import sample_of
 from tests.oracles.recorded import contact_topic, decoded_log

@@ -14,7 +14,11 @@ from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.comparison.outcome import Comparison
 from dogbot_logtool.errors import CallError, LogtoolError
 from dogbot_logtool.options import CompareOptions
-from dogbot_logtool.report.comparison_report import comparison_json, junit_xml, show_comparison
+from dogbot_logtool.report.comparison_report import (
+    comparison_json,
+    comparison_junit,
+    show_comparison,
+)
 from tests.paths import SAMPLE_LOGS
 
 WALK = SAMPLE_LOGS / "dogbot_walk.mcap"
@@ -201,7 +205,7 @@ def test_the_json_report(different: Comparison) -> None:
 
 
 def test_the_junit_report(different: Comparison) -> None:
-    (suite,) = ET.fromstring(junit_xml(different))  # noqa: S314 - our own
+    (suite,) = ET.fromstring(comparison_junit(different))  # noqa: S314 - our own
     assert suite.attrib["tests"] == str(len(suite.findall("testcase"))) == "5"
     assert (suite.attrib["failures"], suite.attrib["errors"]) == ("3", "0")
     cases = {case.attrib["name"]: case for case in suite}

@@ -24,7 +24,7 @@ def test_a_page_of_two_groups(tmp_path: Path) -> None:
     assert found["comparable"]
     assert [len(found[side]) for side in ("first", "second")] == [2, 2]
     assert not any(each["differs"] for each in found["differences"])
-    assert "both.html: 0 of 56 figures differ" in ended.stderr
+    assert "both.html: 0 of 56 metrics differ" in ended.stderr
     assert (tmp_path / "both.html").stat().st_size == found["bytes"]
 
 

@@ -8,7 +8,7 @@ import pytest
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.reader import growing, recording
+from dogbot_logtool.reader import recording
 from dogbot_logtool.reader.growing import GrowingColumns
 from dogbot_logtool.report.documents import stats_json
 from tests.oracles.straight_walk import Walk
@@ -17,11 +17,7 @@ from tests.paths import SAMPLE_LOGS
 
 @pytest.mark.parametrize("on_disk", [False, True])
 @pytest.mark.parametrize("size", [1, 7, 400, 10_000])
-def test_parts_are_joined_in_order(
-    monkeypatch: pytest.MonkeyPatch, size: int, *, on_disk: bool
-) -> None:
-    monkeypatch.setattr(growing, "_FIRST_BYTES", 64)
-    monkeypatch.setattr(growing, "_BLOCK_BYTES", 1024)
+def test_parts_are_joined_in_order(size: int, *, on_disk: bool) -> None:
     samples = Walk(seconds=2.0).samples(0)
     columns = GrowingColumns[Samples](on_disk=on_disk)
     count = len(samples.log_time)

@@ -44,7 +44,7 @@ def test_options_choose(path: Path) -> None:
 
 
 def test_a_foot_of_the_robot_gets_another_topic(path: Path) -> None:
-    found = selected(path, RobotOptions("dogbot", foot={"back_left": "/spare/0"}))
+    found = selected(path, RobotOptions(robot="dogbot", foot={"back_left": "/spare/0"}))
     (foot,) = [foot for foot in found.robot.feet if foot.name == "back_left"]
     assert (foot.topic, foot.collision) == ("/spare/0", "*back_left_foot*")
 
@@ -59,9 +59,9 @@ def test_all_feet_of_a_guessed_robot_can_be_named_anew(path: Path, topics: list[
 
 
 def test_a_robot_of_which_the_log_has_nothing(path: Path) -> None:
-    found = selected(path, RobotOptions("anymal"), **SPARE)
+    found = selected(path, RobotOptions(robot="anymal"), **SPARE)
     assert "ROBOT_GUESSED" in {each.code for each in found.findings}
-    named = selected(path, RobotOptions("anymal", odom_topic="/x"), **SPARE)
+    named = selected(path, RobotOptions(robot="anymal", odom_topic="/x"), **SPARE)
     assert "ROBOT_GUESSED" not in {each.code for each in named.findings}
 
 
@@ -78,9 +78,9 @@ def test_a_robot_of_which_the_log_has_nothing(path: Path) -> None:
         (RobotOptions(robot="unicorn"), "dogbot, generic"),
         (RobotOptions(robot="unicorn.toml"), "no such file"),
         (RobotOptions(foot={"nose": "/spare/0"}), "has no such foot; it has front_left"),
-        (RobotOptions("dogbot", foot={"nose": "/spare/0"}), "has no such foot"),
+        (RobotOptions(robot="dogbot", foot={"nose": "/spare/0"}), "has no such foot"),
         (
-            RobotOptions("generic", foot={"a": "/spare/0", "b": "/spare/0"}),
+            RobotOptions(robot="generic", foot={"a": "/spare/0", "b": "/spare/0"}),
             r"topic of a, b; .*ContactsState is about one foot",
         ),
         (RobotOptions(foot={"front_left": FRONT_RIGHT}), "topic of front_left, front_right"),

@@ -30,6 +30,9 @@ GAITS: Final = {
     "stand": (np.zeros(4), 1.0, 0.0),
 }
 """Phases of the feet, duty factor, and how far below the ground feet are to tread, m."""
+PUSH_S: Final = (1.3, 0.15)
+"""s from push to push, and of each."""
+_SIDES: Final = np.array([(0.0, -1.0, 0.0), (1.0, 0.0, 0.0)])
 _FREE: Final = (
     '<joint name="x" type="slide" axis="1 0 0"/><joint name="y" type="slide" axis="0 1 0"/>'
     '<joint name="z" type="slide" axis="0 0 1"/><joint name="yaw" type="hinge" axis="0 0 1"/>'
@@ -67,6 +70,7 @@ def walker(
     slope_rad: float = 0.0,
     gait: str = "trot",
     legs_kg: tuple[float, ...] = physics.LEGS_KG,
+    push_n: float = 0.0,
 ) -> Physics:
     """Run the engine.
 
@@ -77,6 +81,7 @@ def walker(
         slope_rad: by which the ground falls ahead.
         gait: one of `GAITS`.
         legs_kg: of the parts of each leg.
+        push_n: for `PUSH_S[1]` every `PUSH_S[0]`, from the left and from behind in turn.
     """
     steps_of = (round(each / physics.STEP_S) for each in (-SETTLE_S, seconds))
     time: Floats = np.arange(*steps_of, dtype=np.float64) * physics.STEP_S
@@ -87,7 +92,9 @@ def walker(
     engine = physics.Engine(physics.model_xml((_FREE, ""), gravity, legs_kg), angles[0])
     every = round(KEPT_S / physics.STEP_S)
     for row, targets in enumerate(angles):
-        engine.step(targets, keep=time[row] >= -1e-9 and row % every == 0)
+        turn, since = divmod(time[row], PUSH_S[0])
+        push = push_n * (since < PUSH_S[1]) * _SIDES[int(turn) % 2]
+        engine.step(targets, keep=time[row] >= -1e-9 and row % every == 0, push_n=push)
     return _tilted(engine.finish(KEPT_S), slope_rad)
 
 

@@ -157,14 +157,18 @@ class Engine:
         self._balls = {self._model.geom(foot).id: row for row, foot in enumerate(FEET)}
         self._rows: list[tuple[Any, ...]] = []
 
-    def step(self, targets: Floats | list[float], *, keep: bool) -> None:
+    def step(
+        self, targets: Floats | list[float], *, keep: bool, push_n: Floats | float = 0.0
+    ) -> None:
         """Advance by one step.
 
         Args:
             targets: of all motors.
             keep: whether to keep the state before the step.
+            push_n: on the trunk, along the world's axes.
         """
         data = self._data
+        data.xfrc_applied[_TRUNK, :3] = push_n
         data.ctrl[:] = targets
         state = data.qpos[-len(JOINTS) :].copy(), data.qvel[-len(JOINTS) :].copy()
         mujoco.mj_step(self._model, data)

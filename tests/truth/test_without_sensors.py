@@ -21,6 +21,7 @@ ROBOTS: Final[Mapping[str, Callable[[], Walk]]] = {
     "walk": lambda: quadruped(gait="walk", command=(0.2, 0.0, 0.0)),
     "slope": lambda: quadruped(slope_rad=np.radians(10.0)),
     "heavy legs": lambda: quadruped(HEAVY_KG),
+    "pushes": lambda: quadruped(push_n=60.0),
     "biped": biped,
 }
 PERIOD_S: Final = {"biped": 0.8}
@@ -44,6 +45,16 @@ def codes(walk: dl.Walk) -> dict[str, str]:
     return {each["code"]: each["text"] for each in walk.stats["findings"]}
 
 
+def force_error_bw(walk: dl.Walk, truth: Walk) -> float:
+    """The rms of the vertical forces of all feet against the engine's, in body weights."""
+    errors = []
+    for number, name in enumerate(walk.stats["feet"]):
+        told = walk.samples(name)
+        real = np.interp(told["time_s"], truth.time, truth.force[:, number, 2])
+        errors.append((told["force_z_n"] - real) / (truth.mass_kg * 9.81))
+    return float(np.sqrt(np.mean(np.square(errors))))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("source", ["joint_torques", "kinematics"])
 @pytest.mark.parametrize("name", ROBOTS)
@@ -64,6 +75,8 @@ def test_gait_and_base_are_those_of_the_engine(name: str, source: str, tmp_path:
     assert stats["base"]["yaw_rate_radps"] == pytest.approx(turned, abs=0.01)
     if source == "joint_torques":
         assert stats["forces"]["vertical_impulse_over_weight"] == pytest.approx(1.0, abs=0.1)
+        assert force_error_bw(walk, truth) < 0.15
+    assert "warning" not in {each["severity"] for each in stats["findings"]}
 
 
 def test_a_stand_is_a_stand(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ from tests.truth.labelled import labelled_rows
 from tests.truth.outcome import Outcome, outcome
 from tests.truth.recording import Recording
 from tests.truth.sample_truth import sample_rows
-from tests.truth.test_without_sensors import ROBOTS, no_efforts
+from tests.truth.test_without_sensors import ROBOTS, force_error_bw, no_efforts
 from tests.truth.without_sensors import write_log
 
 PAGE: Final = ROOT / "docs" / "validation.md"
@@ -90,21 +90,32 @@ def main() -> None:
 
 def without_sensors() -> str:
     """Return the part about logs without foot sensors and odometry."""
-    columns = "gait", "estimated from", "found", "time in contact", "speed, m/s", "impulse / weight"
+    columns = (
+        "gait",
+        "estimated from",
+        "found",
+        "time in contact",
+        "speed, m/s",
+        "impulse / weight",
+        "error of vertical forces, body weights rms",
+    )
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         for name, run in ROBOTS.items():
             truth = run()
             for source, change in (("joint torques", None), ("kinematics", no_efforts)):
                 path = write_log(Path(folder) / "log.mcap", truth, change=change)
-                stats = dl.measure(path).stats
+                walk = dl.measure(path)
+                stats = walk.stats
                 feet = [foot["contact_fraction"] for foot in stats["feet"].values()]
                 speed = stats["base"]["forward_speed_mps"]
                 ratio = stats["forces"]["vertical_impulse_over_weight"]
                 down = f"{truth.touching.mean():.2f} → {np.mean(feet):.2f}"
                 cells = name, source, stats["gait"]["name"], down
                 went = f"{truth.speed_mps:.3f} → {speed:.3f}"
-                rows.append(_table_row((*cells, went, _number(ratio, 2))))
+                error = None if ratio is None else force_error_bw(walk, truth)
+                forces = _number(ratio, 2), _number(error, 2)
+                rows.append(_table_row((*cells, went, *forces)))
     return f"{_BARE}\n{_table_head(columns)}{''.join(rows)}"
 
 

@@ -85,6 +85,19 @@ def fallen_spans(
     return timespans.merge(np.array(falls, np.int64).reshape(-1, 2))
 
 
+def down_spans(base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats) -> Ints:
+    """(k, 2) ns, spans in which the robot does not stand upright and high: it lies, or goes down.
+
+    Args:
+        base: poses.
+        feet: histories of all feet.
+        height_m: (n,) of the base over the feet, at each pose; NaN where not known.
+    """
+    if len(base.time) < 2:
+        return timespans.no_spans()
+    return timespans.spans_where(base.time, ~_posture(base, feet, height_m).stands[:-1])
+
+
 def _posture(base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats) -> _Posture:
     tilt = tilt_rad(base.angles)
     usual = _standing_height_m(base, feet, height_m)

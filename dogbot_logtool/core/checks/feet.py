@@ -7,6 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, median_of
+from dogbot_logtool.core.base.falls import down_spans
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.loads import mean_impulses
@@ -200,7 +201,10 @@ def _weights(walk: Walk) -> tuple[Ints, Floats] | None:
     ):
         return None
     known = timespans.intersect([each.known for each in walk.records])
-    known = timespans.subtract(known, walk.fallen)
+    # The belly of a robot that lies carries it.
+    track = walk.track
+    down = down_spans(track.history, walk.records, track.height_m)
+    known = timespans.subtract(known, timespans.merge(np.concatenate([walk.fallen, down])))
     half = round(period_s * 5e8)
     time = timespans.ticks(known, 2 * half)
     time = time[timespans.hold_window(known, time, half, half)]

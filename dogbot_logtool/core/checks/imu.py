@@ -47,9 +47,9 @@ def mounting(walk: Walk) -> Iterator[Finding]:
 
 
 def forces(walk: Walk) -> Iterator[Finding]:
-    """Yield that forces are not what the accelerometer and the poses say."""
+    """Yield that sensors' forces are not what the accelerometer and the poses say."""
     found_forces = walk.imu.forces if walk.imu else None
-    if found_forces is None:
+    if found_forces is None or walk.settings.contact_from:
         return
     if abs(found_forces.ratio - 1.0) > WEIGHT_TOLERANCE:
         yield _odd_forces(walk, found_forces)

@@ -75,7 +75,8 @@ def find_events(walk: Walk) -> tuple[Event, ...]:
         early = list(early_touchdowns(row, foot, walks))
         stumbles = [each.onset for each in early if each.type is EventType.STUMBLE]
         found += early
-        found += slips(row, foot, walks, walk.settings.foot_rolling_m, stumbles)
+        if not walk.settings.base_from_legs:  # by which no foot slips
+            found += slips(row, foot, walks, walk.settings.foot_rolling_m, stumbles)
         found += _sensor_faults(walk, row)
         found += (Event(time, 0, EventType.TOUCHDOWN, row) for time in foot.touchdown.tolist())
         found += (Event(time, 0, EventType.LIFT_OFF, row) for time in foot.liftoff.tolist())

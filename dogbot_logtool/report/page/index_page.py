@@ -11,9 +11,8 @@ import numpy as np
 
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.report.numbers import NOTHING
+from dogbot_logtool.report.numbers import NOTHING, recorded_at
 from dogbot_logtool.report.page.assets import own, policy_of, rendered
-from dogbot_logtool.report.page.summary import recorded_at
 from dogbot_logtool.report.page.tables import INDEX
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.report.verdict import Quality, headline, quality_of
@@ -28,7 +27,7 @@ COLUMNS: Final = (
     "slips",
     "robot",
     "recorded (UTC)",
-    *(column.header for column in INDEX),
+    *(column.heading for column in INDEX),
 )
 _WORDS: Final = frozenset({"log", "gait", "data quality", "robot", "recorded (UTC)"})
 """Columns of words; the others are numbers."""

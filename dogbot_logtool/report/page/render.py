@@ -13,7 +13,7 @@ from dogbot_logtool.core.metrics import Settings, WalkMetrics
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.report.numbers import NOTHING, span_of
+from dogbot_logtool.report.numbers import NOTHING, recorded_at, span_of
 from dogbot_logtool.report.page.assets import json_in_html, page_script, policy_of, rendered
 from dogbot_logtool.report.page.chart import FINE, Drawing, foot_glyph, packed, seconds
 from dogbot_logtool.report.page.events import MINOR, MOST_SHOWN, listed_events, mark_events
@@ -21,7 +21,7 @@ from dogbot_logtool.report.page.feet_over_time import gait_diagram, load_curves
 from dogbot_logtool.report.page.from_above import walk_from_above
 from dogbot_logtool.report.page.over_cycle import force_over_cycle, legs_over_cycle
 from dogbot_logtool.report.page.over_time import motion, tracked_commands
-from dogbot_logtool.report.page.summary import recorded_at, summary
+from dogbot_logtool.report.page.summary import summary
 from dogbot_logtool.report.page.tables import page_tables
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.report.verdict import grouped

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from dogbot_logtool.core.metrics import WalkMetrics
-from dogbot_logtool.report.numbers import date_of, decimal
+from dogbot_logtool.report.numbers import decimal
 from dogbot_logtool.report.verdict import (
     UNNAMED,
     Quality,
@@ -59,14 +59,6 @@ def summary(measured: Measurement) -> Summary:
         tuple(_tiles(metrics)),
         tuple(_segments(metrics)) if len(metrics.gait.segments) > 1 else (),
     )
-
-
-def recorded_at(start_s: float | None) -> str:
-    """Say when a recording began, in UTC; clocks of simulators begin in 1970."""
-    if start_s is None:
-        return "not known"
-    date = date_of(start_s)
-    return f"{date:%Y-%m-%d %H:%M:%S} UTC" if date else f"{start_s:.0f} s (no date)"
 
 
 def _tiles(metrics: WalkMetrics) -> Iterator[Tile]:

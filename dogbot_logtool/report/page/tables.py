@@ -1,19 +1,17 @@
 """The tables of the page, in text; numbers of the same kind stand under one heading."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Generic, NamedTuple, TypeVar
+from typing import Any, Final, NamedTuple, TypeVar
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Aggregate, Floats, distinct
+from dogbot_logtool.core.arrays import Floats, distinct
 from dogbot_logtool.core.loads import WalkLoads
 from dogbot_logtool.core.metrics import (
-    Foot,
     Joint,
     Legs,
     LoadShare,
-    Phase,
     Symmetry,
     TopicQuality,
     WalkMetrics,
@@ -22,42 +20,11 @@ from dogbot_logtool.core.quality.quality import LEAST_SHARE, MOST_DEVIATIONS, ou
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
 from dogbot_logtool.report.table_file import stride_table
+from dogbot_logtool.report.tables import Column, FootRow, foot_rows
 
 MOST_STRIDES: Final = 200
 """Rows of the table of strides."""
 S = TypeVar("S")
-
-
-# Without slots, which `Column[...](...)` cannot be called with before Python 3.12.
-@dataclass(frozen=True)
-class Column(Generic[S]):
-    """A column of a table."""
-
-    header: str
-    of: Callable[[S], Any]
-    """Takes its value from the source of a row; of an aggregate the median is shown."""
-    form: str = ","
-    """How a number is written."""
-    scale: float = 1
-    """Multiplies the number, for a unit that is easier to read."""
-
-    def cell(self, source: S) -> str:
-        """Return the value of a row as text."""
-        value = self.of(source)
-        value = value.median if isinstance(value, Aggregate) else value
-        if value is None or isinstance(value, str):
-            return value or NOTHING
-        return format(value * self.scale, self.form)
-
-
-class FootRow(NamedTuple):
-    """The source of a foot's row."""
-
-    foot: Foot
-    phase: Phase
-    load_share: float | None
-
-
 _STEPS: Final[Sequence[Column[FootRow]]] = (
     Column("contact", lambda row: row.foot.contact_fraction, ".1%"),
     Column("strides", lambda row: row.foot.strides),
@@ -167,7 +134,7 @@ def _table(
         for name, each in sources.items()
     ]
     coloured = [feet.index(name) if feet else None for name in sources]
-    return Table((of, *(column.header for column in columns)), rows, caption, coloured)
+    return Table((of, *(column.heading for column in columns)), rows, caption, coloured)
 
 
 def page_tables(metrics: WalkMetrics, walk: Walk, void: Sequence[str]) -> dict[str, Table | None]:
@@ -178,11 +145,7 @@ def page_tables(metrics: WalkMetrics, walk: Walk, void: Sequence[str]) -> dict[s
         walk: what they are made of.
         void: patterns of metrics that are void.
     """
-    shares, names = metrics.forces.load_share.feet or {}, list(metrics.feet)
-    feet = {
-        name: FootRow(foot, metrics.gait.phase[name], shares.get(name))
-        for name, foot in metrics.feet.items()
-    }
+    feet, names = foot_rows(metrics), list(metrics.feet)
     has_legs = walk.legs is not None and any(leg.frame for leg in walk.legs.feet)
     symmetry = metrics.forces.symmetry_index_percent
     return {

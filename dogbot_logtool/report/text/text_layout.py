@@ -4,13 +4,15 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
-from typing import Final
+from typing import Final, NamedTuple
 
 from rich.cells import cell_len
 from rich.console import Console, ConsoleOptions, RenderResult
 from rich.text import Text
 
 _WORD: Final = re.compile(r"(\S+)\s*")
+_IN_TWO: Final = re.compile(r"(?<=\S) (?=\S+\Z)")
+"""Where a heading of one line is broken."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,40 +29,26 @@ class HangingIndent:
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """Yield the lines; a single one where text is not to be wrapped."""
         del console
-        room = None if options.no_wrap else options.max_width
-        yield from map(_as_it_is, wrapped(self.text, room, self.indent))
-
-
-def wrapped(text: Text, room: int | None, indent: int) -> list[Text]:
-    """Return the lines of a text, broken between words.
-
-    Args:
-        text: what to break.
-        room: columns of a line; None: as many as it takes.
-        indent: columns by which all lines but the first are indented.
-    """
-    breaks: list[int] = []
-    used = len(text.plain) - len(text.plain.lstrip())
-    for word in _WORD.finditer(text.plain):
-        if room is not None and word.start() > indent and used + cell_len(word[1]) > room:
-            breaks.append(word.start())
-            used = indent
-        used += cell_len(word[0])
-    first, *others = text.divide(breaks)
-    lines = [first, *(Text.assemble(" " * indent, line) for line in others)]
-    for line in lines:
-        line.rstrip()
-    return lines
+        breaks: list[int] = []
+        used = len(self.text.plain) - len(self.text.plain.lstrip())
+        for word in () if options.no_wrap else _WORD.finditer(self.text.plain):
+            if word.start() > self.indent and used + cell_len(word[1]) > options.max_width:
+                breaks.append(word.start())
+                used = self.indent
+            used += cell_len(word[0])
+        first, *others = self.text.divide(breaks)
+        yield _as_it_is(first)
+        yield from (_as_it_is(Text.assemble(" " * self.indent, line)) for line in others)
 
 
 def _as_it_is(line: Text) -> Text:
     """Return a line that is neither wrapped nor cut once more."""
+    line.rstrip()
     line.no_wrap, line.overflow = True, "ignore"
     return line
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
+class Row(NamedTuple):
     """A row of a table."""
 
     names: Sequence[str | Text]
@@ -75,11 +63,10 @@ class NameTable:
     """A table of numbers with names before them; a name too long for it has a line of its own."""
 
     headings: Sequence[str]
+    """Of the columns, in one line or two."""
     rows: Sequence[Row]
     left: Sequence[int] = ()
     """Columns aligned to the left, as the names are; 1 is the first one behind them."""
-    wraps_last: int = 0
-    """Columns that the last cells have at least before they wrap; 0: they do not."""
     margin: int = 0
     gap: int = 2
     is_ruled: bool = False
@@ -89,85 +76,59 @@ class NameTable:
     @property
     def width(self) -> int:
         """Columns that it takes if every row has a single line."""
-        names = [cell_len(str(name)) for row in self.rows for name in row.names]
-        cells = self._cell_widths(self.headings)
-        return self.margin + max(names, default=0) + sum(cells) + self.gap * len(cells)
+        cells = self._cell_widths()
+        return self.margin + max(self._name_widths()) + sum(cells) + self.gap * len(cells)
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        """Yield the lines of the table."""
-        del console
-        room = options.max_width
-        _, widths = self._columns(room)
-        is_tight = self.margin + sum(widths) + self.gap * (len(widths) - 1) > room
-        table = replace(self, gap=1) if is_tight else self
-        yield from map(_as_it_is, table._lines(room, ascii_only=options.ascii_only))  # noqa: SLF001 - our own
-
-    def _lines(self, room: int, *, ascii_only: bool) -> Iterator[Text]:
-        headings, widths = self._columns(room)
-        length = min(sum(widths) + self.gap * (len(widths) - 1) + 2, room - self.margin + 1)
-        ruler = ("-" if ascii_only else "─") * length
+        """Yield the lines of the table; where it has no room, headings take two of them."""
+        if self.width > options.max_width and any(map(_IN_TWO.search, self.headings)):
+            in_two = [_IN_TWO.sub(r"\n", heading) for heading in self.headings]
+            yield from replace(self, headings=in_two).__rich_console__(console, options)
+            return
+        names, cells = self._name_widths(), self._cell_widths()
+        room = options.max_width - self.margin - sum(cells)
+        gap = self.gap if names[0] + self.gap * len(cells) <= room else 1
+        room -= gap * len(cells)
+        widths = [max(each for each in names if each <= max(room, names[0])), *cells]
+        lines = zip_longest(*(each.split("\n") for each in self.headings), fillvalue="")
+        table = [
+            self._line(Text(name), cells, widths, gap, self.heading_style) for name, *cells in lines
+        ]
         if self.is_ruled:
-            yield Text()
-        for line in zip_longest(*(each.split("\n") for each in headings), fillvalue=""):
-            yield self._line(Text(line[0]), line[1:], widths, self.heading_style)
-        if self.is_ruled:
-            yield Text(" " * (self.margin - 1) + ruler)
+            ruler = ("-" if options.ascii_only else "─") * (sum(widths) + gap * len(cells) + 2)
+            table = [Text(), *table, Text(" " * (self.margin - 1) + ruler)]
         for row in self.rows:
-            yield from self._row(row, widths)
-        if self.is_ruled:
-            yield Text()
+            table.extend(self._row(row, widths, gap))
+        yield from map(_as_it_is, [*table, Text()] if self.is_ruled else table)
 
-    def _columns(self, room: int) -> tuple[list[str], list[int]]:
-        """Return the headings, in two lines where one does not fit, and the columns' widths."""
-        names = [cell_len(str(name)) for row in self.rows for name in row.names]
-        longest = max([*names, len(self.headings[0])])
-        room -= self.margin + self.gap * (len(self.headings) - 1)
-        headings = list(self.headings)
-        cells = self._cell_widths(headings)
-        if longest + sum(cells) > room:
-            bare = self._cell_widths([""] * len(headings))
-            for column, least in enumerate(bare, 1):
-                if len(headings[column]) > least:
-                    headings[column] = "\n".join(headings[column].rsplit(" ", 1))
-            cells = self._cell_widths(headings)
-        if self.wraps_last:
-            cells[-1] = min(cells[-1], max(self.wraps_last, room - longest - sum(cells[:-1])))
-        left = room - sum(cells)
-        fitting = [name for name in names if name <= left]
-        return headings, [max([*fitting, len(self.headings[0])]), *cells]
+    def _name_widths(self) -> list[int]:
+        """Return the widths of the names, that of their heading first."""
+        names = [self.headings[0], *(name for row in self.rows for name in row.names)]
+        return [cell_len(str(name)) for name in names]
 
-    def _cell_widths(self, headings: Sequence[str]) -> list[int]:
-        columns = zip(*(row.cells for row in self.rows), strict=True) if self.rows else ()
+    def _cell_widths(self) -> list[int]:
+        """Return the widths of the columns behind the names."""
+        columns = zip(self.headings[1:], *(row.cells for row in self.rows), strict=True)
         return [
-            max(cell_len(line) for cell in (heading, *column) for line in cell.split("\n"))
-            for heading, column in zip_longest(headings[1:], columns, fillvalue=())
+            max(cell_len(line) for cell in each for line in cell.split("\n")) for each in columns
         ]
 
-    def _row(self, row: Row, widths: Sequence[int]) -> Iterator[Text]:
+    def _row(self, row: Row, widths: Sequence[int], gap: int) -> Iterator[Text]:
         names = [Text.assemble(name) for name in row.names]
-        fitting = (number for number, name in enumerate(names) if name.cell_len <= widths[0])
+        fitting = (at for at, name in enumerate(names) if name.cell_len <= widths[0])
         beside = next(fitting, len(names))
-        *cells, last = row.cells
-        further = [last] if any(row.cells) else []
-        if self.wraps_last:
-            further = [
-                line.plain for each in further for line in wrapped(Text(each), widths[-1], 0)
-            ]
-        blank = [""] * len(cells)
-        lines: list[Text] = []
-        for name, more in zip_longest(names[beside:], further):
-            shown = [*(blank if lines else cells), more or ""]
-            lines.append(self._line(name or Text(), shown, widths, row.style))
-        yield from (self._line(name, [*blank, ""], widths, row.style) for name in names[:beside])
-        yield from lines
+        if beside == len(names) and any(row.cells):
+            names.append(Text())
+        for number, name in enumerate(names):
+            yield self._line(name, row.cells if number == beside else (), widths, gap, row.style)
 
-    def _line(self, name: Text, cells: Sequence[str], widths: Sequence[int], style: str) -> Text:
+    def _line(
+        self, name: Text, cells: Sequence[str], widths: Sequence[int], gap: int, style: str
+    ) -> Text:
         line = Text(" " * self.margin, style=style)
         line.append_text(name)
         line.append(" " * (widths[0] - name.cell_len))
-        for column, (cell, width) in enumerate(zip(cells, widths[1:], strict=True), 1):
+        for column, (cell, width) in enumerate(zip(cells, widths[1:], strict=False), 1):
             filler = " " * (width - cell_len(cell))
-            line.append(" " * self.gap)
-            line.append(cell + filler if column in self.left else filler + cell)
-        line.rstrip()
+            line.append(" " * gap + (cell + filler if column in self.left else filler + cell))
         return line

@@ -241,7 +241,7 @@ def _fixed_tails(below: Mapping[str, list[Joint]], link: str) -> Iterator[tuple[
 def _tip(link: Link) -> tuple[Triple, float]:
     """Return where a link touches the ground, m in its frame, and the radius of a ball there."""
     if link.balls:
-        middle, radius = max(link.balls, key=lambda ball: hypot(*ball[0]))
+        middle, radius = max(link.balls, key=lambda ball: (hypot(*ball[0]), ball[1]))
         return (_ORIGIN if hypot(*middle) < _CENTRED * radius else middle), radius
     return max(link.ends, key=lambda end: hypot(*end), default=_ORIGIN), 0.0
 

@@ -176,7 +176,7 @@ def test_the_page_tells_date_robot_and_version() -> None:
     html = page(measurement_of(stats, replace(facts, start_s=1_760_000_000.0)), 0).decode()
     assert "<dd>2025-10-09 08:53:20 UTC</dd>" in html
     assert "<dt>robot</dt><dd>dogbot</dd>" in html
-    assert "(no date)" in page(measurement_of(stats, facts), 0).decode()
+    assert "(simulation time)" in page(measurement_of(stats, facts), 0).decode()
 
 
 def test_events_are_listed_and_marked_in_every_figure_over_time() -> None:
