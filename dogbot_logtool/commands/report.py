@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
-from pathlib import Path
 from typing import Any, BinaryIO
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_log
@@ -10,7 +9,6 @@ from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, file_name, is_folder, shown, version
 from dogbot_logtool.io.targets import Output, targets
 from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.report.page.assets import page_script, shared_name
 from dogbot_logtool.report.page.events import listed_events
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
@@ -18,8 +16,6 @@ from dogbot_logtool.report.page.render import ALONE, Beside, page
 from dogbot_logtool.report.page.replay import frame_times, replay
 from dogbot_logtool.results import Measurement, Page
 from dogbot_logtool.robot.annotated import open_recorded
-from dogbot_logtool.robot.robot_model.description import read_urdf
-from dogbot_logtool.robot.robot_model.joint_motion import joint_motion
 from dogbot_logtool.robot.robot_model.limbs import find_limbs
 from dogbot_logtool.run.runner import OnProgress
 
@@ -82,7 +78,7 @@ class Reports:
         log = open_recorded(source, self._options.joined)
         try:
             found = measure_log(log, self._options, progress)
-            replay = replay_of(log, found, self._options.urdf) if self._with_replay else None
+            replay = replay_of(found) if self._with_replay else None
             return found.measurement, replay
         finally:
             log.close()
@@ -129,19 +125,11 @@ def _page_of(
     return page(measured, size, replay=replay, beside=beside)
 
 
-def replay_of(log: Log, found: MeasuredLog, urdf: Path | None = None) -> dict[str, Any] | None:
-    """Return what the page's replay draws; None without poses of the base.
-
-    Args:
-        log: an open log.
-        found: its figures and columns.
-        urdf: the user's robot description.
-    """
+def replay_of(found: MeasuredLog) -> dict[str, Any] | None:
+    """Return what the page's replay draws of a measured log; None without poses of the base."""
     walk = found.measurement.walk
     if not len(walk.base_history.time):
         return None
     events = listed_events(found.measurement.metrics)
-    frames, time, settings = walk.frames, frame_times(walk, events), walk.settings
-    motion = joint_motion(log, frames, frames.base, read_urdf(urdf) if urdf else None)
-    limbs = find_limbs(walk.recording, found.selection, frames, motion, settings.clock, time)
-    return replay(walk, events, time, limbs)
+    time = frame_times(walk, events)
+    return replay(walk, events, time, find_limbs(walk, found.selection, time))

@@ -74,7 +74,8 @@ class JointTrack:
 
     name: str
     time: Ints
-    """(n,) ns, strictly increasing."""
+    """(n,) ns, strictly increasing; also `log_time`, when they were recorded."""
+    log_time: Ints
     position: Float32s
     """(n,) rad or m; goes on where the recorded one wraps."""
     work: Float32s
@@ -132,7 +133,8 @@ def joint_tracks(
                     for each in (samples.position, samples.velocity, samples.effort)
                 )
                 limit = limits.get(name, JointLimits())
-                found[name] = _track(name, time, position, velocity, effort, limit)
+                times = time, samples.log_time[rows]
+                found[name] = _track(name, times, position, velocity, effort, limit)
     return dict(sorted(found.items()))
 
 
@@ -149,7 +151,7 @@ def _usable(table: JointTable, rows: Ints, clock: TimeSource) -> tuple[Ints, Int
 
 def _track(
     name: str,
-    time: Ints,
+    times: tuple[Ints, Ints],
     position: Floats,
     velocity: Floats,
     effort: Floats,
@@ -162,12 +164,13 @@ def _track(
 
     Args:
         name: of the joint.
-        time: (n,) ns.
+        times: (n,) ns each, on the clock that counts, and log times.
         position: (n,) rad or m.
         velocity: (n,) rad/s or m/s; NaN: not recorded.
         effort: (n,) N m or N; NaN: not recorded.
         limits: of the joint.
     """
+    time, log_time = times
     step_s = np.diff(time) / 1e9
     step_s[step_s > LONGEST_STEP_S] = np.nan
     position = _unwrapped(position)
@@ -197,6 +200,7 @@ def _track(
     return JointTrack(
         name=name,
         time=time,
+        log_time=log_time,
         position=position.astype(np.float32),
         work=np.concatenate([np.zeros((2, 1)), works], axis=1).astype(np.float32),
         metrics=Joint(

@@ -5,13 +5,12 @@ from typing import Final
 
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.kinematics import Joint
-from dogbot_logtool.core.frames.transforms import TransformBuffer, moving_tracks
+from dogbot_logtool.core.frames.transforms import TransformBuffer, chain_of_frames, moving_tracks
 from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.legs.paths import (
     JointPair,
     LegChain,
     LegSettings,
-    chain_to,
 )
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.reader.containers.log import Log
@@ -51,25 +50,22 @@ def find_legs(
     feet, told = selection.robot.feet, {name for each in recording.joints for name in each.names}
     joints = {joint.child: joint for joint in robot.joints} if robot and told else {}
     left_out = robot.left_out if robot else 0
-    by_joints = _chains(selection, probe, {c: each.parent for c, each in joints.items()}, joints)
-    moved = [_moved(chain) for chain in by_joints]
+    chains = _chains(selection, probe, {child: joint.parent for child, joint in joints.items()})
+    moved = [_moved(chain, joints) for chain in chains]
     lacking = [[name for name in names if name not in told] for names in moved]
-    chains = [
-        chain if names and not missing else None
-        for chain, names, missing in zip(by_joints, moved, lacking, strict=True)
-    ]
+    known = [bool(names) and not missing for names, missing in zip(moved, lacking, strict=True)]
+    chains = [chain if kept else None for chain, kept in zip(chains, known, strict=True)]
     parents = {c: next(iter(each)) for c, each in probe.parents.items() if len(each) == 1}
+    statics = probe.statics.frames
+    frames: set[str] = set()
     if not any(chains):
-        statics = probe.statics.frames
-        chains = [
-            chain if chain and any(frame not in statics for frame in chain.frames) else None
-            for chain in _chains(selection, probe, parents)
-        ]
+        found = _chains(selection, probe, parents)
+        chains = [c if c and not statics.keys() >= set(c.frames) else None for c in found]
+        frames = {frame for chain in chains if chain for frame in chain.frames}
     if not any(chains) and not recording.joints:
         return None
-    frames = {frame for chain in chains if chain and not chain.joints for frame in chain.frames}
-    moving = {frame: parents[frame] for frame in sorted(frames - probe.statics.frames.keys())}
-    foot_of_joint = _feet_of_joints(feet, chains, told)
+    moving = {frame: parents[frame] for frame in sorted(frames - statics.keys())}
+    foot_of_joint = _feet_of_joints(feet, [] if frames else moved, told)
     # Joint states that name no joint of a leg leave none out.
     tells_of_legs = any(name in told for names in moved for name in names)
     settings = LegSettings(
@@ -78,6 +74,7 @@ def find_legs(
             "" if chain else _why_not(selection, probe, foot, lacking[foot], left_out)
             for foot, chain in enumerate(chains)
         ),
+        joints=() if frames else tuple(joints.values()),
         joint_topics=tuple(table.topic for table in recording.joints),
         foot_of_joint=foot_of_joint,
         pairs=_pairs(feet, foot_of_joint),
@@ -88,10 +85,10 @@ def find_legs(
     return settings, moving_tracks(recording.transforms, moving, clock)
 
 
-def _moved(chain: LegChain | None) -> list[str]:
+def _moved(chain: LegChain | None, joints: Mapping[str, Joint]) -> list[str]:
     """Return the recorded joints that move a foot, each once."""
-    joints = chain.joints if chain else ()
-    return list(dict.fromkeys(joint.measured for joint in joints if joint.kind != "fixed"))
+    held = [joints[frame] for frame in (chain.frames if chain else ())]
+    return list(dict.fromkeys(joint.measured for joint in held if joint.kind != "fixed"))
 
 
 def _why_not(
@@ -103,25 +100,19 @@ def _why_not(
     link = selection.robot.feet[foot].frame or probe.links[foot]
     if link is None:
         return "no frame is known to be its own"
-    base = probe.base
-    reason = f"nothing connects its frame {link} with {base}"
+    reason = f"nothing connects its frame {link} with {probe.base}"
     return f"{reason}; {said_of_left_out(left_out)}" if left_out else reason
 
 
 def _chains(
-    selection: Selection,
-    probe: KnownFrames,
-    parents: Mapping[str, str],
-    joints: Mapping[str, Joint] | None = None,
+    selection: Selection, probe: KnownFrames, parents: Mapping[str, str]
 ) -> list[LegChain | None]:
-    """Return how feet hang on the base by the parents of frames, perhaps those of joints.
+    """Return how feet hang on the base by the parents of frames.
 
     Each does by its own frame, or by one that is named so.
     """
-    feet, base = selection.robot.feet, probe.base
+    feet, chains = selection.robot.feet, list[LegChain | None]()
     named = _named_frames(feet, parents)
-    origin = (0.0, 0.0, 0.0)
-    chains = []
     for number, foot in enumerate(feet):
         link, like = link_of_foot(selection, probe, number)
         sole = probe.soles.get(number) or probe.soles.get(like)
@@ -130,12 +121,14 @@ def _chains(
         elif link is not None and sole is not None:
             places = [(link, sole, True)]
         else:
+            origin = (0.0, 0.0, 0.0)
             places = [(frame, origin, False) for frame in (named.get(number), link) if frame]
         found = (
-            chain_to(parents, frame, base, point, touches=touches, joints=joints)
+            LegChain(frames, probe.base.lstrip("/"), point, touches)
             for frame, point, touches in places
+            if (frames := chain_of_frames(parents, frame, probe.base))
         )
-        chains.append(next((chain for chain in found if chain is not None), None))
+        chains.append(next(found, None))
     return chains
 
 
@@ -150,19 +143,18 @@ def _named_frames(feet: Sequence[Foot], frames: Iterable[str]) -> dict[int, str]
     found = found or name_feet(names, contacts_only=False).chosen
     if found is None or found.part is not Part.FOOT:
         return {}
-    named = {each.position or each.name: each.topic for each in found.feet}
+    named = {each.leg_position or each.name: each.topic for each in found.feet}
     keys = (foot.leg_position if foot.leg_position in named else foot.name for foot in feet)
     return {number: named[key] for number, key in enumerate(keys) if key in named}
 
 
 def _feet_of_joints(
-    feet: Sequence[Foot], chains: Sequence[LegChain | None], names: set[str]
+    feet: Sequence[Foot], moved: Sequence[Sequence[str]], names: set[str]
 ) -> dict[str, int]:
     """Return the foot that each joint moves: by the chain of joints, else by names."""
-    found: dict[str, int] = {}
-    for number, chain in enumerate(chains):
-        for name in _moved(chain):
-            found.setdefault(name, number)
+    # A joint of several legs counts as one of the first.
+    of_foot = reversed([*enumerate(moved)])
+    found = {name: number for number, each in of_foot for name in each if name in names}
     legs = [foot.leg_position or leg_of(foot.name) for foot in feet]
     for name in sorted(names - found.keys()):
         leg = leg_of(name)

@@ -39,7 +39,7 @@ def measured_and_shown(path: Path) -> tuple[Measurement, dict[str, Any]]:
     log = open_recorded(path)
     try:
         found = measure_log(log, MeasureOptions())
-        drawn = replay_of(log, found)
+        drawn = replay_of(found)
     finally:
         log.close()
     assert drawn is not None

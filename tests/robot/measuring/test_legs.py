@@ -16,7 +16,7 @@ BIPED = (Foot("left", "/left"), Foot("right", "/right"))
 
 
 def feet_of(feet: Sequence[Foot], *joints: str) -> list[str | None]:
-    found = _feet_of_joints(feet, [None] * len(feet), set(joints))
+    found = _feet_of_joints(feet, [], set(joints))
     return [feet[found[joint]].name if joint in found else None for joint in joints]
 
 
@@ -56,9 +56,9 @@ def test_joints_of_a_biped(joint: str, foot: str | None) -> None:
 
 def test_pairs_are_alike_but_for_their_side() -> None:
     names = ("FL_hip_joint", "FR_hip_joint", "RL_hip_joint", "FL_calf_joint")
-    found = _feet_of_joints(QUADRUPED, [None] * 4, set(names))
+    found = _feet_of_joints(QUADRUPED, [], set(names))
     assert [(pair.left, pair.right) for pair in _pairs(QUADRUPED, found)] == [names[:2]]
-    found = _feet_of_joints(BIPED, [None] * 2, {"leg_left_3_joint", "leg_right_3_joint"})
+    found = _feet_of_joints(BIPED, [], {"leg_left_3_joint", "leg_right_3_joint"})
     (pair,) = _pairs(BIPED, found)
     assert pair.name == "leg_3_joint"
 
