@@ -52,16 +52,15 @@ def figures_of(
     measured: "Measurement", *, whole: bool = False, as_json: bool = True, detail: bool = True
 ) -> Figures:
     """Return what is reported of a log that was measured; see `figures`."""
-    from dogbot_logtool.core.checks.voids import void_patterns  # noqa: PLC0415
     from dogbot_logtool.report.documents import stats_json  # noqa: PLC0415
-    from dogbot_logtool.report.table_file import stride_table  # noqa: PLC0415
+    from dogbot_logtool.report.strides import stride_table  # noqa: PLC0415
     from dogbot_logtool.report.verdict import summary_row  # noqa: PLC0415
 
     intervals = [foot.record.median_interval_s for foot in measured.walk.feet]
     return Figures(
         summary_row(measured),
         stats_json(measured, detail=detail) if as_json else {},
-        stride_table(measured.walk, void_patterns(measured.findings)),
+        stride_table(measured.walk),
         max((each for each in intervals if each is not None), default=0.0),
         measured.metrics.settings.robot,
         measured.damage,
@@ -131,7 +130,7 @@ def measure_entry(
     """Measure a log for a dataset."""
     from dogbot_logtool.commands.stats import measure  # noqa: PLC0415
     from dogbot_logtool.report.dataset import log_tables  # noqa: PLC0415
-    from dogbot_logtool.report.table_file import stride_table  # noqa: PLC0415
+    from dogbot_logtool.report.strides import stride_table  # noqa: PLC0415
 
     measured = measure(entry.location, options, progress)
     tables = log_tables(measured.metrics, stride_table(measured.walk))
