@@ -28,12 +28,12 @@ GAZEBO, WRENCH = "gazebo_msgs/msg/ContactsState", "geometry_msgs/msg/WrenchStamp
 SAMPLES = 160
 LAST_NS = (1 << 63) - 1
 TYPES = {
-    "position": "geometry_msgs/Point",
-    "rotation": "geometry_msgs/Quaternion",
-    "velocity": "geometry_msgs/Twist",
-    "force": "geometry_msgs/Wrench",
-    "point": "gazebo_msgs/ContactState",
-    "normal": "gazebo_msgs/ContactState",
+    "position": "geometry_msgs/msg/Point",
+    "rotation": "geometry_msgs/msg/Quaternion",
+    "velocity": "geometry_msgs/msg/Twist",
+    "force": "geometry_msgs/msg/Wrench",
+    "point": "gazebo_msgs/msg/ContactState",
+    "normal": "gazebo_msgs/msg/ContactState",
 }
 IMPLAUSIBLE = (math.nextafter(FARTHEST_M, math.inf), 1e155, 1.7e308)
 
@@ -43,7 +43,7 @@ class Extreme(walks.Walk):
 
     def __init__(self, where: str, value: float, every: int) -> None:
         super().__init__(2)
-        self._where, self._value, self._every = where, value, every
+        self._where, self._number, self._every = where, value, every
         self._sample = 0
 
     def odometry(self, sample: int) -> bytes:
@@ -56,7 +56,7 @@ class Extreme(walks.Walk):
         return super().make(kind, **fields)
 
     def _extreme(self) -> dict[str, Any]:
-        value = self._value
+        value = self._number
         vector = super().make("geometry_msgs/Vector3", x=value, y=0.0, z=value)
         match self._where:
             case "position":
