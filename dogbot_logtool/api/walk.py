@@ -3,6 +3,7 @@
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import closing
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -209,11 +210,12 @@ class Walk:
         require_libraries()
         from dogbot_logtool.commands.report import Reports  # noqa: PLC0415
         from dogbot_logtool.io.targets import Output  # noqa: PLC0415
+        from dogbot_logtool.option import part_of  # noqa: PLC0415
+        from dogbot_logtool.options import Report  # noqa: PLC0415
 
         page = Output(location(os.fspath(target)), is_folder=False)
-        Reports([self.path], page, self._options, overwrite=overwrite, with_replay=replay).write(
-            self.path
-        )
+        options = replace(part_of(self._options, Report), replay=replay)
+        Reports([self.path], page, overwrite=overwrite).write(self.path, options)
 
     def all_samples(self) -> Iterator[Table]:
         """Read the log again and yield the samples of each foot.
