@@ -59,7 +59,7 @@ def stability_in(
     walk: Walk, within: Ints | None = None
 ) -> tuple[Stability, Unstable] | tuple[None, None]:
     """Return the stability, and when the robot is not stable."""
-    if not walk.contacts_known or walk.base_is_apart:
+    if not walk.contacts_known or walk.base_is_apart or walk.base_by_feet:
         return None, None
     found = stability(
         walk.records,

@@ -176,11 +176,13 @@ def test_a_stuck_and_a_saturated_sensor_are_told() -> None:
 def test_a_log_without_odometry_or_mass_says_so_instead_of_guessing() -> None:
     walk = Walk()
     stats = analysed(replace(SETTINGS, mass_kg=None), [walk.samples(foot) for foot in range(4)])
-    assert stats.base is None
+    assert stats.base_by_feet
+    assert stats.base is not None
+    assert stats.base.forward_speed_mps == pytest.approx(0.5, rel=0.05)
     assert stats.stability is None
     assert feet_of(stats)[0].stride_length_from == "points"
     assert stats.loads.vertical_impulse_over_weight is None
-    assert {"NO_BASE", "MASS_UNKNOWN"} <= codes(stats)
+    assert {"BASE_FROM_LEGS", "MASS_UNKNOWN"} <= codes(stats)
 
 
 def test_an_empty_log_is_measured_without_complaint() -> None:

@@ -45,18 +45,37 @@ def mass_unknown(walk: Walk) -> Iterator[Finding]:
 
 def impulse_is_not_weight(walk: Walk) -> Iterator[Finding]:
     """Yield that the feet's forces do not add up to the weight, and what that refutes."""
-    loads, code = walk.loads, "IMPULSE_IS_NOT_WEIGHT"
+    loads = walk.loads
     cases, ratio = loads.refuted, loads.vertical_impulse_over_weight
     magnitude = loads.magnitude_over_weight
     if magnitude is not None and "shares" in cases:
         cause = _likely_cause(walk, magnitude)
-        yield found(code, *cases, where=_RATIO, say="magnitude", ratio=magnitude, cause=cause)
+        yield found(
+            "IMPULSE_IS_NOT_WEIGHT",
+            *cases,
+            where=_RATIO,
+            say="magnitude",
+            ratio=magnitude,
+            cause=cause,
+        )
     if ratio is None and (loads.mean_vertical_n or 0.0) < 0.0:
-        yield found(code, *cases, where=_RATIO, say="downwards", newtons=loads.mean_vertical_n)
+        yield found(
+            "IMPULSE_IS_NOT_WEIGHT",
+            *cases,
+            where=_RATIO,
+            say="downwards",
+            newtons=loads.mean_vertical_n,
+        )
     tolerance = REFUTED if walk.settings.contact_from else WEIGHT_TOLERANCE
     missing = walk.settings.lacks_feet and (ratio or 0.0) < 1.0
     if ratio is not None and not missing and abs(ratio - 1.0) > tolerance:
-        yield found(code, *cases, where=_RATIO, ratio=ratio, cause=_likely_cause(walk, ratio))
+        yield found(
+            "IMPULSE_IS_NOT_WEIGHT",
+            *cases,
+            where=_RATIO,
+            ratio=ratio,
+            cause=_likely_cause(walk, ratio),
+        )
 
 
 def forces_lean(walk: Walk) -> Iterator[Finding]:
