@@ -10,8 +10,9 @@ from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.robot_file import RobotEvidence, robot_file
 from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.selection import Selection, nothing_to_do, select_topics
-from dogbot_logtool.robot.unknown import FootCandidates
+from dogbot_logtool.robot.score import FootCandidates
+from dogbot_logtool.robot.selection import Selection, select_topics
+from dogbot_logtool.robot.topics import nothing_to_do
 from dogbot_logtool.run.runner import OnProgress
 
 
@@ -51,7 +52,7 @@ def new_robot(
             options = replace(options, feet=chosen.feet)
             selection = select_topics(log, options)
         if not selection.odometry and not selection.contacts:
-            raise LogError(nothing_to_do(log, selection))
+            raise LogError(nothing_to_do(log, selection.findings))
         found = measure_log(log, options, progress)
     finally:
         log.close()

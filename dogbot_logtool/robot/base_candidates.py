@@ -11,6 +11,7 @@ from dogbot_logtool.core.arrays import all_finite
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.definition import Struct
+from dogbot_logtool.reader.decode.field_path import every_field
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base, choices, path_source
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.messages import definition_of
@@ -145,22 +146,14 @@ def _in_unknown_messages(log: Log) -> Iterator[BaseCandidate]:
     unknown = {c.topic: c for c in log.channels.values() if source_of(c, "base") is None}
     for topic, channel in [*unknown.items()][:_MOST_TYPES]:
         try:
-            paths = [*_messages_in("", definition_of(channel), _DEEPEST)]
+            fields = list(every_field(definition_of(channel)))
         except DefinitionError:
             continue
-        for path in paths:
-            sources, _ = sources_at([channel], path)
-            if sources and topic_words(path).isdisjoint(_OTHER_WORDS):
-                yield BaseCandidate(topic, sources[0], path, is_sure=False)
-
-
-def _messages_in(path: str, struct: Struct, depth: int) -> Iterator[str]:
-    """Yield the paths of messages within a message."""
-    for name, kind in struct.fields if depth else ():
-        if isinstance(kind, Struct):
-            inner = f"{path}.{name}".lstrip(".")
-            yield inner
-            yield from _messages_in(inner, kind, depth - 1)
+        for path, kind in fields:
+            is_message = isinstance(kind, Struct) and "[]" not in path
+            if is_message and path.count(".") < _DEEPEST and not topic_words(path) & _OTHER_WORDS:
+                sources, _ = sources_at([channel], path)
+                yield from (BaseCandidate(topic, each, path, is_sure=False) for each in sources)
 
 
 def elements_in(log: Log, topic: str, source: Source) -> frozenset[str]:

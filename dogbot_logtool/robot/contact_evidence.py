@@ -17,7 +17,8 @@ from dogbot_logtool.core.contact.contacts import Samples, without_contact
 from dogbot_logtool.core.corrections.sensor import SensorLevel, estimate_level
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
-from dogbot_logtool.robot.selection import Selection, not_calibrated
+from dogbot_logtool.robot.message_feet import not_calibrated
+from dogbot_logtool.robot.selection import Selection
 
 _LOAD_SHARE: Final = 0.2
 """Share of all feet's load from which a foot cannot be in the air."""

@@ -1,6 +1,5 @@
 """Which topics are a robot's feet: by the user's word, by the robot's file, else by names."""
 
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
@@ -21,9 +20,10 @@ from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.robot.message_feet import feet_of_messages, front_to_back
-from dogbot_logtool.robot.names import FootSet, leg_position, name_feet
+from dogbot_logtool.robot.names import leg_position, name_feet
 from dogbot_logtool.robot.offers import alternatives
 from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.robot.siblings import FootSet
 from dogbot_logtool.robot.topics import (
     message_count,
     most_frequent,
@@ -215,7 +215,7 @@ def _feet_by_names(log: Log) -> tuple[tuple[Foot, ...], Sequence[FootSet], list[
     if part is None:
         return (), offered, []
     rest = next((one for one in offered if one.completes(part)), None) if part.missing else None
-    feet = tuple(foot for one in (part, rest) for foot in (_feet_of(one) if one else ()))
+    feet = (*part.feet, *(rest.feet if rest else ()))
     told = [_found(feet, [one for one in others if one is not rest])]
     for name in part.missing if rest is None else ():
         text = f"foot {name} has no messages: there is no topic like those of the other feet"
@@ -272,25 +272,6 @@ def _check_feet_differ(log: Log, feet: Sequence[Foot]) -> None:
             text = f"{foot.topic} would be the topic of {other}, {foot.name}; a message of type "
             text += f"{sources[0].row.name} is about one foot"
         raise CallError(f"{shown(log.source.path)}: --foot {foot.name}: {text}")
-
-
-def _feet_of(found: FootSet) -> tuple[Foot, ...]:
-    """Return feet with names of their own; those of one name are the sensors of one foot."""
-    number: Counter[str] = Counter()
-    feet = []
-    for foot in found.feet:
-        several = sum(other.name == foot.name for other in found.feet) > 1
-        number[foot.name] += 1
-        name = f"{foot.name}_{number[foot.name]}" if several else foot.name
-        feet.append(
-            Foot(
-                name,
-                foot.topic,
-                leg_position=foot.position,
-                sensor_of=foot.name if several else "",
-            )
-        )
-    return tuple(feet)
 
 
 def _missing(text: str, where: str, foot: str) -> Finding:

@@ -1,11 +1,13 @@
 """The feet of messages that tell of all feet at once, and plans."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.foot import Foot, FootField
+from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.feet import MessageFoot, feet_in
 from dogbot_logtool.reader.messages.message_type import is_named_as_planned
 from dogbot_logtool.reader.messages.source import source_of
@@ -58,7 +60,7 @@ def _named_feet(found: Sequence[MessageFoot], topic: str) -> tuple[Foot, ...]:
         Foot(
             name if names.count(name) == 1 else foot.label or f"{name}_{element + 1}",
             topic,
-            leg_position=leg_position(name) or each.position,
+            leg_position=leg_position(name) or each.leg_position,
             element=element,
             label=foot.label,
         )
@@ -111,3 +113,52 @@ def _by_velocity(foot: Foot) -> Foot:
     """Return a foot whose planned contact is the velocity beside its count."""
     field = FootField(f"velocity[{_JOINTS + (foot.element or 0)}]", kind="contact", threshold=0.5)
     return replace(foot, element=None, field=field, newtons_per_count=None, offset=0.0)
+
+
+def contact_findings(feet_of: Mapping[Channel, tuple[int, ...]], robot: Robot) -> Iterator[Finding]:
+    """Say what contact messages do not tell."""
+    for channel in sorted(feet_of, key=lambda channel: channel.type_name):
+        name, source = channel.type_name, foot_source(channel, robot.feet_of(channel.topic))
+        if source is None:
+            continue
+        if not source.has_force:
+            text = f"{name} tells contact, not force: gait figures only, no arrows, no loads"
+            yield Finding("NO_FORCE", text)
+        unscaled = [foot for foot in robot.feet if foot.newtons_per_count is None]
+        if source.row.unit == "counts" and unscaled:
+            told = not_calibrated(robot, unscaled)
+            yield replace(told, text=f"{name} {told.text}")
+        if not source.has_header:
+            text = f"{name} has no header: log time is used for it"
+            yield Finding("LOG_TIME_USED", text, cases=("no_header",))
+        if source.row.silent_in_swing:
+            text = f"{name} is published only in contact: silence is taken for swing"
+            yield Finding("SILENT_SWING", text)
+    for channel in filter(is_planned, feet_of):
+        text = "is a plan, not a measurement: contacts, forces and figures are the planned ones"
+        yield Finding("PLANNED", f"{channel.topic} {text}", channel.topic)
+
+
+def not_calibrated(
+    robot: Robot, feet: Sequence[Foot], reason: str | None = None, *, estimated: bool = False
+) -> Finding:
+    """Return a warning of what is missing while the counts of raw sensors have no scale.
+
+    Args:
+        robot: with the threshold of contact.
+        feet: those without a scale.
+        reason: why contact cannot be estimated; None: the counts were not looked at.
+        estimated: whether the threshold comes from the log.
+    """
+    names = tuple(foot.name for foot in feet)
+    text = f"has raw counts, and the robot's file has no newtons_per_count for {', '.join(names)}"
+    text += ": no forces"
+    if robot.contact_on_counts is not None:
+        text += f"; contact from {robot.contact_on_counts:g} counts above a foot's offset on"
+        text += " (both estimated from the log)" if estimated else ""
+    elif reason is None:
+        text += "; contact only if the counts of each foot have two clear levels"
+    else:
+        text += ", and without contact.on_counts no contact either"
+        text += f" (it cannot be estimated from the log; {reason})" if reason else ""
+    return Finding("NOT_CALIBRATED", text, feet=names)

@@ -6,10 +6,11 @@ from typing import Final
 
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed, shell_joined, shell_quoted
+from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.robot.names import FootSet
-from dogbot_logtool.robot.unknown import FootCandidates, word_of
+from dogbot_logtool.robot.score import FootCandidates, word_of
+from dogbot_logtool.robot.siblings import FootSet
 from dogbot_logtool.robot.words import ENDS, SIDES, words_of
 
 _ALTERNATIVES: Final = 3
@@ -91,7 +92,8 @@ def candidates_finding(log: Log, found: Sequence[FootCandidates], call: str, bas
         base: poses that may be the base's, as ``--odom-topic`` takes them; empty: none.
     """
     first = found[0]
-    text = f"fields of {first.type_name} look like feet: {'; or '.join(o.text for o in found[:3])}"
+    told = "; or ".join(f"{o.fields} ({o.points} points: {o.reasons})" for o in found[:3])
+    text = f"fields of {first.type_name} look like feet: {told}"
     if any(foot.leg_position is None for foot in first.feet):
         text += (
             "; which leg each is, they do not say: put front_left, back_right ... for "
@@ -111,3 +113,16 @@ def candidates_finding(log: Log, found: Sequence[FootCandidates], call: str, bas
         f"with them: {command}"
     )
     return Finding("FEET_UNSURE", text, command=command, cases=("possible",))
+
+
+def call_of(log: Log, options: RobotOptions, base: str) -> str:
+    """Return a call of `stats` with the user's options, and with a base that is offered."""
+    words = ["dogbot-logtool", "stats", *log.words]
+    named = options.odom_topic or base
+    words += ["--robot", options.robot] if options.robot is not None else []
+    words += ["--odom-topic", named] if named else []
+    words += ["--mass", f"{options.mass:g}"] if options.mass is not None else []
+    for option, pairs in (("--foot", options.foot), ("--set", options.set)):
+        for name, text in (pairs or {}).items():
+            words += [option, f"{name}={text}"]
+    return shell_joined(words)

@@ -46,4 +46,4 @@ def _foot_frames(frames: Iterable[str]) -> Mapping[LegPosition, str]:
     found = name_feet(frames, contacts_only=False).chosen
     if found is None or found.part is not Part.FOOT:
         return {}
-    return {foot.position: foot.topic for foot in found.feet if foot.position}
+    return {foot.leg_position: foot.topic for foot in found.feet if foot.leg_position}

@@ -11,6 +11,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, norms, percentiles_of
 from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.robot.words import MERITS, Part, words_of
 
 Mark = tuple[int, str]
@@ -62,6 +63,46 @@ class Content:
     """Whether the values only tell contact, and no force."""
     thresholds: tuple[float, ...] = ()
     """Threshold of each foot; empty: values are near zero without load."""
+
+
+@dataclass(frozen=True, slots=True)
+class FootCandidates:
+    """Fields that may be the feet of a robot."""
+
+    feet: tuple[Foot, ...]
+    type_name: str
+    marks: tuple[Mark, ...]
+    is_integer: bool
+    """Whether they are read as contacts, unless something else is said."""
+    is_numbered: bool
+    """Whether they are the elements of an array or bits, of which messages have fewer."""
+    is_contact: bool = False
+    """Whether the fields only tell contact, and no force."""
+
+    @property
+    def points(self) -> int:
+        """The sum of all marks."""
+        return sum(points for points, _ in self.marks)
+
+    @property
+    def reasons(self) -> str:
+        """What speaks for them, and against."""
+        return "; ".join(reason for _, reason in self.marks if reason)
+
+    @property
+    def fields(self) -> str:
+        """The feet and their fields, for people."""
+        return ", ".join(f"{foot.name} = {word_of(foot)}" for foot in self.feet)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The fields as ``--foot`` takes them."""
+        return tuple(map(word_of, self.feet))
+
+
+def word_of(foot: Foot) -> str:
+    """Return a foot's topic and field as ``--foot`` takes them."""
+    return f"{foot.topic}:{foot.field.path}" if foot.field else foot.topic
 
 
 def name_marks(names: Collection[str], type_name: str) -> Iterator[Mark]:

@@ -3,13 +3,11 @@
 Topics are given by the robot's file or options, or found.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Literal
 
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.io.printable import MOST, printable, shell_joined
-from dogbot_logtool.io.storage import shown
 from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.foot import Foot
@@ -18,7 +16,6 @@ from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES, is_static
 from dogbot_logtool.reader.messages.source import Source, source_of
-from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.base import choose_base
 from dogbot_logtool.robot.feet import (
@@ -27,23 +24,20 @@ from dogbot_logtool.robot.feet import (
     check_topics,
     find_feet,
 )
-from dogbot_logtool.robot.message_feet import is_planned
-from dogbot_logtool.robot.offers import candidates_finding, split_cells, topics_finding
+from dogbot_logtool.robot.message_feet import contact_findings
+from dogbot_logtool.robot.offers import call_of, candidates_finding, split_cells, topics_finding
 from dogbot_logtool.robot.robot import GENERIC, Robot, known_robots, load_robot, robot_toml
+from dogbot_logtool.robot.score import FootCandidates
 from dogbot_logtool.robot.settings import with_settings
 from dogbot_logtool.robot.topics import (
     has_field,
     own_definition_findings,
     readable_topics,
-    reasons,
     sources_of,
     split_topic,
     unreadable_findings,
 )
-from dogbot_logtool.robot.unknown import FootCandidates, find_candidates
-
-_LIKELY_WORDS: Final = ("odom", "contact", "foot", "feet", "force", "wrench", "pose", "leg")
-"""Words in topics and types that may tell of the base or the feet."""
+from dogbot_logtool.robot.unknown import find_candidates
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,7 +161,7 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
             "looked for by type and name, but its mass, axes and frames are used; check --robot"
         )
         findings.append(Finding("ROBOT_GUESSED", text, cases=("absent",)))
-    call = _call(log, options, chosen.offered)
+    call = call_of(log, options, chosen.offered)
     if unsure:
         of_feet.append(topics_finding(unsure, call))
     findings += [*of_feet, *cells]
@@ -182,7 +176,7 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
         and (source := source_of(channel, "base"))
         and not source.fault
     ]
-    findings += _of_sources(feet_of, chosen.robot)
+    findings += contact_findings(feet_of, chosen.robot)
     findings += unreadable_findings(log, chosen.channels, [*feet_of])
     findings += own_definition_findings([*chosen.channels, *feet_of, *transforms])
     return Selection(
@@ -242,89 +236,6 @@ def _with_options(log: Log, robot: Robot, options: RobotOptions) -> Robot:
     return robot
 
 
-def _of_sources(feet_of: Mapping[Channel, tuple[int, ...]], robot: Robot) -> Iterator[Finding]:
-    """Say what contact messages do not tell."""
-    for channel in sorted(feet_of, key=lambda channel: channel.type_name):
-        name, source = channel.type_name, foot_source(channel, robot.feet_of(channel.topic))
-        if source is None:
-            continue
-        if not source.has_force:
-            text = f"{name} tells contact, not force: gait figures only, no arrows, no loads"
-            yield Finding("NO_FORCE", text)
-        unscaled = [foot for foot in robot.feet if foot.newtons_per_count is None]
-        if source.row.unit == "counts" and unscaled:
-            told = not_calibrated(robot, unscaled)
-            yield replace(told, text=f"{name} {told.text}")
-        if not source.has_header:
-            text = f"{name} has no header: log time is used for it"
-            yield Finding("LOG_TIME_USED", text, cases=("no_header",))
-        if source.row.silent_in_swing:
-            text = f"{name} is published only in contact: silence is taken for swing"
-            yield Finding("SILENT_SWING", text)
-    for channel in filter(is_planned, feet_of):
-        text = "is a plan, not a measurement: contacts, forces and figures are the planned ones"
-        yield Finding("PLANNED", f"{channel.topic} {text}", channel.topic)
-
-
-def not_calibrated(
-    robot: Robot, feet: Sequence[Foot], reason: str | None = None, *, estimated: bool = False
-) -> Finding:
-    """Return a warning of what is missing while the counts of raw sensors have no scale.
-
-    Args:
-        robot: with the threshold of contact.
-        feet: those without a scale.
-        reason: why contact cannot be estimated; None: the counts were not looked at.
-        estimated: whether the threshold comes from the log.
-    """
-    names = tuple(foot.name for foot in feet)
-    text = f"has raw counts, and the robot's file has no newtons_per_count for {', '.join(names)}"
-    text += ": no forces"
-    if robot.contact_on_counts is not None:
-        text += f"; contact from {robot.contact_on_counts:g} counts above a foot's offset on"
-        text += " (both estimated from the log)" if estimated else ""
-    elif reason is None:
-        text += "; contact only if the counts of each foot have two clear levels"
-    else:
-        text += ", and without contact.on_counts no contact either"
-        text += f" (it cannot be estimated from the log; {reason})" if reason else ""
-    return Finding("NOT_CALIBRATED", text, feet=names)
-
-
-def nothing_to_do(log: Log, selection: Selection) -> str:
-    """Return a sentence for a log that has nothing of use: why, or else what it does have."""
-    path = shown(log.source.path)
-    offers = [
-        each
-        for each in selection.findings
-        if each.code == "FEET_UNSURE" or (each.code == "NO_BASE" and "--odom-topic" in each.text)
-    ]
-    for offer in sorted(offers, key=lambda each: each.code):
-        command = offer.command and f"\n  {offer.command}"
-        return f"{path}: nothing is surely the base or a foot; {offer.sentence}{command}"
-    if because := reasons(selection.findings):
-        return f"{path}: has no odometry and no contact messages that can be read: {because}"
-    found = sorted({(c.topic, c.type_name) for c in log.channels.values()}, key=_unlikely)
-    lines = [
-        f"\n  {printable(topic)}  {printable(kind) or '(of no type)'}"
-        for topic, kind in found[:MOST]
-    ]
-    if len(found) > MOST:
-        lines.append(f"\n  and {len(found) - MOST:,} more; `dogbot-logtool info` lists them")
-    damage = f" It is damaged: {damage_of(log, log.losses).text}." if log.losses else ""
-    return (
-        f"{path}: has neither nav_msgs/Odometry nor contact messages such as "
-        "gazebo_msgs/ContactsState that can be used (--odom-topic and --foot name topics)."
-        f"{damage} It has:{''.join(lines) or ' nothing'}"
-    )
-
-
-def _unlikely(topic: tuple[str, str]) -> tuple[bool, tuple[str, str]]:
-    """Return what sorts topics, given with their types: likely ones first, then by name."""
-    name = " ".join(topic).lower()
-    return not any(word in name for word in _LIKELY_WORDS), topic
-
-
 def _shows(log: Log, robot: Robot, base: Sequence[Channel]) -> bool:
     """Tell whether the log has a topic that the robot's file names, and that can be used."""
     fields = {foot.topic for foot in robot.feet if foot.field is not None}
@@ -333,19 +244,6 @@ def _shows(log: Log, robot: Robot, base: Sequence[Channel]) -> bool:
     if base and split_topic(robot.odometry_topic or "", log.channels_by_topic)[0] == base[0].topic:
         return True
     return not robot.topics.isdisjoint(_usable_topics(log))
-
-
-def _call(log: Log, options: RobotOptions, base: str) -> str:
-    """Return a call of `stats` with the user's options, and with a base that is offered."""
-    words = ["dogbot-logtool", "stats", *log.words]
-    named = options.odom_topic or base
-    words += ["--robot", options.robot] if options.robot is not None else []
-    words += ["--odom-topic", named] if named else []
-    words += ["--mass", f"{options.mass:g}"] if options.mass is not None else []
-    for option, pairs in (("--foot", options.foot), ("--set", options.set)):
-        for name, text in (pairs or {}).items():
-            words += [option, f"{name}={text}"]
-    return shell_joined(words)
 
 
 def _with_command(finding: Finding, call: str) -> Finding:

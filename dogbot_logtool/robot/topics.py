@@ -7,7 +7,7 @@ from typing import Final
 
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.io.printable import listed
+from dogbot_logtool.io.printable import MOST, listed, printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.fields import Fields
@@ -18,9 +18,12 @@ from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.messages import SERIALISATIONS, DecodedMessages, decode_channels
 from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES, TRANSFORM_TYPES
 from dogbot_logtool.reader.messages.source import Source, source_of
+from dogbot_logtool.reader.salvage.losses import damage_of
 
 _COMPARED: Final = 2000
 """Topics that a wrong name is compared with."""
+_LIKELY_WORDS: Final = ("odom", "contact", "foot", "feet", "force", "wrench", "pose", "leg")
+"""Words in topics and types that may tell of the base or the feet."""
 _MOST_REASONS: Final = 3
 _NOT_USED: Final = "; not used"
 _SPAN_NS: Final = 5_000_000_000
@@ -192,7 +195,7 @@ def _about(topics: Collection[str], text: str, cases: tuple[str, ...]) -> Findin
     return Finding("UNREADABLE", f"{listed(named)}: {text}", where, cases=cases)
 
 
-def reasons(findings: Iterable[Finding]) -> str:
+def _reasons(findings: Iterable[Finding]) -> str:
     """Return why topics that could have been used cannot be read; empty: there are none."""
     texts = [
         each.text.removesuffix(_NOT_USED)
@@ -201,3 +204,42 @@ def reasons(findings: Iterable[Finding]) -> str:
     ]
     more = f"; and {len(texts) - _MOST_REASONS} more" if len(texts) > _MOST_REASONS else ""
     return "; ".join(texts[:_MOST_REASONS]) + more
+
+
+def nothing_to_do(log: Log, findings: Sequence[Finding]) -> str:
+    """Return a sentence for a log that has nothing of use: why, or else what it does have.
+
+    Args:
+        log: the log.
+        findings: of the choice of its topics.
+    """
+    path = shown(log.source.path)
+    offers = [
+        each
+        for each in findings
+        if each.code == "FEET_UNSURE" or (each.code == "NO_BASE" and "--odom-topic" in each.text)
+    ]
+    for offer in sorted(offers, key=lambda each: each.code):
+        command = offer.command and f"\n  {offer.command}"
+        return f"{path}: nothing is surely the base or a foot; {offer.sentence}{command}"
+    if because := _reasons(findings):
+        return f"{path}: has no odometry and no contact messages that can be read: {because}"
+    found = sorted({(c.topic, c.type_name) for c in log.channels.values()}, key=_unlikely)
+    lines = [
+        f"\n  {printable(topic)}  {printable(kind) or '(of no type)'}"
+        for topic, kind in found[:MOST]
+    ]
+    if len(found) > MOST:
+        lines.append(f"\n  and {len(found) - MOST:,} more; `dogbot-logtool info` lists them")
+    damage = f" It is damaged: {damage_of(log, log.losses).text}." if log.losses else ""
+    return (
+        f"{path}: has neither nav_msgs/Odometry nor contact messages such as "
+        "gazebo_msgs/ContactsState that can be used (--odom-topic and --foot name topics)."
+        f"{damage} It has:{''.join(lines) or ' nothing'}"
+    )
+
+
+def _unlikely(topic: tuple[str, str]) -> tuple[bool, tuple[str, str]]:
+    """Return what sorts topics, given with their types: likely ones first, then by name."""
+    name = " ".join(topic).lower()
+    return not any(word in name for word in _LIKELY_WORDS), topic

@@ -5,40 +5,35 @@ columns of these are read of the whole log, like those of any feet, and judged t
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.decode.definition import (
-    FieldType,
-    FixedArray,
-    Primitive,
-    Struct,
-)
-from dogbot_logtool.reader.decode.field_path import is_vector, readable_fields
+from dogbot_logtool.reader.decode.definition import FieldType, FixedArray, Primitive, Text
+from dogbot_logtool.reader.decode.field_path import every_field, is_vector
+from dogbot_logtool.reader.decode.paths import path_of
 from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.source import source_of
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.wanted import Wanted
-from dogbot_logtool.robot.labels import array_labels
 from dogbot_logtool.robot.names import leg_position, name_feet
 from dogbot_logtool.robot.score import (
     CONTACT_WORDS,
     FORCE_WORDS,
-    Mark,
+    FootCandidates,
     judge_content,
     name_marks,
     rate_mark,
+    word_of,
 )
-from dogbot_logtool.robot.topics import has_field, message_count
-from dogbot_logtool.robot.words import words_of
+from dogbot_logtool.robot.topics import first_messages, has_field, message_count
+from dogbot_logtool.robot.words import texts_of, words_of
 
 _ENOUGH: Final = 5
 """Points from which fields are offered as feet."""
@@ -58,68 +53,7 @@ _OTHER_WORDS: Final = (
 _OTHER: Final = frozenset(_OTHER_WORDS.split())
 _JOINT: Final = frozenset({"ankle", "drive", "hip", "joint", "knee", "motor", "servo"})
 """Words of names that are a joint's, whose effort is no foot's force."""
-
-
-@dataclass(frozen=True, slots=True)
-class FootCandidates:
-    """Fields that may be the feet of a robot."""
-
-    feet: tuple[Foot, ...]
-    type_name: str
-    marks: tuple[Mark, ...]
-    is_integer: bool
-    """Whether they are read as contacts, unless something else is said."""
-    is_numbered: bool
-    """Whether they are the elements of an array or bits, of which messages have fewer."""
-    is_contact: bool = False
-    """Whether the fields only tell contact, and no force."""
-
-    @property
-    def points(self) -> int:
-        """The sum of all marks."""
-        return sum(points for points, _ in self.marks)
-
-    @property
-    def reasons(self) -> str:
-        """What speaks for them, and against."""
-        return "; ".join(reason for _, reason in self.marks if reason)
-
-    @property
-    def text(self) -> str:
-        """The fields, their points and the reasons, for people."""
-        return f"{self.fields} ({self.points} points: {self.reasons})"
-
-    @property
-    def fields(self) -> str:
-        """The feet and their fields, for people."""
-        return ", ".join(f"{foot.name} = {word_of(foot)}" for foot in self.feet)
-
-    @property
-    def words(self) -> tuple[str, ...]:
-        """The fields as ``--foot`` takes them."""
-        return tuple(map(word_of, self.feet))
-
-
-@dataclass(frozen=True, slots=True)
-class _Field:
-    """A field of a topic's messages, or an element of an array in them."""
-
-    topic: str
-    path: str
-    is_a: str
-    """``vector``, ``integer`` or ``number``."""
-    name: str
-    """What is compared with the names of others."""
-
-    def foot(self, name: str, position: LegPosition | None = None) -> Foot:
-        """Return it as a foot."""
-        position = position or leg_position(name)
-        return Foot(name, self.topic, leg_position=position, field=FootField(self.path))
-
-
-def word_of(foot: Foot) -> str:
-    """Return a foot's topic and field as ``--foot`` takes them."""
-    return f"{foot.topic}:{foot.field.path}" if foot.field else foot.topic
+_DIFFER: Final = {"corners": "front and back, left and right", "sides": "left and right"}
 
 
 def find_candidates(log: Log) -> list[FootCandidates]:
@@ -135,6 +69,9 @@ def find_candidates(log: Log) -> list[FootCandidates]:
     return kept
 
 
+# By names
+
+
 def _named_sets(log: Log) -> Iterator[FootCandidates]:
     """Yield sets of fields whose names do not speak against feet, scored by names and rate."""
     by_type: dict[str, list[Channel]] = {}
@@ -143,117 +80,147 @@ def _named_sets(log: Log) -> Iterator[FootCandidates]:
             by_type.setdefault(channel.type_name, []).append(channel)
     for type_name, channels in by_type.items():
         try:
-            definition = definition_of(channels[0])
+            kinds = dict(every_field(definition_of(channels[0])))
         except DefinitionError:
             continue
-        named: list[_Field] = []
-        rows: list[list[_Field]] = []
+        named: dict[str, dict[str, Foot]] = {"vector": {}, "integer": {}, "number": {}}
+        rows: list[tuple[str, _Set]] = []
         for topic in sorted({channel.topic for channel in channels}):
-            for field, length in _fields(topic, type_name, definition):
-                labels = array_labels(log, topic, field.path)
-                named += _named_fields(field, labels)
-                rows += () if labels else _rows_of_fields(field, length)
-        sets: list[_Set] = []
-        for kind in ("vector", "integer", "number"):
-            sets += _siblings({field.name: field for field in named if field.is_a == kind})
-        sets += ((row, [each.foot(f"foot_{n}") for n, each in enumerate(row)], ()) for row in rows)
-        for fields, feet, own in sets:
-            marks = [*name_marks([field.name for field in fields], type_name), *own]
-            rate = _rate_hz(log, {field.topic for field in fields})
+            for path, is_a in _fields(topic, type_name, kinds):
+                labels = _labels_beside(log, topic, path, kinds)
+                named[is_a].update(_single_fields(topic, path, labels))
+                if not labels:
+                    rows += ((is_a, each) for each in _rows_of_fields(topic, path, is_a, kinds))
+        siblings = [(is_a, each) for is_a, fields in named.items() for each in _siblings(fields)]
+        for is_a, (feet, names, differ) in (*siblings, *rows):
+            marks = list(name_marks(names, type_name))
+            marks += [(1, f"they differ in {differ} only")] if differ else []
+            rate = _rate_hz(log, {foot.topic for foot in feet})
             marks += [rate_mark(rate)] if rate is not None else []
-            integer = fields[0].is_a == "integer"
-            yield FootCandidates(tuple(feet), type_name, tuple(marks), integer, fields in rows)
+            yield FootCandidates(
+                tuple(feet), type_name, tuple(marks), is_a == "integer", is_numbered=not differ
+            )
 
 
-def _texts(name: str) -> set[str]:
-    return {word.text for word in words_of(name)}
+_Set = tuple[Sequence[Foot], Sequence[str], str]
+"""Fields as feet, their names, and what these differ in; empty: they are told by their numbers."""
 
 
-def _fields(topic: str, type_name: str, definition: Struct) -> Iterator[tuple[_Field, int | None]]:
+def _field(name: str, topic: str, path: str) -> Foot:
+    return Foot(name, topic, leg_position=leg_position(name), field=FootField(path))
+
+
+def _fields(
+    topic: str, type_name: str, kinds: Mapping[str, FieldType]
+) -> Iterator[tuple[str, str]]:
     """Yield the fields whose names speak of forces or contacts, and of nothing that is no foot.
 
-    Each comes with the length of its array, where the definition says. Of a vector, its components
-    are no fields of their own.
+    Each comes with what it is. Of a vector, its components are no fields of their own.
     """
-    kinds = dict(readable_fields(definition))
-    vectors = {path for path, kind in kinds.items() if is_vector(kind)}
     for path, kind in kinds.items():
         words = words_of(f"{topic} {type_name} {path}")
-        own, said = _texts(path), {word.text for word in words}
-        if path in vectors:
-            fits = not said.isdisjoint(FORCE_WORDS | {"grf"}) and "torque" not in own
+        own, said = texts_of(path), {word.text for word in words}
+        if is_vector(kind):
+            is_a, fits = "vector", bool(said & (FORCE_WORDS | {"grf"})) and "torque" not in own
+        elif isinstance(kind, Primitive) and not is_vector(kinds.get(path.rpartition(".")[0])):
+            is_a = "integer" if kind.dtype[0] in "iu" else "number"
+            fits = bool(said & (CONTACT_WORDS | FORCE_WORDS)) or any(word.is_leg for word in words)
         else:
-            told = not said.isdisjoint(CONTACT_WORDS | FORCE_WORDS)
-            fits = told or any(word.is_leg for word in words)
-        if fits and own.isdisjoint(_OTHER) and path.rpartition(".")[0] not in vectors:
-            integer = isinstance(kind, Primitive) and kind.dtype[0] in "iu"
-            is_a = "vector" if path in vectors else "integer" if integer else "number"
-            name = f"{topic}/{path.replace('.', '/')}"
-            yield _Field(topic, path, is_a, name), _length(definition, path)
+            continue
+        if fits and own.isdisjoint(_OTHER):
+            yield path, is_a
 
 
-def _length(definition: Struct, path: str) -> int | None:
-    """Return how many elements the first array in a path has, where the definition says."""
-    kind: FieldType | None = definition
-    for part in path.partition("[]")[0].split("."):
-        kind = dict(kind.fields).get(part) if isinstance(kind, Struct) else None
-    return kind.length if isinstance(kind, FixedArray) else None
+def _labels_beside(
+    log: Log, topic: str, path: str, kinds: Mapping[str, FieldType]
+) -> tuple[str, ...]:
+    """Return the strings beside the elements of an array, in them or in an array beside it.
+
+    They are the same in all of the first messages, and each element has another one; else none.
+    """
+    array = path.partition("[]")[0]
+    inside, beside = f"{array}[].", array.rpartition(".")[0]
+    texts = [
+        each
+        for each, kind in kinds.items()
+        if isinstance(kind, Text) and each.count("[]") == path.count("[]") == 1
+        if each.startswith(inside) or (each.endswith("[]") and each.rpartition(".")[0] == beside)
+    ]
+    for text in sorted(texts, key=lambda each: not each.startswith(inside)):
+        for channel in log.channels_by_topic[topic]:
+            rows: set[tuple[str, ...]] = set()
+            for messages in first_messages(log, channel, path_of(text, "text").fields):
+                message, strings = path_of(text, "text").texts(messages.table)
+                code, names = strings.encode()
+                ends = np.cumsum(np.bincount(message, minlength=1))[:-1]
+                for row in np.split(code[np.argsort(message, kind="stable")], ends):
+                    rows.add(tuple(names[each] for each in row.tolist()))
+            labels = rows.pop() if len(rows) == 1 else ()
+            if all(labels) and len(labels) == len(set(labels)) > 0:
+                return labels
+    return ()
 
 
-def _named_fields(field: _Field, labels: Sequence[str]) -> Iterator[_Field]:
-    """Yield a single field, or the elements of an array that have strings beside them."""
-    is_effort = "effort" in _texts(field.path)
-    if "[]" not in field.path and not is_effort:
-        yield field
+def _single_fields(topic: str, path: str, labels: Sequence[str]) -> Iterator[tuple[str, Foot]]:
+    """Yield a field, or the elements of an array that have strings beside them, by their names."""
+    is_effort = "effort" in texts_of(path)
+    if "[]" not in path and not is_effort:
+        name = f"{topic}/{path.replace('.', '/')}"
+        yield name, _field(name, topic, path)
     for number, label in enumerate(labels):
         # Most efforts are those of joints.
-        is_foot = any(word.is_leg for word in words_of(label)) and _texts(label).isdisjoint(_JOINT)
+        is_foot = any(word.is_leg for word in words_of(label)) and not texts_of(label) & _JOINT
         if is_foot or not is_effort:
-            name = f"{field.topic}/{label}/{field.path.replace('[]', '')}"
-            yield replace(field, path=field.path.replace("[]", f"[{number}]"), name=name)
+            name = f"{topic}/{label}/{path.replace('[]', '')}"
+            yield name, _field(name, topic, path.replace("[]", f"[{number}]"))
 
 
-def _rows_of_fields(field: _Field, length: int | None) -> Iterator[list[_Field]]:
+def _rows_of_fields(
+    topic: str, path: str, is_a: str, kinds: Mapping[str, FieldType]
+) -> Iterator[_Set]:
     """Yield elements of an array, or bits of an integer; how many feet there are, messages tell."""
-    said = _texts(f"{field.topic} {field.path}")
-    if "effort" in said:
-        return
-    if field.path.count("[]") == 1:
+    said, name = texts_of(f"{topic} {path}"), f"{topic}/{path.replace('.', '/')}"
+    array = kinds[path.partition("[]")[0]]
+    paths: list[list[str]] = []
+    if path.count("[]") == 1:
         # Numbers may be those of forces, or of forces and torques; the third is along z.
-        for step in (1,) if field.is_a == "vector" else (1, 3, 6):
-            size = (_MOST_FEET + 1) * step if length is None else length
+        for step in (1,) if is_a == "vector" else (1, 3, 6):
+            size = array.length if isinstance(array, FixedArray) else (_MOST_FEET + 1) * step
             if size % step == 0 and _FEWEST_FEET <= size // step <= _MOST_FEET + 1:
                 numbers = range(2 if step > 1 else 0, size, step)
-                yield [replace(field, path=field.path.replace("[]", f"[{n}]")) for n in numbers]
-    elif "[]" not in field.path and field.is_a == "integer" and not said.isdisjoint(_BIT_WORDS):
-        yield [replace(field, path=f"{field.path}&{1 << bit}") for bit in range(_MOST_FEET)]
+                paths.append([path.replace("[]", f"[{number}]") for number in numbers])
+    elif "[]" not in path and is_a == "integer" and said & _BIT_WORDS:
+        paths.append([f"{path}&{1 << bit}" for bit in range(_MOST_FEET)])
+    for row in paths if "effort" not in said else ():
+        yield [_field(f"foot_{n}", topic, each) for n, each in enumerate(row)], [name], ""
 
 
-_Set = tuple[list[_Field], list[Foot], tuple[Mark, ...]]
-"""Fields, the feet that they would be, and a mark for their names."""
-
-
-def _siblings(fields: Mapping[str, _Field]) -> Iterator[_Set]:
+def _siblings(fields: Mapping[str, Foot]) -> Iterator[_Set]:
     """Yield fields of which each may be a foot: by their names' legs, else by any one word."""
     by_leg = name_feet(fields, contacts_only=True)
     sets = [found for found in (by_leg.chosen, *by_leg.offered) if found and found.kind != "alone"]
-    differ = {"corners": "front and back, left and right", "sides": "left and right"}
     for one in sets:
-        own = [fields[foot.topic] for foot in one.feet]
-        feet = [fields[foot.topic].foot(foot.name, foot.position) for foot in one.feet]
-        yield own, feet, ((1, f"they differ in {differ.get(one.kind, 'one word')} only"),)
-    groups: dict[tuple[str, ...], dict[str, _Field]] = {}
+        feet = [
+            replace(
+                fields[n.topic], name=n.name, leg_position=n.leg_position or leg_position(n.name)
+            )
+            for n in one.feet
+        ]
+        yield feet, [foot.topic for foot in one.feet], _DIFFER.get(one.kind, "one word")
+    groups: dict[tuple[str, ...], dict[str, str]] = {}
     for name in sorted(fields)[:_MOST_NAMES]:
         words = [word.text for word in words_of(name)]
         for index, word in enumerate(words):
             key = (str(index), *words[:index], *words[index + 1 :])
-            groups.setdefault(key, {})[word] = fields[name]
+            groups.setdefault(key, {})[word] = name
     for group in groups.values():
-        known = any(found.topics >= {field.name for field in group.values()} for found in sets)
+        known = any(found.topics >= {*group.values()} for found in sets)
         if _FEWEST_FEET < len(group) <= _MOST_FEET and not known:
             words = sorted(group, key=lambda word: (int(word) if word.isdigit() else 0, word))
-            feet = [group[w].foot(f"foot_{w}" if w.isdigit() else w) for w in words]
-            yield [group[w] for w in words], feet, ((1, "they differ in one word only"),)
+            names = {word: f"foot_{word}" if word.isdigit() else word for word in words}
+            feet = [replace(fields[group[w]], name=names[w]) for w in words]
+            feet = [replace(foot, leg_position=leg_position(foot.name)) for foot in feet]
+            yield feet, [group[w] for w in words], "one word"
 
 
 def _rate_hz(log: Log, topics: Collection[str]) -> float | None:
@@ -262,6 +229,9 @@ def _rate_hz(log: Log, topics: Collection[str]) -> float | None:
         return None
     slowest = min(message_count(log, topic) for topic in topics)
     return slowest / ((log.end_time - log.start_time) / 1e9)
+
+
+# By content
 
 
 def _read_fields(log: Log, sets: Sequence[FootCandidates]) -> Mapping[str, Samples]:
@@ -292,11 +262,10 @@ def _judged(named: FootCandidates, samples: Sequence[Samples]) -> FootCandidates
     is_contact = content.is_contact or bool(content.thresholds)
     # It is said only where the type of the field would say something else.
     kind = "" if is_contact == named.is_integer else "contact" if is_contact else "force"
+    thresholds = content.thresholds or (0.0,) * count
     feet = tuple(
-        replace(foot, field=replace(foot.field, kind=kind, threshold=limit))
-        for foot, limit in zip(
-            named.feet[:count], content.thresholds or (0.0,) * count, strict=True
-        )
+        replace(foot, field=replace(foot.field, kind=kind, threshold=threshold))
+        for foot, threshold in zip(named.feet[:count], thresholds, strict=True)
         if foot.field
     )
     return replace(named, feet=feet, marks=(*named.marks, *content.marks), is_contact=is_contact)

@@ -21,24 +21,18 @@ ENDS: Final[Mapping[str, str]] = {
     **dict.fromkeys(("back", "hind", "rear", "aft", "posterior"), "back"),
 }
 SIDES: Final[Mapping[str, str]] = {"left": "left", "l": "left", "right": "right", "r": "right"}
-SIDE_FIRST: Final[Mapping[str, LegPosition]] = {
-    side + end: (ENDS[word], SIDES[side])
+LETTERS: Final[Mapping[str, LegPosition]] = {
+    letters: (ENDS[word], SIDES[side])
     for side in "lr"
     for end, word in {"f": "front", "m": "middle", "h": "hind", "b": "back", "r": "rear"}.items()
+    # ANYmal, HyQ and towr say LF, RF, LH, RH; Unitree, Spot and quad-sdk FL, FR, RL, RR.
+    for letters in (side + end, end + side)
 }
-"""ANYmal, HyQ, towr: LF, RF, LH, RH."""
-END_FIRST: Final[Mapping[str, LegPosition]] = {
-    end + side: (ENDS[word], SIDES[side])
-    for side in "lr"
-    for end, word in {"f": "front", "m": "middle", "h": "hind", "b": "back", "r": "rear"}.items()
-}
-"""Unitree, Spot, quad-sdk: FL, FR, RL, RR; HL, HR; BL, BR."""
+"""Both ways name the same leg; ``rr`` is the right rear in both."""
 ROWS: Final[Mapping[str, tuple[str, str]]] = {
     row + side: (row, SIDES[side]) for row in "abcd" for side in "lr"
 }
 """Syropod's hexapods: AL, AR, BL, BR, CL, CR; their rows are lettered, as others number them."""
-LETTERS: Final = {**SIDE_FIRST, **END_FIRST}
-"""Both ways name the same leg, except ``rr``, which is the right rear in both."""
 
 
 class Part(IntEnum):
@@ -167,6 +161,11 @@ class Word:
 def words_of(name: str) -> tuple[Word, ...]:
     """Split a name into words."""
     return tuple(_words_of(name[-_LONGEST:]))[-_MOST_WORDS:]
+
+
+def texts_of(name: str) -> set[str]:
+    """Return the words of a name, in small letters."""
+    return {word.text for word in words_of(name)}
 
 
 def _words_of(name: str) -> Iterator[Word]:

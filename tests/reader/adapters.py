@@ -96,50 +96,29 @@ def empty_payload(type_name: str) -> bytes | None:
     made, kind = walk(), _known(type_name)
     if type_name == FOXGLOVE[0]:
         return FrameTransforms().SerializeToString()
-    arrays = {
-        "tf2_msgs/msg/TFMessage": {"transforms": []},
-        "gazebo_msgs/msg/ContactsState": {"header": made.header(0, "world"), "states": []},
-        "ros_gz_interfaces/msg/Contacts": {"header": made.header(0, "world"), "contacts": []},
-        "spot_msgs/msg/FootStateArray": {"states": []},
-        "champ_msgs/msg/ContactsStamped": {
-            "header": made.header(0, "world"),
-            "contacts": np.empty(0, np.bool_),
-        },
-        "quad_msgs/msg/GRFArray": {
-            "header": made.header(0, "map"),
-            "vectors": [],
-            "points": [],
-            "contact_states": np.empty(0, np.bool_),
-            "traj_index": 0,
-        },
-        "whole_body_state_msgs/msg/WholeBodyState": {
-            "header": made.header(0, "world"),
-            "time": 0.0,
-            "contacts": [],
-        },
-        "hrpsys_ros_bridge/msg/ContactStatesStamped": {
-            "header": made.header(0, ""),
-            "states": [],
-        },
-    }
-    return made.bytes_of(kind, made.make(kind, **arrays[kind])) if kind in arrays else None
+    kinds = (
+        "tf2_msgs/msg/TFMessage",
+        "gazebo_msgs/msg/ContactsState",
+        "ros_gz_interfaces/msg/Contacts",
+        "spot_msgs/msg/FootStateArray",
+        "champ_msgs/msg/ContactsStamped",
+        "quad_msgs/msg/GRFArray",
+        "whole_body_state_msgs/msg/WholeBodyState",
+        "hrpsys_ros_bridge/msg/ContactStatesStamped",
+    )
+    frames = {"header": made.header(0, "world")} if kind != kinds[0] and kind != kinds[3] else {}
+    return made.bytes_of(kind, made.make(kind, **frames)) if kind in kinds else None
 
 
 def transforms(sample: int) -> Any:
     """Return a message of two transforms."""
     made = walk()
-    transform = made.make(
-        "geometry_msgs/Transform",
-        translation=made.vector((0.1 * sample, 0.0, 0.0)),
-        rotation=made.make("geometry_msgs/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
-    )
     stamped = [
-        made.make(
-            "geometry_msgs/TransformStamped",
-            header=made.header(sample, "base"),
-            child_frame_id=f"leg_{leg}",
-            transform=transform,
-        )
+        {
+            "header": made.header(sample, "base"),
+            "child_frame_id": f"leg_{leg}",
+            "transform": [(0.1 * sample, 0.0, 0.0)],
+        }
         for leg in range(2)
     ]
     return made.make("tf2_msgs/TFMessage", transforms=stamped)

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dogbot_logtool.robot.names import FootSet, leg_position, name_feet
+from dogbot_logtool.robot.names import leg_position, name_feet
+from dogbot_logtool.robot.siblings import FootSet
 from dogbot_logtool.robot.words import words_of
 
 TABLE = tomllib.loads(Path(__file__).with_name("names.toml").read_text(encoding="utf-8"))
@@ -48,7 +49,7 @@ def test_sensors_of_one_foot_are_told_by_names(name: str) -> None:
     found = name_feet([*row["left"], *row["right"]], contacts_only=row["contacts_only"])
     assert found.chosen is not None
     for side in ("left", "right"):
-        assert sorted(f.topic for f in found.chosen.feet if f.name == side) == row[side]
+        assert sorted(f.topic for f in found.chosen.feet if f.sensor_of == side) == row[side]
 
 
 @pytest.mark.parametrize("name", TABLE["none"])

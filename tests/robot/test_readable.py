@@ -11,7 +11,8 @@ from dogbot_logtool.finding import Severity
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.robot.selection import nothing_to_do, select_topics
+from dogbot_logtool.robot.selection import select_topics
+from dogbot_logtool.robot.topics import nothing_to_do
 
 ODOMETRY, CONTACTS, TF = "nav_msgs/Odometry", "gazebo_msgs/ContactsState", "tf2_msgs/TFMessage"
 Channel = tuple[str, str, bytes, str]
@@ -60,13 +61,13 @@ def test_a_log_of_another_encoding_says_so_once(opened: Opener) -> None:
     selection = select_topics(log, MeasureOptions())
     (finding,) = [f for f in selection.findings if "UNREADABLE" in f.code]
     assert finding.text.startswith("300 of 300 topics are encoded as flatbuffer; only ROS 1")
-    assert nothing_to_do(log, selection).endswith(finding.text)
+    assert nothing_to_do(log, selection.findings).endswith(finding.text)
 
 
 def test_of_many_topics_the_likely_ones_are_named(opened: Opener) -> None:
     found: list[Channel] = [(f"/a{n:03}", "demo/Thing", b"bool x", "cdr") for n in range(650)]
     log = opened([*found, ("/my_odom", "demo/Pose", b"bool x", "cdr")])
-    text = nothing_to_do(log, select_topics(log, MeasureOptions()))
+    text = nothing_to_do(log, select_topics(log, MeasureOptions()).findings)
     assert len(text) < 1000
     assert text.splitlines()[1] == "  /my_odom  demo/Pose"
     assert "and 641 more; `dogbot-logtool info" in text

@@ -64,7 +64,7 @@ def _any_element(path: str) -> str:
     return re.sub(r"\[[0-9]+\]", "[]", path)
 
 
-def is_vector(field_type: FieldType) -> bool:
+def is_vector(field_type: FieldType | None) -> bool:
     """Tell whether a field is a message of the numbers x, y and z, and no more."""
     return (
         isinstance(field_type, Struct)
@@ -73,24 +73,23 @@ def is_vector(field_type: FieldType) -> bool:
     )
 
 
+def every_field(kind: FieldType, path: str = "") -> Iterator[tuple[str, FieldType]]:
+    """Yield the paths of all that is in a message; ``[]`` stands for an index."""
+    if path:
+        yield path, kind
+    match kind:
+        case FixedArray(element) | VariableArray(element):
+            yield from every_field(element, f"{path}[]")
+        case Struct(_, fields):
+            for name, inner in fields:
+                yield from every_field(inner, f"{path}.{name}" if path else name)
+
+
 def readable_fields(definition: Struct) -> Iterator[tuple[str, FieldType]]:
     """Yield the paths of all numbers and vectors; arrays have ``[]`` for the index."""
-    yield from _readable("", definition)
-
-
-def _readable(path: str, field_type: FieldType) -> Iterator[tuple[str, FieldType]]:
-    match field_type:
-        case Primitive():
-            yield path, field_type
-        case FixedArray(element) | VariableArray(element):
-            yield from _readable(f"{path}[]", element)
-        case Struct(_, fields):
-            if is_vector(field_type):
-                yield path, field_type
-            for name, inner in fields:
-                yield from _readable(f"{path}.{name}" if path else name, inner)
-        case _:
-            return
+    for path, kind in every_field(definition):
+        if isinstance(kind, Primitive) or is_vector(kind):
+            yield path, kind
 
 
 def _no_such_field(

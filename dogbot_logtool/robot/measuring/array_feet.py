@@ -14,8 +14,8 @@ from dogbot_logtool.io.printable import shell_joined
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.recording import read_recording
+from dogbot_logtool.robot.score import word_of
 from dogbot_logtool.robot.selection import Selection, select_topics
-from dogbot_logtool.robot.unknown import word_of
 
 MOST_FEET: Final = 6
 """Feet whose every order is tried."""

@@ -143,7 +143,7 @@ def _named_frames(feet: Sequence[Foot], frames: Iterable[str]) -> dict[int, str]
     found = found or name_feet(names, contacts_only=False).chosen
     if found is None or found.part is not Part.FOOT:
         return {}
-    named = {each.position or each.name: each.topic for each in found.feet}
+    named = {each.leg_position or each.name: each.topic for each in found.feet}
     keys = (foot.leg_position if foot.leg_position in named else foot.name for foot in feet)
     return {number: named[key] for number, key in enumerate(keys) if key in named}
 

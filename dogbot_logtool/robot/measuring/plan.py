@@ -23,8 +23,9 @@ from dogbot_logtool.robot.contact_evidence import decide_contacts
 from dogbot_logtool.robot.measuring.joined_sensors import with_joined_sensors
 from dogbot_logtool.robot.measuring.side_topics import SideTopics, side_topics
 from dogbot_logtool.robot.message_feet import planned_feet
-from dogbot_logtool.robot.selection import Selection, nothing_to_do, select_topics
+from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.robot.time_span import time_limits
+from dogbot_logtool.robot.topics import nothing_to_do
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.frames.transforms import TransformBuffer
@@ -56,7 +57,7 @@ def make_plan(log: Log, options: MeasureOptions) -> MeasuringPlan:
     selection = select_topics(log, options)
     joints = _wanted_joints(log)
     if not (selection.odometry or selection.contacts or joints):
-        raise LogError(nothing_to_do(log, selection))
+        raise LogError(nothing_to_do(log, selection.findings))
     planned = _planned(log, selection, options)
     side = side_topics(log, selection.robot)
     wanted = replace(

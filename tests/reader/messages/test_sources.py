@@ -132,11 +132,9 @@ def test_raw_counts_are_not_passed_off_as_newtons(tmp_path: Path, name: str) -> 
 def test_counts_of_a_robot_that_stands_tell_nothing(tmp_path: Path) -> None:
     kind, walk = "unitree_go/msg/LowState", walks.Walk(2)
     counts = np.random.default_rng(1).normal(120.0, 4.0, (400, 4))
-    legs = dict.fromkeys(walks.LEGS, np.zeros(3))
     entries = []
     for sample, values in enumerate(counts):
-        message = walk.go(sample, legs)
-        message.foot_force = values.astype(np.int16)
+        message = walk.make(kind, foot_force=values, tick=sample)
         time = walks.START + sample * walks.STEP
         entries.append(walks.Entry("/feet", kind, time, walk.bytes_of(kind, message)))
     path = tmp_path / "stand.mcap"
@@ -222,16 +220,12 @@ class TurnedSensors(walks.Walk):
         return super().wrench(np.array(values) * (1.0, -1.0, -1.0))
 
     def frames(self) -> walks.Entry:
-        turned = self.make("geometry_msgs/Quaternion", x=1.0, y=0.0, z=0.0, w=0.0)
         transforms = [
-            self.make(
-                "geometry_msgs/TransformStamped",
-                header=self.header(0, "base"),
-                child_frame_id=f"{leg}_sensor",
-                transform=self.make(
-                    "geometry_msgs/Transform", translation=self.vector((0, 0, 0)), rotation=turned
-                ),
-            )
+            {
+                "header": self.header(0, "base"),
+                "child_frame_id": f"{leg}_sensor",
+                "transform": {"rotation": (1.0, 0.0, 0.0, 0.0)},
+            }
             for leg in walks.LEGS
         ]
         kind = "tf2_msgs/msg/TFMessage"

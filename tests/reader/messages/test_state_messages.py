@@ -1,5 +1,6 @@
 """The synthetic walk in messages that tell of all feet: the same contacts, forces and arrows."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -64,11 +65,10 @@ def test_measured_forces_are_taken_before_commanded_ones(tmp_path: Path) -> None
 class WithArm(StateWalk):
     """A robot whose messages tell of a gripper, too."""
 
-    def _syropod_highlevel_controller(self, kind: str, sample: int) -> Any:
-        message = super()._syropod_highlevel_controller(kind, sample)
-        message.name = ["gripper", *(f"{name[:2]}_foot" for name in message.name)]
-        message.wrench = [self.wrench((0.0, 0.0, -12.0)), *message.wrench]
-        return message
+    def contacts(self, kind: str, sample: int) -> Iterator[tuple[str, Any]]:
+        names = ["gripper", *(f"{tip[:2]}_foot" for tip in state_walks.TIPS.values())]
+        wrenches = [[force] for force in ((0.0, 0.0, -12.0), *self.forces(sample))]
+        yield "/feet", self.make(kind, name=names, wrench=wrenches, **self.stamped(sample, ""))
 
 
 def test_a_gripper_among_feet_is_no_foot(tmp_path: Path) -> None:
@@ -82,8 +82,8 @@ def test_a_gripper_among_feet_is_no_foot(tmp_path: Path) -> None:
 class Unflagged(StateWalk):
     """A publisher that never sets its flags."""
 
-    def _flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
-        return np.zeros_like(super()._flags(sample, legs))
+    def flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
+        return np.zeros_like(super().flags(sample, legs))
 
 
 def test_flags_that_are_never_set_do_not_decide(tmp_path: Path) -> None:
@@ -97,8 +97,8 @@ def test_flags_that_are_never_set_do_not_decide(tmp_path: Path) -> None:
 class Shifted(StateWalk):
     """A plan whose flags end contact before the force does."""
 
-    def _flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
-        return super()._flags(min(sample + 4, walks.SAMPLES - 1), legs)
+    def flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
+        return super().flags(min(sample + 4, walks.SAMPLES - 1), legs)
 
 
 def test_flags_decide_contact_where_forces_say_otherwise(tmp_path: Path) -> None:
@@ -113,15 +113,9 @@ def test_flags_decide_contact_where_forces_say_otherwise(tmp_path: Path) -> None
 class Ballbot(StateWalk):
     """A robot without legs that uses the same controller."""
 
-    def _ocs2_msgs(self, kind: str, sample: int) -> Any:
-        value = np.zeros(10, np.float32)
-        return self.make(
-            kind,
-            time=0.01 * sample,
-            state=self.make("ocs2_msgs/mpc_state", value=value),
-            input=self.make("ocs2_msgs/mpc_input", value=value[:3]),
-            mode=0,
-        )
+    def contacts(self, kind: str, sample: int) -> Iterator[tuple[str, Any]]:
+        state = {"state": [np.zeros(10)], "input": [np.zeros(3)]}
+        yield "/feet", self.make(kind, time=0.01 * sample, **state)
 
 
 def test_an_observation_of_a_robot_without_legs_is_not_of_feet(tmp_path: Path) -> None:
