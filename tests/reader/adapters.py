@@ -91,38 +91,31 @@ def payloads(type_name: str, count: int) -> tuple[bytes, ...]:
     )
 
 
-def empty_payload(type_name: str) -> bytes | None:
-    """Return a sound message whose arrays are empty; None for a type without arrays."""
-    made, kind = walk(), _known(type_name)
+WITH_ARRAYS: Final = (
+    FOXGLOVE[0],
+    "tf2_msgs/TFMessage",
+    "gazebo_msgs/ContactsState",
+    "ros_gz_interfaces/Contacts",
+    "spot_msgs/FootStateArray",
+    "champ_msgs/ContactsStamped",
+    "quad_msgs/GRFArray",
+    "whole_body_state_msgs/WholeBodyState",
+    "hrpsys_ros_bridge/ContactStatesStamped",
+)
+"""Types whose messages may hold nothing."""
+
+
+def empty_payload(type_name: str) -> bytes:
+    """Return a sound message whose arrays are empty."""
     if type_name == FOXGLOVE[0]:
         return FrameTransforms().SerializeToString()
-    arrays = {
-        "tf2_msgs/msg/TFMessage": {"transforms": []},
-        "gazebo_msgs/msg/ContactsState": {"header": made.header(0, "world"), "states": []},
-        "ros_gz_interfaces/msg/Contacts": {"header": made.header(0, "world"), "contacts": []},
-        "spot_msgs/msg/FootStateArray": {"states": []},
-        "champ_msgs/msg/ContactsStamped": {
-            "header": made.header(0, "world"),
-            "contacts": np.empty(0, np.bool_),
-        },
-        "quad_msgs/msg/GRFArray": {
-            "header": made.header(0, "map"),
-            "vectors": [],
-            "points": [],
-            "contact_states": np.empty(0, np.bool_),
-            "traj_index": 0,
-        },
-        "whole_body_state_msgs/msg/WholeBodyState": {
-            "header": made.header(0, "world"),
-            "time": 0.0,
-            "contacts": [],
-        },
-        "hrpsys_ros_bridge/msg/ContactStatesStamped": {
-            "header": made.header(0, ""),
-            "states": [],
-        },
-    }
-    return made.bytes_of(kind, made.make(kind, **arrays[kind])) if kind in arrays else None
+    made, kind = walk(), _known(type_name)
+    given: dict[str, Any] = {"header": made.header(0, "world"), "traj_index": 0, "time": 0.0}
+    flags = np.empty(0, np.bool_)
+    fields = dict(made.store.fielddefs[kind][1])
+    for name in fields.keys() - given.keys():
+        given[name] = flags if name == "contact_states" or kind.startswith("champ") else []
+    return made.bytes_of(kind, made.make(kind, **{name: given[name] for name in fields}))
 
 
 def transforms(sample: int) -> Any:

@@ -169,8 +169,8 @@ def test_a_foot_that_is_missing_is_one_of_the_robot(says: str, tmp_path: Path) -
     file = tmp_path / "three.toml"
     feet = (f'[feet.{name}]\ntopic = "{topic}"\n' for name, topic in topics.items())
     file.write_text('name = "three"\n' + "".join(feet))
-    by_user = {"log": {}, "file": {"robot": str(file)}, "options": {"foot": topics}}[says]
-    found = dl.measure(path, **by_user).stats
+    robot, foot = (str(file) if says == "file" else None), (topics if says == "options" else None)
+    found = dl.measure(path, robot=robot, foot=foot).stats
     used = {name: foot["topic"] for name, foot in found["settings"]["feet"].items()}
     assert used == topics | {"back_right": None}
     assert found["gait"]["support"] is None
