@@ -19,6 +19,7 @@ from dogbot_logtool.core.base.falls import find_tipping
 from dogbot_logtool.core.base.ground import swapped_pairs
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.base.witness import by_legs
 from dogbot_logtool.core.checks.engine import consequence, findings_of
 from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.contact.foot_history import FootHistory
@@ -103,7 +104,8 @@ def _measured(walk: Walk, corrected: Corrected) -> Walk:
     positions = [foot.leg_position for foot in settings.feet]
     forward_rad = FORWARD_ANGLES[settings.forward_axis]
     # In another world, contact points tell nothing of the body's sides.
-    placed = walk.poses.without_poses() if walk.worlds_differ else walk.placed_poses
+    apart = walk.worlds_differ or walk.base_by_feet
+    placed = walk.poses.without_poses() if apart else walk.placed_poses
     swapped, pairs = swapped_pairs(placed, records, positions, forward_rad)
     stable, unstable = stability_in(walk)
     # In segments with strides the robot steps.
@@ -208,4 +210,8 @@ def _with_legs(
     """Add the metrics of the legs."""
     from dogbot_logtool.core.leg_evaluation import with_legs  # noqa: PLC0415
 
-    return with_legs(walk, recording.joints, settings, frames, corrected.joint_clocks)
+    walk = with_legs(walk, recording.joints, settings, frames, corrected.joint_clocks)
+    if walk.legs is None or walk.witness is not None or walk.settings.base_from_legs:
+        return walk
+    paths = [leg.path for leg in walk.legs.feet]
+    return replace(walk, witness=by_legs(paths, walk.records, corrected.base))

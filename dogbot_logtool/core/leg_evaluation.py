@@ -7,10 +7,11 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, aggregate
-from dogbot_logtool.core.base.foot_path import FootPath
+from dogbot_logtool.core.base.foot_path import FootPath, places_on_path
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.corrections.clock import ClockDifference, too_far_apart
 from dogbot_logtool.core.frames.transforms import TransformBuffer
-from dogbot_logtool.core.gait.feet import FootSteps
+from dogbot_logtool.core.gait.feet import FootSteps, own_lengths
 from dogbot_logtool.core.gait.strides import typical_period_s
 from dogbot_logtool.core.legs.joints import JointTable, JointTrack, joint_tracks
 from dogbot_logtool.core.legs.legs import LegFigures, LegFoot, joint_curve, summed_work
@@ -83,9 +84,19 @@ def with_legs(
         ),
         clocks_apart={each.topic: each for each in clocks if each.topic in apart},
     )
-    slipping = zip(walk.feet, feet, strict=True)
-    with_slips = tuple(_with_slips(foot, leg.slips) for foot, leg in slipping)
-    return replace(walk, legs=legs, feet=with_slips)
+    pairs = zip(walk.feet, feet, strict=True)
+    with_places = tuple(_with_lengths(_with_slips(*each), each[1], walk.poses) for each in pairs)
+    return replace(walk, legs=legs, feet=with_places)
+
+
+def _with_lengths(foot: FootSteps, leg: LegFoot, base: BaseHistory) -> FootSteps:
+    """Return a foot with the lengths by its frame, where its sensor tells none of its own."""
+    if foot.length_from != "base" or leg.path is None or leg.reason:
+        return foot
+    _, place = places_on_path(leg.path.in_world(base), foot.stances)
+    length = own_lengths(place, foot.strides)
+    known = bool(np.isfinite(length).any())
+    return replace(foot, length_m=length, length_from="foot_frame") if known else foot
 
 
 def _feet(
@@ -230,8 +241,9 @@ def _cost(walk: Walk, absolute_j: Floats) -> float | None:
     return float(absolute_j[known].sum()) / (weight * total) if total >= SHORTEST_WAY_M else None
 
 
-def _with_slips(foot: FootSteps, slips: tuple[Floats, Floats] | None) -> FootSteps:
+def _with_slips(foot: FootSteps, leg: LegFoot) -> FootSteps:
     """Return a foot with the slips of its frame, where these are known."""
+    slips = leg.slips
     if slips is None:
         return foot
     return replace(foot, slip_m=slips[0], slip_largest_m=slips[1], slip_from="foot_frame")

@@ -1,6 +1,7 @@
 """The masks of a walk: jumps, falls, stands, clocks and worlds apart, dead sensors."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +13,7 @@ from dogbot_logtool.core.base.falls import fallen_spans
 from dogbot_logtool.core.base.frozen import find_frozen, without_frozen
 from dogbot_logtool.core.base.ground import height_drift_m, height_over_feet
 from dogbot_logtool.core.base.jumps import find_jumps, without_jumps
-from dogbot_logtool.core.base.motion import BaseTrack, base_motion, find_travel
+from dogbot_logtool.core.base.motion import FORWARD_ANGLES, BaseTrack, base_motion, find_travel
 from dogbot_logtool.core.base.moving_ground import find_moving_ground
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.base.witness import feet_witness
@@ -98,6 +99,11 @@ def mask_walk(corrected: Corrected) -> Walk:
     witness = feet_witness(corrected.feet, corrected.places, positions, corrected.base)
     frozen = find_frozen(corrected.base, corrected.feet, witness, period_s)
     recorded = without_frozen(corrected.base, frozen.spans) if frozen else corrected.base
+    stand_in = None
+    if witness is not None and corrected.leaning_rad is None:
+        stand_in = witness.stand_in(recorded, FORWARD_ANGLES[settings.forward_axis])
+    if stand_in is not None:
+        recorded, settings = stand_in, replace(settings, base_from_legs=True)
     jumps = find_jumps(recorded)
     base = without_jumps(recorded, jumps)
     records = without_stopped(_without_stuck(corrected.feet), base)
@@ -126,7 +132,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     track = BaseTrack(walked, find_travel(walked), height, records, standing.still)
     guessed = settings.forward_axis
     motion = base_motion(track, guessed)
-    in_one_world = worlds is None or worlds.agree
+    in_one_world = stand_in is None and (worlds is None or worlds.agree)
     settings = with_forward_axis(settings, track, motion, in_one_world=in_one_world)
     if settings.forward_axis != guessed:
         motion = base_motion(track, settings.forward_axis)
@@ -158,6 +164,7 @@ def mask_walk(corrected: Corrected) -> Walk:
         poses=base,
         jumps=jumps,
         frozen=frozen,
+        base_by_feet=stand_in is not None,
         witness=witness,
         ground=ground,
         placed_poses=placed,

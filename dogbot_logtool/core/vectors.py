@@ -60,6 +60,8 @@ class VectorHistory:
     """(n,) ns on the clock that is measured on, strictly increasing."""
     vector: Floats
     """(n, 3)"""
+    turn_rate: Floats
+    """(n, 3) rad/s; NaN: not recorded."""
     gap_ns: float
     """ns: a longer silence is a gap."""
     on_log_time: bool
@@ -103,6 +105,7 @@ def vector_history(
         refused=int((~usable).sum()),
         time=time[goes_on],
         vector=kept.vector[goes_on],
+        turn_rate=kept.turn_rate[goes_on],
         gap_ns=steady_gap_ns(steps),
         on_log_time=not by_stamps,
     )

@@ -70,6 +70,8 @@ class Walk:
     frozen: Frozen | None
     """Time in which one pose is repeated although the robot walks on; masked. None: there is
     none."""
+    base_by_feet: bool
+    """Whether the feet's motion stands in for poses of which none can be used."""
     witness: Witness | None
     """The base's motion by its feet; None: their places are not known."""
     ground: MovingGround | None
@@ -169,6 +171,12 @@ class Walk:
         if self.worlds is None or self.settings.base_from_legs:
             return False
         return self.worlds.lose_way(path_m)
+
+    @property
+    def feet_on_poses(self) -> tuple[str, ...]:
+        """Names of the feet whose lengths rest on the base's poses."""
+        own = self.witness is not None and self.witness.by == "contact points"
+        return tuple(foot.name for foot in self.feet if not (own and foot.length_from == "points"))
 
     @property
     def period_s(self) -> float | None:

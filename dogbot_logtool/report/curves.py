@@ -1,12 +1,5 @@
-"""A quantity over time, reduced so far that it can be drawn, with every peak and every trough.
+"""A quantity over time, reduced so far that it can be drawn, with every peak and every trough."""
 
-Time is cut into bins of a power of two of nanoseconds, counted from time zero, and of each bin
-the lowest and the highest sample are kept with their own times. The bins double whenever there
-are too many: memory is bounded however long the log is, a short log keeps every sample, and every
-point of the curve is a sample as it was recorded.
-"""
-
-from bisect import bisect_left
 from dataclasses import dataclass
 from typing import Final
 
@@ -20,77 +13,59 @@ MOST_BINS: Final = 8192
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """Lowest and highest sample of each bin that has one."""
+    """The samples of a quantity that are drawn."""
 
-    bin_ns: int
-    """ns, width of the bins; 1: every sample is there."""
     time: Ints
-    """(n,) ns, increasing: the first times at which the lowest and highest values occur."""
+    """(n,) ns, increasing."""
     value: Floats
-    """(n,)."""
-
-    def refined(self, closer: "Curve", window: tuple[int, int]) -> "Curve":
-        """Return the curve with a closer look at some time in its place.
-
-        Args:
-            closer: the same quantity in more detail.
-            window: ns, first and last time of whole bins; `closer` has nothing outside.
-        """
-        kept = (self.time < window[0]) | (self.time > window[1])
-        time = np.concatenate([self.time[kept], closer.time])
-        order = np.argsort(time, kind="stable")
-        value = np.concatenate([self.value[kept], closer.value])
-        return Curve(self.bin_ns, time[order], value[order])
-
-    def line(self, breaks: Ints) -> tuple[Ints, Floats]:
-        """Return the points to draw.
-
-        Args:
-            breaks: (b, 2) ns, spans over which no line may lead, gaps for instance; sorted.
-
-        Returns:
-            (p,) ns, increasing, and (p,) values, NaN in the middle of each break that parts two
-            points.
-        """
-        middle = breaks[:, 0] + (breaks[:, 1] - breaks[:, 0]) // 2
-        before = np.searchsorted(self.time, middle)
-        inside = (before > 0) & (before < len(self.time))
-        before, row = np.unique(before[inside], return_index=True)
-        time = np.insert(self.time, before, middle[inside][row])
-        return time, np.insert(self.value, before, np.nan)
+    """(n,) NaN in the middle of each break, over which no line leads."""
+    bin_s: float
+    """s, of each bin of this width the lowest and the highest sample are there; 0: every one is."""
 
 
 def curve_of(
     time: Ints,
     value: Floats | Float32s,
+    breaks: Ints,
     most_bins: int = MOST_BINS,
-    window: tuple[int, int] | None = None,
+    whole: tuple[int, int] = (0, 0),
 ) -> Curve | None:
     """Reduce a quantity; None where nothing is known.
 
     Args:
         time: (n,) ns, increasing.
         value: (n,), NaN where it is not known.
-        most_bins: at least 2; a curve has up to twice as many points.
-        window: ns on the same clock: only samples from here to there; None: all.
+        breaks: (b, 2) ns, spans over which no line may lead, gaps for instance; sorted.
+        most_bins: a curve has up to twice as many points.
+        whole: ns, first and last time of which every sample is kept, unless there are very many.
     """
-    known = ~np.isnan(value)
-    if window is not None:
-        known &= (time >= window[0]) & (time <= window[1])
-    time, value = time[known], value[known]
-    if len(time) == 0:
+    known = np.flatnonzero(~np.isnan(value))
+    if len(known) == 0:
         return None
+    rows, bin_s = known, 0.0
+    if len(known) > 2 * most_bins:
+        start, end = int(time[known[0]]), int(time[known[-1]])
+        rows, bin_s = _extremes(time, value, known, most_bins), (end - start) / most_bins / 1e9
+        inside = known[(time[known] >= whole[0]) & (time[known] <= whole[1])]
+        if len(inside) <= 2 * MOST_BINS:
+            rows = distinct(np.concatenate([rows, inside]))
+    # A line is broken where a sample that is not known, or the middle of a break, is passed over.
+    passed = np.cumsum(np.isnan(value))[rows]
+    passed += np.searchsorted(breaks.sum(axis=1) / 2.0, time[rows])
+    at = np.flatnonzero(np.diff(passed)) + 1
+    time, value = time[rows], value[rows].astype(np.float64)
+    between = time[at - 1] + (time[at] - time[at - 1]) // 2
+    return Curve(np.insert(time, at, between), np.insert(value, at, np.nan), bin_s)
 
-    # Times before and after zero never share a bin.
-    def is_wide_enough(shift: int) -> bool:
-        return int(np.count_nonzero(np.diff(time >> shift))) < max(most_bins, 2)
 
-    shift = bisect_left(range(63), x=True, key=is_wide_enough)
-    starts = np.concatenate([[0], np.flatnonzero(np.diff(time >> shift)) + 1])
+def _extremes(time: Ints, value: Floats | Float32s, known: Ints, most_bins: int) -> Ints:
+    """Return the rows of the first lowest and the first highest known value of each bin."""
+    time, value = time[known], value[known]
+    edges = np.linspace(float(time[0]), float(time[-1]), most_bins + 1)
+    starts = distinct(np.searchsorted(time, edges[:-1]))
     bins = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(value)))
     first = []
     for extreme in (np.minimum, np.maximum):
         rows = np.flatnonzero(value == extreme.reduceat(value, starts)[bins])
         first.append(rows[np.searchsorted(bins[rows], np.arange(len(starts)))])
-    rows = distinct(np.concatenate(first))
-    return Curve(1 << shift, time[rows], value[rows].astype(np.float64))
+    return known[distinct(np.concatenate(first))]

@@ -6,20 +6,19 @@ time. All lengths are millimetres on paper.
 """
 
 import io
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, BinaryIO, Final, Literal
 
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Ints
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.errors import ExtraMissingError, LogError
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.report.curves import Curve, curve_of
+from dogbot_logtool.report.curves import curve_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,7 +30,7 @@ ONE_COLUMN_MM: Final = 85.0
 
 _MM_PER_INCH: Final = 25.4
 _DOTS_PER_INCH: Final = 600
-_ROW, _BAR, _BELOW_ROWS, _PANEL, _BELOW_PANEL = 4.0, 2.8, 2.0, 10.0, 1.8
+_ROW, _BAR, _PANEL, _BETWEEN = 4.0, 2.8, 10.0, 1.8
 _TOP, _BOTTOM, _LEFT, _RIGHT = 1.5, 8.0, 11.0, 2.0
 _LETTER: Final = 1.8
 """Width of a wide letter."""
@@ -67,6 +66,9 @@ _NO_METADATA: Final[dict[str, dict[str, Any]]] = {
     "svg": {"Date": None, "Creator": None, "Format": None, "Type": None},
 }
 
+Window = tuple[float, float]
+"""s since the log's start, from and to."""
+
 
 def require_matplotlib() -> None:
     """Check that matplotlib is there.
@@ -80,49 +82,14 @@ def require_matplotlib() -> None:
         raise ExtraMissingError("--figure", "plot") from error
 
 
-@dataclass(frozen=True, slots=True)
-class _Layout:
-    """Positions of the figure's parts."""
-
-    width: float
-    height: float
-    left: float
-    right: float
-
-    def axes(self, figure: "Figure", below_top: float, height: float) -> "Axes":
-        """Add axes over the whole width."""
-        top = self.height - _TOP - below_top
-        inner = self.width - self.left - self.right
-        return figure.add_axes(
-            (
-                self.left / self.width,
-                (top - height) / self.height,
-                inner / self.width,
-                height / self.height,
-            )
-        )
-
-    def middle(self, below_top: float, height: float) -> float:
-        """Return how far up the figure, 0 to 1, the middle of such axes is."""
-        return 1.0 - (_TOP + below_top + height / 2.0) / self.height
-
-
-def _layout(names: Sequence[str], panels: int) -> _Layout:
-    letters = max(map(len, names)) * _LETTER
-    left, right = max(_LEFT, letters + 1.5), _RIGHT + (letters if panels else 0.0)
-    inner = len(names) * _ROW + panels * (_PANEL + _BELOW_PANEL) + (_BELOW_ROWS if panels else 0.0)
-    width = max(ONE_COLUMN_MM, left + right + _LEAST_WIDTH)
-    return _Layout(width, _TOP + _BOTTOM + inner, left, right)
-
-
-def gait_figure(stats: Walk, window: tuple[float, float]) -> "Figure":
+def gait_figure(walk: Walk, window: Window) -> "Figure":
     """Draw the figure.
 
     Bars are named ``stance-<foot>`` and lines ``load-<foot>`` in it, and in SVG.
 
     Args:
-        stats: figures of a log.
-        window: s since the log's start, from and to.
+        walk: of a log.
+        window: that is shown.
 
     Raises:
         LogError: there are no feet.
@@ -130,51 +97,51 @@ def gait_figure(stats: Walk, window: tuple[float, float]) -> "Figure":
     from matplotlib.figure import Figure  # noqa: PLC0415
     from matplotlib.style import context  # noqa: PLC0415
 
-    if not stats.feet:
+    if not walk.feet:
         raise LogError("there are no feet to draw")
-    if not stats.end > stats.origin:
+    if not walk.end > walk.origin:
         raise LogError("there is nothing to draw: all messages of the feet have the same time")
-    names = [printable(name) for name in short_names([foot.name for foot in stats.feet])]
-    tracks = {
-        row: foot.record.track for row, foot in enumerate(stats.feet) if foot.record.has_force
-    }
-    loads = {
-        row: curve_of(each.time, each.force, window=_limits(stats, window))
-        for row, each in tracks.items()
-    }
-    forces = {row: each for row, each in loads.items() if each}
-    layout = _layout(names, len(forces))
+    names = [printable(name) for name in short_names([foot.name for foot in walk.feet])]
+    records = [foot.record for foot in walk.feet]
+    loaded = [row for row, each in enumerate(records) if each.has_force and len(each.track.time)]
+    heights = [len(names) * _ROW, *(_PANEL for _ in loaded)]
+    letters = max(map(len, names)) * _LETTER
+    left, right = max(_LEFT, letters + 1.5), _RIGHT + (letters if loaded else 0.0)
+    width = max(ONE_COLUMN_MM, left + right + _LEAST_WIDTH)
+    height = _TOP + _BOTTOM + sum(heights) + _BETWEEN * len(loaded)
     with context(["default", _STYLE]):
-        figure = Figure((layout.width / _MM_PER_INCH, layout.height / _MM_PER_INCH))
-        rows = layout.axes(figure, 0.0, len(names) * _ROW)
-        _draw_rows(rows, stats, names, window)
-        top = len(names) * _ROW + _BELOW_ROWS
-        panels = []
-        for index, (row, force) in enumerate(forces.items()):
-            axes = layout.axes(figure, top + index * (_PANEL + _BELOW_PANEL), _PANEL)
-            _draw_load(axes, stats, row, force, window)
+        figure = Figure((width / _MM_PER_INCH, height / _MM_PER_INCH))
+        parts = figure.add_gridspec(
+            len(heights),
+            height_ratios=heights,
+            hspace=_BETWEEN / (sum(heights) / len(heights)),
+            left=left / width,
+            right=1.0 - right / width,
+            top=1.0 - _TOP / height,
+            bottom=_BOTTOM / height,
+        )
+        rows, *panels = (figure.add_subplot(parts[part]) for part in range(len(heights)))
+        _draw_rows(rows, walk, names, window)
+        for axes, row in zip(panels, loaded, strict=True):
+            _draw_load(axes, walk, row, window)
             _name(axes, names[row], (1.0, 0.5), "axes fraction", 1)
-            panels.append(axes)
         _scale_loads(panels)
         _time_axis([rows, *panels], window)
         if panels:
-            unit = "N" if stats.loads.weight_n is None else "body weights"
-            height = len(panels) * (_PANEL + _BELOW_PANEL) - _BELOW_PANEL
-            at = 0.6 / layout.width, layout.middle(top, height)
-            figure.text(*at, f"Load ({unit})", rotation=90, va="center")
+            unit = "N" if walk.loads.weight_n is None else "body weights"
+            middle = (panels[0].get_position().y1 + panels[-1].get_position().y0) / 2.0
+            figure.text(0.6 / width, middle, f"Load ({unit})", rotation=90, va="center")
     return figure
 
 
-def _draw_rows(
-    axes: "Axes", stats: Walk, names: Sequence[str], window: tuple[float, float]
-) -> None:
+def _draw_rows(axes: "Axes", walk: Walk, names: Sequence[str], window: Window) -> None:
     """Draw the gait diagram: a row a foot, from top to bottom."""
-    for row, (foot, name) in enumerate(zip(stats.feet, names, strict=True)):
+    for row, (foot, name) in enumerate(zip(walk.feet, names, strict=True)):
         middle = -row * _ROW
         height: dict[str, Any] = {"yrange": (middle - _BAR / 2.0, _BAR)}
         axes.axhline(middle, color=_UNKNOWN, linewidth=0.3, zorder=0)
-        _shade_unknown(axes, stats, foot, window, height)
-        down = _bars(stats, foot.record.in_contact, window)
+        _shade_unknown(axes, walk, foot, window, height)
+        down = _bars(walk, foot.record.in_contact, window)
         bars = axes.broken_barh(down, **height, facecolor=foot_colour(row), linewidth=0.0)
         bars.set_gid(f"stance-{foot.name}")
         _name(axes, name, (0.0, middle), ("axes fraction", "data"), -1)
@@ -202,44 +169,35 @@ def _name(
     )
 
 
-def _draw_load(
-    axes: "Axes", stats: Walk, row: int, force: Curve, window: tuple[float, float]
-) -> None:
+def _draw_load(axes: "Axes", walk: Walk, row: int, window: Window) -> None:
     """Draw what a foot carries over time, with its stances shaded."""
-    foot = stats.feet[row]
+    foot = walk.feet[row]
     height: dict[str, Any] = {"yrange": (0.0, 1.0), "transform": axes.get_xaxis_transform()}
-    down = _bars(stats, foot.record.in_contact, window)
+    down = _bars(walk, foot.record.in_contact, window)
     axes.broken_barh(down, **height, facecolor=_GREY, linewidth=0.0, zorder=0)
-    _shade_unknown(axes, stats, foot, window, height)
-    time, load = _line(stats, foot, force, window)
-    (line,) = axes.plot(time, load, color=foot_colour(row))
-    line.set_gid(f"load-{foot.name}")
-
-
-def _line(
-    stats: Walk, foot: FootSteps, force: Curve, window: tuple[float, float]
-) -> tuple[Floats, Floats]:
-    """Return s since the log's start, and body weights or N, over a window and no further."""
-    time, load = force.line(foot.record.gaps)
-    start, end = _limits(stats, window)
-    first = max(int(np.searchsorted(time, start)) - 1, 0)
-    last = int(np.searchsorted(time, end, side="right")) + 1
-    weight = stats.loads.weight_n or 1.0
-    return (time[first:last] - stats.origin) / 1e9, load[first:last] / weight
+    _shade_unknown(axes, walk, foot, window, height)
+    start, end = _limits(walk, window)
+    curve = curve_of(
+        foot.record.track.time, foot.record.track.force, foot.record.gaps, whole=(start, end)
+    )
+    if curve is not None:
+        # Over the window and no further.
+        first = max(int(np.searchsorted(curve.time, start)) - 1, 0)
+        last = int(np.searchsorted(curve.time, end, side="right")) + 1
+        time = (curve.time[first:last] - walk.origin) / 1e9
+        load = curve.value[first:last] / (walk.loads.weight_n or 1.0)
+        (line,) = axes.plot(time, load, color=foot_colour(row))
+        line.set_gid(f"load-{foot.name}")
 
 
 def _shade_unknown(
-    axes: "Axes",
-    stats: Walk,
-    foot: FootSteps,
-    window: tuple[float, float],
-    height: Mapping[str, Any],
+    axes: "Axes", walk: Walk, foot: FootSteps, window: Window, height: dict[str, Any]
 ) -> None:
     """Hatch the time of which the foot's sensor says nothing."""
-    whole = np.array([_limits(stats, window)], np.int64)
+    whole = np.array([_limits(walk, window)], np.int64)
     known = timespans.no_spans() if foot.is_dead else foot.record.known
     axes.broken_barh(
-        _bars(stats, timespans.subtract(whole, known), window),
+        _bars(walk, timespans.subtract(whole, known), window),
         **height,
         facecolor="white",
         edgecolor=_UNKNOWN,
@@ -249,15 +207,15 @@ def _shade_unknown(
     )
 
 
-def _bars(stats: Walk, spans: Ints, window: tuple[float, float]) -> list[tuple[float, float]]:
+def _bars(walk: Walk, spans: Ints, window: Window) -> list[tuple[float, float]]:
     """Return start and width, s, of spans within a window."""
-    inside = timespans.intersect([spans, np.array([_limits(stats, window)], np.int64)])
-    edges = ((inside - stats.origin) / 1e9).tolist()
+    inside = timespans.intersect([spans, np.array([_limits(walk, window)], np.int64)])
+    edges = ((inside - walk.origin) / 1e9).tolist()
     return [(start, end - start) for start, end in edges]
 
 
-def _limits(stats: Walk, window: tuple[float, float]) -> tuple[int, int]:
-    start, end = (stats.origin + round(each * 1e9) for each in window)
+def _limits(walk: Walk, window: Window) -> tuple[int, int]:
+    start, end = (walk.origin + round(each * 1e9) for each in window)
     return start, end
 
 
@@ -274,7 +232,7 @@ def _scale_loads(panels: Sequence["Axes"]) -> None:
         axes.spines[["top", "right"]].set_visible(False)
 
 
-def _time_axis(stack: Sequence["Axes"], window: tuple[float, float]) -> None:
+def _time_axis(stack: Sequence["Axes"], window: Window) -> None:
     for axes in stack:
         axes.set_xlim(*window)
     for axes in stack[:-1]:

@@ -1,8 +1,11 @@
-"""Views of annotated logs, set up for viewers."""
+"""Views of annotated logs, set up for viewers: a template each, in which names stand for values."""
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import floor, log10, radians
+from pathlib import Path
+from string import Template
 from typing import Any, Final
 
 from dogbot_logtool.core.scene.foot_style import foot_colour
@@ -52,16 +55,29 @@ class View:
         heading = {"+x": 0.0, "+y": 90.0, "-x": 180.0, "-y": 270.0}[self.forward_axis]
         return (heading - _ASIDE_DEG) % 360.0
 
-    @property
-    def camera_in_world_deg(self) -> float:
-        """Direction of the camera from the base, from the world's +x to the left: 0 to 360."""
-        return (self.camera_deg + self.turned_deg) % 360.0
-
 
 def upper_bound(value: float) -> float:
     """Return a round number that is at least a positive one, and hardly more."""
     power = 10.0 ** floor(log10(value))
     return next(power * step for step in _STEPS if power * step >= value * (1.0 - 1e-9))
+
+
+Json = dict[str, Any]
+
+
+def _template(name: str) -> Any:  # noqa: ANN401 - JSON
+    return json.loads((Path(__file__).parent / "viewers" / name).read_text(encoding="utf-8"))
+
+
+def _filled(value: Any, names: Mapping[str, Any]) -> Any:  # noqa: ANN401 - any part of a template
+    """Put values in the place of names: ``"$name"`` is the value itself, of whatever type."""
+    if isinstance(value, dict):
+        return {_filled(key, names): _filled(each, names) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_filled(each, names) for each in value]
+    if isinstance(value, str) and value.startswith("$") and value[1:] in names:
+        return names[value[1:]]
+    return Template(value).safe_substitute(names) if isinstance(value, str) else value
 
 
 _MOST_CURVES: Final = 4
@@ -71,41 +87,69 @@ _ROW, _AXIS, _TITLE, _SCREEN = 64, 30, 31, 613
 of a viewer on a screen of 1280 x 720."""
 _MOST_GAIT: Final = 0.55
 """Share of the height for the gait diagram; what does not fit is scrolled."""
-_EVENTS_SHARE: Final = 20.0
-"""Percent of the height, below the robot."""
-
-Node = str | dict[str, Any]
 
 
-def foxglove_layout(view: View) -> dict[str, Any]:
+def foxglove_layout(view: View) -> Json:
     """Return a layout: the robot followed in 3D and events beside load curves and gait diagram."""
+    names = {
+        "world": view.world_frame,
+        "base": view.base_frame,
+        "distance": round(3.7 * view.size_m, 2),
+        # The camera stands at -90 degrees minus this.
+        "theta": (-90.0 - view.camera_deg) % 360.0,
+        # Arrows stand above the robot as high as its feet are below it, and more.
+        "target_height": round(0.05 * view.size_m, 2),
+        # Without stamps, transforms read ahead would take the place of the present ones.
+        "has_stamps": view.has_stamps,
+        "events_topic": EVENTS_TOPIC,
+    }
+    layout: Json = _filled(_template("foxglove.json"), names)
+    panels = layout["configById"]
+    curve, gait = panels.pop("Plot!load"), panels.pop("StateTransitions!gait")
+    drawn = [topic(foot) for foot in view.feet for topic in (arrow_topic, label_topic)]
+    topics = (*drawn, SUPPORT_TOPIC, LEGS_TOPIC, ROBOT_DESCRIPTION_TOPIC)
+    panels["3D!robot"]["topics"] = {topic: {"visible": True} for topic in topics}
     per_panel = max(-(-len(view.feet) // _MOST_CURVES), 1)
     rows = range(len(view.feet))
-    groups = [rows[first : first + per_panel] for first in rows[::per_panel]]
-    curves = {f"Plot!load{number}": _loads(view, group) for number, group in enumerate(groups)}
-    panels = {**curves, "StateTransitions!gait": _gait(view.feet)}
-    gait = min((_ROW * len(view.feet) + _AXIS + _TITLE) / _SCREEN, _MOST_GAIT)
-    heights = [(1.0 - gait) / max(len(curves), 1)] * len(curves) + [gait]
-    return {
-        "configById": {"3D!robot": _scene(view), "RosOut!events": _events(), **panels},
-        "globalVariables": {},
-        "userNodes": {},
-        "playbackConfig": {"speed": 0.5},
-        "layout": {
-            "direction": "row",
-            "first": {
-                "direction": "column",
-                "first": "3D!robot",
-                "second": "RosOut!events",
-                "splitPercentage": 100.0 - _EVENTS_SHARE,
-            },
-            "second": _stacked(list(panels), heights),
-            "splitPercentage": 50,
-        },
+    stack = {
+        f"Plot!load{number}": _curves(curve, view, rows[first : first + per_panel])
+        for number, first in enumerate(rows[::per_panel])
     }
+    share = min((_ROW * len(view.feet) + _AXIS + _TITLE) / _SCREEN, _MOST_GAIT)
+    heights = [(1.0 - share) / max(len(stack), 1)] * len(stack) + [share]
+    stack["StateTransitions!gait"] = gait | {"paths": _paths(gait, view, rows)}
+    panels.update(stack)
+    layout["layout"]["second"] = _stacked(list(stack), heights)
+    return layout
 
 
-def _stacked(panels: Sequence[str], heights: Sequence[float]) -> Node:
+def _curves(panel: Json, view: View, rows: Sequence[int]) -> Json:
+    """Return the panel of the loads of some feet."""
+    unit = "[N]" if view.peak_n is None else f"0 to {view.peak_n:g} N"
+    title = f"{', '.join(view.feet[row] for row in rows)}  {unit}"
+    filled: Json = _filled(panel, {"title": title, "peak_n": view.peak_n})
+    if view.peak_n is None:
+        del filled["maxYValue"]
+    return filled | {"paths": _paths(panel, view, rows)}
+
+
+def _paths(panel: Json, view: View, rows: Sequence[int]) -> list[Json]:
+    """Return the path of a panel for each of some feet."""
+    (path,) = panel["paths"]
+    return [
+        _filled(
+            path,
+            {
+                "foot": view.feet[row],
+                "colour": foot_colour(row),
+                "load_topic": load_topic(view.feet[row]),
+            },
+        )
+        for row in rows
+    ]
+
+
+def _stacked(panels: Sequence[str], heights: Sequence[float]) -> str | Json:
     """Return panels one below the other, their heights in proportion."""
     if len(panels) == 1:
         return panels[0]
@@ -117,208 +161,25 @@ def _stacked(panels: Sequence[str], heights: Sequence[float]) -> Node:
     }
 
 
-def _titled(title: str) -> dict[str, Any]:
-    """Return a panel's title under the keys that Foxglove and Lichtblick read."""
-    return {"foxglovePanelTitle": title, "lichtblickPanelTitle": title}
-
-
-def _scene(view: View) -> dict[str, Any]:
-    drawn = [topic(foot) for foot in view.feet for topic in (arrow_topic, label_topic)]
-    topics = (*drawn, SUPPORT_TOPIC, LEGS_TOPIC, ROBOT_DESCRIPTION_TOPIC)
-    return {
-        **_titled("Robot"),
-        "cameraState": {
-            "perspective": True,
-            "distance": round(3.7 * view.size_m, 2),
-            "phi": 66,
-            # The camera stands at -90 degrees minus this.
-            "thetaOffset": (-90.0 - view.camera_deg) % 360.0,
-            # Arrows stand above the robot as high as its feet are below it, and more.
-            "targetOffset": [0, 0, round(0.05 * view.size_m, 2)],
-            "target": [0, 0, 0],
-            "targetOrientation": [0, 0, 0, 1],
-            "fovy": 45,
-            "near": 0.01,
-            "far": 5000,
-        },
-        # The camera goes along but does not turn, so that the body's pitch and roll are seen.
-        "followMode": "follow-position",
-        "followTf": view.base_frame,
-        "scene": {
-            # Axes, lines and names of frames would hide the robot.
-            "transforms": {
-                # Without stamps, transforms read ahead would take the place of the present ones.
-                "enablePreloading": view.has_stamps,
-                "showLabel": False,
-                "axisScale": 0,
-                "lineWidth": 0,
-            },
-        },
-        "transforms": {
-            f"frame:{frame}": {"visible": False} for frame in (view.world_frame, view.base_frame)
-        },
-        "topics": {topic: {"visible": True} for topic in topics},
-        "layers": {
-            "grid": {
-                "layerId": "foxglove.Grid",
-                "instanceId": "grid",
-                "label": "Ground",
-                "visible": True,
-                "frameLocked": True,
-                # Without a frame the grid goes along with the robot.
-                "frameId": view.world_frame,
-                "size": 40,
-                "divisions": 80,
-                "lineWidth": 1,
-                "color": "#88888840",
-                "position": [0, 0, 0],
-                "rotation": [0, 0, 0],
-                "order": 1,
-            }
-        },
-        "publish": {"type": "point"},
-        "imageMode": {},
-    }
-
-
-def _loads(view: View, rows: range) -> dict[str, Any]:
-    # The whole log, as in the gait diagram: a view that follows the time is empty at the start.
-    names = ", ".join(view.feet[row] for row in rows)
-    unit = "[N]" if view.peak_n is None else f"0 to {view.peak_n:g} N"
-    bound = {} if view.peak_n is None else {"maxYValue": view.peak_n}
-    return {
-        **_titled(f"{names}  {unit}"),
-        "paths": [
-            {
-                "value": f"{load_topic(view.feet[row])}.force",
-                "enabled": True,
-                "timestampMethod": "receiveTime",
-                "label": view.feet[row],
-                "color": foot_colour(row),
-                "showLine": True,
-            }
-            for row in rows
-        ],
-        "minYValue": 0,
-        **bound,
-        "showXAxisLabels": False,
-        "showYAxisLabels": False,
-        "showLegend": False,
-        "legendDisplay": "none",
-        "isSynced": True,
-        "xAxisVal": "timestamp",
-        "sidebarDimension": 0,
-    }
-
-
-def _gait(feet: Sequence[str]) -> dict[str, Any]:
-    return {
-        **_titled("Gait diagram"),
-        "paths": [
-            {
-                "value": f"{load_topic(foot)}.state",
-                "label": foot,
-                "enabled": True,
-                "timestampMethod": "receiveTime",
-            }
-            for foot in feet
-        ],
-        "isSynced": True,
-    }
-
-
-def _events() -> dict[str, Any]:
-    return {
-        **_titled("Events"),
-        "searchTerms": [],
-        "minLogLevel": 1,
-        "topicToRender": EVENTS_TOPIC,
-    }
-
-
-_WINDOW: Final = {
-    "Width": 1280,
-    "Height": 720,
-    "X": 0,
-    "Y": 0,
-    "Hide Left Dock": True,
-    "Displays": {"collapsed": True},
-}
-"""Pixels: without them RViz opens a window too small to see anything in. Without the last two, its
-list of displays covers the robot."""
-
-
-def rviz_config(view: View) -> dict[str, Any]:
+def rviz_config(view: View) -> Json:
     """Return the content of a ``.rviz`` file, which is YAML.
 
     RViz takes the robot from the parameter ``robot_description``, not from the topic.
     """
+    names = {
+        "world": view.world_frame,
+        "base": view.base_frame,
+        "distance": round(4.4 * view.size_m, 2),
+        "yaw": round(radians((view.camera_deg + view.turned_deg) % 360.0), 4),
+    }
+    config: Json = _filled(_template("rviz.json"), names)
+    displays = config["Visualization Manager"]["Displays"]
+    markers = displays.pop()
     topics = [topic(foot) for foot in view.feet for topic in (arrow_topic, label_topic)]
-    topics.append(LEGS_TOPIC)
-    return {
-        "Panels": [{"Class": "rviz/Displays", "Name": "Displays"}],
-        "Visualization Manager": {
-            "Class": "",
-            "Enabled": True,
-            "Displays": [
-                _grid(view),
-                {
-                    "Class": "rviz/RobotModel",
-                    "Name": "Robot",
-                    "Enabled": True,
-                    "Robot Description": "robot_description",
-                    "Collision Enabled": False,
-                    "Visual Enabled": True,
-                },
-                *(_markers("Marker", topic) for topic in topics),
-                _markers("MarkerArray", SUPPORT_TOPIC),
-            ],
-            "Global Options": {
-                "Background Color": "48; 48; 48",
-                "Fixed Frame": view.world_frame,
-                "Frame Rate": 30,
-            },
-            "Tools": [{"Class": "rviz/MoveCamera"}, {"Class": "rviz/Measure"}],
-            "Views": {"Current": _camera(view)},
-        },
-        "Window Geometry": _WINDOW,
-    }
-
-
-def _grid(view: View) -> dict[str, Any]:
-    return {
-        "Class": "rviz/Grid",
-        "Name": "Ground",
-        "Enabled": True,
-        "Alpha": 0.3,
-        "Cell Size": 0.5,
-        "Color": "160; 160; 164",
-        "Plane": "XY",
-        "Plane Cell Count": 80,
-        "Reference Frame": view.world_frame,
-    }
-
-
-def _markers(kind: str, topic: str) -> dict[str, Any]:
-    return {
-        "Class": f"rviz/{kind}",
-        "Name": topic,
-        "Enabled": True,
-        "Marker Topic": topic,
-        "Queue Size": 100,
-    }
-
-
-def _camera(view: View) -> dict[str, Any]:
-    return {
-        "Class": "rviz/Orbit",
-        "Name": "Robot",
-        "Target Frame": view.base_frame,
-        "Distance": round(4.4 * view.size_m, 2),
-        "Pitch": 0.35,
-        "Yaw": round(radians(view.camera_in_world_deg), 4),
-        "Focal Point": {"X": 0, "Y": 0, "Z": 0},
-    }
+    displays += [_filled(markers, {"kind": "Marker", "topic": topic}) for topic in topics]
+    displays.append(_filled(markers, {"kind": "Marker", "topic": LEGS_TOPIC}))
+    displays.append(_filled(markers, {"kind": "MarkerArray", "topic": SUPPORT_TOPIC}))
+    return config
 
 
 @dataclass(frozen=True, slots=True)
@@ -329,26 +190,16 @@ class Viewer:
     summary: str
     suffix: str
     """Suffix of its files."""
-    layout: Callable[[View], bytes]
-    """Returns the content of its file."""
+    content: Callable[[View], Json]
 
-
-def _foxglove(view: View) -> bytes:
-    return _json(foxglove_layout(view))
-
-
-def _rviz(view: View) -> bytes:
-    # JSON is YAML, too.
-    return _json(rviz_config(view))
-
-
-def _json(layout: dict[str, Any]) -> bytes:
-    return (to_json(layout, indent=2) + "\n").encode()
+    def layout(self, view: View) -> bytes:
+        """Return the content of its file: JSON, which is YAML, too."""
+        return (to_json(self.content(view), indent=2) + "\n").encode()
 
 
 _VIEWERS: Final = (
-    Viewer("foxglove", "Foxglove and Lichtblick", ".json", _foxglove),
-    Viewer("rviz", "RViz, for logs converted with --encoding ros1", ".rviz", _rviz),
+    Viewer("foxglove", "Foxglove and Lichtblick", ".json", foxglove_layout),
+    Viewer("rviz", "RViz, for logs converted with --encoding ros1", ".rviz", rviz_config),
 )
 VIEWERS: Final[Mapping[str, Viewer]] = {each.name: each for each in _VIEWERS}
 """By name, in the order of ``--help``."""

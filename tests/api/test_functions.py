@@ -157,7 +157,7 @@ def test_frames_gaits_pages_and_figures(tmp_path: Path) -> None:
     printed = json.loads(run("compare", TROT, WALK, "--gait", "--json").stdout)
     compared = dl.compare_gait(TROT, [WALK])
     assert [each.figure for each in compared.differences] == [
-        each["figure"] for each in printed["differences"]
+        each["metric"] for each in printed["differences"]
     ]
     run("report", TROT, "--no-replay", "-o", tmp_path / "words.html")
     run("stats", TROT, "--figure", tmp_path / "words.svg", "-q")

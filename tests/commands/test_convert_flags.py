@@ -27,7 +27,8 @@ class Placed(StateWalk):
             if kind == SPOT:
                 for leg, state in zip(walks.LEGS, message.states, strict=True):
                     at = state_walks.foot_position(leg, sample) - state_walks.base_position(sample)
-                    state.foot_position_rt_body = self._point(at)
+                    state.foot_position_rt_body.x, state.foot_position_rt_body.y = at[:2].tolist()
+                    state.foot_position_rt_body.z = float(at[2])
             yield topic, message
 
 

@@ -22,15 +22,8 @@ HIPS_M = 0.1
 
 
 def transform(walk: StateWalk, sample: int, parent: str, child: str, shift: Any) -> Any:
-    turn = walk.make("geometry_msgs/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0)
-    return walk.make(
-        "geometry_msgs/TransformStamped",
-        header=walk.header(sample, parent),
-        child_frame_id=child,
-        transform=walk.make(
-            "geometry_msgs/Transform", translation=walk.vector(shift), rotation=turn
-        ),
-    )
+    header = walk.header(sample, parent)
+    return {"header": header, "child_frame_id": child, "transform": [shift]}
 
 
 def entries(walk: StateWalk) -> Iterator[walks.Entry]:

@@ -36,15 +36,15 @@ class Plan(StateWalk):
     def header(self, sample: int, frame: str) -> Any:
         return super().header(max(sample - AHEAD, 0), frame)
 
-    def _forces(self, sample: int, legs: Any = walks.LEGS) -> list[Any]:
-        return [self.vector(PLANNED_FORCE * walks.FORCES[leg][sample]) for leg in legs]
+    def forces(self, sample: int, legs: Any = walks.LEGS) -> list[Any]:
+        return [PLANNED_FORCE * force for force in super().forces(sample, legs)]
 
 
 class HastyPlan(Plan):
     """A plan in which the left front foot touches down once more in its first swing."""
 
-    def _flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
-        flags = super()._flags(sample, legs)
+    def flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
+        flags = super().flags(sample, legs)
         (lifted, *_) = np.flatnonzero(np.diff(walks.TOUCHES["front_left"].astype(int)) < 0)
         extra = SWINGING <= sample - lifted < SWINGING + 5
         return flags | (np.array([leg == "front_left" for leg in legs]) & extra)
@@ -102,11 +102,10 @@ def test_a_planned_touchdown_that_does_not_come_is_missed(tmp_path: Path) -> Non
 class Velocities(StateWalk):
     """The driver of the A1: planned contacts stand beside the counts, as velocities."""
 
-    def _sensor_msgs(self, kind: str, sample: int) -> Any:
-        message = super()._sensor_msgs(kind, sample)
-        ahead = min(sample + AHEAD, walks.SAMPLES - 1)
-        message.velocity[12:] = self._flags(ahead)
-        return message
+    def contacts(self, kind: str, sample: int) -> Iterator[tuple[str, Any]]:
+        for topic, message in super().contacts(kind, sample):
+            message.velocity[12:] = self.flags(min(sample + AHEAD, walks.SAMPLES - 1))
+            yield topic, message
 
 
 def test_planned_contacts_beside_the_counts(tmp_path: Path) -> None:

@@ -117,221 +117,137 @@ def pose(sample: int) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float
     return position, quaternion, (ROLL, PITCH, yaw)
 
 
-def _pose(walk: walks.Walk, sample: int) -> Any:
+Fields = dict[str, Any]
+
+
+def _pose(sample: int) -> Fields:
     position, quaternion, _ = pose(sample)
-    return walk.make(
-        "geometry_msgs/Pose",
-        position=walk.vector(position, "geometry_msgs/Point"),
-        orientation=walk.make(
-            "geometry_msgs/Quaternion",
-            **dict(zip("xyzw", map(float, quaternion), strict=True)),
-        ),
-    )
+    return {"position": position, "orientation": quaternion}
 
 
-def _still(walk: walks.Walk) -> Any:
-    return walk.make(
-        "geometry_msgs/Pose",
-        position=walk.vector((7.0, 7.0, 7.0), "geometry_msgs/Point"),
-        orientation=walk.make("geometry_msgs/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
-    )
+def _transform(walk: walks.Walk, sample: int, parent: str, child: str) -> Fields:
+    translation, rotation, _ = pose(sample)
+    return {
+        "header": walk.header(sample, parent),
+        "child_frame_id": child,
+        "transform": {"translation": translation, "rotation": rotation},
+    }
 
 
-def _twist(walk: walks.Walk) -> Any:
-    zero = walk.vector((0.0, 0.0, 0.0))
-    return walk.make("geometry_msgs/Twist", linear=zero, angular=zero)
-
-
-def _stamped(walk: walks.Walk, sample: int) -> Any:
-    return walk.make(
-        "geometry_msgs/PoseStamped", header=walk.header(sample, "odom"), pose=_pose(walk, sample)
-    )
-
-
-def _transform(walk: walks.Walk, sample: int, parent: str, child: str) -> Any:
-    at = _pose(walk, sample)
-    return walk.make(
-        "geometry_msgs/TransformStamped",
-        header=walk.header(sample, parent),
-        child_frame_id=child,
-        transform=walk.make(
-            "geometry_msgs/Transform",
-            translation=walk.vector([at.position.x, at.position.y, at.position.z]),
-            rotation=at.orientation,
-        ),
-    )
-
-
-def _listed(walk: walks.Walk, kind: str, sample: int) -> Any:
+def _listed(kind: str, sample: int) -> Fields:
     """Return a list in which the robot stands elsewhere in each message."""
     name = ELEMENTS[kind]
-    others = ["ground_plane::link" if "::" in name else "ground_plane", "box::lid"]
-    if "::" not in name:
-        others = others[:1]
-    index = sample % (len(others) + 1)
-    names, poses = list(others), [_still(walk) for _ in others]
+    names = ["ground_plane::link", "box::lid"] if "::" in name else ["ground_plane"]
+    poses: list[Fields] = [{"position": (7.0, 7.0, 7.0)} for _ in names]
+    index = sample % (len(names) + 1)
     names.insert(index, name)
-    poses.insert(index, _pose(walk, sample))
-    return walk.make(kind, name=names, pose=poses, twist=[_twist(walk) for _ in names])
+    poses.insert(index, _pose(sample))
+    return {"name": names, "pose": poses, "twist": [None] * len(names)}
 
 
 def models(walk: walks.Walk, places: Mapping[str, float]) -> bytes:
     """Return a message of models, each at its x in metres."""
-    poses = [
-        walk.make(
-            "geometry_msgs/Pose",
-            position=walk.vector((x, 0.0, HEIGHT), "geometry_msgs/Point"),
-            orientation=walk.make("geometry_msgs/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
-        )
-        for x in places.values()
-    ]
+    poses = [{"position": (x, 0.0, HEIGHT)} for x in places.values()]
     kind = "gazebo_msgs/msg/ModelStates"
-    twists = [_twist(walk) for _ in places]
-    return walk.bytes_of(kind, walk.make(kind, name=[*places], pose=poses, twist=twists))
+    listed = walk.make(kind, name=[*places], pose=poses, twist=[None] * len(places))
+    return walk.bytes_of(kind, listed)
 
 
 def message(kind: str, sample: int) -> bytes:
     """Return the serialised message of a sample."""
     if kind.startswith("foxglove."):
         return foxglove(kind, sample).SerializeToString()  # type: ignore[no-any-return]
-    package, _, name = kind.partition("/")
-    full = f"{package}/msg/{name}"
+    full = kind.replace("/", "/msg/")
     walk = ros_of(full)
-    return walk.bytes_of(full, _MAKERS[kind](walk, sample))
+    return walk.bytes_of(full, walk.make(full, **_FIELDS[kind](walk, sample)))
 
 
 def definition(kind: str) -> str:
-    package, _, name = kind.partition("/")
-    full = f"{package}/msg/{name}"
+    full = kind.replace("/", "/msg/")
     return ros_of(full).definition(full)
 
 
-def _odometry(walk: walks.Walk, sample: int) -> Any:
-    none = np.zeros(36)
-    return walk.make(
-        "nav_msgs/Odometry",
-        header=walk.header(sample, "odom"),
-        child_frame_id="base_link",
-        pose=walk.make(
-            "geometry_msgs/PoseWithCovariance", pose=_pose(walk, sample), covariance=none
-        ),
-        twist=walk.make("geometry_msgs/TwistWithCovariance", twist=_twist(walk), covariance=none),
-    )
+def _odometry(walk: walks.Walk, sample: int) -> Fields:
+    child = {"child_frame_id": "base_link"}
+    return {"header": walk.header(sample, "odom"), "pose": [_pose(sample)], **child}
 
 
-def _xpp(walk: walks.Walk, sample: int) -> Any:
-    zero = walk.vector((0.0, 0.0, 0.0))
-    return walk.make(
-        "xpp_msgs/RobotStateCartesian",
-        time_from_start=walk.make("builtin_interfaces/Duration", sec=0, nanosec=sample),
-        base=walk.make(
-            "xpp_msgs/State6d",
-            pose=_pose(walk, sample),
-            twist=_twist(walk),
-            accel=walk.make("geometry_msgs/Accel", linear=zero, angular=zero),
-        ),
-        ee_contact=np.ones(4, np.bool_),
-    )
+def _stamped(walk: walks.Walk, sample: int) -> Fields:
+    return {"header": walk.header(sample, "odom"), "pose": _pose(sample)}
 
 
-def _sport(walk: walks.Walk, sample: int) -> Any:
+def _path(walk: walks.Walk, sample: int) -> Fields:
+    poses = [_stamped(walk, each) for each in range(max(sample - 2, 0), sample + 1)]
+    return {"header": walk.header(sample, "odom"), "poses": poses}
+
+
+def _array(_walk: walks.Walk, sample: int) -> Fields:
+    position, quaternion, _ = pose(sample)
+    return {"data": [9.0, 9.0, *position, *quaternion]}
+
+
+def _sport(_walk: walks.Walk, sample: int) -> Fields:
     position, (x, y, z, w), angles = pose(sample)
-    return walk.make(
-        "unitree_go/SportModeState",
-        error_code=100,
-        imu_state=walk.make(
-            "unitree_go/IMUState",
-            quaternion=np.array([w, x, y, z], np.float32),
-            rpy=np.array(angles, np.float32),
-        ),
-        position=np.array(position, np.float32),
-        velocity=np.zeros(3, np.float32),
-    )
+    return {"error_code": 100, "imu_state": [(w, x, y, z), angles], "position": position}
 
 
-def _ocs2(walk: walks.Walk, sample: int) -> Any:
+def _ocs2(_walk: walks.Walk, sample: int) -> Fields:
     position, _, angles = pose(sample)
-    value = np.array([*[9.0] * 6, *position, *angles[::-1], *[5.0] * 12], np.float32)
-    return walk.make(
-        "ocs2_msgs/mpc_observation",
-        time=0.0,
-        state=walk.make("ocs2_msgs/mpc_state", value=value),
-        mode=15,
-    )
+    return {"state": [[*[9.0] * 6, *position, *angles[::-1], *[5.0] * 12]], "mode": 15}
 
 
-def _dwl(walk: walks.Walk, sample: int) -> Any:
+def _xpp(_walk: walks.Walk, sample: int) -> Fields:
+    base = {"pose": _pose(sample)}
+    return {"time_from_start": (0, sample), "base": base, "ee_contact": np.ones(4)}
+
+
+def _anymal(walk: walks.Walk, sample: int) -> Fields:
+    twist = {"header": walk.header(sample, "base")}
+    return {
+        "header": walk.header(sample, "odom"),
+        "pose": _stamped(walk, sample),
+        "twist": twist,
+    }
+
+
+def _quad(walk: walks.Walk, sample: int) -> Fields:
+    return {"header": walk.header(sample, "map"), "body": {"pose": _pose(sample)}}
+
+
+def _dwl(walk: walks.Walk, sample: int) -> Fields:
     """The joints of the base, by numbers: roll, pitch, yaw, x, y, z."""
     position, _, angles = pose(sample)
-    joints = [
-        walk.make("dwl_msgs/BaseState", name="", id=number, position=float(value))
-        for number, value in enumerate((*angles, *position))
-    ]
-    return walk.make(
-        "dwl_msgs/WholeBodyState", header=walk.header(sample, "world"), base=joints[::-1]
-    )
+    joints = [{"id": n, "position": float(at)} for n, at in enumerate((*angles, *position))]
+    return {"header": walk.header(sample, "world"), "base": joints[::-1]}
 
 
-def _array(walk: walks.Walk, sample: int) -> Any:
-    position, quaternion, _ = pose(sample)
-    return walk.make(
-        "std_msgs/Float64MultiArray",
-        layout=walk.make("std_msgs/MultiArrayLayout", dim=[], data_offset=0),
-        data=np.array([9.0, 9.0, *position, *quaternion]),
-    )
+def _tf(walk: walks.Walk, sample: int) -> Fields:
+    rows = (0, "map", "odom"), (sample, "odom", "base_link"), (2 * sample, "base_link", "leg")
+    return {"transforms": [_transform(walk, *row) for row in rows]}
 
 
-_MAKERS: Final[Mapping[str, Callable[[walks.Walk, int], Any]]] = {
+_FIELDS: Final[Mapping[str, Callable[[walks.Walk, int], Fields]]] = {
     "nav_msgs/Odometry": _odometry,
     "geometry_msgs/PoseStamped": _stamped,
-    "geometry_msgs/Pose": _pose,
-    "geometry_msgs/PoseWithCovarianceStamped": lambda walk, sample: walk.make(
-        "geometry_msgs/PoseWithCovarianceStamped",
-        header=walk.header(sample, "odom"),
-        pose=walk.make(
-            "geometry_msgs/PoseWithCovariance", pose=_pose(walk, sample), covariance=np.zeros(36)
-        ),
-    ),
+    "geometry_msgs/Pose": lambda _, sample: _pose(sample),
+    "geometry_msgs/PoseWithCovarianceStamped": lambda walk, sample: {
+        "header": walk.header(sample, "odom"),
+        "pose": [_pose(sample)],
+    },
     "geometry_msgs/TransformStamped": lambda walk, sample: _transform(
         walk, sample, "odom", "base_link"
     ),
-    "nav_msgs/Path": lambda walk, sample: walk.make(
-        "nav_msgs/Path",
-        header=walk.header(sample, "odom"),
-        poses=[_stamped(walk, each) for each in range(max(sample - 2, 0), sample + 1)],
-    ),
-    "gazebo_msgs/ModelStates": lambda walk, sample: _listed(
-        walk, "gazebo_msgs/ModelStates", sample
-    ),
-    "gazebo_msgs/LinkStates": lambda walk, sample: _listed(walk, "gazebo_msgs/LinkStates", sample),
+    "nav_msgs/Path": _path,
+    "gazebo_msgs/ModelStates": lambda _, sample: _listed("gazebo_msgs/ModelStates", sample),
+    "gazebo_msgs/LinkStates": lambda _, sample: _listed("gazebo_msgs/LinkStates", sample),
     "std_msgs/Float64MultiArray": _array,
     "unitree_go/SportModeState": _sport,
     "ocs2_msgs/mpc_observation": _ocs2,
     "xpp_msgs/RobotStateCartesian": _xpp,
-    "anymal_msgs/AnymalState": lambda walk, sample: walk.make(
-        "anymal_msgs/AnymalState",
-        header=walk.header(sample, "odom"),
-        state=0,
-        pose=_stamped(walk, sample),
-        twist=walk.make(
-            "geometry_msgs/TwistStamped", header=walk.header(sample, "base"), twist=_twist(walk)
-        ),
-    ),
-    "quad_msgs/RobotState": lambda walk, sample: walk.make(
-        "quad_msgs/RobotState",
-        header=walk.header(sample, "map"),
-        traj_index=0,
-        body=walk.make("quad_msgs/BodyState", pose=_pose(walk, sample), twist=_twist(walk)),
-    ),
+    "anymal_msgs/AnymalState": _anymal,
+    "quad_msgs/RobotState": _quad,
     "dwl_msgs/WholeBodyState": _dwl,
-    "tf2_msgs/TFMessage": lambda walk, sample: walk.make(
-        "tf2_msgs/TFMessage",
-        transforms=[
-            _transform(walk, 0, "map", "odom"),
-            _transform(walk, sample, "odom", "base_link"),
-            _transform(walk, 2 * sample, "base_link", "leg"),
-        ],
-    ),
+    "tf2_msgs/TFMessage": _tf,
 }
 
 

@@ -108,20 +108,14 @@ def six_feet_in_two(folder: Path) -> tuple[Path, Path]:
 def labelled(path: Path, labels: Sequence[str], topic: str, *, kind: str = "Tips") -> None:
     """Write limbs that walk in turns, called by strings in the elements or beside the array."""
     walk = odd_walk()
-    turn = walk.make("geometry_msgs/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0)
-    origin = walk.vector((0.0, 0.0, 0.5), "geometry_msgs/Point")
-    pose = walk.make("geometry_msgs/Pose", position=origin, orientation=turn)
     entries = []
     for sample in range(round(DURATION_S * RATE_HZ)):
         loads = [load_n(sample / RATE_HZ, foot) for foot in range(len(labels))]
         fields: dict[str, Any] = {"name": list(labels)}
-        fields["wrench"] = [walk.wrench((0, 0, load)) for load in loads]
+        fields["wrench"] = [[(0, 0, load)] for load in loads]
         if kind == "Limbs":
-            legs = [
-                walk.make("odd_msgs/Limb", name=name, grf=walk.vector((0, 0, load)), q=np.zeros(3))
-                for name, load in zip(labels, loads, strict=True)
-            ]
-            fields = {"base_pose": pose, "legs": legs}
+            legs = [(name, (0, 0, load)) for name, load in zip(labels, loads, strict=True)]
+            fields = {"base_pose": [(0.0, 0.0, 0.5)], "legs": legs}
         time = START_NS + round(sample * 1e9 / RATE_HZ)
         entries.append(_entry(walk, topic, f"odd_msgs/msg/{kind}", time, fields))
     walks.write_mcap(path, walk, entries)

@@ -42,7 +42,7 @@ def write_log(
             force = (0.0, 0.0, 60.0 if down else 0.0)
             header = walk.header(sample, "world")
             if kind == WRENCH:
-                message = walk.make(kind, header=header, wrench=walk.wrench(force))
+                message = walk.make(kind, header=header, wrench=[force])
             else:
                 states = [walk.classic_state("foot", force)] if down else []
                 message = walk.make(kind, header=header, states=states)

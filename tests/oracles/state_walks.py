@@ -1,6 +1,6 @@
 """The synthetic walk of `walks.py` in messages that tell of all feet at once."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from typing import Any, Final
 
@@ -12,6 +12,7 @@ from tests.oracles import walks
 from tests.oracles.state_definitions import DEFINITIONS
 from tests.oracles.walks import FORCES, LEGS, TOUCHES
 
+Fields = dict[str, Any]
 LABELS: Final = {
     "front_left": "LF_FOOT",
     "front_right": "RF_FOOT",
@@ -97,247 +98,203 @@ class StateWalk(walks.Walk):
         self.store = walks.SharedStore(_known(ros))
 
     def contacts(self, kind: str, sample: int) -> Iterator[tuple[str, Any]]:
-        maker = getattr(self, f"_{kind.split('/', maxsplit=1)[0]}", None)
-        if maker is None:
+        fields = _FIELDS.get(kind.split("/", maxsplit=1)[0])
+        if fields is None:
             yield from super().contacts(kind, sample)
         else:
-            yield "/feet", maker(kind, sample)
+            yield "/feet", self.make(kind, **fields(self, kind, sample))
 
-    def _sensor_msgs(self, kind: str, sample: int) -> Any:
-        """Twelve joints, then FL FR RL RR; the planned contacts disagree with the forces."""
-        counts = [round(FORCES[leg][sample][2] / walks.NEWTONS_PER_COUNT) for leg in LEGS]
-        offsets = [walks.COUNTS_OFFSET[leg] for leg in LEGS]
-        efforts = np.concatenate([np.full(12, 3.0), np.add(counts, offsets)])
-        return self.make(
-            kind,
-            header=self.header(sample, ""),
-            name=[f"joint_{number}" for number in range(12)] + [f"{leg}_foot" for leg in LEGS],
-            position=np.zeros(16),
-            velocity=np.concatenate([np.zeros(12), np.ones(4)]),
-            effort=efforts,
-        )
+    def forces(self, sample: int, legs: Any = LEGS) -> list[Any]:
+        return [FORCES[leg][sample] for leg in legs]
 
-    def _points(self, sample: int, legs: Any = LEGS) -> list[Any]:
-        return [self._point(foot_position(leg, sample)) for leg in legs]
-
-    def _point(self, values: Any) -> Any:
-        return self.vector(values, "geometry_msgs/Point")
-
-    def _pose(self, position: Any) -> Any:
-        turn = self.make("geometry_msgs/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0)
-        return self.make("geometry_msgs/Pose", position=self._point(position), orientation=turn)
-
-    def _twist(self, kind: str = "geometry_msgs/Twist") -> Any:
-        zero = self.vector((0, 0, 0))
-        return self.make(kind, linear=zero, angular=zero)
-
-    def _xpp_base(self, kind: str, sample: int) -> Any:
-        return self.make(
-            kind,
-            pose=self._pose(base_position(sample)),
-            twist=self._twist(),
-            accel=self._twist("geometry_msgs/Accel"),
-        )
-
-    def _motion(self, sample: int, legs: Any) -> list[Any]:
-        zero = self.vector((0, 0, 0))
-        return [
-            self.make("xpp_msgs/StateLin3d", pos=point, vel=zero, acc=zero)
-            for point in self._points(sample, legs)
-        ]
-
-    def _forces(self, sample: int, legs: Any = LEGS) -> list[Any]:
-        return [self.vector(FORCES[leg][sample]) for leg in legs]
-
-    def _flags(self, sample: int, legs: Any = LEGS) -> Any:
+    def flags(self, sample: int, legs: Any = LEGS) -> Any:
         return np.array([TOUCHES[leg][sample] for leg in legs], np.bool_)
 
-    def _xpp_msgs(self, kind: str, sample: int) -> Any:
-        return self.make(
-            kind,
-            time_from_start=self.make("builtin_interfaces/Time", sec=0, nanosec=sample),
-            base=self._xpp_base("xpp_msgs/State6d", sample),
-            ee_motion=self._motion(sample, LEGS),
-            ee_forces=self._forces(sample),
-            ee_contact=self._flags(sample),
-        )
+    def stamped(self, sample: int, frame: str) -> Fields:
+        """A header, as a field."""
+        return {"header": self.header(sample, frame)}
 
-    def _old_xpp(self, kind: str, sample: int) -> Any:
-        """LH LF RH RF."""
-        legs = ("back_left", "front_left", "back_right", "front_right")
-        common = self.make(
-            "old_xpp/RobotStateCommon",
-            base=self._xpp_base("old_xpp/BaseState", sample),
-            ee_in_contact=self._flags(sample, legs),
-            t_global=0.01 * sample,
-        )
-        feet, forces = self._motion(sample, legs), self._forces(sample, legs)
-        return self.make(kind, common=common, feet=feet, ee_forces=forces)
 
-    def _anymal_msgs(self, kind: str, sample: int) -> Any:
-        """Make contacts whose order changes; a slipping foot is in contact."""
-        order = LEGS if sample % 2 else LEGS[::-1]
-        in_air = np.array([0.0, 0.0, 3.0])
-        pose = self.make(
-            "geometry_msgs/PoseStamped",
-            header=self.header(sample, "odom"),
-            pose=self._pose(base_position(sample)),
-        )
-        contacts = [
-            self.make(
-                "anymal_msgs/Contact",
-                header=self.header(sample, "odom"),
-                name=LABELS[leg],
-                state=(1 + sample % 2) if TOUCHES[leg][sample] else 0,
-                # What the sensor reads in the air is no contact.
-                wrench=self.wrench(FORCES[leg][sample] + in_air * (not TOUCHES[leg][sample])),
-                position=self._point(foot_position(leg, sample)),
-                normal=self.vector((0.0, 0.0, 1.0)),
-                frictionCoefficient=0.8,
-            )
-            for leg in order
-        ]
-        header = self.header(sample, "odom")
-        return self.make(kind, header=header, state=0, pose=pose, contacts=contacts)
+def _points(sample: int, legs: Any = LEGS) -> list[Any]:
+    return [foot_position(leg, sample) for leg in legs]
 
-    def _quad_msgs(self, kind: str, sample: int) -> Any:
-        """FL BL FR BR; points are 0 in the air."""
-        legs = ("front_left", "back_left", "front_right", "back_right")
-        points = [self._point(foot_position(leg, sample) * TOUCHES[leg][sample]) for leg in legs]
-        return self.make(
-            kind,
-            header=self.header(sample, "map"),
-            vectors=self._forces(sample, legs),
-            points=points,
-            contact_states=self._flags(sample, legs),
-            traj_index=0,
-        )
 
-    def _whole_body_state_msgs(self, kind: str, sample: int) -> Any:
-        status = {leg: {"status": 2 if TOUCHES[leg][sample] else 1} for leg in LEGS}
-        return self._whole_body(kind, sample, status)
+def _pose(position: Any) -> Fields:
+    return {"position": position}
 
-    def _old_whole_body(self, kind: str, sample: int) -> Any:
-        status = {leg: {"contact_state": 0 if TOUCHES[leg][sample] else 1} for leg in LEGS}
-        return self._whole_body(kind, sample, status)
 
-    def _whole_body(self, kind: str, sample: int, status: Any) -> Any:
-        contacts = [
-            self.make(
-                f"{kind.split('/', maxsplit=1)[0]}/ContactState",
-                name=LABELS[leg],
-                type=0,
-                **status[leg],
-                pose=self._pose(foot_position(leg, sample)),
-                velocity=self._twist(),
-                wrench=self.wrench(FORCES[leg][sample]),
-                surface_normal=self.vector((0.0, 0.0, 1.0)),
-                friction_coefficient=0.8,
-            )
-            for leg in sorted(LEGS, key=lambda each: LABELS[each])
-        ]
-        header = self.header(sample, "world")
-        return self.make(kind, header=header, time=0.01 * sample, contacts=contacts)
+def _base(sample: int) -> Fields:
+    return {"pose": _pose(base_position(sample))}
 
-    def _dwl_msgs(self, kind: str, sample: int) -> Any:
-        """Contacts are in the base's frame, and the base is six joints in any order."""
-        return self._dwl(
-            kind, sample, lambda at: {"pose": self._pose(at), "velocity": self._twist()}
-        )
 
-    def _old_dwl(self, kind: str, sample: int) -> Any:
-        return self._dwl(kind, sample, lambda at: {"position": self.vector(at)})
+def _joints(walk: StateWalk, _kind: str, sample: int) -> Fields:
+    """Twelve joints, then FL FR RL RR; the planned contacts disagree with the forces."""
+    counts = [round(force[2] / walks.NEWTONS_PER_COUNT) for force in walk.forces(sample)]
+    offsets = [walks.COUNTS_OFFSET[leg] for leg in LEGS]
+    return {
+        **walk.stamped(sample, ""),
+        "name": [f"joint_{number}" for number in range(12)] + [f"{leg}_foot" for leg in LEGS],
+        "position": np.zeros(16),
+        "velocity": np.concatenate([np.zeros(12), np.ones(4)]),
+        "effort": np.concatenate([np.full(12, 3.0), np.add(counts, offsets)]),
+    }
 
-    def _dwl(self, kind: str, sample: int, placed: Callable[[Any], dict[str, Any]]) -> Any:
-        base = base_position(sample)
-        joints = dict(zip((5, 4, 3, 0, 1, 2), (*base[::-1], 0.0, 0.0, 0.0), strict=True))
-        contacts = [
-            self.make(
-                f"{kind.split('/', maxsplit=1)[0]}/ContactState",
-                name=LABELS[leg],
-                wrench=self.wrench(FORCES[leg][sample]),
-                **placed(foot_position(leg, sample) - base),
-            )
-            for leg in LEGS[:: -1 if sample % 2 else 1]
-        ]
-        joint = "dwl_msgs/BaseState"
-        return self.make(
-            kind,
-            header=self.header(sample, "world"),
-            time=0.01 * sample,
-            base=[
-                self.make(joint, name="", id=number, position=float(position), velocity=0.0)
-                for number, position in joints.items()
-            ],
-            contacts=contacts,
-        )
 
-    def _syropod_highlevel_controller(self, kind: str, sample: int) -> Any:
-        return self.make(
-            kind,
-            header=self.header(sample, ""),
-            name=[TIPS[leg] for leg in LEGS],
-            wrench=[self.wrench(FORCES[leg][sample]) for leg in LEGS],
-            proximity=np.zeros(0),
-        )
+def _xpp(walk: StateWalk, _kind: str, sample: int) -> Fields:
+    return {
+        "time_from_start": (0, sample),
+        "base": _base(sample),
+        "ee_motion": [[point] for point in _points(sample)],
+        "ee_forces": walk.forces(sample),
+        "ee_contact": walk.flags(sample),
+    }
 
-    def _ocs2_msgs(self, kind: str, sample: int) -> Any:
-        bits = dict(zip(LEGS, (8, 4, 2, 1), strict=True))
-        forces = np.concatenate([FORCES[leg][sample] for leg in LEGS])
-        state = np.zeros(24, np.float32)
-        state[6:9] = base_position(sample)
-        return self.make(
-            kind,
-            time=0.01 * sample,
-            state=self.make("ocs2_msgs/mpc_state", value=state),
-            input=self.make(
-                "ocs2_msgs/mpc_input",
-                value=np.concatenate([forces, np.zeros(12)]).astype(np.float32),
-            ),
-            mode=sum(bits[leg] for leg in LEGS if TOUCHES[leg][sample]),
-        )
 
-    def _state_estimator_msgs(self, kind: str, sample: int) -> Any:
-        names = ("stance_lf", "stance_rf", "stance_lh", "stance_rh")
-        flags = dict(zip(names, map(bool, self._flags(sample)), strict=True))
-        return self.make(kind, header=self.header(sample, ""), **flags)
+def _old_xpp(walk: StateWalk, _kind: str, sample: int) -> Fields:
+    """LH LF RH RF."""
+    legs = ("back_left", "front_left", "back_right", "front_right")
+    common = {
+        "base": _base(sample),
+        "ee_in_contact": walk.flags(sample, legs),
+        "t_global": 0.01 * sample,
+    }
+    feet = [[point] for point in _points(sample, legs)]
+    return {"common": common, "feet": feet, "ee_forces": walk.forces(sample, legs)}
 
-    def _pronto_msgs(self, kind: str, sample: int) -> Any:
-        names = ("lf", "rf", "lh", "rh")
-        if kind.endswith("Stance"):
-            plotted = np.array([0.4, 0.3, 0.2, 0.1]) * self._flags(sample)
-            values: list[Any] = plotted.tolist()
-        else:
-            values = [self.wrench(FORCES[leg][sample]) for leg in LEGS]
-        header = self.header(sample, "")
-        return self.make(kind, header=header, **dict(zip(names, values, strict=True)))
 
-    def _hrpsys_ros_bridge(self, kind: str, sample: int) -> Any:
-        """Two feet and a hand that touches something."""
-        states = {sensor: int(TOUCHES[leg][sample]) for leg, sensor in SENSORS.items()}
-        stamped = [
-            self.make(
-                "hrpsys_ros_bridge/ContactStateStamped",
-                header=self.header(sample, sensor),
-                state=self.make("hrpsys_ros_bridge/ContactState", state=state, remaining_time=0.0),
-            )
-            for sensor, state in {**states, "lhsensor": 1}.items()
-        ]
-        return self.make(kind, header=self.header(sample, ""), states=stamped)
-
-    def _go2_interfaces(self, kind: str, sample: int) -> Any:
-        return self.make(kind, mode=1, progress=0.0, **self._sport(sample))
-
-    def _my_driver(self, kind: str, sample: int) -> Any:
-        return self.make(kind, mode=1, **self._sport(sample))
-
-    def _sport(self, sample: int) -> dict[str, Any]:
-        """FR FL RR RL, in the base's frame."""
-        legs = ("front_right", "front_left", "back_right", "back_left")
-        feet = [foot_position(leg, sample) - base_position(sample) for leg in legs]
-        return {
-            "foot_force": self.counts({leg: FORCES[leg][sample] for leg in LEGS}),
-            "position": base_position(sample).astype(np.float32),
-            "foot_position_body": np.concatenate(feet).astype(np.float32),
-            "foot_speed_body": np.zeros(12, np.float32),
+def _anymal(walk: StateWalk, _kind: str, sample: int) -> Fields:
+    """Make contacts whose order changes; a slipping foot is in contact."""
+    order = LEGS if sample % 2 else LEGS[::-1]
+    in_air, odom = np.array([0.0, 0.0, 3.0]), walk.stamped(sample, "odom")
+    contacts = [
+        {
+            **odom,
+            "name": LABELS[leg],
+            "state": (1 + sample % 2) if TOUCHES[leg][sample] else 0,
+            # What the sensor reads in the air is no contact.
+            "wrench": [FORCES[leg][sample] + in_air * (not TOUCHES[leg][sample])],
+            "position": foot_position(leg, sample),
+            "normal": (0.0, 0.0, 1.0),
+            "frictionCoefficient": 0.8,
         }
+        for leg in order
+    ]
+    return {**odom, "pose": {**odom, **_base(sample)}, "contacts": contacts}
+
+
+def _quad(walk: StateWalk, _kind: str, sample: int) -> Fields:
+    """FL BL FR BR; points are 0 in the air."""
+    legs = ("front_left", "back_left", "front_right", "back_right")
+    return {
+        **walk.stamped(sample, "map"),
+        "vectors": walk.forces(sample, legs),
+        "points": [foot_position(leg, sample) * TOUCHES[leg][sample] for leg in legs],
+        "contact_states": walk.flags(sample, legs),
+    }
+
+
+def _whole_body(walk: StateWalk, kind: str, sample: int) -> Fields:
+    name, in_contact = ("contact_state", 0) if kind.startswith("old") else ("status", 2)
+    contacts = [
+        {
+            "name": LABELS[leg],
+            name: in_contact if TOUCHES[leg][sample] else 1,
+            "pose": _pose(foot_position(leg, sample)),
+            "wrench": [FORCES[leg][sample]],
+            "surface_normal": (0.0, 0.0, 1.0),
+            "friction_coefficient": 0.8,
+        }
+        for leg in sorted(LEGS, key=lambda each: LABELS[each])
+    ]
+    return {**walk.stamped(sample, "world"), "time": 0.01 * sample, "contacts": contacts}
+
+
+def _dwl(walk: StateWalk, kind: str, sample: int) -> Fields:
+    """Contacts are in the base's frame, and the base is six joints in any order."""
+    base = base_position(sample)
+    joints = dict(zip((5, 4, 3, 0, 1, 2), (*base[::-1], 0.0, 0.0, 0.0), strict=True))
+    contacts = []
+    for leg in LEGS[:: -1 if sample % 2 else 1]:
+        at = foot_position(leg, sample) - base
+        placed = {"position": at} if kind.startswith("old") else {"pose": _pose(at)}
+        contacts.append({"name": LABELS[leg], "wrench": [FORCES[leg][sample]], **placed})
+    return {
+        **walk.stamped(sample, "world"),
+        "time": 0.01 * sample,
+        "base": [{"id": number, "position": float(at)} for number, at in joints.items()],
+        "contacts": contacts,
+    }
+
+
+def _syropod(walk: StateWalk, _kind: str, sample: int) -> Fields:
+    wrenches = [[force] for force in walk.forces(sample)]
+    return {**walk.stamped(sample, ""), "name": [*TIPS.values()], "wrench": wrenches}
+
+
+def _ocs2(walk: StateWalk, _kind: str, sample: int) -> Fields:
+    state = np.zeros(24)
+    state[6:9] = base_position(sample)
+    return {
+        "time": 0.01 * sample,
+        "state": [state],
+        "input": [np.concatenate([*walk.forces(sample), np.zeros(12)])],
+        "mode": int(walk.flags(sample) @ (8, 4, 2, 1)),
+    }
+
+
+def _state_estimator(walk: StateWalk, _kind: str, sample: int) -> Fields:
+    names = ("stance_lf", "stance_rf", "stance_lh", "stance_rh")
+    flags = map(bool, walk.flags(sample))
+    return {**walk.stamped(sample, ""), **dict(zip(names, flags, strict=True))}
+
+
+def _pronto(walk: StateWalk, kind: str, sample: int) -> Fields:
+    plotted = (np.array([0.4, 0.3, 0.2, 0.1]) * walk.flags(sample)).tolist()
+    wrenches = [[force] for force in walk.forces(sample)]
+    values = plotted if kind.endswith("Stance") else wrenches
+    return {
+        **walk.stamped(sample, ""),
+        **dict(zip(("lf", "rf", "lh", "rh"), values, strict=True)),
+    }
+
+
+def _hrpsys(walk: StateWalk, _kind: str, sample: int) -> Fields:
+    """Two feet and a hand that touches something."""
+    states = {sensor: int(TOUCHES[leg][sample]) for leg, sensor in SENSORS.items()}
+    stamped = [
+        {**walk.stamped(sample, sensor), "state": [state]}
+        for sensor, state in {**states, "lhsensor": 1}.items()
+    ]
+    return {**walk.stamped(sample, ""), "states": stamped}
+
+
+def _sport(walk: StateWalk, _kind: str, sample: int) -> Fields:
+    """FR FL RR RL, in the base's frame."""
+    legs = ("front_right", "front_left", "back_right", "back_left")
+    feet = [foot_position(leg, sample) - base_position(sample) for leg in legs]
+    return {
+        "mode": 1,
+        "foot_force": walk.counts({leg: FORCES[leg][sample] for leg in LEGS}),
+        "position": base_position(sample),
+        "foot_position_body": np.concatenate(feet),
+    }
+
+
+_FIELDS: Final[Mapping[str, Callable[[StateWalk, str, int], Fields]]] = {
+    "sensor_msgs": _joints,
+    "xpp_msgs": _xpp,
+    "old_xpp": _old_xpp,
+    "anymal_msgs": _anymal,
+    "quad_msgs": _quad,
+    "whole_body_state_msgs": _whole_body,
+    "old_whole_body": _whole_body,
+    "dwl_msgs": _dwl,
+    "old_dwl": _dwl,
+    "syropod_highlevel_controller": _syropod,
+    "ocs2_msgs": _ocs2,
+    "state_estimator_msgs": _state_estimator,
+    "pronto_msgs": _pronto,
+    "hrpsys_ros_bridge": _hrpsys,
+    "go2_interfaces": _sport,
+    "my_driver": _sport,
+}

@@ -1,14 +1,14 @@
 """One synthetic walk, told in every type of contact message, for every container."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from rosbags.interfaces import Msgdef
+from rosbags.interfaces import Msgdef, Nodetype
 from rosbags.rosbag1 import Writer as BagWriter
 from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.rosbag2.enums import StoragePlugin
@@ -132,9 +132,32 @@ class Walk:
         self.store: Typestore = SharedStore(_known(ros))
 
     def make(self, kind: str, **fields: Any) -> Any:
-        package, _, name = kind.partition("/")
-        name = name if "/msg/" in kind else f"msg/{name}"
-        return self.store.types[f"{package}/{name}"](**fields)
+        """Make a message of some fields; the others are zero.
+
+        Messages below it may be mappings of fields, or their first fields in order.
+        """
+        kind = kind if "/msg/" in kind else kind.replace("/", "/msg/", 1)
+        known = self.store.fielddefs[kind][1]
+        values = {name: self._value(node, fields.get(name)) for name, node in known}
+        return self.store.types[kind](**values)
+
+    def _value(self, node: Any, value: Any) -> Any:
+        what, detail = node
+        if what is Nodetype.BASE:
+            return ("" if detail[0] == "string" else 0) if value is None else value
+        if what is not Nodetype.NAME:
+            of, size = detail
+            if of[0] is Nodetype.BASE and of[1][0] != "string":
+                return np.array(np.zeros(size) if value is None else value, of[1][0])
+            return [self._value(of, each) for each in value or [None] * size]
+        if detail == "geometry_msgs/msg/Quaternion" and value is None:
+            value = 0.0, 0.0, 0.0, 1.0
+        if value is not None and not isinstance(value, Mapping | Sequence | np.ndarray):
+            return value  # a message already
+        if value is not None and not isinstance(value, Mapping):
+            names = (name for name, _ in self.store.fielddefs[detail][1])
+            value = dict(zip(names, value, strict=False))
+        return self.make(detail, **(value or {}))
 
     def bytes_of(self, kind: str, message: Any) -> bytes:
         if self.ros == 1:
@@ -142,36 +165,21 @@ class Walk:
         return bytes(self.store.serialize_cdr(message, kind))
 
     def header(self, sample: int, frame: str) -> Any:
-        seconds, nanoseconds = divmod(START + sample * STEP, 1_000_000_000)
-        stamp = self.make("builtin_interfaces/Time", sec=seconds, nanosec=nanoseconds)
-        sequence = {"seq": 0} if self.ros == 1 else {}
-        return self.make("std_msgs/Header", stamp=stamp, frame_id=frame, **sequence)
-
-    def vector(self, values: Any, kind: str = "geometry_msgs/Vector3") -> Any:
-        return self.make(kind, **dict(zip("xyz", map(float, values), strict=True)))
-
-    def wrench(self, values: Any) -> Any:
-        return self.make(
-            "geometry_msgs/Wrench", force=self.vector(values), torque=self.vector((0, 0, 0))
-        )
+        stamp = divmod(START + sample * STEP, 1_000_000_000)
+        return self.make("std_msgs/Header", stamp=stamp, frame_id=frame)
 
     def odometry(self, sample: int) -> bytes:
-        pose = self.make(
-            "geometry_msgs/Pose",
-            position=self.vector((0.003 * sample, 0.0, 0.4), "geometry_msgs/Point"),
-            orientation=self.make("geometry_msgs/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
-        )
-        zero = self.vector((0.0, 0.0, 0.0))
-        twist = self.make("geometry_msgs/Twist", linear=zero, angular=zero)
-        none = np.zeros(36)
         message = self.make(
             "nav_msgs/Odometry",
             header=self.header(sample, "odom"),
             child_frame_id="base",
-            pose=self.make("geometry_msgs/PoseWithCovariance", pose=pose, covariance=none),
-            twist=self.make("geometry_msgs/TwistWithCovariance", twist=twist, covariance=none),
+            pose={"pose": {"position": (0.003 * sample, 0.0, 0.4)}},
         )
         return self.bytes_of("nav_msgs/msg/Odometry", message)
+
+    def wrench(self, newtons: Any) -> Any:
+        """Return the fields of a wrench."""
+        return [newtons]
 
     def messages(self, kind: str) -> Iterator[Entry]:
         for sample in range(SAMPLES):
@@ -180,92 +188,55 @@ class Walk:
             for topic, message in self.contacts(kind, sample):
                 yield Entry(topic, kind, time, self.bytes_of(kind, message))
 
-    def contacts(  # noqa: C901
-        self, kind: str, sample: int
-    ) -> Iterator[tuple[str, Any]]:
+    def contacts(self, kind: str, sample: int) -> Iterator[tuple[str, Any]]:
+        """Yield topic and message of a sample: one a foot, or one of all feet."""
         forces = {leg: FORCES[leg][sample] for leg in LEGS}
-        down = {leg: bool(TOUCHES[leg][sample]) for leg in LEGS}
-        match kind.split("/", maxsplit=1)[0]:
-            case "gazebo_msgs":
-                for leg in LEGS:
-                    states = [self.classic_state(leg, forces[leg])] if down[leg] else []
-                    header = self.header(sample, "world")
-                    yield foot_topic(kind, leg), self.make(kind, header=header, states=states)
-            case "ros_gz_interfaces":
-                for leg in LEGS:
-                    if down[leg]:
-                        pairs = [self.gazebo_pair(sample, leg, forces[leg])]
-                        header = self.header(sample, "world")
-                        yield foot_topic(kind, leg), self.make(kind, header=header, contacts=pairs)
-            case "geometry_msgs":
-                for leg in LEGS:
-                    noise = forces[leg] + (0.5, -0.25, 0.0) if not down[leg] else forces[leg]
-                    header = self.header(sample, f"{leg}_sensor")
-                    message = self.make(kind, header=header, wrench=self.wrench(noise))
-                    yield foot_topic(kind, leg), message
-            case "unitree_legged_msgs":
-                high = kind.endswith("HighState")
-                yield "/feet", (self.high if high else self.legged)(sample, forces)
-            case "unitree_go":
-                sport = kind.endswith("SportModeState")
-                yield "/feet", (self.sport if sport else self.go)(sample, forces)
-            case "spot_msgs":
-                zero = self.vector((0, 0, 0), "geometry_msgs/Point")
-                states = [
-                    self.make(
-                        "spot_msgs/FootState",
-                        foot_position_rt_body=zero,
-                        contact=1 if down[leg] else 2,
-                    )
-                    for leg in LEGS
-                ]
-                yield "/feet", self.make(kind, states=states)
-            case _:
-                flags = np.array([down[leg] for leg in LEGS], np.bool_)
-                yield "/feet", self.make(kind, header=self.header(sample, ""), contacts=flags)
+        down = [bool(TOUCHES[leg][sample]) for leg in LEGS]
+        if kind not in KINDS[:3]:
+            yield "/feet", self.make(kind, **self._of_all_feet(kind, sample, forces, down))
+            return
+        for leg, touching in zip(LEGS, down, strict=True):
+            header, newtons = self.header(sample, "world"), forces[leg]
+            if kind.startswith("geometry_msgs"):
+                header = self.header(sample, f"{leg}_sensor")
+                noise = (0.0, 0.0, 0.0) if touching else (0.5, -0.25, 0.0)
+                fields: dict[str, Any] = {"wrench": self.wrench(newtons + noise)}
+            elif kind.startswith("gazebo_msgs"):
+                fields = {"states": [self.classic_state(leg, newtons)] if touching else []}
+            elif touching:
+                fields = {"contacts": [_gazebo_pair(header, leg, newtons)]}
+            else:
+                continue
+            yield foot_topic(kind, leg), self.make(kind, header=header, **fields)
+
+    def _of_all_feet(
+        self, kind: str, sample: int, forces: Mapping[str, Any], down: Sequence[bool]
+    ) -> dict[str, Any]:
+        counts = self.counts(forces)
+        match kind:
+            case "unitree_legged_msgs/msg/HighState":
+                return {"mode": sample % 7, "footForce": counts}
+            case "unitree_legged_msgs/msg/LowState":
+                return {"footForce": counts, "tick": sample}
+            case "unitree_go/msg/SportModeState":
+                # A clock of its own, that is none of the log's.
+                return {"stamp": (sample, 5), "error_code": 100, "foot_force": counts}
+            case "unitree_go/msg/LowState":
+                return {"foot_force": counts, "tick": sample}
+            case "spot_msgs/msg/FootStateArray":
+                return {"states": [{"contact": 1 if each else 2} for each in down]}
+        return {"header": self.header(sample, ""), "contacts": down}
 
     def classic_state(self, leg: str, newtons: Any) -> Any:
         return self.make(
-            "gazebo_msgs/ContactState",
-            info="",
+            "gazebo_msgs/msg/ContactState",
             collision1_name=f"robot::{leg}_leg::{leg}_foot",
             collision2_name="ground_plane::link::collision",
             wrenches=[self.wrench(newtons)],
             total_wrench=self.wrench(newtons),
-            contact_positions=[self.vector((1.0, 0.0, 0.0))],
-            contact_normals=[self.vector((0.0, 0.0, 1.0))],
-            depths=np.zeros(1),
-        )
-
-    def gazebo_pair(self, sample: int, leg: str, newtons: Any) -> Any:
-        """Make a pair; on one side of the robot the foot is body 2, so that the sign matters."""
-        foot, ground = f"robot::{leg}_leg::{leg}_foot", "ground_plane::link::collision"
-        turned = "left" in leg
-        sign = -1.0 if turned else 1.0
-        names = (ground, foot) if turned else (foot, ground)
-        entities = [self.make("ros_gz_interfaces/Entity", id=0, name=n, type=4) for n in names]
-        number, text = (
-            self.make("std_msgs/UInt32", data=0),
-            self.make("std_msgs/String", data=""),
-        )
-        joint = self.make(
-            "ros_gz_interfaces/JointWrench",
-            header=self.header(sample, ""),
-            body_1_name=text,
-            body_1_id=number,
-            body_2_name=text,
-            body_2_id=number,
-            body_1_wrench=self.wrench(sign * newtons),
-            body_2_wrench=self.wrench(-sign * newtons),
-        )
-        return self.make(
-            "ros_gz_interfaces/Contact",
-            collision1=entities[0],
-            collision2=entities[1],
-            positions=[self.vector((1.0, 0.0, 0.0))],
-            normals=[self.vector((0.0, 0.0, sign))],
-            depths=np.zeros(1),
-            wrenches=[joint],
+            contact_positions=[(1.0, 0.0, 0.0)],
+            contact_normals=[(0.0, 0.0, 1.0)],
+            depths=[0.0],
         )
 
     def counts(self, forces: Mapping[str, Any]) -> Any:
@@ -275,54 +246,25 @@ class Walk:
             [round(forces[g][2] / NEWTONS_PER_COUNT) + COUNTS_OFFSET[g] for g in order], np.int16
         )
 
-    def legged(self, sample: int, forces: Mapping[str, Any]) -> Any:
-        return self.make(
-            "unitree_legged_msgs/LowState",
-            head=np.zeros(2, np.uint8),
-            SN=np.zeros(2, np.uint32),
-            quaternion=np.zeros(4, np.float32),
-            footForce=self.counts(forces),
-            footForceEst=np.zeros(4, np.int16),
-            tick=sample,
-            wirelessRemote=np.zeros(40, np.uint8),
-            crc=0,
-        )
-
-    def go(self, sample: int, forces: Mapping[str, Any]) -> Any:
-        return self.make(
-            "unitree_go/LowState",
-            head=np.zeros(2, np.uint8),
-            level_flag=0,
-            bandwidth=0,
-            foot_force=self.counts(forces),
-            foot_force_est=np.zeros(4, np.int16),
-            tick=sample,
-            wireless_remote=np.zeros(40, np.uint8),
-        )
-
-    def high(self, sample: int, forces: Mapping[str, Any]) -> Any:
-        return self.make(
-            "unitree_legged_msgs/HighState",
-            head=np.zeros(2, np.uint8),
-            mode=sample % 7,
-            footForce=self.counts(forces),
-            footForceEst=np.zeros(4, np.int16),
-            position=np.zeros(3, np.float32),
-        )
-
-    def sport(self, sample: int, forces: Mapping[str, Any]) -> Any:
-        # A clock of its own, that is none of the log's.
-        return self.make(
-            "unitree_go/SportModeState",
-            stamp=self.make("unitree_go/TimeSpec", sec=sample, nanosec=5),
-            error_code=100,
-            foot_force=self.counts(forces),
-            foot_position_body=np.zeros(12, np.float32),
-        )
-
     def definition(self, kind: str) -> str:
         text, _ = self.store.generate_msgdef(kind, ros_version=self.ros)
         return text
+
+
+def _gazebo_pair(header: Any, leg: str, newtons: Any) -> dict[str, Any]:
+    """Make a pair; on one side of the robot the foot is body 2, so that the sign matters."""
+    names = f"robot::{leg}_leg::{leg}_foot", "ground_plane::link::collision"
+    sign = -1.0 if "left" in leg else 1.0
+    one, other = ({"name": name, "type": 4} for name in names[:: int(sign)])
+    wrenches = {"body_1_wrench": [sign * newtons], "body_2_wrench": [-sign * newtons]}
+    return {
+        "collision1": one,
+        "collision2": other,
+        "positions": [(1.0, 0.0, 0.0)],
+        "normals": [(0.0, 0.0, sign)],
+        "depths": [0.0],
+        "wrenches": [{"header": {"stamp": header.stamp}, **wrenches}],
+    }
 
 
 TOUCHES: Final = {leg: touches(leg) for leg in LEGS}

@@ -110,29 +110,20 @@ def empty_payload(type_name: str) -> bytes:
     if type_name == FOXGLOVE[0]:
         return FrameTransforms().SerializeToString()
     made, kind = walk(), _known(type_name)
-    given: dict[str, Any] = {"header": made.header(0, "world"), "traj_index": 0, "time": 0.0}
-    flags = np.empty(0, np.bool_)
     fields = dict(made.store.fielddefs[kind][1])
-    for name in fields.keys() - given.keys():
-        given[name] = flags if name == "contact_states" or kind.startswith("champ") else []
-    return made.bytes_of(kind, made.make(kind, **{name: given[name] for name in fields}))
+    frames = {"header": made.header(0, "world")} if "header" in fields else {}
+    return made.bytes_of(kind, made.make(kind, **frames))
 
 
 def transforms(sample: int) -> Any:
     """Return a message of two transforms."""
     made = walk()
-    transform = made.make(
-        "geometry_msgs/Transform",
-        translation=made.vector((0.1 * sample, 0.0, 0.0)),
-        rotation=made.make("geometry_msgs/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
-    )
     stamped = [
-        made.make(
-            "geometry_msgs/TransformStamped",
-            header=made.header(sample, "base"),
-            child_frame_id=f"leg_{leg}",
-            transform=transform,
-        )
+        {
+            "header": made.header(sample, "base"),
+            "child_frame_id": f"leg_{leg}",
+            "transform": [(0.1 * sample, 0.0, 0.0)],
+        }
         for leg in range(2)
     ]
     return made.make("tf2_msgs/TFMessage", transforms=stamped)

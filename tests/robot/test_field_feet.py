@@ -105,21 +105,20 @@ def states(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequ
     for sample in range(1200):
         loads = [load_n(sample / 100, foot) for foot in range(6)]
         legs = [
-            walk.make(
-                "odd_msgs/msg/Leg",
-                name="x" * foot,
-                counts=int(load * 10) + 7,
-                force=walk.vector((0.0, 0.0, -load)),
-                cells=np.array([0.0] * foot + [load / 9.80665], np.float32),
-            )
+            {
+                "name": "x" * foot,
+                "counts": int(load * 10) + 7,
+                "force": (0.0, 0.0, -load),
+                "cells": [0.0] * foot + [load / 9.80665],
+            }
             for foot, load in enumerate(loads)
         ]
         message = walk.make(
             STATE,
             header=walk.header(sample, "world"),
             legs=legs,
-            loads=np.array(loads[:4]),
-            flags=np.array([load > 0 for load in loads], np.uint8),
+            loads=loads[:4],
+            flags=[load > 0 for load in loads],
             left=walk.wrench((0, 0, loads[0])),
             right=walk.wrench((0, 0, loads[1])),
         )
@@ -243,7 +242,7 @@ def inside(walk: walks.Walk, kind: str, type_name: str, time_s: float, loads: li
         case "joints":
             return walk.make(
                 type_name,
-                header=walk.make("std_msgs/Header", stamp=stamp_of(walk, time_s), frame_id=""),
+                header=[stamp_of(time_s)],
                 name=["LF_hip", "RF_hip", *(f"{leg}_foot" for leg in LEGS)],
                 position=np.full(6, swing),
                 velocity=np.full(6, swing),
@@ -256,20 +255,14 @@ def inside(walk: walks.Walk, kind: str, type_name: str, time_s: float, loads: li
             return walk.make(type_name, **values)
         case "hands":
             names = ["gripper", *(f"{leg}_foot" for leg in LEGS)]
-            pads = [
-                walk.make("odd_msgs/Pad", name=name, load=load)
-                for name, load in zip(names, [0.0, *loads], strict=True)
-            ]
-            return walk.make(type_name, pads=pads)
+            return walk.make(type_name, pads=list(zip(names, [0.0, *loads], strict=True)))
         case _:
             data = np.array([[3.0 * swing, 0.5, load] for load in loads]).ravel()
-            layout = walk.make("std_msgs/MultiArrayLayout", dim=[], data_offset=0)
-            return walk.make(type_name, layout=layout, data=data)
+            return walk.make(type_name, data=data)
 
 
-def stamp_of(walk: walks.Walk, time_s: float) -> Any:
-    seconds, nanoseconds = divmod(START_NS + round(time_s * 1e9), 1_000_000_000)
-    return walk.make("builtin_interfaces/Time", sec=seconds, nanosec=nanoseconds)
+def stamp_of(time_s: float) -> tuple[int, int]:
+    return divmod(START_NS + round(time_s * 1e9), 1_000_000_000)
 
 
 def test_a_robot_of_two_files_that_are_one_recording(tmp_path: Path) -> None:

@@ -126,7 +126,7 @@ def _vector_entries(topic: VectorRecording, messages: Messages) -> Iterator[Entr
     name, template = {
         "twist": (TWIST, messages.twist()),
         "twist_stamped": (TWIST_STAMPED, messages.twist_stamped(topic.frame)),
-        "imu": (IMU, messages.imu(topic.frame)),
+        "imu": (IMU, messages.imu(topic.frame, turns=topic.vector.shape[1] > 3)),
     }[topic.kind]
     data = template.all_filled(topic.stamp, topic.vector)
     yield from _rows(topic.log_time, topic.topic, name, data)
@@ -169,9 +169,10 @@ def _transform_entries(recording: Recording, messages: Messages) -> Iterator[Ent
     hips = [(x, y, -0.5 * robot.height_m) for x, y in robot.corners_m]
     for row in np.unique(ticks).tolist():
         numbers: list[float] = []
-        for foot, hip in zip(recording.feet, hips, strict=True):
+        for number, (foot, hip) in enumerate(zip(recording.feet, hips, strict=True)):
             at = min(int(np.searchsorted(foot.time, first.time[row])), len(foot.time) - 1)
-            numbers += [*hip, *foot.link[at].tolist()]
+            place = recording.places[number][at].tolist() if recording.places else hip
+            numbers += [*place, *foot.link[at].tolist()]
         data = template.filled(int(first.stamp[row]), numbers)
         yield int(first.log_time[row]), "/tf", TF, data
 

@@ -30,15 +30,20 @@ WAYS: Final[dict[str, tuple[Disturbance, ...]]] = {
     "contact points": (),
     "forces": (FORCE, sensor.noise(0.5)),
     "places in the base": (pose.feet_in_base,),
-}
-"""Ways of telling feet. The first two have forces."""
+    "forces, transforms of the feet": (
+        FORCE, sensor.noise(0.5), sensor.in_link_frame, pose.feet_in_tf,
+    ),
+    "forces, gyroscope": (FORCE, sensor.noise(0.5), pose.with_gyroscope()),
+}  # fmt: skip
+"""Ways of telling feet, and witnesses of the pose beside them. All but the third have forces."""
 FORCES: Final = ("peak force", "braking", "load share", "impulse", "slip", "height", "froude")
 
 
 def faults() -> Iterator[Case]:
     """Each fault told by feet in each way in which anything tells of it."""
-    every = tuple(WAYS)
-    seen = every[0], every[2]
+    every = tuple(WAYS)[:3]
+    seen = every[0], *tuple(WAYS)[2:4]
+    turns = *every, *tuple(WAYS)[3:]
     quarter = radians(30.0)
     table: tuple[tuple[Fault, tuple[str, ...]], ...] = (
         (("frozen", TROT, (pose.frozen(),), "POSE_FROZEN"), every),
@@ -65,7 +70,7 @@ def faults() -> Iterator[Case]:
         (("another world, circle", CIRCLE, (pose.started_anywhere((1.0, 2.0, 0.0), -2.0),),
           "WORLDS_DIFFER"), every[:1]),
         (("frozen from 2 to 5 s", TROT, (pose.frozen(2.0, until_s=5.0),), "POSE_FROZEN"), every),
-        (("orientation constant", CIRCLE, (pose.orientation_constant,), "POSE_ORIENTATION"), every),
+        (("orientation constant", CIRCLE, (pose.orientation_constant,), "POSE_ORIENTATION"), turns),
         (("orientation constant, on the spot", ON_THE_SPOT, (pose.orientation_constant,),
           "POSE_FROZEN|POSE_ORIENTATION"), every),
         (("relocalised by 25 degrees", TROT, (pose.relocalised(4.02, radians(25.0)),),
@@ -83,7 +88,7 @@ def faults() -> Iterator[Case]:
           "CLOCK_SPEED"), every),
         (("another robot's poses", TROT, (pose.of_robot("other"),), "POSE_OTHER_ROBOT"),
          every[:2]),
-        (("planar poses uphill", UPHILL, (pose.flat,), "POSE_PLANAR"), every),
+        (("planar poses uphill", UPHILL, (pose.flat,), "POSE_PLANAR"), (*every, *tuple(WAYS)[4:])),
     )  # fmt: skip
     for (name, walk, disturbances, says), ways in table:
         for way in ways:
@@ -103,15 +108,21 @@ def sound() -> Iterator[Case]:
     run = Walk(gait=gaits.BIPED_RUN, robot=biped(), period_s=0.7, speed_mps=2.5)
     table: tuple[tuple[str, Walk, tuple[Disturbance, ...], tuple[str, ...]], ...] = (
         ("a trot", TROT, (), tuple(WAYS)),
+        ("a slow walk", SLOW, (), tuple(WAYS)),
         ("steps on the spot, one pose", STEPS, (), ("contact points", "places in the base")),
         ("a circle", CIRCLE, (), tuple(WAYS)),
         ("a turn on the spot", ON_THE_SPOT, (), tuple(WAYS)),
         ("crabwise", crab, (), tuple(WAYS)),
         ("backwards", Walk(speed_mps=-0.4), (), tuple(WAYS)),
-        ("uphill", UPHILL, (), ("contact points", "forces")),
+        ("uphill", UPHILL, (), (*tuple(WAYS)[:2], *tuple(WAYS)[3:])),
         ("odometry starts anywhere", TROT, (starts,), ("forces", "places in the base")),
         ("20 Hz odometry", TROT, (pose.rarely(20.0),), tuple(WAYS)),
-        ("planar poses on level ground", TROT, (pose.flat,), ("forces", "places in the base")),
+        (
+            "planar poses on level ground",
+            TROT,
+            (pose.flat,),
+            ("forces", "places in the base", "forces, gyroscope"),
+        ),
         ("places that are not filled in", TROT, (pose.places_unfilled,), ("places in the base",)),
         ("a run", run, (), ("contact points",)),
         ("noise of 2 mm", TROT, (world.pose_noise(0.002),), tuple(WAYS)),
@@ -150,12 +161,12 @@ def _case(
     skip = FORCES if way == "places in the base" else ()
     if walk.body_yaw_rad or isinstance(walk, CurvedWalk) or walk.speed_mps <= 0.0:
         skip = (*skip, "braking", *(() if walk.speed_mps else ("froude",)))
-    if way == "forces":
+    if way.startswith("forces"):
         skip = (*skip, "height", "froude")
-    if way != "contact points" and pose.flat in disturbances:
+    if way in {"forces", "places in the base"} and pose.flat in disturbances:
         # A level pose is all that the log tells.
         cause, skip = "", (*skip, "pitch", "climb", "verdict")
-    if way == "forces" and isinstance(walk, CurvedWalk):
+    if way in {"forces", "forces, gyroscope"} and isinstance(walk, CurvedWalk):
         # Strides of a robot that turns are known by where its feet are only.
         cause, skip = cause or "base turns", (*skip, "verdict")
     return Case(name, record, cause, says, skip=(*skip, "energy margin"))

@@ -14,7 +14,9 @@ from tests.truth.recording import (
     inverse,
     product,
     turned,
+    vector_messages,
 )
+from tests.truth.robots import GRAVITY_MPS2
 from tests.truth.time_faults import slow_simulation
 
 
@@ -31,6 +33,31 @@ def feet_in_base(recording: Recording) -> Recording:
         turn /= np.linalg.norm(turn, axis=1)[:, None]
         places.append(turned(inverse(turn), foot.point - np.stack(columns, axis=1)))
     return replace(recording, kind="spot", places=tuple(places))
+
+
+def feet_in_tf(recording: Recording) -> Recording:
+    """Let transforms tell where the frames of the feet's force sensors are on the true base."""
+    return replace(feet_in_base(recording), kind="wrench", has_tf=True)
+
+
+def with_gyroscope(noise: float = 0.02) -> Disturbance:
+    """Let an inertial unit tell accelerations and turns of the true base: apply it first."""
+
+    def change(recording: Recording) -> Recording:
+        base = recording.base
+        seconds, back = base.time, inverse(base.orientation)
+        moves = np.gradient(np.gradient(base.position, seconds, axis=0), seconds, axis=0)
+        felt = turned(back, moves + np.array([0.0, 0.0, GRAVITY_MPS2]))
+        # Of small turns, the vector part is half of the turn.
+        half = product(back[:-1], base.orientation[1:])[:, :3]
+        rate = 2.0 * half / np.diff(seconds)[:, None]
+        rate = np.concatenate([rate, rate[-1:]])
+        both = np.concatenate([felt, rate], axis=1)
+        both += np.random.default_rng(3).normal(0.0, noise, both.shape)
+        imu = vector_messages("/imu/data", "imu", seconds, both)
+        return replace(recording, beside=(*recording.beside, imu))
+
+    return change
 
 
 def places_unfilled(recording: Recording) -> Recording:

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, median_of, norms
+from dogbot_logtool.core.arrays import Floats, Ints, median_of, norms
 from dogbot_logtool.core.integral import Integral, trapezoids
 from dogbot_logtool.core.rotations import conjugate, multiply, normalised, rotate
 
@@ -104,6 +104,33 @@ def inertial_at(
         return Inertial(rates, flat.felt, flat.up, tells_up=False)
     up = np.stack([np.interp(at, ticks, column) for column in gravity.T], axis=1)
     return Inertial(rates, felt, up / norms(up)[:, None], tells_up=True)
+
+
+def turns_and_up(
+    time: Ints, acceleration: Floats, turn_rate: Floats, windows: Ints
+) -> tuple[Floats, Floats]:
+    """Return how far an inertial unit turns about the vertical in windows, and where up is.
+
+    Args:
+        time: (n,) ns, of its readings, increasing.
+        acceleration: (n, 3) m/s^2, along any axes.
+        turn_rate: (n, 3) rad/s, along the same.
+        windows: (k, 2) ns, whole strides, in which its own accelerations cancel out.
+
+    Returns:
+        (k,) rad and (k, 3) unit vectors of those windows that lie among the readings; none where
+        the accelerometer tells of no gravity.
+    """
+    first, last = time[:1].max(initial=0), time[-1:].max(initial=0)
+    begin, end = windows[(windows[:, 0] >= first) & (windows[:, 1] <= last)].T
+    columns = np.concatenate([acceleration, turn_rate], axis=1)
+    added = Integral(time, trapezoids(np.diff(time) / 1e9, columns)).added(begin, end)
+    size = norms(added[:, :3])
+    usual = size / np.maximum((end - begin) / 1e9, np.finfo(float).tiny)
+    if not len(usual) or not GRAVITY_IS[0] <= float(median_of(usual)) <= GRAVITY_IS[1]:
+        return np.empty(0), np.empty((0, 3))
+    up = added[:, :3] / size[:, None]
+    return np.asarray((added[:, 3:] * up).sum(axis=1)), up
 
 
 def _means(seconds: Floats, values: Floats, at: Floats, half_s: float) -> Floats:

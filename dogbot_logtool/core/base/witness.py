@@ -6,18 +6,19 @@ from it turn as it turns. Places of feet in the base's axes tell its velocity (`
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, median_of
-from dogbot_logtool.core.base.foot_path import FootPath
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, distinct, median_of, norms
+from dogbot_logtool.core.base.foot_path import RATE_HZ, FootPath
 from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.places import stance_places
+from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.rotations import along_heading
 
@@ -25,6 +26,10 @@ TICK_NS: Final = 50_000_000
 """ns, how often feet that rest in the world are looked at."""
 FEWEST_FOOTFALLS: Final = 3
 """Footfalls of a foot that tell of the base's motion."""
+UNSURE: Final = 0.3
+"""Share of its usual speed by which standing feet disagree from which they do not tell it."""
+UNSURE_MPS: Final = 0.1
+"""m/s, the same of a base that hardly moves."""
 _SPREAD_M: Final = 0.05
 """m between feet from which their directions tell a turn."""
 
@@ -41,6 +46,27 @@ class Witness:
     """Whether the heading is the robot's own, and not only its changes are known."""
     tells_turn: bool
     """Whether the heading turns as the feet do; else it is that of the recorded poses."""
+
+    def stand_in(self, recorded: BaseHistory, forward_rad: float) -> BaseHistory | None:
+        """Return poses of the base in place of recorded ones, of which none can be used.
+
+        Args:
+            recorded: no poses.
+            forward_rad: from the body's x axis to the axis that points forward.
+
+        Returns:
+            None where heading or turn are not known.
+        """
+        if len(recorded.time) or not (self.tells_heading and self.tells_turn):
+            return None
+        angles = self.poses.angles - np.array([0.0, 0.0, 0.0 if self.by == "legs" else forward_rad])
+        return replace(
+            self.poses,
+            angles=angles,
+            messages=recorded.messages,
+            not_usable=recorded.not_usable,
+            not_advancing=recorded.not_advancing,
+        )
 
 
 def by_points(
@@ -149,9 +175,11 @@ def by_legs(
     known = [row for row, path in enumerate(places) if path is not None and len(path.time) > 2]
     if not known:
         return None
-    paths = [places[row] for row in known]
-    time = max((path.time for path in paths if path is not None), key=len)
-    place = np.stack([path.at(time) for path in paths if path is not None], axis=1)
+    paths = [path for path in places if path is not None and len(path.time) > 2]
+    # Some messages tell the place of a foot only while it stands.
+    time = distinct(np.concatenate([path.time for path in paths]))
+    time = time[first_at_each_tick(time, RATE_HZ)]
+    place = np.stack([path.at(time) for path in paths], axis=1)
     standing = np.stack([timespans.covers(feet[row].in_contact, time) for row in known], axis=1)
     legs = leg_odometry(time, place, standing)
     tells_turn = bool(np.isfinite(legs.turn_rate[:, 2]).mean() > 0.5)
@@ -160,7 +188,8 @@ def by_legs(
         rates = np.zeros((len(time), 3))
         rates[:, 2] = np.gradient(yaw, (time - time[0]) / 1e9)
         legs = leg_odometry(time, place, standing, rates)
-    if not np.isfinite(legs.velocity[:, 0]).any():
+    speed = norms(legs.velocity[np.isfinite(legs.velocity[:, 0])])
+    if not len(speed) or legs.noise_mps > max(UNSURE_MPS, UNSURE * float(median_of(speed))):
         return None
     return Witness(dead_reckoned(legs), "legs", tells_heading=True, tells_turn=tells_turn)
 

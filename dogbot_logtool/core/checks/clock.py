@@ -54,12 +54,14 @@ def clocks_differ(walk: Walk) -> Iterator[Finding]:
             way="behind" if each.behind_s > 0.0 else "ahead of",
             jitter=each.jitter_s,
             drifts=drifts if abs(each.drift_s) > steady_s else "",
+            feet=walk.feet_on_poses,
         )
     if delay is not None:
         yield found(
             "CLOCK_OFFSET",
             "base",
             say="heave",
+            feet=walk.feet_on_poses,
             topic=base_topic,
             delay=abs(delay.delay_s),
             way="after" if delay.delay_s > 0.0 else "before",

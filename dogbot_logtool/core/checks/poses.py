@@ -6,11 +6,13 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.arrays import Floats, Ints, median_of, percentiles_of
+from dogbot_logtool.core.base.attitude import turns_and_up
 from dogbot_logtool.core.base.comparison import Comparison, compare, compare_twist, usual_way_m
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
-from dogbot_logtool.core.base.witness import stride_windows
+from dogbot_logtool.core.base.witness import motion_in, stride_windows
 from dogbot_logtool.core.gait.strides import any_strides
+from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, found
 
@@ -28,10 +30,15 @@ HEAVIEST_KG: Final = 200.0
 """Assumed where the mass is not known."""
 FEWEST_A_STRIDE: Final = 4.0
 """Distinct poses a stride from which they tell of attitude and height."""
+MOST_OF_LOG: Final = 0.03
+"""Share of the log that lies between two distinct poses from which its whole path is not known."""
 TURNS_RAD: Final = np.radians(20.0)
 """A course that turns by more tells whether the orientation turns with it."""
 TURNS_WITH: Final = 0.5
 """Least share of a witness's turn that is the same turn."""
+LEANS_RAD: Final = np.radians(5.0)
+"""An accelerometer that leans by more does not sit on a level base; mountings are as good."""
+UPRIGHT: Final = np.array([0.0, 0.0, 1.0])
 CLIMBS_M: Final = 0.05
 """m that feet rise or fall from which poses that keep their z are planar."""
 
@@ -57,10 +64,11 @@ def frozen(walk: Walk) -> Iterator[Finding]:
         why = f"by {still.by} the base moves at {still.moves_mps or 0.0:.2f} m/s"
         if still.turns_radps:
             why += f" and turns at {still.turns_radps:.2f} rad/s"
+    case = "whole" if still.whole else "part"
     yield _doubted(
         walk,
         "POSE_FROZEN",
-        "whole" if still.whole else "part",
+        *(() if walk.base_by_feet else (case,)),
         seconds=timespans.total(still.spans) / 1e9,
         at=walk.seconds(still.spans[:, 0])[0],
         steps=sum(len(foot.record.stances.touchdown) for foot in walk.feet),
@@ -132,11 +140,51 @@ def orientation(walk: Walk) -> Iterator[Finding]:
                 told = own, other, compared.by
             break
     else:
-        told = _course_turns(walk, windows)
+        told = _gyroscope_turns(walk, windows) or _course_turns(walk, windows)
     if told is not None:
         own, other, by = told
         turned = np.degrees([own, other]).tolist()
         yield _doubted(walk, "POSE_ORIENTATION", own=turned[0], told=turned[1], by=by)
+
+
+def _gyroscope_turns(walk: Walk, windows: Ints) -> tuple[float, float, str] | None:
+    """Return how far the orientation turns and how far the gyroscope says; None: they agree."""
+    turns, _ = _inertial(walk, windows)
+    own = motion_in(walk.poses, windows).turn
+    if not len(turns) or len(turns) != len(own):
+        return None
+    both = np.isfinite(turns) & np.isfinite(own)
+    turned, told = float(own[both].sum()), float(turns[both].sum())
+    if abs(told) > TURNS_RAD and turned * np.sign(told) < TURNS_WITH * abs(told):
+        return turned, told, "the gyroscope"
+    return None
+
+
+def _inertial(walk: Walk, windows: Ints) -> tuple[Floats, Floats]:
+    """Return turns and directions of up in windows by the inertial unit; see `turns_and_up`."""
+    topic = walk.settings.imu_topic
+    for each in walk.beside:
+        if topic and each.topic == topic:
+            return turns_and_up(each.time, each.vector, each.turn_rate, windows)
+    return np.empty(0), np.empty((0, 3))
+
+
+def _leans_rad(walk: Walk, windows: Ints) -> float:
+    """Return how far the accelerometer leans in a quarter of the windows or more, rad.
+
+    Where its mounting is known, from the base's upright; else from its own usual direction.
+    """
+    _, up = _inertial(walk, windows)
+    if not len(up):
+        return 0.0
+    usual, mounting = median_of(up, axis=0), walk.settings.imu_mounting
+    frames = () if walk.recording.accelerations is None else walk.recording.accelerations.frames
+    if mounting is not None:
+        up, usual = rotate(np.array([mounting]), up), UPRIGHT
+    elif [name.lstrip("/") for name in frames] == [walk.frames.base]:
+        usual = UPRIGHT
+    cosine = np.clip(up @ usual / np.linalg.norm(usual), -1.0, 1.0)
+    return float(percentiles_of(np.arccos(cosine), 75.0))
 
 
 def _course_turns(walk: Walk, windows: Ints) -> tuple[float, float, str] | None:
@@ -161,7 +209,7 @@ def _course_turns(walk: Walk, windows: Ints) -> tuple[float, float, str] | None:
 def planar(walk: Walk) -> Iterator[Finding]:
     """Yield that poses are those of a plane: z, roll and pitch never change."""
     poses = walk.poses
-    if len(poses.time) < 2 or not len(_windows(walk)):
+    if walk.base_by_feet or len(poses.time) < 2 or not len(_windows(walk)):
         return
     flat = np.column_stack([poses.position[:, 2], poses.angles[:, :2]])
     if float(np.ptp(flat, axis=0).max()) > 0.0:
@@ -176,6 +224,9 @@ def planar(walk: Walk) -> Iterator[Finding]:
     elif leans and leans > ASIDE_RAD / 3.0:
         feet = f", while the feet's plane leans by {np.degrees(leans):.0f} degrees"
         yield found("POSE_PLANAR", "contradicted", where=where, while_feet=feet)
+    elif (lean := _leans_rad(walk, _windows(walk))) > LEANS_RAD:
+        feet = f", while the accelerometer leans by {np.degrees(lean):.0f} degrees"
+        yield found("POSE_PLANAR", "contradicted", where=where, while_feet=feet)
     elif walk.poses.position[0, 2] == 0.0:
         yield found("POSE_PLANAR", where=where, while_feet="")
 
@@ -188,6 +239,9 @@ def rate(walk: Walk) -> Iterator[Finding]:
         return
     per_stride = period_s / interval_s
     cases = ("rare",) if per_stride < FEWEST_A_STRIDE else ()
+    if interval_s > MOST_OF_LOG * float(np.ptp(poses.time)) / 1e9:
+        # Where the base goes after the last pose is not known.
+        cases = (*cases, "short")
     rates = f"{1.0 / interval_s:.2g} distinct poses a second, {per_stride:.1f} a stride"
     if poses.repeated or cases:
         say = "plain" if poses.repeated else "rare"
@@ -209,7 +263,7 @@ def _windows(walk: Walk) -> Ints:
 def _comparisons(walk: Walk) -> Iterator[Comparison]:
     """Yield comparisons of the poses, the surest first."""
     windows = _windows(walk)
-    if not len(windows) or walk.ground is not None:
+    if not len(windows) or walk.ground is not None or walk.base_by_feet:
         return
     forward_rad = FORWARD_ANGLES[walk.settings.forward_axis]
     if walk.witness is not None:
@@ -223,7 +277,6 @@ def _comparisons(walk: Walk) -> Iterator[Comparison]:
 
 def _doubted(walk: Walk, code: str, *cases: str, say: str = "", **values: object) -> Finding:
     """Return a finding about the poses, and about the feet whose places rest on them."""
-    by_points = walk.witness is not None and walk.witness.by == "contact points"
-    names = () if by_points else tuple(foot.name for foot in walk.feet)
+    names = () if walk.base_by_feet else walk.feet_on_poses
     placed = ("placed",) if names else ()
     return found(code, *cases, *placed, where="base", say=say or "plain", feet=names, **values)

@@ -10,7 +10,7 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.report.numbers import NOTHING, decimal, percent
+from dogbot_logtool.report.numbers import NOTHING, percent
 from dogbot_logtool.report.page.chart import (
     MARGIN,
     NEUTRAL,
@@ -157,7 +157,7 @@ def load_curves(walk: Walk) -> Drawing | None:
         return None
     lines = [_loads(walk, foot, row) for row, foot in enumerate(walk.feet)]
     drawn = np.concatenate([[0.0, 1.0], *(each.curve.value for pair in lines for each in pair)])
-    low, high = min(0.0, 1.05 * drawn.min()), 1.05 * drawn.max()
+    low, high = min(0.0, 1.05 * np.nanmin(drawn)), 1.05 * np.nanmax(drawn)
     rows = []
     names = short_names([foot.name for foot in walk.feet])
     for row, (foot, pair) in enumerate(zip(walk.feet, lines, strict=True)):
@@ -169,7 +169,7 @@ def load_curves(walk: Walk) -> Drawing | None:
         traces = [(0, each) for each in (shading, *(each.trace for each in pair))]
         rows.append(Row(f"{names[row]} (N)", traces, (low, high)))
     peaks = [
-        f"{foot.name} {decimal(float(pair[0].curve.value.max()), 1)} N"
+        f"{foot.name} {np.nanmax(pair[0].curve.value):.1f} N"
         for foot, pair in zip(walk.feet, lines, strict=True)
         if pair
     ]
@@ -177,7 +177,7 @@ def load_curves(walk: Walk) -> Drawing | None:
     words = "The sensors tell contact, not force. Shaded: stance."
     if peaks:
         words = "Line: |F|; dotted: its vertical part, where known; shaded: stance."
-        words += _what_is_left_out(max(each.curve.bin_ns for pair in lines for each in pair))
+        words += _what_is_left_out(max(each.curve.bin_s for pair in lines for each in pair))
     feet = [{"yref": f"y{row + 1} domain", "y0": 0.0, "y1": 1.0} for row in range(len(rows))]
     drawn_rows = grid(rows, time_axis(walk), ROW_PIXELS)
     return Drawing("loads", "Loads", alt, words, *drawn_rows, over_time=True, feet=feet)
@@ -205,11 +205,11 @@ def _loads(walk: Walk, foot: FootSteps, row: int) -> list[Line]:
     return [each for each in lines if each is not None]
 
 
-def _what_is_left_out(bin_ns: int) -> str:
-    if bin_ns <= 1:
+def _what_is_left_out(bin_s: float) -> str:
+    if not bin_s:
         return ""
     return (
-        f" Of every {bin_ns / 1e6:.3g} ms the lowest and the highest sample are drawn, so every "
+        f" Of every {bin_s * 1e3:.3g} ms the lowest and the highest sample are drawn, so every "
         "peak is there; the typical strides are drawn in full, and so is a short part that --start "
         "and --end choose."
     )

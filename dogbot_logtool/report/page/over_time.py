@@ -28,7 +28,7 @@ from dogbot_logtool.report.page.chart import (
 from dogbot_logtool.report.text.gait_diagram import default_window
 
 ROW_PIXELS: Final = 105
-_BINS: Final = 900
+_BINS: Final = 600
 """Bins of a curve, each with its lowest and highest value: twice as many points."""
 _BESIDE_S: Final = 0.1
 """s before and after a time between which its speed is measured."""
@@ -66,20 +66,13 @@ def line_over_time(
         dash: as Plotly names it.
         more: of the trace.
     """
-    time, value = curve
-    coarse = curve_of(time, value, _BINS)
-    if coarse is None:
+    typical = [walk.origin + round(each * 1e9) for each in default_window(walk)]
+    found = curve_of(*curve, breaks, _BINS, (typical[0], typical[1]))
+    if found is None:
         return None
-    first, last = (walk.origin + round(each * 1e9) for each in default_window(walk))
-    # Whole bins, so that each is either replaced or kept.
-    window = first // coarse.bin_ns * coarse.bin_ns, -(-last // coarse.bin_ns) * coarse.bin_ns - 1
-    fine = curve_of(time, value, window=window)
-    unknown = timespans.spans_where(time, np.isnan(value[:-1]))
-    no_line = timespans.merge(np.concatenate([breaks, unknown]))
-    x, y = (coarse if fine is None else coarse.refined(fine, window)).line(no_line)
     words = {"hovertemplate": hover} | (more or {})
-    trace = line(seconds(walk, x), y, name, colour, width=width, dash=dash, more=words)
-    return Line(coarse, trace)
+    x = seconds(walk, found.time)
+    return Line(found, line(x, found.value, name, colour, width=width, dash=dash, more=words))
 
 
 def _row(title: str, lines: Sequence[Line | None], least: float) -> Iterator[Row]:

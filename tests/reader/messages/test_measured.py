@@ -1,6 +1,6 @@
 """The synthetic walk in every type of contact message: what is measured, said and drawn of it."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -123,8 +123,7 @@ def test_counts_of_a_robot_that_stands_tell_nothing(tmp_path: Path) -> None:
     counts = np.random.default_rng(1).normal(120.0, 4.0, (400, 4))
     entries = []
     for sample, values in enumerate(counts):
-        message = walk.go(sample, dict.fromkeys(walks.LEGS, np.zeros(3)))
-        message.foot_force = values.astype(np.int16)
+        message = walk.make(kind, foot_force=values, tick=sample)
         time = walks.START + sample * walks.STEP
         entries.append(walks.Entry("/feet", kind, time, walk.bytes_of(kind, message)))
     found = figures(written(tmp_path, walk, entries), MeasureOptions(robot="generic"))
@@ -193,15 +192,15 @@ def test_counts_of_two_levels_tell_contact(tmp_path: Path) -> None:
 class Unflagged(StateWalk):
     """A publisher that never sets its flags."""
 
-    def _flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
-        return np.zeros_like(super()._flags(sample, legs))
+    def flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
+        return np.zeros_like(super().flags(sample, legs))
 
 
 class Shifted(StateWalk):
     """A plan whose flags end contact before the force does."""
 
-    def _flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
-        return super()._flags(min(sample + 4, walks.SAMPLES - 1), legs)
+    def flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
+        return super().flags(min(sample + 4, walks.SAMPLES - 1), legs)
 
 
 @pytest.mark.parametrize(("maker", "shift_s"), [(Unflagged, 0.0), (Shifted, -0.04)])
@@ -236,11 +235,10 @@ def test_two_feet_are_not_one_element(tmp_path: Path) -> None:
 class WithArm(StateWalk):
     """A robot whose messages tell of a gripper, too."""
 
-    def _syropod_highlevel_controller(self, kind: str, sample: int) -> Any:
-        message = super()._syropod_highlevel_controller(kind, sample)
-        message.name = ["gripper", *(f"{name[:2]}_foot" for name in message.name)]
-        message.wrench = [self.wrench((0.0, 0.0, -12.0)), *message.wrench]
-        return message
+    def contacts(self, kind: str, sample: int) -> Iterator[tuple[str, Any]]:
+        names = ["gripper", *(f"{tip[:2]}_foot" for tip in state_walks.TIPS.values())]
+        wrenches = [[force] for force in ((0.0, 0.0, -12.0), *self.forces(sample))]
+        yield "/feet", self.make(kind, name=names, wrench=wrenches, **self.stamped(sample, ""))
 
 
 def test_a_gripper_among_feet_is_no_foot(tmp_path: Path) -> None:
@@ -254,15 +252,9 @@ def test_a_gripper_among_feet_is_no_foot(tmp_path: Path) -> None:
 class Ballbot(StateWalk):
     """A robot without legs that uses the same controller."""
 
-    def _ocs2_msgs(self, kind: str, sample: int) -> Any:
-        value = np.zeros(10, np.float32)
-        return self.make(
-            kind,
-            time=0.01 * sample,
-            state=self.make("ocs2_msgs/mpc_state", value=value),
-            input=self.make("ocs2_msgs/mpc_input", value=value[:3]),
-            mode=0,
-        )
+    def contacts(self, kind: str, sample: int) -> Iterator[tuple[str, Any]]:
+        state = {"state": [np.zeros(10)], "input": [np.zeros(3)]}
+        yield "/feet", self.make(kind, time=0.01 * sample, **state)
 
 
 @pytest.mark.parametrize(
@@ -325,14 +317,10 @@ class TurnedSensors(walks.Walk):
         return super().wrench(np.array(values) * (1.0, -1.0, -1.0))
 
     def frames(self) -> walks.Entry:
-        turned = self.make("geometry_msgs/Quaternion", x=1.0, y=0.0, z=0.0, w=0.0)
-        pose = self.make(
-            "geometry_msgs/Transform", translation=self.vector((0, 0, 0)), rotation=turned
-        )
-        name, kind = "geometry_msgs/TransformStamped", "tf2_msgs/msg/TFMessage"
+        kind, turned = "tf2_msgs/msg/TFMessage", {"rotation": (1.0, 0.0, 0.0, 0.0)}
         header = self.header(0, "base")
         transforms = [
-            self.make(name, header=header, child_frame_id=f"{leg}_sensor", transform=pose)
+            {"header": header, "child_frame_id": f"{leg}_sensor", "transform": turned}
             for leg in walks.LEGS
         ]
         data = self.bytes_of(kind, self.make(kind, transforms=transforms))

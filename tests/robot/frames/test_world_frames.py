@@ -100,20 +100,13 @@ class SwingingSensors(walks.Walk):
         kind = "tf2_msgs/msg/TFMessage"
         for sample in range(0, walks.SAMPLES, 2):
             half = self.pitch(sample) / 2
-            turn = self.make(
-                "geometry_msgs/Quaternion", x=0.0, y=np.sin(half), z=0.0, w=np.cos(half)
-            )
+            turn = 0.0, np.sin(half), 0.0, np.cos(half)
             transforms = [
-                self.make(
-                    "geometry_msgs/TransformStamped",
-                    header=self.header(sample, "base"),
-                    child_frame_id=f"{leg}_sensor",
-                    transform=self.make(
-                        "geometry_msgs/Transform",
-                        translation=self.vector((place, -place, -0.4)),
-                        rotation=turn,
-                    ),
-                )
+                {
+                    "header": self.header(sample, "base"),
+                    "child_frame_id": f"{leg}_sensor",
+                    "transform": {"translation": (place, -place, -0.4), "rotation": turn},
+                }
                 for place, leg in enumerate(walks.LEGS)
             ]
             data = self.bytes_of(kind, self.make(kind, transforms=transforms))
