@@ -45,31 +45,24 @@ __all__ = [
     "read",
 ]
 _MODULES: Final = {
-    "errors": ("CallError", "LogError", "LogtoolError"),
-    "api.functions": (
-        "check",
-        "compare",
-        "compare_gait",
-        "convert",
-        "info",
-        "measure",
-        "read",
-    ),
-    "api.recording": ("Recording",),
-    "api.table": ("Table",),
-    "api.walk": ("Walk",),
+    "CallError": "errors",
+    "LogError": "errors",
+    "LogtoolError": "errors",
+    "Recording": "api.recording",
+    "Table": "api.table",
+    "Walk": "api.walk",
 }
-"""Modules of the public names, below this package."""
+"""Modules of the public names that are no functions, below this package."""
 
 
 if not TYPE_CHECKING:  # else a checker would take every name for one of ours
 
     def __getattr__(name: str) -> Any:  # noqa: ANN401 - any public name
         """Load a public name."""
-        for module, names in _MODULES.items():
-            if name in names:
-                return getattr(import_module(f"{__name__}.{module}"), name)
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        if name not in __all__:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        module = _MODULES.get(name, "api.functions")
+        return getattr(import_module(f"{__name__}.{module}"), name)
 
 
 def __dir__() -> list[str]:

@@ -149,7 +149,6 @@ class Figures:
     strides: "StrideTable"
     interval_s: float
     """s, the longest sampling interval of its feet: no time is known more finely."""
-    robot: str
     damage: Damage
     whole: "Measurement | None" = None
     """All there is, if it was asked for."""

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import closing
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -29,7 +30,7 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import Location, location
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.report.table_file import stride_table
+from dogbot_logtool.report.strides import stride_table
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.robot.annotated import open_recorded
 
@@ -79,7 +80,7 @@ class Walk:
     @cached_property
     def strides(self) -> Table:
         """Whole strides, foot by foot: the rows of `export --table strides`."""
-        strides = stride_table(self._walk, void_patterns(self._measured.findings))
+        strides = stride_table(self._walk)
         return Table({"foot": texts(list(strides.foot)), **strides.columns})
 
     @cached_property
@@ -209,11 +210,12 @@ class Walk:
         require_libraries()
         from dogbot_logtool.commands.report import Reports  # noqa: PLC0415
         from dogbot_logtool.io.targets import Output  # noqa: PLC0415
+        from dogbot_logtool.option import part_of  # noqa: PLC0415
+        from dogbot_logtool.options import Report  # noqa: PLC0415
 
         page = Output(location(os.fspath(target)), is_folder=False)
-        Reports([self.path], page, self._options, overwrite=overwrite, with_replay=replay).write(
-            self.path
-        )
+        options = replace(part_of(self._options, Report), replay=replay)
+        Reports([self.path], page, overwrite=overwrite).write(self.path, options)
 
     def all_samples(self) -> Iterator[Table]:
         """Read the log again and yield the samples of each foot.

@@ -15,10 +15,10 @@ from dogbot_logtool.cli.messages import note, say, say_damage, say_failures
 from dogbot_logtool.errors import DAMAGED, LogtoolError
 from dogbot_logtool.io.plain_json import readable_json
 from dogbot_logtool.io.storage import valid_unicode, without_secrets
-from dogbot_logtool.options import MeasureOptions, QuietOptions
+from dogbot_logtool.options import JobOptions, MeasureOptions, QuietOptions
 from dogbot_logtool.report.text.progress import ProgressBars
 from dogbot_logtool.run.inputs import LogSet, find_logs
-from dogbot_logtool.run.runner import Command, Failure, Runner, Work, runner_for
+from dogbot_logtool.run.runner import Command, Failure, Runner, SerialRunner, runner_for
 
 if TYPE_CHECKING:
     from dogbot_logtool.reader.containers.loss import Damage
@@ -53,8 +53,7 @@ class Call:
 
             check_robot_options(options)
         self._quiet = options.quiet
-        self._scheduler: str | None = getattr(options, "scheduler", None)
-        self._jobs: int = getattr(options, "jobs", 1)
+        self._for_workers = getattr(options, "scheduler", None) is not None
         self._results: list[dict[str, Any]] = []
         self._codes: set[int] = set()
         self._notes: list[str] = []
@@ -67,7 +66,7 @@ class Call:
         Raises:
             CallError: a word names nothing.
         """
-        log_set = find_logs(words, for_workers=self._scheduler is not None)
+        log_set = find_logs(words, for_workers=self._for_workers)
         for name, sentence in log_set.failures:
             self._add_failure(name, sentence, LogtoolError.exit_code)
         if log_set.left_out:
@@ -84,16 +83,13 @@ class Call:
         joined = tuple(other.path for other in others)
         return replace(log_set, logs=(first,)), replace(options, joined=joined)
 
-    def runner(self, command: Command, logs: int) -> Runner[Any]:
-        """Choose what works on so many logs; see `runner_for`."""
-        return runner_for(command, logs, self._jobs, self._scheduler)
-
     def each(
         self,
-        work: Work[Result],
+        work: Callable[..., Result],
+        options: JobOptions,
         items: Sequence[object],
         names: Sequence[str],
-        runner: Runner[Result],
+        command: Command | None = None,
         on_outcome: Callable[[int, Result | None, str], None] | None = None,
     ) -> Iterator[Result]:
         """Work on all logs; yield the results in order, after their damage was said.
@@ -101,13 +97,19 @@ class Call:
         A failure is reported, and is an outcome.
 
         Args:
-            work: what is done.
+            work: is called with an item, `options` and `progress`.
+            options: of the work.
             items: what it is done to.
             names: of the items.
-            runner: works on them; is closed at the end.
+            command: whose work it is, for `runner_for`; None: one item after the other, here.
             on_outcome: called with the number of each item, its result and, where there is none,
                 the sentence on why.
         """
+        runner: Runner[Result] = SerialRunner(options.jobs)
+        if command is not None:
+            scheduler = getattr(options, "scheduler", None)
+            runner = runner_for(command, len(items), options.jobs, scheduler)
+        work = partial(work, options=replace(options, jobs=runner.jobs))
         bars = ProgressBars(names, shown=not self._quiet)
         with runner, bars:
             outcomes = runner.run(work, items, bars)
@@ -122,17 +124,17 @@ class Call:
                     on_outcome(number, outcome, "")
                 yield outcome
 
-    def figures(self, logs: LogSet, options: MeasureOptions) -> "list[Figures]":
-        """Measure the logs of one of two sides that are compared."""
-        from dogbot_logtool.commands.tasks import figures  # noqa: PLC0415 - of two commands
+    def measured(self, logs: LogSet, options: MeasureOptions) -> "Iterator[Figures]":
+        """Measure logs whose metrics are judged or compared."""
+        from dogbot_logtool.commands.tasks import figures  # noqa: PLC0415 - of some commands
 
-        runner = self.runner("stats", len(logs.paths))
-        work = partial(figures, options=replace(options, jobs=runner.jobs))
-        measured = []
-        for done in self.each(work, logs.paths, logs.names, runner):
-            self.add(done.json)
-            measured.append(done)
-        return measured
+        return self.each(figures, options, logs.paths, logs.names, "stats")
+
+    def side(self, logs: LogSet, options: MeasureOptions) -> "list[Figures]":
+        """Measure the logs of one of two sides that are compared."""
+        found = [*self.measured(logs, options)]
+        self._results += [{}] * len(found)
+        return found
 
     def add_damage(self, damage: "Damage") -> None:
         """Say what was lost of a log, if anything was; the exit code tells, too."""

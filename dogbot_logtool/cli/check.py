@@ -1,15 +1,11 @@
 """`check` on the command line."""
 
-from collections.abc import Iterator
-from dataclasses import replace
-from functools import partial
 from typing import NoReturn
 
 import click
 
 from dogbot_logtool.cli.call import Call
 from dogbot_logtool.commands.check import check, exit_code, read_limits
-from dogbot_logtool.commands.tasks import figures
 from dogbot_logtool.comparison.judge import Judgement
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.output import whole_file
@@ -19,8 +15,6 @@ from dogbot_logtool.options import Check
 from dogbot_logtool.report.check_report import check_json, check_junit, print_check
 from dogbot_logtool.report.documents import damage_json
 from dogbot_logtool.report.text.console import results
-from dogbot_logtool.results import Figures
-from dogbot_logtool.run.inputs import LogSet
 
 
 def run(options: Check) -> NoReturn:
@@ -36,7 +30,7 @@ def run(options: Check) -> NoReturn:
     if junit is not None:
         refuse_bad_report(junit, logs.paths, overwrite=options.overwrite)
     checked: dict[str, list[Judgement]] = {}
-    for done in _measured(call, logs, options):
+    for done in call.measured(logs, options):
         name = done.json["log"]["path"]
         judgements = checked[name] = check(done.json, limits)
         document = {**check_json(name, judgements), "damage": damage_json(done.damage)}
@@ -49,12 +43,6 @@ def run(options: Check) -> NoReturn:
     call.finish(as_json=options.json)
 
 
-def _measured(call: Call, logs: LogSet, options: Check) -> Iterator[Figures]:
-    runner = call.runner("stats", len(logs.paths))
-    work = partial(figures, options=replace(options, jobs=runner.jobs))
-    yield from call.each(work, logs.paths, logs.names, runner)
-
-
 def _suggest(call: Call, options: Check) -> NoReturn:
     """Print limits that all logs pass."""
     from dogbot_logtool.comparison.suggestion import doubts, suggest_limits  # noqa: PLC0415
@@ -63,7 +51,7 @@ def _suggest(call: Call, options: Check) -> NoReturn:
         raise CallError("--suggest prints a limits file; it goes with none of the other outputs")
     logs, options = call.joined_logs(options)
     documents = {}
-    for done in _measured(call, logs, options):
+    for done in call.measured(logs, options):
         documents[done.json["log"]["path"]] = done.json
         call.add(done.json)
     names, runs = [printable(name) for name in documents], list(documents.values())

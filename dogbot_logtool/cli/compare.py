@@ -76,7 +76,7 @@ def _compare_gait(call: Call, options: Compare) -> NoReturn:
 
     measuring = part_of(options, MeasureOptions)
     sides = [call.logs((word,)) for word in (options.expected, options.actual)]
-    measured = [call.figures(side, measuring) for side in sides]
+    measured = [call.side(side, measuring) for side in sides]
     if not all(measured):
         call.finish()
     found = compare_gait(*measured)

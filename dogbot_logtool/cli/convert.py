@@ -1,7 +1,6 @@
 """`convert` on the command line."""
 
 from dataclasses import replace
-from functools import partial
 from typing import Any, NoReturn
 
 from dogbot_logtool.cli.call import Call
@@ -23,10 +22,9 @@ def run(options: Convert) -> NoReturn:
     if options.scheduler is not None:
         where = replace(where, path=from_root(where.path))
     pairs = targets(logs.paths, where, _ENDING, logs.below)
-    runner = call.runner("convert", len(pairs))
-    chosen = replace(options, jobs=runner.jobs, makes_folder=where.is_folder)
-    tasks = conversion_tasks(pairs, may_repeat=runner.may_repeat)
-    for done in call.each(partial(convert_task, options=chosen), tasks, logs.names, runner):
+    options = replace(options, makes_folder=where.is_folder)
+    tasks = conversion_tasks(pairs, options)
+    for done in call.each(convert_task, options, tasks, logs.names, "convert"):
         call.add(_json(done) if options.json else {})
         if not options.quiet:
             from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415 - rich costs 40 ms

@@ -1,8 +1,6 @@
 """`export` on the command line."""
 
 import sys
-from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import NoReturn
 
@@ -15,10 +13,10 @@ from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, from_root, location, shown
 from dogbot_logtool.io.targets import refuse_no_name
 from dogbot_logtool.options import Export
-from dogbot_logtool.report.table_file import TableFile, table_file
+from dogbot_logtool.report.table_file import TableFile
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.run.inputs import LogSet
-from dogbot_logtool.run.runner import OnProgress, SerialRunner
+from dogbot_logtool.run.runner import OnProgress
 
 
 def run(options: Export) -> NoReturn:
@@ -31,7 +29,7 @@ def run(options: Export) -> NoReturn:
     if options.output in {None, "-"}:
         if options.overwrite:
             raise CallError("--overwrite goes with -o FILE")
-        _write(call, logs, options, table_file("stdout.csv", sys.stdout.buffer))
+        _write(call, logs, options, TableFile("stdout.csv", sys.stdout.buffer))
         call.finish()
     refuse_no_name(options.output or "")
     target = Path(options.output or "")
@@ -40,7 +38,7 @@ def run(options: Export) -> NoReturn:
     with whole_file(
         target, overwrite=options.overwrite, is_wanted=lambda: call.has_results
     ) as file:
-        table = table_file(target.name, file)
+        table = TableFile(target.name, file)
         _write(call, logs, options, table)
         table.finish()
     call.finish()
@@ -67,15 +65,14 @@ def _write(call: Call, logs: LogSet, options: Export, file: TableFile) -> None:
     """Export all logs, one after the other."""
     table = options.table or "strides"
 
-    def export(log: Location, progress: OnProgress | None = None) -> Measurement:
+    def export(log: Location, options: Export, progress: OnProgress) -> Measurement:
         measured = measure(log, options, progress)
         walk = Walk(log, measured, options)
         for each in walk.all_samples() if table == "samples" else [getattr(walk, table)]:
             file.add({"log": texts([shown(log)] * len(each)), **each.columns})
         return measured
 
-    runner: SerialRunner[Measurement] = SerialRunner(options.jobs)
-    for _ in call.each(export, logs.paths, logs.names, runner):
+    for _ in call.each(export, options, logs.paths, logs.names):
         call.add({})
 
 
@@ -102,11 +99,10 @@ def _dataset(call: Call, logs: LogSet, options: Export, name: str) -> NoReturn:
         run.measured += 1
         run.damaged += damaged
 
-    runner = call.runner("stats", len(pending.entries))
-    work = partial(measure_entry, options=replace(options, jobs=runner.jobs))
-    for _ in call.each(work, pending.entries, pending.log_set.names, runner, take):
+    names = pending.log_set.names
+    for _ in call.each(measure_entry, options, pending.entries, names, "stats", take):
         call.add({})
     if not options.quiet:
         run.failed = len(call.failures)
-        print_dataset(diagnostics(), shown(dataset.files.root), run)
+        print_dataset(diagnostics(), shown(dataset.root), run)
     call.finish()

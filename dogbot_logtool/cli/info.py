@@ -1,7 +1,5 @@
 """`info` on the command line."""
 
-from dataclasses import replace
-from functools import partial
 from typing import NoReturn
 
 from dogbot_logtool.cli.call import Call
@@ -15,9 +13,7 @@ def run(options: Info) -> NoReturn:
     """Print what is in each log."""
     call = Call(options)
     logs, options = call.joined_logs(options)
-    runner = call.runner("info", len(logs.paths))
-    work = partial(describe, options=replace(options, jobs=runner.jobs))
-    for found in call.each(work, logs.paths, logs.names, runner):
+    for found in call.each(describe, options, logs.paths, logs.names, "info"):
         call.add(info_json(found))
         if not options.json:
             print_info(results(), found)

@@ -15,8 +15,6 @@ from dogbot_logtool.report.documents import page_json
 from dogbot_logtool.report.page import require_libraries
 from dogbot_logtool.report.text.console import diagnostics
 from dogbot_logtool.report.text.written_text import print_comparison_page, print_page
-from dogbot_logtool.results import Page
-from dogbot_logtool.run.runner import SerialRunner
 
 
 def run(options: Report) -> NoReturn:
@@ -30,12 +28,9 @@ def run(options: Report) -> NoReturn:
     logs, options = call.joined_logs(options)
     several = not options.join and may_be_several(options.logs, logs.paths)
     where = output_at(options.output, ".report.html", several=several)
-    reports = Reports(
-        logs.paths, where, options, overwrite=options.overwrite, with_replay=options.replay
-    )
+    reports = Reports(logs.paths, where, overwrite=options.overwrite)
     # One after the other, since the index needs them all.
-    runner: SerialRunner[Page] = SerialRunner(options.jobs)
-    for done in call.each(reports.write, logs.paths, logs.names, runner):
+    for done in call.each(reports.write, options, logs.paths, logs.names):
         call.add(page_json(done))
         if not options.quiet:
             print_page(diagnostics(), done, verbose=options.verbose)
@@ -56,7 +51,7 @@ def _against(call: Call, options: Report) -> NoReturn:
     sides = [call.logs(options.logs), call.logs(options.against)]
     where = output_at(options.output, ENDING, several=False)
     target = comparison_target(where, *(each.paths for each in sides), overwrite=options.overwrite)
-    first, second = (call.figures(each, options) for each in sides)
+    first, second = (call.side(each, options) for each in sides)
     if not (first and second):
         call.finish()
     done = report_against(

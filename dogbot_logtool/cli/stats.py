@@ -1,6 +1,5 @@
 """`stats` on the command line."""
 
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import NoReturn
@@ -25,14 +24,10 @@ def run(options: Stats) -> NoReturn:
         refuse_bad_figure(target, logs.paths, overwrite=options.overwrite)
     elif options.overwrite:
         raise CallError("--overwrite goes with --figure")
-    runner = call.runner("stats", len(logs.paths))
     is_one = len(logs.paths) == 1
-    chosen = replace(options, jobs=runner.jobs)
-    work = partial(
-        figures, options=chosen, whole=is_one, as_json=options.json, detail=options.verbose
-    )
+    work = partial(figures, whole=is_one, as_json=options.json, detail=options.verbose)
     measured: list[Figures] = []
-    for done in call.each(work, logs.paths, logs.names, runner):
+    for done in call.each(work, options, logs.paths, logs.names, "stats"):
         call.add(done.json)
         if done.whole is not None and target is not None:
             _draw(done.whole, target, options)

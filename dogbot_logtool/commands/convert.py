@@ -1,15 +1,14 @@
 """`dogbot-logtool convert`: write an annotated MCAP of a log."""
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_planned
-from dogbot_logtool.conversion.annotate import Scene, draw
-from dogbot_logtool.conversion.annotated_log import AnnotatedLog
+from dogbot_logtool.conversion.annotate import draw
+from dogbot_logtool.conversion.annotated_log import AnnotatedLog, annotations_of
 from dogbot_logtool.conversion.copying import make_copier
-from dogbot_logtool.conversion.findings import bad_poses, drawing_findings
-from dogbot_logtool.conversion.plan import make_plan, refuse_unknown_names
+from dogbot_logtool.conversion.findings import bad_poses, count_findings
+from dogbot_logtool.conversion.plan import ConversionPlan, make_plan, refuse_unknown_names
 from dogbot_logtool.conversion.provenance import provenance_record
-from dogbot_logtool.conversion.writing import annotations_of
 from dogbot_logtool.core.checks.frames import columns_corrected, frames_known
-from dogbot_logtool.finding import by_severity
+from dogbot_logtool.finding import Severity, by_severity, found
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.options import ConvertOptions
@@ -24,7 +23,6 @@ from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.measuring.plan import make_plan as plan_measuring
-from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.run.runner import OnProgress
 
 
@@ -68,22 +66,25 @@ def convert(
                 alongside=Alongside(copier, output.copy),
                 start=start,
             )
-            scene = _scene(log, output, measured, options)
-            annotations, moved = annotations_of(log, scene.plan)
+            walk = measured.measurement.walk
+            plan = make_plan(log, measured.selection, walk, options, copier.left_out)
+            scene = draw(plan, walk, output.recorded_arrows())
+            annotations, moved = annotations_of(log, plan)
             counts = output.annotate(scene, annotations, _half(progress, 1), start)
-            losses = _finish(log, output, measured, scene)
+            losses = _finish(log, output, measured, plan)
     finally:
         log.close()
     topics = annotations.added.topics()
-    ours = {topic: output.messages.get(channel, 0) for channel, topic in topics.items()}
-    walk = measured.measurement.walk
     findings = [
         *measured.known,
         *frames_known(walk),
         *columns_corrected(walk),
-        *drawing_findings(scene, walk.recording, moved, counts),
+        *(each for each in walk.findings if _is_warning(each.code, each.severity)),
+        *plan.findings,
+        *scene.findings,
+        *(found("TOPIC_MOVED", where=name, topic=old, name=name) for old, name in moved.items()),
+        *count_findings(walk.recording, counts, plan.style),
     ]
-    plan = scene.plan
     return Conversion(
         source=log.source.path,
         target=target,
@@ -96,7 +97,7 @@ def convert(
         base_frame=plan.base_frame,
         messages=sum(measured.read.counts.values()),
         copied=sum(n for channel, n in output.messages.items() if channel not in topics),
-        annotations=ours,
+        annotations={topic: output.messages.get(each, 0) for each, topic in topics.items()},
         counts=counts,
         bad_poses=bad_poses(walk.recording),
         findings=tuple(sorted(dict.fromkeys(findings), key=by_severity)),
@@ -111,27 +112,20 @@ def _half(progress: OnProgress | None, half: int) -> OnProgress | None:
     return lambda done, total: progress(half * total + done, 2 * total)
 
 
-def _scene(log: Log, output: AnnotatedLog, measured: MeasuredLog, options: ConvertOptions) -> Scene:
-    """Decide what is drawn of the walk."""
-    walk = measured.measurement.walk
-    plan = make_plan(log, measured.selection, walk, options)
-    _, end = time_limits(log, options.start, options.end)
-    last = log.end_time or 0
-    return draw(
-        plan,
-        walk,
-        last if end is None else min(end, last),
-        output.recorded_arrows(),
-    )
+def _is_warning(code: str, severity: Severity) -> bool:
+    """Tell whether a finding about the walk is shown; what was lost stands in the damage."""
+    return code != "LOST" and severity is not Severity.NOTE
 
 
-def _finish(log: Log, output: AnnotatedLog, measured: MeasuredLog, scene: Scene) -> list[Loss]:
+def _finish(
+    log: Log, output: AnnotatedLog, measured: MeasuredLog, plan: ConversionPlan
+) -> list[Loss]:
     """Write what follows the messages; return all that could not be read."""
-    read, options = measured.read, scene.plan.options
+    read, options = measured.read, plan.options
     losses = [*log.losses, *read.losses, *output.copy_extras()]
     if options.start is None and options.end is None:
         losses += wrong_statistics(log, read.counts, losses)
     losses += malformed_messages(log.channels, read.malformed, ": copied, but not annotated")
     in_world = measured.measurement.walk.settings.force_in_world
-    output.finish(provenance_record(log, scene.plan, losses, force_in_world=in_world))
+    output.finish(provenance_record(log, plan, losses, force_in_world=in_world))
     return losses

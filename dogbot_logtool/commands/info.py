@@ -5,8 +5,7 @@ from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from typing import Final
 
-from dogbot_logtool.conversion.copying import channels_left_out
-from dogbot_logtool.conversion.plan import writes_tf
+from dogbot_logtool.conversion.findings import second_tf
 from dogbot_logtool.core.checks.frames import name_findings, stamp_findings
 from dogbot_logtool.core.known_frames import KnownFrames, known_frames
 from dogbot_logtool.core.quality.quality import mean_rate_hz
@@ -66,7 +65,7 @@ def describe(
             transforms = [*selection.transforms, *added_transforms]
             frames = read_frames(log, transforms, options.jobs, progress)
             known = _with_all_frames(known, frames, ours)
-        findings, added = _outlook(recorded, selection, known)
+        findings, added = _outlook(selection, known)
         findings += stamps
         findings = _with_legs(recorded, selection, options, findings)
         if frames is not None:
@@ -144,7 +143,7 @@ def _with_all_frames(known: KnownFrames, frames: Frames, ours: AbstractSet[int])
 
 
 def _outlook(
-    log: Log, selection: Selection, known: KnownFrames
+    selection: Selection, known: KnownFrames
 ) -> tuple[list[Finding], tuple[str, str] | None]:
     """Return the findings, and the transform that `convert` would add.
 
@@ -153,10 +152,10 @@ def _outlook(
     findings = [*selection.findings, *name_findings(known)]
     if not selection.odometry and not selection.contacts:
         return findings, None
-    options = ConvertOptions()
-    left_out = channels_left_out(log, options)
-    added = writes_tf(selection, known, options, left_out, findings)
-    return findings, (known.world, known.base) if added else None
+    second = second_tf(selection, known, ConvertOptions())
+    findings += [second] if second else []
+    is_added = selection.has_base and second is None
+    return findings, (known.world, known.base) if is_added else None
 
 
 def _base_use(selection: Selection) -> str:

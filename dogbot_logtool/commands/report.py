@@ -1,20 +1,21 @@
 """`dogbot-logtool report`: one self-contained HTML page a log, and an index of several."""
 
 from collections.abc import Mapping, Sequence
-from contextlib import AbstractContextManager
-from typing import Any, BinaryIO
+from contextlib import closing
+from functools import partial
+from typing import Any
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_log
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, file_name, is_folder, shown, version
 from dogbot_logtool.io.targets import Output, targets
-from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options import Report
 from dogbot_logtool.report.page.assets import page_script, shared_name
 from dogbot_logtool.report.page.events import listed_events
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import ALONE, Beside, page
 from dogbot_logtool.report.page.replay import frame_times, replay
-from dogbot_logtool.results import Measurement, Page
+from dogbot_logtool.results import Page
 from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.robot_model.limbs import find_limbs
 from dogbot_logtool.run.runner import OnProgress
@@ -23,38 +24,30 @@ from dogbot_logtool.run.runner import OnProgress
 class Reports:
     """The pages of one call, and the index that leads to them where there are several."""
 
-    def __init__(
-        self,
-        logs: Sequence[Location],
-        output: Output,
-        options: MeasureOptions,
-        *,
-        overwrite: bool,
-        with_replay: bool = True,
-    ) -> None:
+    def __init__(self, logs: Sequence[Location], output: Output, *, overwrite: bool) -> None:
         """Choose the outputs.
 
         Raises:
             CallError: several logs would go to one file, or the index may not be written.
         """
         self._targets = dict(targets(logs, output, ".report.html"))
-        self._options = options
-        self._makes_folder = output.is_folder
-        self._overwrite = overwrite
-        self._with_replay = with_replay
+        makes_folder = output.is_folder
+        self._refuse = partial(refuse_bad_target, overwrite=overwrite, makes_folder=makes_folder)
+        self._file = partial(whole_file, overwrite=overwrite, makes_folder=makes_folder)
         self._rows: dict[Location, IndexRow] = {}
         self._index: Location | None = None
         self._beside = ALONE
         if len(logs) > 1:
             self._index = output.path / "index.html"
-            self._refuse_bad_target(self._index, None)
+            self._refuse(self._index, None)
             self._beside = Beside(shared_name(), "index.html")
 
-    def write(self, source: Location, progress: OnProgress | None = None) -> Page:
+    def write(self, source: Location, options: Report, progress: OnProgress | None = None) -> Page:
         """Measure a log and write its page.
 
         Args:
             source: one of the logs.
+            options: of measuring, and whether there is a replay.
             progress: called with bytes done and bytes in all.
 
         Raises:
@@ -62,26 +55,18 @@ class Reports:
             LogtoolError: the log cannot be used, or the page not be written.
         """
         target = self._targets[source]
-        self._refuse_bad_target(target, source)
-        measured, replay = self._measured(source, progress)
-        html = _page_of(source, measured, replay, self._beside)
+        self._refuse(target, source)
+        with closing(open_recorded(source, options.joined)) as log:
+            found = measure_log(log, options, progress)
+            replay = replay_of(found) if options.replay else None
+        measured = found.measurement
+        size = 0 if is_folder(source) else version(source)[0]
+        html = page(measured, size, replay=replay, beside=self._beside)
         self._share_script()
-        with self._whole_file(target) as file:
+        with self._file(target) as file:
             file.write(html)
         self._rows[source] = index_row(measured, file_name(target))
         return Page(source, target, len(html), measured)
-
-    def _measured(
-        self, source: Location, progress: OnProgress | None
-    ) -> tuple[Measurement, dict[str, Any] | None]:
-        """Measure a log; return also what its replay draws, None without one."""
-        log = open_recorded(source, self._options.joined)
-        try:
-            found = measure_log(log, self._options, progress)
-            replay = replay_of(found) if self._with_replay else None
-            return found.measurement, replay
-        finally:
-            log.close()
 
     def finish(self, failures: Mapping[str, str]) -> None:
         """Write the index of several logs, a row for each.
@@ -92,7 +77,7 @@ class Reports:
         if self._index is None:
             return
         rows = [self._rows.get(log) or _row_without_page(log, failures) for log in self._targets]
-        with self._whole_file(self._index) as file:
+        with self._file(self._index) as file:
             file.write(index(rows))
 
     def _share_script(self) -> None:
@@ -101,16 +86,8 @@ class Reports:
             return
         # Its name tells its content: one that is there already is the same.
         script = self._index.parent / self._beside.script
-        with whole_file(script, overwrite=True, makes_folder=self._makes_folder) as file:
+        with self._file(script, overwrite=True) as file:
             file.write(page_script().encode())
-
-    def _refuse_bad_target(self, target: Location, source: Location | None) -> None:
-        refuse_bad_target(
-            target, source, overwrite=self._overwrite, makes_folder=self._makes_folder
-        )
-
-    def _whole_file(self, target: Location) -> AbstractContextManager[BinaryIO]:
-        return whole_file(target, overwrite=self._overwrite, makes_folder=self._makes_folder)
 
 
 def _row_without_page(log: Location, failures: Mapping[str, str]) -> IndexRow:
@@ -118,15 +95,8 @@ def _row_without_page(log: Location, failures: Mapping[str, str]) -> IndexRow:
     return IndexRow(file_name(log), error=error.removeprefix(f"{shown(log)}: "))
 
 
-def _page_of(
-    source: Location, measured: Measurement, replay: Mapping[str, Any] | None, beside: Beside
-) -> bytes:
-    size = 0 if is_folder(source) else version(source)[0]
-    return page(measured, size, replay=replay, beside=beside)
-
-
 def replay_of(found: MeasuredLog) -> dict[str, Any] | None:
-    """Return what the page's replay draws of a measured log; None without poses of the base."""
+    """Return what the page's replay draws; None without poses of the base."""
     walk = found.measurement.walk
     if not len(walk.base_history.time):
         return None

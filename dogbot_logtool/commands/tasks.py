@@ -15,10 +15,10 @@ from dogbot_logtool.results import Figures
 from dogbot_logtool.run.runner import OnProgress
 
 if TYPE_CHECKING:
-    from dogbot_logtool.options import ConvertOptions, MeasureOptions
+    from dogbot_logtool.options import Convert, ConvertOptions, MeasureOptions
     from dogbot_logtool.reader.containers.loss import Damage
     from dogbot_logtool.report.dataset import Entry, Tables
-    from dogbot_logtool.results import Conversion, Measurement
+    from dogbot_logtool.results import Conversion
 
 _CHECKS_AT_ONCE: Final = 16
 
@@ -43,27 +43,17 @@ def figures(
         progress: called with bytes done and bytes in all.
     """
     from dogbot_logtool.commands.stats import measure  # noqa: PLC0415
-
-    measured = measure(log, options, progress)
-    return figures_of(measured, whole=whole, as_json=as_json, detail=detail)
-
-
-def figures_of(
-    measured: "Measurement", *, whole: bool = False, as_json: bool = True, detail: bool = True
-) -> Figures:
-    """Return what is reported of a log that was measured; see `figures`."""
-    from dogbot_logtool.core.checks.voids import void_patterns  # noqa: PLC0415
     from dogbot_logtool.report.documents import stats_json  # noqa: PLC0415
-    from dogbot_logtool.report.table_file import stride_table  # noqa: PLC0415
+    from dogbot_logtool.report.strides import stride_table  # noqa: PLC0415
     from dogbot_logtool.report.verdict import summary_row  # noqa: PLC0415
 
+    measured = measure(log, options, progress)
     intervals = [foot.record.median_interval_s for foot in measured.walk.feet]
     return Figures(
         summary_row(measured),
         stats_json(measured, detail=detail) if as_json else {},
-        stride_table(measured.walk, void_patterns(measured.findings)),
+        stride_table(measured.walk),
         max((each for each in intervals if each is not None), default=0.0),
-        measured.metrics.settings.robot,
         measured.damage,
         measured if whole else None,
     )
@@ -75,9 +65,7 @@ class ConversionTask:
 
     log: Location
     target: Location
-    target_was_free: bool
-    """The target did not exist when the call began: if it exists now, a worker that was lost wrote
-    it, and it may be replaced."""
+    overwrite: bool
 
 
 def convert_task(
@@ -86,29 +74,24 @@ def convert_task(
     """Convert a log."""
     from dogbot_logtool.commands.convert import convert  # noqa: PLC0415
 
-    overwrite = options.overwrite or task.target_was_free
-    return convert(task.log, task.target, replace(options, overwrite=overwrite), progress)
+    return convert(task.log, task.target, replace(options, overwrite=task.overwrite), progress)
 
 
 def conversion_tasks(
-    pairs: Sequence[tuple[Location, Location]], *, may_repeat: bool
+    pairs: Sequence[tuple[Location, Location]], options: "Convert"
 ) -> list[ConversionTask]:
-    """Make a task of each log, after a look at which outputs exist.
+    """Make a task of each log and its output.
 
-    Args:
-        pairs: logs and outputs.
-        may_repeat: a log may be begun more than once.
+    Of several, one may be begun again after its worker was lost: what was not there when the call
+    began may be replaced then.
     """
-    if not may_repeat:
-        return [ConversionTask(log, target, target_was_free=False) for log, target in pairs]
+    if options.overwrite or (len(pairs) == 1 and options.scheduler is None):
+        return [ConversionTask(*pair, options.overwrite) for pair in pairs]
     from concurrent.futures import ThreadPoolExecutor  # noqa: PLC0415 - takes long
 
     with ThreadPoolExecutor(_CHECKS_AT_ONCE) as pool:
         free = pool.map(_is_free, [target for _, target in pairs])
-        return [
-            ConversionTask(*pair, target_was_free)
-            for pair, target_was_free in zip(pairs, free, strict=True)
-        ]
+        return [ConversionTask(*pair, is_free) for pair, is_free in zip(pairs, free, strict=True)]
 
 
 def _is_free(target: Location) -> bool:
@@ -131,7 +114,7 @@ def measure_entry(
     """Measure a log for a dataset."""
     from dogbot_logtool.commands.stats import measure  # noqa: PLC0415
     from dogbot_logtool.report.dataset import log_tables  # noqa: PLC0415
-    from dogbot_logtool.report.table_file import stride_table  # noqa: PLC0415
+    from dogbot_logtool.report.strides import stride_table  # noqa: PLC0415
 
     measured = measure(entry.location, options, progress)
     tables = log_tables(measured.metrics, stride_table(measured.walk))

@@ -7,26 +7,44 @@ recorded messages.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing
-from typing import BinaryIO
+from dataclasses import dataclass
+from typing import BinaryIO, Final
 
+import numpy as np
 from mcap import records
 
-from dogbot_logtool.conversion.annotate import Scene
+from dogbot_logtool.conversion.annotate import Scene, annotations_between
 from dogbot_logtool.conversion.copying import CopiedSpan, as_it_stands
-from dogbot_logtool.conversion.writing import SpanWriter, time_spans
+from dogbot_logtool.conversion.plan import ConversionPlan
+from dogbot_logtool.core.arrays import Ints, concatenated
 from dogbot_logtool.core.scene.arrows import Arrows, no_arrows
+from dogbot_logtool.core.scene.styles import LIFETIME_S
 from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Chunk, Log, Loss
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
-from dogbot_logtool.reader.growing import GrowingColumns
+from dogbot_logtool.reader.decode.definition import short_type_name
 from dogbot_logtool.reader.workers import Start, in_order
 from dogbot_logtool.run.runner import OnProgress
-from dogbot_logtool.writer.annotations import Annotations
-from dogbot_logtool.writer.chunks import finish_chunk
+from dogbot_logtool.writer.annotations import Annotations, WantedAnnotations, description_type
+from dogbot_logtool.writer.channels import AddedChannels, IdSource
+from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunk, finish_chunks
+from dogbot_logtool.writer.drawing import ArrowLook, SupportLook
+from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from dogbot_logtool.writer.mcap_writer import McapWriter
+from dogbot_logtool.writer.message_records import MessageRecords, recorded
+from dogbot_logtool.writer.topics import FALLBACK_PREFIX
+
+SPAN_ROWS = 40_000
+"""Samples of feet in a span: enough to make the cost of a numpy call small, and few enough to be
+annotated in some 60 MB."""
+ESTIMATED_WIDTH: Final = 0.5
+"""Width of arrows whose forces are estimated, over that of measured ones."""
+_TIMES: Final = np.iinfo(np.int64)
+TimeSpan = tuple[int, int]
+"""ns, log times from which on and before which is annotated."""
 
 
 class AnnotatedLog:
@@ -46,8 +64,8 @@ class AnnotatedLog:
         profile = log.profile if options.copy else ENCODINGS[options.encoding].profile
         self._log, self._options = log, options
         self._writer = McapWriter(file, profile)
-        self._arrows = GrowingColumns[Arrows]()
-        self._arrow_counts = Counter[str]()
+        self._arrows = [no_arrows()]
+        self._counts = Counter[str]()
         if options.copy:
             copied = {n: c for n, c in log.channels.items() if n not in left_out}
             schemas = {c.schema.id: c.schema for c in copied.values() if c.schema is not None}
@@ -69,12 +87,12 @@ class AnnotatedLog:
                 self._writer.add_chunk(as_it_stands(chunk, stored))
             else:
                 self._writer.add_chunk(chunk)
-        self._arrows.add(span.arrows)
-        self._arrow_counts += span.counts
+        self._arrows.append(span.arrows)
+        self._counts += span.counts
 
     def recorded_arrows(self) -> Arrows:
         """Return the arrows that were made of recorded messages."""
-        return self._arrows.finish(no_arrows())
+        return concatenated(self._arrows)
 
     def annotate(
         self,
@@ -83,7 +101,7 @@ class AnnotatedLog:
         progress: OnProgress | None = None,
         start: Start | None = None,
     ) -> Counter[str]:
-        """Write everything that is drawn of the walk.
+        """Write everything that is drawn of the walk; return how many annotations lack something.
 
         Args:
             scene: what is drawn.
@@ -96,16 +114,16 @@ class AnnotatedLog:
         if plan.description.urdf is not None and plan.opening is not None:
             message = annotations.robot_description(plan.description.urdf, plan.opening)
             self._writer.add_chunk(finish_chunk(message, plan.options.compression or "zstd"))
-        counts, spans = self._arrow_counts.copy(), time_spans(scene)
+        spans: list[TimeSpan | None] = [None, *time_spans(scene)]
         work = SpanWriter(scene, annotations)
         with closing(in_order(work, self._log, spans, plan.options.jobs, start)) as results:
-            for number, result in enumerate(results, 1):
-                for chunk in result.chunks:
+            for number, (chunks, counts) in enumerate(results, 1):
+                for chunk in chunks:
                     self._writer.add_chunk(chunk)
-                counts += result.counts
+                self._counts += counts
                 if progress is not None:
                     progress(total * number // len(spans), total)
-        return counts
+        return self._counts
 
     def copy_extras(self) -> Iterator[Loss]:
         """Copy attachments and metadata records; yield those that cannot be read."""
@@ -132,3 +150,110 @@ class AnnotatedLog:
             self._writer.add_schema(schema)
         for channel in channels:
             self._writer.add_channel(channel)
+
+
+def time_spans(scene: Scene) -> list[TimeSpan]:
+    """Cut log time into spans with about as many rows of what is drawn."""
+    columns = [scene.poses.log_time, *(foot.samples.log_time for foot in scene.feet)]
+    times = max(columns, key=len)
+    spans = sum(map(len, columns)) // SPAN_ROWS + 1
+    cuts = sorted({*times[np.arange(1, spans) * len(times) // spans].tolist()})
+    return list(zip([_TIMES.min, *cuts], [*cuts, _TIMES.max], strict=True))
+
+
+@dataclass(frozen=True, slots=True)
+class SpanWriter:
+    """Annotates spans of log time, in any process and in any order."""
+
+    scene: Scene
+    annotations: Annotations
+
+    def __call__(
+        self, _log: Log, span: TimeSpan | None
+    ) -> tuple[list[FinishedChunk], Counter[str]]:
+        """Return the chunks of a span, and how many annotations lack something.
+
+        Args:
+            span: ns; None: events and gaits of the whole log.
+        """
+        counts = Counter[str]()
+        if span is None:
+            parts: Iterable[MessageRecords] = event_records(self.annotations, self.scene)
+        else:
+            columns, counts = annotations_between(self.scene, *span)
+            parts = self.annotations.messages(columns)
+        compression = self.scene.plan.options.compression or "zstd"
+        return [chunk for part in parts for chunk in finish_chunks(part, compression)], counts
+
+
+def event_records(annotations: Annotations, scene: Scene) -> Iterator[MessageRecords]:
+    """Yield the messages of `/gait`, `/events` and `/events/spans`."""
+    encoding, channels = annotations.encoding, annotations.event_channels
+    yield _records(channels.gait, map(encoding.gait, scene.gaits), scene.gait_log_time)
+    events, log_time = scene.events, scene.event_log_time
+    yield _records(channels.events, map(encoding.event, events), log_time)
+    if channels.spans is not None:
+        # A viewer's timeline shows what calls for a look; steps are in the log panel.
+        odd = [row for row, each in enumerate(events) if not each.is_step]
+        yield _records(channels.spans, (encoding.span(events[row]) for row in odd), log_time[odd])
+
+
+def _records(channel: int, payloads: Iterable[bytes], log_time: Ints) -> MessageRecords:
+    made = list(payloads)
+    end = np.cumsum([0, *map(len, made)])
+    return recorded(
+        np.full(len(made), channel),
+        np.zeros(len(made), np.int64),
+        log_time,
+        log_time,
+        np.frombuffer(b"".join(made), np.uint8),
+        end[:-1],
+        end[1:],
+    )
+
+
+def annotations_of(log: Log, plan: ConversionPlan) -> tuple[Annotations, Mapping[str, str]]:
+    """Return the annotation channels of a log's output.
+
+    Returns:
+        the channels, and by topic the new names of those that the log uses for something else.
+    """
+    options, robot, style = plan.options, plan.selection.robot, plan.style
+    copied = log.channels.values() if options.copy else ()
+    taken = {
+        channel.topic: (channel.type_name, channel.message_encoding)
+        for channel in copied
+        if channel.id not in plan.left_out
+    }
+    moved: dict[str, str] = {}
+
+    def free_topic(topic: str, kind: MessageType) -> str:
+        name, ours = topic, (short_type_name(kind.name), kind.message_encoding)
+        while taken.get(name, ours) != ours:
+            name = moved[topic] = FALLBACK_PREFIX + name
+        return name
+
+    estimated = plan.selection.contact_from
+    shaft_m = robot.shaft_diameter_m * (ESTIMATED_WIDTH if estimated else 1.0)
+    # At a low rate, support lasts until the next message.
+    lifetime_s = max(LIFETIME_S, 2.0 / options.tf_rate if options.tf_rate else 0.0)
+    look = SupportLook(robot.shaft_diameter_m / 2.0, robot.shaft_diameter_m, lifetime_s)
+    profile = plan.encoding.profile or (log.profile if options.copy else "")
+    description = plan.description
+    wanted = WantedAnnotations(
+        [foot.name for foot in robot.feet],
+        plan.world_frame,
+        plan.base_frame,
+        ArrowLook(style.shaft_diameter_m or shaft_m, style.lifetime_s),
+        base_transform=plan.write_tf,
+        links=description.motion.pairs if description.motion else (),
+        support=look if plan.draws_support else None,
+        legs=None if description.hips is None else look,
+        description=description_type(profile) if description.urdf is not None else None,
+    )
+    # Chunks that are copied as they are may describe channels that are left out.
+    schema_ids = IdSource({channel.schema.id for channel in copied if channel.schema})
+    channel_ids = IdSource({channel.id for channel in copied})
+    notes = {"contact_from": estimated} if estimated else {}
+    added = AddedChannels(schema_ids, channel_ids, free_topic, notes)
+    return Annotations(plan.encoding.load(), wanted, added), moved

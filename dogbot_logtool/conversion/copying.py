@@ -11,8 +11,6 @@ from dogbot_logtool.core.arrays import concatenated
 from dogbot_logtool.core.scene.arrows import Arrows, classic_arrows, no_arrows
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.finding import Finding
-from dogbot_logtool.io.printable import listed
 from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Batch, Channel, Chunk, LoadedChunk, Log, Messages
 from dogbot_logtool.reader.messages.contacts import read_contacts
@@ -168,19 +166,6 @@ def channels_left_out(log: Log, options: ConvertOptions) -> frozenset[int]:
         if (options.copied_topics and not _fits(channel.topic, options.copied_topics))
         or _fits(channel.topic, options.topics_left_out)
     )
-
-
-def copy_findings(log: Log, options: ConvertOptions, left_out: frozenset[int]) -> Iterator[Finding]:
-    """Say what is left out, and which patterns fit no topic."""
-    topics = {channel.topic for channel in log.channels.values()}
-    for glob in options.topics:
-        if not any(fnmatchcase(topic, glob.removeprefix("!")) for topic in topics):
-            yield Finding("COPY", f"--topics {glob} fits no topic of the log")
-    if left_out:
-        names = sorted({log.channels[number].topic for number in left_out})
-        messages = sum(log.counts.get(number, 0) for number in left_out)
-        text = f"{messages:,} messages of topics left out of the copy: {listed(names)}"
-        yield Finding("COPY", text)
 
 
 def _fits(topic: str, globs: Sequence[str]) -> bool:

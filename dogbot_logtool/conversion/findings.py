@@ -1,12 +1,129 @@
-"""What is found while a walk is drawn."""
+"""Findings about an annotated log: what is not copied, what cannot be drawn, and how often."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator
+from fnmatch import fnmatchcase
+from typing import Final
 
-from dogbot_logtool.conversion.annotate import Scene
 from dogbot_logtool.core.base.poses import usable_poses
+from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.recording import Recording
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.core.scene.styles import ArrowStyle
+from dogbot_logtool.core.settings import WalkSettings
+from dogbot_logtool.core.world_frames import WorldFrames
+from dogbot_logtool.finding import Finding, found
+from dogbot_logtool.io.printable import listed
+from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.reader.containers.log import Channel, Log
+from dogbot_logtool.reader.messages.source import Source
+from dogbot_logtool.robot.selection import Selection
+
+_MOST_FEET: Final = 16
+"""Feet for which support is drawn: the work grows with the cube of their number."""
+
+
+def copy_findings(log: Log, options: ConvertOptions, left_out: frozenset[int]) -> Iterator[Finding]:
+    """Say what is left out, and which patterns fit no topic."""
+    topics = {channel.topic for channel in log.channels.values()}
+    for glob in options.topics:
+        if not any(fnmatchcase(topic, glob.removeprefix("!")) for topic in topics):
+            yield found("COPY", say="no_topic", glob=glob)
+    if left_out:
+        names = sorted({log.channels[number].topic for number in left_out})
+        messages = sum(log.counts.get(number, 0) for number in left_out)
+        yield found("COPY", messages=messages, topics=listed(names))
+
+
+def second_tf(
+    selection: Selection,
+    frames: KnownFrames,
+    options: ConvertOptions,
+    left_out: frozenset[int] = frozenset(),
+) -> Finding | None:
+    """Say that the transforms that are copied place the base already; None: they do not.
+
+    The same transform twice is harmless; only another parent breaks the tree.
+    """
+
+    def are_copied(channels: Iterable[Channel]) -> bool:
+        return options.copy and any(channel.id not in left_out for channel in channels)
+
+    if not selection.has_base:
+        return None
+    world, base = frames.world, frames.base
+    is_transform = selection.base is not None and selection.base.source.is_transform
+    if is_transform and are_copied(selection.odometry):
+        return found("TF_NOT_WRITTEN", base=base, world=world)
+    others = frames.parents.get(base, frozenset()) - {world}
+    if others and are_copied(selection.transforms):
+        parents = ", ".join(sorted(others))
+        return found("TF_NOT_WRITTEN", "other_parent", base=base, parents=parents)
+    return None
+
+
+def no_support(selection: Selection) -> Finding | None:
+    """Say what support lacks; None: nothing."""
+    count, why = len(selection.robot.feet), ""
+    if not selection.has_base:
+        why = "the log has no odometry"
+    elif not selection.has_points:
+        why = "the log has no contact points"
+    elif count > _MOST_FEET:
+        why = f"the robot has {count} feet, more than {_MOST_FEET}"
+    return found("NO_SUPPORT_DRAWN", why=why) if why else None
+
+
+def arrow_findings(
+    selection: Selection,
+    style: ArrowStyle,
+    frames: WorldFrames | None,
+    settings: WalkSettings,
+    weight_n: float | None,
+) -> Iterator[Finding]:
+    """Say what arrows of a style lack.
+
+    Args:
+        selection: topics of the feet.
+        style: of the arrows.
+        frames: how links and sensors hang in the world.
+        settings: of the walk.
+        weight_n: N, by which arrows may be coloured; None: not known.
+    """
+    yield from _without_points(selection, frames, settings)
+    if style.along_force and not settings.force_in_world:
+        links = frames.links if frames else (None,) * len(settings.feet)
+        pairs = zip(settings.feet, links, strict=True)
+        lacking = [foot.name for foot, link in pairs if link is None]
+        whose = "" if len(lacking) == len(links) else f" of {', '.join(lacking)}"
+        if lacking:
+            yield found("NOT_DRAWN", say="magnitude", whose=whose)
+    if style.along_force and not weight_n:
+        yield found("MASS_UNKNOWN", say="colours")
+    for source in selection.sources if style.needs_contact_states else ():
+        if source.has_force and not source.has_points:
+            yield found("NOT_DRAWN", say="no_states", type=source.row.name, style=style.name)
+
+
+def _without_points(
+    selection: Selection, frames: WorldFrames | None, settings: WalkSettings
+) -> Iterator[Finding]:
+    """Yield findings about sensors with forces but without contact points."""
+    at_frames, nowhere = [], []
+    for number, foot in enumerate(settings.feet):
+        point = frames.points[number] if frames else None
+        sources = selection.sources_of(number)
+        if point is not None and not point.recorded:
+            at_frames.append(f"{foot.name} at {point.frame}")
+        elif point is None and foot.has_force and any(map(_has_no_points, sources)):
+            nowhere.append(foot.name)
+    if at_frames:
+        yield found("TRANSFORMS_MISSING", "none", say="at_frames", feet_at=", ".join(at_frames))
+    if nowhere:
+        yield found("NOT_DRAWN", "no_points", names=", ".join(nowhere))
+
+
+def _has_no_points(source: Source) -> bool:
+    return source.in_base or not source.has_points
 
 
 def bad_poses(recording: Recording) -> int:
@@ -14,42 +131,28 @@ def bad_poses(recording: Recording) -> int:
     return int((~usable_poses(recording.base)).sum())
 
 
-def drawing_findings(
-    scene: Scene, recording: Recording, moved: Mapping[str, str], counts: Counter[str]
+def count_findings(
+    recording: Recording, counts: Counter[str], style: ArrowStyle
 ) -> Iterator[Finding]:
-    """Yield what was found in planning and drawing.
+    """Say how many messages and annotations lack something.
 
     Args:
-        scene: what was drawn.
-        recording: the columns that it is made of.
-        moved: new names of topics that the log has as something else.
-        counts: annotations that lack something.
+        recording: the columns that they are made of.
+        counts: annotations that lack something, by what.
+        style: of the arrows.
     """
-    plan = scene.plan
-    yield from (*plan.findings, *scene.findings)
-    for topic, name in moved.items():
-        text = f"the log has a topic {topic} of another type: ours is {name}"
-        yield Finding("TOPIC_MOVED", text, name)
-    if bad := bad_poses(recording):
-        text = f"poses with NaN or a zero quaternion (no /tf): {bad:,}"
-        yield Finding("NOT_FINITE", text, cases=("base",))
-    untimed = 0 if plan.style.needs_contact_states else recording.untimed_messages
-    foreign = recording.foreign_states
-    unknown, unweighed = counts["support_unknown"], counts["support_unweighed"]
-    for count, code, what in (
-        (untimed, "STATES_IGNORED", "contacts without a physics step (taken as one step)"),
-        (foreign, "STATES_IGNORED", "contact states between other bodies (ignored)"),
-        (counts["not_finite"], "NOT_FINITE", "contacts with NaN or infinity (not drawn)"),
-        (counts["no_position"], "NOT_DRAWN", "contacts without a point (not drawn)"),
-        (counts["no_direction"], "NOT_DRAWN", "contacts without a normal (not drawn)"),
-        (counts["overflow"], "NOT_FINITE", _OVERFLOW),
-        (unknown, "NO_SUPPORT_DRAWN", f"{_NO_POLYGON} (contact of some foot unknown)"),
-        (unweighed, "NO_SUPPORT_DRAWN", f"{_NO_PRESSURE} (vertical forces unknown)"),
+    untimed = 0 if style.needs_contact_states else recording.untimed_messages
+    for count, code, say in (
+        (bad_poses(recording), "NOT_FINITE", "no_tf"),
+        (untimed, "STATES_IGNORED", "untimed"),
+        (recording.foreign_states, "STATES_IGNORED", "plain"),
+        (counts["not_finite"], "NOT_FINITE", "not_drawn"),
+        (counts["no_position"], "NOT_DRAWN", "no_position"),
+        (counts["no_direction"], "NOT_DRAWN", "no_direction"),
+        (counts["overflow"], "NOT_FINITE", "overflow"),
+        (counts["support_unknown"], "NO_SUPPORT_DRAWN", "no_polygon"),
+        (counts["support_unweighed"], "NO_SUPPORT_DRAWN", "no_pressure"),
     ):
         if count:
-            yield Finding(code, f"{what}: {count:,}")
-
-
-_OVERFLOW = "contacts whose force squared overflows (not drawn, as live)"
-_NO_POLYGON = "/support messages without a polygon"
-_NO_PRESSURE = "/support messages without a centre of pressure"
+            cases = ("base",) if say == "no_tf" else ()
+            yield found(code, *cases, say=say, count=count)

@@ -11,13 +11,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import dogbot_logtool as dl
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
-from dogbot_logtool.commands.report import Reports
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.plausible import FARTHEST_M
 from dogbot_logtool.io.plain_json import only_finite, to_json
-from dogbot_logtool.io.targets import Output
 from dogbot_logtool.option import part_of
 from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
 from dogbot_logtool.report.documents import stats_json
@@ -139,8 +138,7 @@ def test_no_number_is_too_large_or_too_small(
 def test_what_no_robot_reaches_is_counted(tmp_path: Path, value: float) -> None:
     path = write(tmp_path / "walk.mcap", Extreme("position", value, 50), GAZEBO, usual)
     figures, _ = outputs(tmp_path, path)
-    target = Output(tmp_path / "page.html", is_folder=False)
-    Reports([path], target, MeasureOptions(), overwrite=False).write(path)
+    dl.measure(path).report(tmp_path / "page.html")
     texts = {each["code"]: each["text"] for each in figures["findings"]}
     # The base's position is wrong in every 50th message, and so is nothing else.
     assert texts["NOT_FINITE"].startswith("4 poses or contacts")

@@ -309,10 +309,10 @@ def test_it_is_written_whatever_the_style(tmp_path: Path, style: str) -> None:
 
 def test_what_is_not_known_is_told(folder: Path) -> None:
     done, _ = converted(folder, TROUBLED, "ros1")
-    told = [each.text for each in done.findings if each.code == "NO_SUPPORT_DRAWN"]
+    told = {each.code: each.text for each in done.findings}
     # One of its sensors is dead, and `stats` gives no margins either.
-    assert any("back_left" in each for each in told)
-    assert any("contact of some foot unknown" in each for each in told)
+    assert "back_left" in told["DEAD"]
+    assert "contact of some foot unknown" in told["NO_SUPPORT_DRAWN"]
     # Of this base the log's own transforms know nothing.
     robot = folder / "robot.toml"
     robot.write_text(DOGBOT.read_text().replace("base_link", "trunk"))

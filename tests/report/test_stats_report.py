@@ -20,7 +20,7 @@ from dogbot_logtool.finding import Finding, finding_kinds
 from dogbot_logtool.reader.containers.loss import Damage, Loss
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.schema import schema
-from dogbot_logtool.report.table_file import stride_table
+from dogbot_logtool.report.strides import stride_table
 from dogbot_logtool.report.text.gait_diagram import ASCII, default_window, gait_diagram
 from dogbot_logtool.report.text.stats_text import print_report, print_summary
 from dogbot_logtool.report.verdict import summary_row

@@ -4,9 +4,9 @@ What is drawn is what is measured. Each recorded sample has the state that conta
 it; between samples the newest one counts, as a viewer that plays the log has it.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any, Final, NamedTuple, TypeVar
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +17,7 @@ from dogbot_logtool.core.arrays import (
     Floats,
     Ints,
     all_finite,
-    concatenated,
     median_of,
-    picked,
 )
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import FootHistory
@@ -28,7 +26,6 @@ from dogbot_logtool.core.hulls import NEAR_NS
 
 TRAIL: Final = 3
 """Touchdowns of each foot that are shown."""
-Columns = TypeVar("Columns", bound=Any)
 
 
 class LoadState(IntEnum):
@@ -166,18 +163,3 @@ def drawn_foot(
         has_force=has_force,
         force_in_world=force_in_world,
     )
-
-
-def from_opening(columns: Columns, opening: int) -> Columns:
-    """Return columns whose first row also stands at the log's first time, if it follows at once.
-
-    Args:
-        columns: with log_time and stamp, ns.
-        opening: ns, log time.
-    """
-    if not len(columns.log_time) or not 0 < columns.log_time[0] - opening <= NEAR_NS:
-        return columns
-    time = np.array([opening])
-    first = replace(picked(columns, slice(0, 1)), log_time=time, stamp=time)
-    together: Columns = concatenated([first, columns])
-    return together

@@ -1,13 +1,14 @@
 """How hard each foot presses, for plots and for the gait diagram."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.hulls import NEAR_NS
 from dogbot_logtool.core.quality.quality import steady_gap_ns
-from dogbot_logtool.core.scene.feet import DrawnFoot, LoadState, from_opening
+from dogbot_logtool.core.scene.feet import DrawnFoot, LoadState
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,18 +31,17 @@ class Loads:
     """(n,) the force over the robot's weight; NaN when its mass is unknown."""
 
 
-def foot_loads(foot: DrawnFoot, rows: slice, weight_n: float | None, opening: int) -> Loads:
-    """Return the loads of a foot's samples; the first also stands at the log's first time, if near.
+def foot_loads(foot: DrawnFoot, rows: slice, weight_n: float | None) -> Loads:
+    """Return the loads of a foot's samples.
 
     Args:
         foot: the foot.
         rows: of its samples.
         weight_n: N, the robot's; None: not known.
-        opening: ns, log time.
     """
     samples = foot.samples.pick(np.arange(rows.start, rows.stop))
     force = norms(samples.force.astype(np.float64))
-    loads = Loads(
+    return Loads(
         foot=np.full(len(force), foot.number),
         log_time=samples.log_time,
         stamp=samples.time,
@@ -50,7 +50,15 @@ def foot_loads(foot: DrawnFoot, rows: slice, weight_n: float | None, opening: in
         force=force,
         body_weights=force / (np.nan if weight_n is None else weight_n),
     )
-    return from_opening(loads, opening) if rows.start == 0 else loads
+
+
+def opening_load(foot: DrawnFoot, weight_n: float | None, opening: int) -> Loads:
+    """Return the first load of a foot at the log's first time, ns, if it follows at once."""
+    log_time = foot.samples.log_time
+    near = len(log_time) > 0 and 0 < log_time[0] - opening <= NEAR_NS
+    loads = foot_loads(foot, slice(0, int(near)), weight_n)
+    time = np.full(len(loads.foot), opening)
+    return replace(loads, log_time=time, stamp=time)
 
 
 def silences(feet: Iterable[DrawnFoot], opening: int, end: int) -> Loads:

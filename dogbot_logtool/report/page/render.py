@@ -8,7 +8,6 @@ from typing import Any, Final
 from markupsafe import Markup
 
 from dogbot_logtool import __version__
-from dogbot_logtool.core.checks.voids import void_patterns
 from dogbot_logtool.core.metrics import Settings, WalkMetrics
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.walk import Walk
@@ -94,7 +93,7 @@ def page(
         damage=damage.text,
         losses=[loss.what for loss in damage.losses],
         file_marks=_file_marks(damage.losses, file_size),
-        tables=page_tables(metrics, walk, void_patterns(measured.findings)),
+        tables=page_tables(walk),
         settings=_settings(metrics.settings),
     )
 

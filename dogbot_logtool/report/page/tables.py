@@ -19,7 +19,7 @@ from dogbot_logtool.core.metrics import (
 from dogbot_logtool.core.quality.quality import LEAST_SHARE, MOST_DEVIATIONS, outliers
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
-from dogbot_logtool.report.table_file import stride_table
+from dogbot_logtool.report.strides import stride_table
 from dogbot_logtool.report.tables import Column, FootRow, foot_rows
 
 MOST_STRIDES: Final = 200
@@ -137,14 +137,9 @@ def _table(
     return Table((of, *(column.heading for column in columns)), rows, caption, coloured)
 
 
-def page_tables(metrics: WalkMetrics, walk: Walk, void: Sequence[str]) -> dict[str, Table | None]:
-    """Return the tables of a page by the names that its template knows them by.
-
-    Args:
-        metrics: the metrics of the log.
-        walk: what they are made of.
-        void: patterns of metrics that are void.
-    """
+def page_tables(walk: Walk) -> dict[str, Table | None]:
+    """Return the tables of a page by the names that its template knows them by."""
+    metrics = walk.metrics
     feet, names = foot_rows(metrics), list(metrics.feet)
     has_legs = walk.legs is not None and any(leg.frame for leg in walk.legs.feet)
     symmetry = metrics.forces.symmetry_index_percent
@@ -156,7 +151,7 @@ def page_tables(metrics: WalkMetrics, walk: Walk, void: Sequence[str]) -> dict[s
         else None,
         "legs": _table("foot", _LEGS, feet, _LEG_WORDS, names) if has_legs else None,
         "joints": _joint_table(metrics),
-        "strides": _stride_table(walk, void),
+        "strides": _stride_table(walk),
         "topics": _table("topic", _TOPICS, metrics.quality.topics, _topic_words(metrics)),
     }
 
@@ -226,9 +221,9 @@ _STRIDES: Final = (
 """Columns of the table of strides: heading, metric, decimals, factor."""
 
 
-def _stride_table(walk: Walk, void: Sequence[str]) -> Table:
+def _stride_table(walk: Walk) -> Table:
     """Return the strides in the order of time; outliers against the foot's own segment."""
-    strides, names = stride_table(walk, void), [foot.name for foot in walk.feet]
+    strides, names = stride_table(walk), [foot.name for foot in walk.feet]
     start = strides.columns["start_s"]
     feet = np.array([names.index(name) for name in strides.foot], np.int64)
     segment = np.full(len(start), -1)

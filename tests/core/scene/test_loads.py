@@ -6,20 +6,20 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.contact.contact_rule import ContactRule
-from dogbot_logtool.core.scene.feet import LoadState
-from dogbot_logtool.core.scene.loads import Loads, foot_loads, silences
+from dogbot_logtool.core.scene.feet import DrawnFoot, LoadState
+from dogbot_logtool.core.scene.loads import foot_loads, opening_load, silences
 from tests.core.scene.drawn_feet import MS, NOWHERE, foot_of
 
 
-def loads_of(*vertical: float, weight_n: float | None = None, opening: int = 0) -> Loads:
-    """Loads of a foot that tells one each 10 ms, from 10 ms on."""
+def foot_with(*vertical: float) -> DrawnFoot:
+    """Return a foot that tells one load each 10 ms, from 10 ms on."""
     rule = ContactRule(on_n=10.0, off_n=4.0, debounce_s=0.0)
     messages = [(10.0 * (row + 1), force, NOWHERE) for row, force in enumerate(vertical)]
-    return foot_loads(foot_of(messages, rule), slice(0, len(vertical)), weight_n, opening)
+    return foot_of(messages, rule)
 
 
 def test_states_are_those_of_contact_detection() -> None:
-    loads = loads_of(5.0, 20.0, 5.0, 2.0, math.nan, 2.0, opening=10 * MS)
+    loads = foot_loads(foot_with(5.0, 20.0, 5.0, 2.0, math.nan, 2.0), slice(0, 6), None)
     assert [LoadState(state) for state in loads.state.tolist()] == [
         LoadState.SWING,
         LoadState.STANCE,
@@ -32,12 +32,11 @@ def test_states_are_those_of_contact_detection() -> None:
 
 
 def test_the_first_load_stands_at_the_log_s_first_time_if_near() -> None:
-    loads = loads_of(20.0, 30.0)
-    assert loads.log_time.tolist() == [0, 10 * MS, 20 * MS]
-    assert loads.stamp.tolist() == [0, 10 * MS + 5, 20 * MS + 5]
-    assert loads.force.tolist() == [20.0, 20.0, 30.0]
-    assert loads_of(20.0, opening=10 * MS).log_time.tolist() == [10 * MS]
-    assert loads_of(20.0, opening=-100 * MS).log_time.tolist() == [10 * MS]
+    load = opening_load(foot_with(20.0, 30.0), None, 0)
+    assert (load.log_time.tolist(), load.stamp.tolist(), load.force.tolist()) == ([0], [0], [20.0])
+    for opening in (10 * MS, -100 * MS):
+        assert not len(opening_load(foot_with(20.0), None, opening).foot)
+    assert not len(opening_load(foot_with(), None, 0).foot)
 
 
 @pytest.mark.parametrize(

@@ -20,11 +20,11 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
-from dogbot_logtool.commands.report import Reports
+import dogbot_logtool as dl
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.io.targets import Output
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import stats_json
+from tests import forked_cli
 from tests.oracles import walks
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.browser import BROWSER, DRIVER, OVER_TIME, SWITCHES, Window
@@ -53,7 +53,7 @@ def window() -> Iterator[Window]:
 @pytest.fixture(scope="session")
 def trot_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     target = tmp_path_factory.mktemp("page") / "trot.html"
-    Reports([TROT], Output(target, is_folder=False), MeasureOptions(), overwrite=False).write(TROT)
+    dl.measure(TROT).report(target)
     return target
 
 
@@ -275,10 +275,7 @@ def test_data_are_saved_as_csv(window: Window, trot_page: Path, trot_json: Any) 
 def test_pages_share_a_script_and_the_index_sorts(window: Window, tmp_path: Path) -> None:
     """The page of a log with events steps from one to the next."""
     logs = [TROT, SAMPLE_LOGS / "dogbot_troubled.bag"]
-    reports = Reports(logs, Output(tmp_path, is_folder=True), MeasureOptions(), overwrite=False)
-    for log in logs:
-        reports.write(log)
-    reports.finish({})
+    assert forked_cli.run("report", *logs, "-o", tmp_path).returncode == 0
     window.open(tmp_path / "dogbot_troubled.report.html")
     assert window.run("return document.querySelectorAll('.plot .main-svg').length") > 7
     assert window.run("return document.getElementById('alone')") is None
@@ -323,11 +320,8 @@ def test_names_in_a_log_are_never_markup(window: Window, tmp_path: Path) -> None
     ]
     walks.write_mcap(tmp_path / "walk.mcap", walk, renamed)
     feet = {f"{HOSTILE}{leg}": f"/{HOSTILE}{walks.foot_topic(kind, leg)}" for leg in walks.LEGS}
-    options = MeasureOptions(
-        robot=None, odom_topic=f"/{HOSTILE}/odom", foot=feet, mass=walks.MASS_KG
-    )
     log, target = tmp_path / "walk.mcap", tmp_path / "walk.html"
-    Reports([log], Output(target, is_folder=False), options, overwrite=False).write(log)
+    dl.measure(log, odom_topic=f"/{HOSTILE}/odom", foot=feet, mass=walks.MASS_KG).report(target)
 
     window.open(target)
     assert window.run("return window.harmed") is None

@@ -1,0 +1,122 @@
+"""Bags that are harmed in one place each."""
+
+import struct
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from tests.reader import bag_bytes
+from tests.reader.bag_bytes import SECOND, U32, BagBytes, Connection, bag_header, small_bag, time
+from tests.reader.cases import ANY, BAG, RUBBISH, SECOND_CHUNK, SENDERS, Case, built, flipped, put
+
+
+def bags_with_a_wrong_index() -> Iterator[Case]:
+    bag, data = built(small_bag())
+    second, start = bag.chunks[1][1], bag.chunk_starts[1]
+    for place in (1, 4096, 5000, 1 << 20, 1 << 62):
+        head = bag_header(place, 2, 3)
+        yield Case(f"index at {place}", bag, put(data, 13, head), "index is damaged")
+    for counts in ((2, 2), (2, 4), (2, 0xFFFFFFFF)):
+        head = bag_header(bag.index_place, *counts)
+        yield Case(f"{counts} chunks", bag, put(data, 13, head), "another number of chunks")
+    yield Case("bag's header", bag, put(data, 13, b"\xff" * 40), ANY, number=None)
+    place = data.rindex(U32.pack(0) + U32.pack(2))  # the last chunk's: connection 0, two messages
+    what = f"the chunk at byte {bag.chunk_starts[2]} holds 4 messages where the log's index names"
+    wrong = put(data, place + 4, U32.pack(9))
+    yield Case("count in the index", bag, wrong, what, index_is_true=False)
+    cut = put(data[: data.rindex(b"ver=") - 16], 13, bag_header(bag.index_place, 2, 2))
+    yield Case("unnamed chunk", bag, cut, "contradicts the chunks")
+    what = f"the index of the chunk at byte {start} is wrong"
+    wrong = put(data, bag.chunk_ends[1] + 55 + 8, U32.pack(3))  # the first entry's offset
+    yield Case("offset in an index", bag, wrong, what, whole=(True, False, True))
+    at = data.index(time(second.log_time))
+    what = "the index tells another time or channel"
+    yield Case("time", bag, put(data, at, time(second.log_time + 1)), what, (5,))
+    early = put(data, at, struct.pack("<II", 5, 5))
+    yield Case("early", bag, early, ANY, (5,))
+    # The chunks' own index records are gone; the index section still knows their times.
+    yield Case("early, no index", bag, early.replace(b"op=\x04", b"op=\x14"), ANY, (5,))
+    wrong = put(data, data.rindex(time(bag.chunks[2][-1].log_time)), struct.pack("<II", 1, 1))
+    yield Case("range of times", bag, wrong, "range of times")
+    for chunk, field in ((0, "start_time"), (2, "end_time")):
+        true = bag.chunks[chunk][0 if chunk == 0 else -1].log_time
+        for shift in (-SECOND, SECOND):
+            name = field.encode() + b"="
+            wrong = data.replace(name + time(true), name + time(true + shift))
+            yield Case(f"{field} {shift}", bag, wrong, ANY)
+    behind = BagBytes([[BAG(0, 5, b"other")]], [Connection(0, "/other")]).build()
+    what = f"the {len(behind)} bytes behind the end of the recording"
+    yield Case("second bag", bag, data + behind, what, number=None)
+    two, harmed = built(small_bag(chunks=2, each=3))
+    for right, other in (((0, 2, 1, 1), (0, 1, 1, 2)), ((1, 2, 0, 1), (1, 1, 0, 2))):
+        harmed = harmed.replace(struct.pack("<4I", *right), struct.pack("<4I", *other))
+    what = f"byte {two.chunk_starts[0]} holds 2 messages of channel 0 where the log's index names"
+    yield Case("counts that hold in sum", two, harmed, what)
+
+
+def bags_with_damaged_records() -> Iterator[Case]:
+    for indexed in (False, True):
+        bag, data = built(small_bag(), indexed=indexed)
+        message = bag.chunks[1][2]
+        whole = message.record()
+        at = data.index(whole)
+        for field, new in ((b"conn=", b"cann="), (b"op=\x02", b"op=\x42")):
+            harmed = put(data, at + whole.index(field), new)
+            yield Case("header", bag, harmed, "no record", (6,), bytes=len(whole))
+        for by in (-3, 4, 60, 1 << 20):
+            length = U32.pack(len(message.payload) + by)
+            place = at + len(whole) - len(message.payload) - 4
+            yield Case(f"length {by}", bag, put(data, place, length), ANY, (6,))
+        for later in (
+            Connection(0, "/other"),
+            Connection(0, "/left", "std_msgs/Empty"),
+            Connection(0, "/left", definition="string data\nbool more\n"),
+        ):
+            case = built(small_bag(), described_later={2: later.record()}, indexed=indexed)
+            what = "connection 0 is described in two ways: as /left of type"
+            yield Case("connection", *case, what)
+            described = [Connection(0, "/left"), Connection(1, "/right"), later]
+            case = built(small_bag(), in_index_section=described)
+            yield Case("connection in index", *case, "it describes a connection in two ways")
+
+
+def bags_with_damaged_chunks() -> Iterator[Case]:
+    swapped = [Connection(0, "/right"), Connection(1, "/left")]
+    for compression in bag_bytes.CODECS:
+        bag, data = built(small_bag(compression))
+        start = bag.chunk_starts[1]
+        for field in (b"compression=", b"size=", b"op="):
+            harmed = put(data, data.index(field, start), b"?")
+            yield Case(f"{field!r}", bag, harmed, ANY, SECOND_CHUNK, either=True, number=None)
+        for rubbish in RUBBISH:
+            what = f"the {len(rubbish)} bytes from byte {start} on are no record"
+            harmed = data[:start] + rubbish + data[start:]
+            yield Case("rubbish", bag, harmed, what, number=None, bytes=len(rubbish))
+        case = built(small_bag(compression), indexed=False)
+        yield Case(f"{compression} without index", *case, "has no index")
+        for indexed in (False, True) if compression != "none" else ():
+            bag, data = built(small_bag(compression), indexed=indexed)
+            what = f"the chunk at byte {bag.chunk_starts[1]} was left out: its {compression}"
+            yield Case("data", bag, flipped(data, bag.chunk_ends[1] - 20, 0xFF), what, SECOND_CHUNK)
+        case = built(small_bag(compression), in_index_section=swapped)
+        start = case[0].chunk_starts[0]
+        what = "connection 0 is described in two ways: as /right of type std_msgs/String and, at "
+        what += f"byte {start}, as /left of type std_msgs/String; the former was used"
+        yield Case("swapped", *case, what, tuple(range(12)), either=True, number=0)
+    lone = built(small_bag(), in_chunks=False, indexed=False)
+    yield Case("undescribed", *lone, "nowhere described", tuple(range(12)), bytes=12 * 13)
+    random = np.random.default_rng(0)
+    large = BagBytes([[BAG(0, row, random.bytes(50_000)) for row in range(1, 61)]], SENDERS, "bz2")
+    _, data = built(large)
+    cut = data[: large.chunk_ends[0] - 100]
+    what = "are damaged or cut off"
+    last = tuple(range(51, 60))
+    yield Case("cut bz2 chunk", large, cut, what, last, either=True, number=None)
+
+
+DAMAGED: Final = (
+    *bags_with_a_wrong_index(),
+    *bags_with_damaged_records(),
+    *bags_with_damaged_chunks(),
+)

@@ -1,0 +1,170 @@
+"""MCAP files that are harmed in one place each."""
+
+from collections.abc import Iterator
+from typing import Any, Final
+
+from tests.reader import mcap_bytes
+from tests.reader.cases import (
+    ANY,
+    MCAP,
+    RUBBISH,
+    SECOND_CHUNK,
+    SWAPPED,
+    Case,
+    built,
+    flipped,
+    put,
+    u64,
+    written,
+)
+from tests.reader.mcap_bytes import (
+    McapBytes,
+    attachment,
+    channel,
+    record,
+    resealed,
+    schema,
+    small_mcap,
+)
+
+
+def damaged_mcaps() -> Iterator[Case]:
+    mcap, data = built(small_mcap())
+    for chunked in (True, False):
+        late = McapBytes([[MCAP(1, 5, b"a"), MCAP(1, 2**64 - 1, b"b"), MCAP(2, 9, b"c")]])
+        case = built(late, chunked=chunked)
+        yield Case("late", *case, "after the year 2262", (1,), whole=(False,))
+    for name, harmed in {
+        "no end": data[:-1],
+        "no footer": data[:-37],
+        "damaged footer": put(data, len(data) - 30, b"\xff"),
+        "damaged header": put(data, 9, b"\xff"),
+        "bytes behind the end": data + b"rubbish",
+        "another file behind the end": data + small_mcap(chunks=1).build(),
+    }.items():
+        yield Case(name, mcap, harmed, ANY, number=None)
+    for size in range(8, 40):
+        everything = tuple(range(12))
+        yield Case(f"{size} bytes", mcap, data[:size], ANY, everything, number=None)
+    lone = McapBytes([[MCAP(1, 5, b"a"), MCAP(77, 6, b"bb"), MCAP(2, 7, b"c")]])
+    _, data = built(lone, summary=False)
+    lone.topics = {**lone.topics, 77: "/lone"}
+    yield Case("undescribed", lone, data, "nowhere described", (1,), bytes=2)
+
+
+def mcaps_with_a_wrong_summary() -> Iterator[Case]:
+    mcap, data = built(small_mcap())
+    for shift in (-1, 1, 20, 1 << 40):
+        moved = data
+        for place in mcap.chunk_starts:
+            moved = put(moved, moved.rindex(u64(place)), u64(place + shift))
+        what = "the summary contradicts itself or the chunks"
+        yield Case(f"offsets {shift}", mcap, resealed(moved, mcap), what)
+    _, short = built(two := small_mcap(chunks=2))
+    section = short[two.summary_start :]
+    section = put(section, section.rindex(u64(two.summary_start)), u64(mcap.summary_start))
+    shorter = resealed(data[: mcap.summary_start] + section, mcap)
+    yield Case("unnamed chunk", mcap, shorter, ANY)
+    true = written(mcap)[0].log_time, written(mcap)[-1].log_time
+    for each in true:
+        for shift in (-(10**9), 10**9):
+            wrong = put(data, data.rindex(u64(each)), u64(each + shift))
+            yield Case("times in statistics", mcap, resealed(wrong, mcap), ANY)
+    small, data = built(small_mcap(chunks=2, each=3))
+    for first in small.chunk_ends:
+        # The chunk index tells the channels' places the wrong way round, in two chunks.
+        second = first + int.from_bytes(data[first + 1 : first + 9], "little") + 9
+        at = data.rindex(u64(first)), data.rindex(u64(second))
+        data = put(put(data, at[0], u64(second)), at[1], u64(first))
+    what = f"the chunk at byte {small.chunk_starts[0]} holds 2 messages of channel 1 "
+    yield Case("counts that hold in sum", small, resealed(data, small), what)
+    for stated in ({1: 5, 2: 7}, {1: 12}, {1: 6, 2: 900}, {1: 6, 2: 6, 3: 1}):
+        case = built(small_mcap(), stated_counts=stated)
+        lost = None if sum(stated.values()) > 12 else 0
+        yield Case(f"statistics {stated}", *case, "the summary counts", number=lost)
+    for indexed in (False, True):
+        options: dict[str, Any] = {"message_index": indexed, "stated_counts": {1: 12}}
+        described = schema(1) + channel(1, "/left")
+        case = built(small_mcap(), described_in_summary=described, **options)
+        yield Case("a channel less", *case, ANY)
+        for compression in mcap_bytes.CODECS:
+            log = small_mcap(compression)
+            case = built(log, message_index=indexed, described_in_summary=SWAPPED)
+            yield Case("swapped", *case, "channel 1 is described in two ways: as /left and, at ")
+    extra = built(small_mcap(), between={1: attachment("notes", b"muddy ground")})
+    yield Case("attachment", *extra, "the summary contradicts itself or the chunks")
+
+
+def mcaps_with_damaged_chunks(compression: str) -> Iterator[Case]:
+    mcap, data = built(small_mcap(compression), data_crc=False)
+    start, end = mcap.chunk_starts[1], mcap.chunk_ends[1]
+    middle = (True, False, True)
+    for summary in (False, True):
+        log, plain = built(small_mcap(compression), data_crc=False, summary=summary)
+        what = f"the chunk at byte {start} was left out: its checksum does not hold"
+        yield Case("checksum", log, flipped(plain, start + 9 + 24, 1), what, SECOND_CHUNK)
+    for field in (0, 1, 9, 17, 25, 37):
+        what = f"the header of the chunk at byte {start}"
+        yield Case(f"head {field}", mcap, flipped(data, start + field, 2), what, whole=middle)
+    for wrong in (0, 1, 50, 2**40):
+        log, sealed = built(small_mcap(compression))
+        at = sealed.index(u64(start), log.summary_start)
+        sizes = at + 20 + int.from_bytes(sealed[at + 16 : at + 20], "little") + 12
+        for place in (sizes + len(compression), sizes + len(compression) + 8):
+            harmed = resealed(put(sealed, place, u64(wrong)), log)
+            yield Case(f"size {wrong} in the summary", log, harmed, ANY)
+    what = f"the index of the chunk at byte {start} is wrong; it was read without it"
+    yield Case("time in index", mcap, flipped(data, end + 9 + 6, 1), what, whole=middle)
+    for offset in (10**6, 2**63 - 1, 2**63, 2**64 - 1):
+        yield Case("offset in index", mcap, put(data, end + 9 + 6 + 8, u64(offset)), what)
+    if compression == "":
+        payload = data.replace(b"payload12", b"payload92")
+        yield Case("payload", mcap, payload, ANY, SECOND_CHUNK)
+    for named in ("", "lz4", "none"):
+        for crc in (True, False) if named != compression else ():
+            case = built(small_mcap(compression), chunk_crc=crc, indexed_as=named)
+            yield Case(f"{compression} indexed as {named}", *case, ANY)
+
+
+def mcaps_with_damaged_records(compression: str) -> Iterator[Case]:
+    mcap, data = built(small_mcap(compression), data_crc=False, summary=False)
+    start = mcap.chunk_starts[1]
+    for place in (0, 1, 3):
+        harmed = flipped(data, start + place, 0x11)
+        yield Case(f"record {place}", mcap, harmed, ANY, SECOND_CHUNK, either=True, number=None)
+    for rubbish in RUBBISH:
+        harmed = data[:start] + rubbish + data[start:]
+        what = f"the {len(rubbish)} bytes from byte {start} on are no record"
+        yield Case("rubbish", mcap, harmed, what, number=None, bytes=len(rubbish))
+
+
+def mcaps_without_chunks() -> Iterator[Case]:
+    """Yield files whose messages stand outside of chunks."""
+    log, data = built(small_mcap(), chunked=False, summary=False, data_crc=False)
+    whole = log.chunks[1][2].record()
+    at = data.index(whole)
+    for by in (-3, 4, 60, 1 << 20, 1 << 62):
+        harmed = put(data, at + 1, u64(len(whole) - 9 + by))
+        yield Case(f"length {by}", log, harmed, ANY, (6,), number=None, bytes=len(whole))
+    for opcode in (0x10, 0x7F):
+        harmed = data[:at] + record(opcode, b"\xff" * 30) + data[at:]
+        # One that no version of MCAP has may be damage.
+        yield Case(f"opcode {opcode}", log, harmed, ANY, number=None)
+    other = channel(1, "/other")
+    yield Case("described anew", log, data[:at] + other + data[at:], "channel 1 is described in tw")
+    unknown = schema(1) + channel(1, "/left", 7)
+    harmed = data.replace(schema(1) + channel(1, "/left"), unknown)
+    yield Case("schema", log, harmed, "schema 7 of /left is nowhere described")
+    harmed = data.replace(channel(2, "/right"), b"")
+    what = "messages of channels that are nowhere described"
+    right = tuple(n for n, message in enumerate(written(log)) if message.topic == "/right")
+    yield Case("channel", log, harmed, what, right, bytes=6 * 13)
+
+
+DAMAGED: Final = (
+    *damaged_mcaps(),
+    *mcaps_with_a_wrong_summary(),
+    *(case for each in mcap_bytes.CODECS for case in mcaps_with_damaged_chunks(each)),
+    *(case for each in mcap_bytes.CODECS for case in mcaps_with_damaged_records(each)),
+    *mcaps_without_chunks(),
+)

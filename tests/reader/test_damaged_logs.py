@@ -1,0 +1,154 @@
+"""Bags and MCAP files that are harmed: what is read, lost and said of each."""
+
+from collections import Counter
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from dogbot_logtool.reader.opening import open_log
+from tests.reader import bag_bytes, damaged_bags, damaged_mcaps
+from tests.reader.bag_bytes import small_bag, time
+from tests.reader.cases import AS_LOST, DESCRIBED, MCAP, Case, Log, built, put, u64, written
+from tests.reader.mcap_bytes import (
+    McapBytes,
+    channel,
+    record,
+    resealed,
+    schema,
+    small_mcap,
+)
+from tests.reader.reading import Read, read_bytes
+
+
+@pytest.mark.parametrize(
+    "case",
+    [*damaged_bags.DAMAGED, *damaged_mcaps.DAMAGED],
+    ids=lambda case: f"{type(case.log).__name__} {case.name}",
+)
+def test_a_damaged_log(tmp_path: Path, case: Case) -> None:
+    reading = read_bytes(tmp_path, case.data)
+    sent = written(case.log)
+    got = [message for number, message in enumerate(sent) if number not in case.lost]
+    found = list(reading.messages)
+    if case.either and found != got:
+        assert {(m.log_time, m.payload) for m in got} <= {(m.log_time, m.payload) for m in found}
+        assert {(m.log_time, m.payload) for m in found} <= {(m.log_time, m.payload) for m in sent}
+    else:
+        assert found == got
+    assert reading.losses or found == sent
+    assert case.says is not None
+    assert case.says in reading.sentences
+    if case.number is not None:
+        assert reading.lost == (len(case.lost) if case.number == AS_LOST else case.number)
+    if case.bytes is not None:
+        assert sum(loss.bytes for loss in reading.losses) == case.bytes
+    if case.whole is not None:
+        assert tuple(chunk.whole for chunk in reading.chunks) == case.whole
+    if found == sent and case.index_is_true:
+        times = [message.log_time for message in found]
+        assert reading.times == (min(times), max(times))
+        assert +Counter(reading.counts) == Counter(message.topic for message in found)
+
+
+@pytest.mark.parametrize("kind", ["mcap", *bag_bytes.CODECS])
+def test_a_time_span_has_all_its_messages_whatever_the_index_says(
+    tmp_path: Path, kind: str
+) -> None:
+    log: Log = small_mcap() if kind == "mcap" else small_bag(kind)
+    data = log.build()
+    times = [message.log_time for message in log.chunks[1]]
+    if isinstance(log, McapBytes):
+        at = data.rindex(u64(times[0]) + u64(times[-1]))
+        data = put(data, at, u64(times[0] - 30_000_000) + u64(times[-1] - 40_000_000))
+        data = resealed(data, log)
+    else:
+        start, end = (
+            data.index(name + time(each))
+            for name, each in zip(
+                (b"start_time=", b"end_time="), (times[0], times[-1]), strict=True
+            )
+        )
+        data = put(data, start + 11, time(times[0] - 30_000_000))
+        data = put(data, end + 9, time(times[0] - 20_000_000))
+    path = tmp_path / "log"
+    path.write_bytes(data)
+    with closing(open_log(path)) as opened:
+        batches = [
+            opened.read(span).cropped(times[0], times[-1]) for span in opened.spans(*times[::3])
+        ]
+        losses = [*opened.losses, *(loss for batch in batches for loss in batch.losses)]
+    assert [each for batch in batches for each in batch.messages.log_time.tolist()] == times
+    assert losses
+
+
+@pytest.mark.parametrize(
+    ("described", "what"),
+    [
+        (schema(1, data=b"string data\nbool more"), "schema 1 is described in two ways: as std_ms"),
+        (schema(1, "std_msgs/Empty"), "as std_msgs/String and, at byte "),
+        (channel(1, "/other"), "channel 1 is described in two ways: as /left and, at byte "),
+        (schema(2) + channel(1, "/left", 2), "as /left with schema 1 and, at byte "),
+        (channel(2, "/left") + channel(1, "/right"), "channel 2 is described in two ways"),
+    ],
+)
+@pytest.mark.parametrize("where", ["described_later", "between"])
+@pytest.mark.parametrize("indexed", [False, True])
+def test_a_description_that_changes_in_mid_file(
+    tmp_path: Path, described: bytes, what: str, where: str, *, indexed: bool
+) -> None:
+    """As a library writes it that keeps the last description in the summary, or the first."""
+    for in_summary in (DESCRIBED, DESCRIBED + described, described + DESCRIBED, None):
+        options = {where: {2: described}, "summary": in_summary is not None}
+        log, data = built(
+            small_mcap(), described_in_summary=in_summary, message_index=indexed, **options
+        )
+        reading = read_bytes(tmp_path, data)
+        assert what in reading.sentences
+        assert list(reading.messages) == written(log)
+        if where == "described_later" and in_summary == DESCRIBED:
+            assert {loss.offset for loss in reading.losses} == {log.chunk_starts[2]}
+            assert [chunk.whole for chunk in reading.chunks] == [True, True, False]
+
+
+@pytest.mark.parametrize("place", ["chunk_starts", "data_end"])
+def test_messages_in_and_outside_chunks(tmp_path: Path, place: str) -> None:
+    log, data = built(small_mcap(), summary=False, data_crc=False)
+    starts = log.chunk_starts[:2] if place == "chunk_starts" else [log.data_end]
+    for start in starts:
+        harmed = data[:start] + MCAP(1, 7, b"bare").record() + data[start:]
+        reading = read_bytes(tmp_path, harmed)
+        assert sorted(reading.messages) == sorted([*written(log), Read("/left", 7, b"bare")])
+
+
+@pytest.mark.parametrize("name", [b"/\xff\xfe", b"/a\0b", b"", b"/" + b"long" * 10_000])
+def test_names_that_are_no_text(tmp_path: Path, name: bytes) -> None:
+    log, data = built(small_mcap(), chunked=False, summary=False, data_crc=False)
+    reading = read_bytes(tmp_path, data.replace(channel(1, "/left"), channel(1, name)))
+    assert [message[1:] for message in reading.messages] == [each[1:] for each in written(log)]
+    assert not reading.losses
+    data = small_bag().build().replace(b"/left", b"/\xff\0\nt")
+    reading = read_bytes(tmp_path, data)
+    assert sorted(reading.counts.values()) == [6, 6]
+    assert not reading.losses
+
+
+@pytest.mark.parametrize("described", [True, False])
+def test_messages_in_front_of_their_channels_description(
+    tmp_path: Path, *, described: bool
+) -> None:
+    """An application's own record between them is passed over."""
+    left, right = (
+        [MCAP(number, 10**9 + row, b"x" * row) for row in range(10)] for number in (1, 2)
+    )
+    log, data = built(
+        McapBytes([left, right], {1: "/left"}, chunked=False, summary=False, data_crc=False)
+    )
+    log.topics = {1: "/left", 2: "/right"}
+    at = data.index(left[5].record())
+    data = data[:at] + record(0x80, b"\xff" * 30) + data[at:]
+    end = data.index(right[-1].record()) + len(right[-1].record())
+    reading = read_bytes(tmp_path, data[:end] + channel(2, "/right") * described + data[end:])
+    assert list(reading.messages) == written(log)[: 20 if described else 10]
+    assert reading.lost == (0 if described else 10)
+    assert ("10 messages of channels that are nowhere described" in reading.sentences) != described

@@ -1,0 +1,175 @@
+"""Bags and MCAP files that are sound, as rosbags and the mcap library read them."""
+
+import io
+import struct
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Final
+
+import lz4.frame
+import pytest
+from mcap.reader import make_reader
+from mcap.writer import CompressionType, IndexType
+from mcap.writer import Writer as McapWriter
+from rosbags.rosbag1 import Reader as BagReader
+from rosbags.rosbag1 import Writer as BagWriter
+from rosbags.typesys import Stores, get_typestore
+
+from tests.reader import bag_bytes, mcap_bytes
+from tests.reader.bag_bytes import BagBytes, Connection, bag_header, small_bag
+from tests.reader.cases import (
+    BAG,
+    DESCRIBED,
+    EXTRAS,
+    SENDERS,
+    Case,
+    built,
+    put,
+    written,
+)
+from tests.reader.mcap_bytes import (
+    McapBytes,
+    small_mcap,
+)
+from tests.reader.reading import Read, read_bytes, read_file
+
+MCAP_OPTIONS: Final[dict[str, dict[str, Any]]] = {
+    "as usual": {},
+    "no summary": {"summary": False},
+    "no statistics": {"statistics": False},
+    "nothing repeated": {"repeated": False},
+    "no message index": {"message_index": False},
+    "no checksums": {"chunk_crc": False, "data_crc": False},
+    "no chunks": {"chunked": False},
+    "no chunks, no summary": {"chunked": False, "summary": False},
+}
+LZ4_FRAMES: Final[tuple[dict[str, Any], ...]] = (
+    {"block_linked": True, "block_size": lz4.frame.BLOCKSIZE_MAX64KB},
+    {"store_size": True, "content_checksum": True},
+    {"store_size": False, "block_checksum": True},
+)
+
+
+def sound_logs() -> Iterator[Case]:
+    for compression in mcap_bytes.CODECS:
+        for name, options in MCAP_OPTIONS.items():
+            log = small_mcap(compression)
+            yield Case(f"mcap {compression}, {name}", *built(log, **options))
+    for summary in (False, True):
+        yield Case("extras", *built(small_mcap(), extras=EXTRAS, summary=summary))
+    repeated = dict.fromkeys((0, 1, 2), DESCRIBED)
+    yield Case("repeated", *built(small_mcap(), described_later=repeated, between=repeated))
+    for compression in bag_bytes.CODECS:
+        yield Case(f"bag {compression}", *built(small_bag(compression)))
+    yield Case("connections in the index", *built(small_bag(), in_chunks=False))
+    yield Case("no chunks", *built(BagBytes([], [Connection(0, "/left")])))
+    messages = [[BAG(0, 1, b"one"), BAG(7, 2, b"two"), BAG(3, 3, b"three")]]
+    yield Case("several senders", *built(BagBytes(messages, SENDERS)))
+    for zeros in (1, 49, 4000):
+        bag, data = built(small_bag(), zeros=zeros)
+        head = bag_header(bag.index_place - zeros, 2, 3)
+        for data_too in (data, put(data, 13, head)):
+            yield Case(f"{zeros} zeros before the index", bag, data_too, whole=())
+    for frame in LZ4_FRAMES:
+        bag = small_bag("lz4", each=3000)
+        bag.compress = lambda data, frame=frame: bytes(lz4.frame.compress(data, **frame))
+        yield Case(f"lz4 {[*frame]}", *built(bag))
+
+
+def by_libraries(case: Case, path: Path) -> list[Read]:
+    """Read a log with rosbags or the mcap library."""
+    if isinstance(case.log, BagBytes):
+        with BagReader(path) as reader:
+            return [Read(c.topic, log_time, bytes(data)) for c, log_time, data in reader.messages()]
+    messages = make_reader(io.BytesIO(case.data), validate_crcs=True).iter_messages()
+    return [Read(channel.topic, message.log_time, message.data) for _, channel, message in messages]
+
+
+@pytest.mark.parametrize("case", [*sound_logs()], ids=lambda case: case.name)
+def test_a_sound_log(tmp_path: Path, case: Case) -> None:
+    reading = read_bytes(tmp_path, case.data)
+    assert list(reading.messages) == written(case.log)
+    assert not reading.losses
+    mcap = case.log if isinstance(case.log, McapBytes) else None
+    if case.whole is None:
+        is_whole, is_indexed = mcap is None or mcap.chunked, mcap is None or mcap.message_index
+        assert all(chunk.whole == is_whole for chunk in reading.chunks)
+        assert all(chunk.indexed == is_indexed for chunk in reading.chunks if is_whole)
+        if mcap is None or mcap.repeated:
+            assert sorted(by_libraries(case, tmp_path / "log")) == sorted(reading.messages)
+    times = [message.log_time for message in reading.messages]
+    assert reading.times == ((min(times), max(times)) if times else (None, None))
+    assert reading.profile == "ros1"
+    assert +Counter(reading.counts) == Counter(message.topic for message in reading.messages)
+    extras = [case.data[e.offset : e.offset + e.size] for e in reading.extras]
+    assert extras == (list(mcap.extras) if mcap is not None else [])
+    if isinstance(case.log, BagBytes):
+        connections = {(c.topic, c.type_name, c.definition.encode()) for c in case.log.connections}
+        assert {*reading.topics} == connections
+
+
+@pytest.mark.parametrize("compression", CompressionType)
+@pytest.mark.parametrize("chunked", [False, True])
+@pytest.mark.parametrize("index_types", [IndexType.ALL, IndexType.NONE, IndexType.CHUNK])
+@pytest.mark.parametrize("repeat", [False, True])
+def test_an_mcap_by_the_library(
+    tmp_path: Path,
+    compression: CompressionType,
+    index_types: IndexType,
+    *,
+    chunked: bool,
+    repeat: bool,
+) -> None:
+    stream = io.BytesIO()
+    writer = McapWriter(
+        stream,
+        chunk_size=500,
+        compression=compression,
+        index_types=index_types,
+        use_chunking=chunked,
+        repeat_channels=repeat,
+        repeat_schemas=repeat,
+        enable_data_crcs=True,
+    )
+    writer.start(profile="ros2")
+    schema = writer.register_schema("std_msgs/msg/String", "ros2msg", b"string data")
+    channels = [writer.register_channel(topic, "cdr", schema) for topic in ("/a", "/b")]
+    for row in range(100):
+        writer.add_message(channels[row % 2], row * 10, bytes([row] * 9), row * 10 + 1, row)
+    writer.add_attachment(1, 2, "notes", "text/plain", b"muddy ground")
+    writer.add_metadata("robot", {"name": "dogbot"})
+    writer.finish()
+    reading = read_bytes(tmp_path, stream.getvalue())
+    assert not reading.losses
+    assert [m.payload[0] for m in reading.messages] == list(range(100))
+    assert reading.counts == {"/a": 50, "/b": 50}
+    assert [extra.opcode for extra in reading.extras] == [9, 12]
+    assert reading.profile == "ros2"
+
+
+@pytest.mark.parametrize("compression", [None, *BagWriter.CompressionFormat])
+def test_a_bag_by_rosbags_is_read_as_rosbags_reads_it(
+    tmp_path: Path, compression: BagWriter.CompressionFormat | None
+) -> None:
+    path = tmp_path / "log.bag"
+    store = get_typestore(Stores.ROS1_NOETIC)
+    writer = BagWriter(path)
+    writer.chunk_threshold = 2000
+    if compression is not None:
+        writer.set_compression(compression)
+    with writer:
+        connections = [
+            writer.add_connection(topic, "std_msgs/msg/String", typestore=store, callerid=caller)
+            for topic, caller in [("/a", "/one"), ("/a", "/two"), ("/b", None)]
+        ]
+        for row in range(500):
+            data = struct.pack("<I", 6) + f"row{row:03}".encode()
+            writer.write(connections[row % 3], row * 7_000_000, data)
+    reading = read_file(path)
+    with BagReader(path) as reader:
+        expected = [Read(c.topic, at, bytes(data)) for c, at, data in reader.messages()]
+    assert sorted(reading.messages) == sorted(expected)
+    assert len(reading.chunks) > 3
+    assert not reading.losses
+    assert reading.counts == {"/a": 334, "/b": 166}
