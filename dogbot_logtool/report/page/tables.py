@@ -19,8 +19,7 @@ from dogbot_logtool.core.metrics import (
 from dogbot_logtool.core.quality.quality import LEAST_SHARE, MOST_DEVIATIONS, outliers
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
-from dogbot_logtool.report.strides import stride_table
-from dogbot_logtool.report.tables import Column, FootRow, foot_rows
+from dogbot_logtool.report.tables import Column, FootRow, foot_rows, stride_table
 
 MOST_STRIDES: Final = 200
 """Rows of the table of strides."""
