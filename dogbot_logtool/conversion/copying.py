@@ -12,7 +12,7 @@ from dogbot_logtool.core.scene.arrows import Arrows, classic_arrows, no_arrows
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.options import ConvertOptions
-from dogbot_logtool.reader.containers.log import Batch, Channel, Chunk, LoadedChunk, Log, Messages
+from dogbot_logtool.reader.containers.log import Batch, Channel, Chunk, Log
 from dogbot_logtool.reader.messages.contacts import read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.robot.selection import Selection
@@ -21,11 +21,8 @@ from dogbot_logtool.writer.chunks import (
     FinishedChunk,
     chunk_rows,
     finish_chunk,
-    message_index,
-    time_range,
 )
 from dogbot_logtool.writer.message_records import record_bounds, recorded
-from dogbot_logtool.writer.template import MESSAGE_HEAD
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,16 +71,16 @@ class Copier:
 def copied_chunks(
     log: Log, batch: Batch, compression: Compression | None
 ) -> Iterator[FinishedChunk | Chunk]:
-    """Yield the messages of a batch: whole chunks of an MCAP verbatim, others in new chunks."""
+    """Yield the messages of a batch: sound chunks of an MCAP verbatim, others in new chunks."""
     partial: list[slice] = []
     for loaded in batch.chunks:
-        stored = loaded.chunk.compression or "none"
-        if log.copies_chunks and loaded.whole and compression in {None, stored}:
+        chunk = loaded.chunk
+        is_kept = log.copies_chunks and compression in {None, chunk.compression or "none"}
+        if is_kept and loaded.whole and loaded.indexed:
             yield from _new_chunks(batch, partial, compression)
             partial = []
             # Where processes share the file, its bytes need not be sent from one to another.
-            is_sent = not (loaded.indexed and log.can_fork)
-            yield _unchanged(batch.messages, loaded) if is_sent else loaded.chunk
+            yield chunk if log.can_fork else as_it_stands(chunk, loaded.stored)
         else:
             partial.append(loaded.rows)
     yield from _new_chunks(batch, partial, compression)
@@ -108,19 +105,6 @@ def _new_chunks(
             part.end,
         )
         yield finish_chunk(records, compression or "zstd")
-
-
-def _unchanged(messages: Messages, loaded: LoadedChunk) -> FinishedChunk:
-    """Return a recorded chunk verbatim, with a new message index if its own is not sound."""
-    chunk = loaded.chunk
-    if loaded.indexed:
-        return as_it_stands(chunk, loaded.stored)
-    rows = messages.pick(loaded.rows)
-    record = np.frombuffer(loaded.stored[: chunk.end - chunk.offset], np.uint8)
-    offset = rows.start - MESSAGE_HEAD.itemsize - loaded.base
-    index = message_index(rows.channel, rows.log_time, offset)
-    times = time_range(rows.log_time)
-    return FinishedChunk(record, index, *times, chunk.compression, chunk.data_size, chunk.size)
 
 
 def as_it_stands(chunk: Chunk, stored: bytes | memoryview) -> FinishedChunk:
