@@ -7,8 +7,7 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import concatenated
-from dogbot_logtool.core.scene.arrows import Arrows, classic_arrows, no_arrows
+from dogbot_logtool.core.scene.arrows import Arrows, classic_arrows
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.options import ConvertOptions
@@ -31,9 +30,10 @@ class CopiedSpan:
 
     chunks: tuple[FinishedChunk | Chunk, ...]
     """A chunk of the log itself is copied as it stands."""
-    arrows: Arrows
+    arrows: Sequence[Arrows]
     """Of contact states as they are recorded, for a style that draws these."""
     counts: Counter[str]
+    """Contact states that have none, by why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,20 +52,16 @@ class Copier:
 
     def __call__(self, log: Log, batch: Batch) -> CopiedSpan:
         """Return what is made of the messages of a batch."""
-        arrows, counts = self._arrows(batch)
+        arrows, counts = [], Counter[str]()
+        in_order = batch.in_time_order() if self.drawn else batch
+        for read in read_contacts(in_order, self.drawn, self.feet):
+            if read.pairs is not None:
+                drawn, skipped = classic_arrows(read.pairs.contacts)
+                arrows.append(drawn)
+                counts += skipped
         kept = batch.without(self.left_out) if self.left_out else batch
         chunks = copied_chunks(log, kept, self.compression) if self.copies else ()
         return CopiedSpan(tuple(chunks), arrows, counts)
-
-    def _arrows(self, batch: Batch) -> tuple[Arrows, Counter[str]]:
-        found, counts = [no_arrows()], Counter[str]()
-        if self.drawn:
-            for read in read_contacts(batch.in_time_order(), self.drawn, self.feet):
-                if read.pairs is not None:
-                    arrows, skipped = classic_arrows(read.pairs.contacts)
-                    found.append(arrows)
-                    counts += skipped
-        return concatenated(found), counts
 
 
 def copied_chunks(
