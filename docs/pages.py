@@ -11,7 +11,7 @@ from dogbot_logtool.core.metrics import Event, Stride, WalkMetrics
 from dogbot_logtool.core.records import Field, definitions, fields_of, is_record, metric_paths
 from dogbot_logtool.finding import finding_kinds
 from dogbot_logtool.io.plain_json import to_json
-from dogbot_logtool.report.schema import schema
+from dogbot_logtool.report.documents import schema
 
 HERE: Final = Path(__file__).parent
 _COLUMNS: Final = "| code | | what it means | what to do |\n|---|---|---|---|\n"

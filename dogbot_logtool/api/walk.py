@@ -30,7 +30,7 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import Location, location
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.report.table_file import stride_table
+from dogbot_logtool.report.tables import stride_table
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.robot.annotated import open_recorded
 
@@ -80,7 +80,7 @@ class Walk:
     @cached_property
     def strides(self) -> Table:
         """Whole strides, foot by foot: the rows of `export --table strides`."""
-        strides = stride_table(self._walk, void_patterns(self._measured.findings))
+        strides = stride_table(self._walk)
         return Table({"foot": texts(list(strides.foot)), **strides.columns})
 
     @cached_property

@@ -13,7 +13,7 @@ from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, from_root, location, shown
 from dogbot_logtool.io.targets import refuse_no_name
 from dogbot_logtool.options import Export
-from dogbot_logtool.report.table_file import TableFile, table_file
+from dogbot_logtool.report.table_file import TableFile
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.run.inputs import LogSet
 from dogbot_logtool.run.runner import OnProgress
@@ -29,7 +29,7 @@ def run(options: Export) -> NoReturn:
     if options.output in {None, "-"}:
         if options.overwrite:
             raise CallError("--overwrite goes with -o FILE")
-        _write(call, logs, options, table_file("stdout.csv", sys.stdout.buffer))
+        _write(call, logs, options, TableFile("stdout.csv", sys.stdout.buffer))
         call.finish()
     refuse_no_name(options.output or "")
     target = Path(options.output or "")
@@ -38,7 +38,7 @@ def run(options: Export) -> NoReturn:
     with whole_file(
         target, overwrite=options.overwrite, is_wanted=lambda: call.has_results
     ) as file:
-        table = table_file(target.name, file)
+        table = TableFile(target.name, file)
         _write(call, logs, options, table)
         table.finish()
     call.finish()
@@ -104,5 +104,5 @@ def _dataset(call: Call, logs: LogSet, options: Export, name: str) -> NoReturn:
         call.add({})
     if not options.quiet:
         run.failed = len(call.failures)
-        print_dataset(diagnostics(), shown(dataset.files.root), run)
+        print_dataset(diagnostics(), shown(dataset.root), run)
     call.finish()

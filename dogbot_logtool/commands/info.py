@@ -25,7 +25,7 @@ from dogbot_logtool.robot.frames.frames import Frames, read_frames
 from dogbot_logtool.robot.measuring.plan import settings_of
 from dogbot_logtool.robot.measuring.side_topics import side_topics
 from dogbot_logtool.robot.message_feet import is_planned
-from dogbot_logtool.robot.robot_model.joint_motion import joint_channels, own_description
+from dogbot_logtool.robot.robot_model.joints_of_log import joint_channels, own_description
 from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.run.runner import OnProgress
 

@@ -11,8 +11,8 @@ from dogbot_logtool.io.storage import Location, file_name, is_folder, shown, ver
 from dogbot_logtool.io.targets import Output, targets
 from dogbot_logtool.options import Report
 from dogbot_logtool.report.page.assets import page_script, shared_name
-from dogbot_logtool.report.page.events import listed_events
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
+from dogbot_logtool.report.page.over_time import listed_events
 from dogbot_logtool.report.page.render import ALONE, Beside, page
 from dogbot_logtool.report.page.replay import frame_times, replay
 from dogbot_logtool.results import Page

@@ -43,9 +43,8 @@ def figures(
         progress: called with bytes done and bytes in all.
     """
     from dogbot_logtool.commands.stats import measure  # noqa: PLC0415
-    from dogbot_logtool.core.checks.voids import void_patterns  # noqa: PLC0415
     from dogbot_logtool.report.documents import stats_json  # noqa: PLC0415
-    from dogbot_logtool.report.table_file import stride_table  # noqa: PLC0415
+    from dogbot_logtool.report.tables import stride_table  # noqa: PLC0415
     from dogbot_logtool.report.verdict import summary_row  # noqa: PLC0415
 
     measured = measure(log, options, progress)
@@ -53,7 +52,7 @@ def figures(
     return Figures(
         summary_row(measured),
         stats_json(measured, detail=detail) if as_json else {},
-        stride_table(measured.walk, void_patterns(measured.findings)),
+        stride_table(measured.walk),
         max((each for each in intervals if each is not None), default=0.0),
         measured.damage,
         measured if whole else None,
@@ -115,7 +114,7 @@ def measure_entry(
     """Measure a log for a dataset."""
     from dogbot_logtool.commands.stats import measure  # noqa: PLC0415
     from dogbot_logtool.report.dataset import log_tables  # noqa: PLC0415
-    from dogbot_logtool.report.table_file import stride_table  # noqa: PLC0415
+    from dogbot_logtool.report.tables import stride_table  # noqa: PLC0415
 
     measured = measure(entry.location, options, progress)
     tables = log_tables(measured.metrics, stride_table(measured.walk))

@@ -142,17 +142,13 @@ def _known_poses(poses: Odometry, opening: int, known_from: int) -> Odometry:
 
 def _links(plan: ConversionPlan, recording: Recording, opening: int) -> list[LinkTransforms]:
     """Return the links that are written: as often as the base, and at the log's first time."""
-    motion = plan.description.motion
-    tables = () if motion is None else recording.joints
-    found = []
-    for table in tables:
-        if motion is not None and table.topic == motion.channel.topic:
-            samples = table.samples
-            times = samples.log_time, samples.stamp
-            moved = motion.links(table.names, *times, samples.position.astype(np.float64))
-            rows = first_at_each_tick(moved.stamp, plan.options.tf_rate)
-            found.append(moved.pick(rows).from_opening(opening))
-    return found
+    motion, rate_hz = plan.description.motion, plan.options.tf_rate
+    if motion is None:
+        return []
+    moved = (motion.links(table) for table in recording.joints if table.topic == motion.topic)
+    return [
+        each.pick(first_at_each_tick(each.stamp, rate_hz)).from_opening(opening) for each in moved
+    ]
 
 
 def annotations_between(

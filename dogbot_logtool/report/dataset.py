@@ -16,20 +16,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any, Final
 
 from dogbot_logtool import __version__
-from dogbot_logtool.core import metrics
-from dogbot_logtool.core.metrics import SCHEMA_VERSION
+from dogbot_logtool.core.metrics import SCHEMA_VERSION, WalkMetrics
 from dogbot_logtool.core.records import Field, fields_of, is_record, to_json
-from dogbot_logtool.errors import (
-    DAMAGED,
-    CallError,
-    ExtraMissingError,
-    LogtoolError,
-    StoreError,
-)
+from dogbot_logtool.errors import DAMAGED, CallError, ExtraMissingError, LogtoolError
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.output import whole_file
 from dogbot_logtool.io.storage import Location, valid_unicode
@@ -37,7 +30,7 @@ from dogbot_logtool.option import part_of
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.table_file import arrow_table
 from dogbot_logtool.results import StrideTable
-from dogbot_logtool.run.inputs import Found, LogSet
+from dogbot_logtool.run.inputs import LogSet
 
 try:
     import pyarrow as pa
@@ -54,47 +47,32 @@ _TYPES: Final[Mapping[Any, Any]] = {
     str: pa.string(),
     bool: pa.bool_(),
 }
+_STATE: Final = b"dogbot_logtool"
+"""Key of a file's metadata: what became of the log, as JSON."""
+_MOST_BYTES: Final = 1 << 28
+"""Of a file of a dataset, or of a robot's file, that is read."""
+_ASKED_AT_ONCE: Final = 16
+_ESCAPED: Final = re.compile(rb"\\x([89a-f][0-9a-f])")
+"""How a byte of a name that is not UTF-8 is shown."""
 
 Tables = Mapping[str, Any]
 """`pyarrow.Table` of each of `TABLES`."""
+Labels = Mapping[str, str]
 
 
-def log_tables(walk: metrics.WalkMetrics, strides: StrideTable) -> Tables:
+def log_tables(metrics: WalkMetrics, strides: StrideTable) -> Tables:
     """Return the rows of a log that was measured."""
-    row = {"error": None, **to_json(walk)}
-    foot = pa.array(strides.foot, pa.string())
-    tables = {
-        "strides": arrow_table(strides.columns).add_column(0, "foot", foot),
-        "logs": pa.Table.from_pylist([row], _log_schema()),
-    }
-    for field in fields_of(metrics.WalkMetrics):
+    tables = {"strides": arrow_table(strides.columns).add_column(0, "foot", [strides.foot])}
+    for field in fields_of(WalkMetrics):
         if field.name in TABLES:
-            tables[field.name] = _rows(field, getattr(walk, field.name))
-    return tables
+            tables[field.name] = _rows(field, getattr(metrics, field.name))
+    return {**tables, **_log_row(to_json(metrics), None)}
 
 
-def failed_tables(sentence: str) -> Tables:
-    """Return the row of a log that could not be measured."""
-    return {"logs": pa.Table.from_pylist([{"error": sentence}], _log_schema())}
-
-
-def with_hash(rows: Any, log_hash: str) -> Any:  # noqa: ANN401 - pyarrow has no types
-    """Return rows behind a column that joins the tables."""
-    return rows.add_column(0, "log_hash", pa.array([log_hash] * len(rows), pa.string()))
-
-
-def with_labels(rows: Any, labels: Mapping[str, str]) -> Any:  # noqa: ANN401
-    """Return the row of a log with these labels."""
-    column = pa.array([list(labels.items())] * len(rows), pa.map_(pa.string(), pa.string()))
-    names = rows.column_names
-    if "labels" in names:
-        return rows.set_column(names.index("labels"), "labels", column)
-    return rows.append_column("labels", column)
-
-
-def labels_of(rows: Any) -> dict[str, str]:  # noqa: ANN401
-    """Return the labels of the row of a log."""
-    return dict(rows["labels"][0].as_py())
+def _log_row(row: Mapping[str, Any], sentence: str | None) -> Tables:
+    """Return the row of a log, and why it could not be measured; None: it could."""
+    schema = pa.schema([pa.field("error", pa.string()), *_columns(WalkMetrics)])
+    return {"logs": pa.Table.from_pylist([{"error": sentence, **row}], schema)}
 
 
 def _rows(field: Field, items: Any) -> Any:  # noqa: ANN401 - records, by name or in a list
@@ -104,10 +82,6 @@ def _rows(field: Field, items: Any) -> Any:  # noqa: ANN401 - records, by name o
         return pa.Table.from_pylist([to_json(each) for each in items], pa.schema(columns))
     rows = [{"foot": name, **to_json(each)} for name, each in items.items()]
     return pa.Table.from_pylist(rows, pa.schema([pa.field("foot", pa.string()), *columns]))
-
-
-def _log_schema() -> Any:  # noqa: ANN401 - pyarrow has no types
-    return pa.schema([pa.field("error", pa.string()), *_columns(metrics.WalkMetrics)])
 
 
 def _columns(record: Any) -> Iterator[Any]:  # noqa: ANN401 - a class of records
@@ -127,81 +101,12 @@ def _type(field: Field) -> Any:  # noqa: ANN401 - pyarrow has no types
     return pa.list_(one) if field.kind == "list" else one
 
 
-_STATE: Final = b"dogbot_logtool"
-"""Key of a file's metadata: what became of the log, as JSON."""
-
-
-@dataclass(frozen=True, slots=True)
-class Files:
-    """The files below the directory or URL of a dataset: one a table and log."""
-
-    root: Location
-
-    def hashes(self) -> list[str]:
-        """Return the names of the logs that are there."""
-        folder = self.root / "logs"
-        if isinstance(folder, Path):
-            return sorted(file.stem for file in folder.glob("*.parquet"))
-        folder.fs.invalidate_cache()
-        names = map(PurePosixPath, storage.asked(folder, lambda: folder.fs.find(folder.path)))
-        return sorted(name.stem for name in names if name.suffix == ".parquet")
-
-    def read_log(self, log_hash: str) -> tuple[Any, dict[str, Any]] | None:
-        """Return the row of a log, a `pyarrow.Table`, and its state; None: there is none.
-
-        Raises:
-            LogtoolError: it cannot be read.
-        """
-        file = self._file("logs", log_hash)
-        try:
-            if isinstance(file, Path):
-                content = file.read_bytes()
-            else:
-                content = storage.asked(file, lambda: file.fs.cat_file(file.path))
-            rows = pq.read_table(io.BytesIO(content), use_threads=False)
-        except (FileNotFoundError, CallError):
-            return None
-        except StoreError:
-            raise
-        except (OSError, pa.ArrowException) as error:
-            raise LogtoolError(f"{storage.shown(file)}: cannot be read: {error}") from error
-        return rows, json.loads((rows.schema.metadata or {}).get(_STATE, b"{}"))
-
-    def write(self, table: str, log_hash: str, rows: Any, state: dict[str, Any]) -> None:  # noqa: ANN401
-        """Write, or replace, the rows of a log in a table, a `pyarrow.Table`.
-
-        Raises:
-            LogtoolError: they cannot be written.
-        """
-        buffer = io.BytesIO()
-        marked = rows.replace_schema_metadata({_STATE: json.dumps(state)})
-        pq.write_table(marked, buffer, compression="zstd", write_statistics=False)
-        target = self._file(table, log_hash)
-        if isinstance(target, Path):
-            with whole_file(target, overwrite=True, makes_folder=True) as file:
-                file.write(buffer.getvalue())
-        else:
-            # One request, so that the object is there as a whole or not at all.
-            storage.asked(target, lambda: target.fs.pipe_file(target.path, buffer.getvalue()))
-
-    def remove(self, table: str, log_hash: str) -> None:
-        """Remove the rows of a log from a table, if they are there."""
-        file = self._file(table, log_hash)
-        if isinstance(file, Path):
-            file.unlink(missing_ok=True)
-            return
-        with suppress(CallError):
-            storage.asked(file, lambda: file.fs.rm_file(file.path))
-
-    def _file(self, table: str, log_hash: str) -> Location:
-        return self.root / table / f"{log_hash}.parquet"
-
-
-_ASKED_AT_ONCE: Final = 16
-_ESCAPED: Final = re.compile(rb"\\x([89a-f][0-9a-f])")
-"""How a byte of a name that is not UTF-8 is shown."""
-
-Labels = Mapping[str, str]
+def _with_labels(rows: Any, labels: Labels) -> Any:  # noqa: ANN401 - pyarrow has no types
+    """Return the row of a log with these labels, in the place of those that it has."""
+    column = pa.array([list(labels.items())] * len(rows), pa.map_(pa.string(), pa.string()))
+    if "labels" in rows.column_names:
+        rows = rows.drop_columns("labels")
+    return rows.append_column("labels", column)
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,9 +136,9 @@ class Pending:
 
 @dataclass(frozen=True, slots=True)
 class Dataset:
-    """A directory or a URL with the tables."""
+    """A directory or a URL with the tables: a file each a log."""
 
-    files: Files
+    root: Location
     settings: str
     """Hash of the options that metrics depend on."""
     labels: Labels
@@ -248,17 +153,16 @@ class Dataset:
         """
         with ThreadPoolExecutor(_ASKED_AT_ONCE) as pool:
             found = list(pool.map(self._look_at, log_set.paths))
-        entries: list[Entry] = []
-        logs: list[Found] = []
-        unchanged: list[tuple[str, int]] = []
-        for log, (entry, damaged) in zip(log_set.logs, found, strict=True):
-            if damaged is None:
-                entries.append(entry)
-                logs.append(log)
-            else:
-                unchanged.append((storage.shown(log.path), DAMAGED if damaged else 0))
+        missing = [damaged is None for _, damaged in found]
+        logs = tuple(log for log, lacks in zip(log_set.logs, missing, strict=True) if lacks)
+        unchanged = [
+            (storage.shown(entry.location), DAMAGED if damaged else 0)
+            for entry, damaged in found
+            if damaged is not None
+        ]
         pruned = self._prune({entry.log_hash for entry, _ in found}) if prune else ()
-        return Pending(tuple(entries), replace(log_set, logs=tuple(logs)), tuple(unchanged), pruned)
+        entries = tuple(entry for entry, damaged in found if damaged is None)
+        return Pending(entries, replace(log_set, logs=logs), tuple(unchanged), pruned)
 
     def write(self, entry: Entry, tables: Tables, *, damaged: bool) -> None:
         """Write the rows of a log, that of `logs` last.
@@ -270,12 +174,13 @@ class Dataset:
         path = storage.shown(storage.from_root(entry.location))
         for table in TABLES:
             if table not in tables:
-                self.files.remove(table, entry.log_hash)
+                self._remove(table, entry.log_hash)
                 continue
-            rows = with_hash(tables[table], entry.log_hash)
+            rows = tables[table]
+            rows = rows.add_column(0, "log_hash", pa.array([entry.log_hash] * len(rows)))
             if table == "logs":
-                rows = with_labels(rows.add_column(1, "path", [[path]]), entry.labels)
-            self.files.write(table, entry.log_hash, rows, state)
+                rows = _with_labels(rows.add_column(1, "path", [[path]]), entry.labels)
+            self._replace(table, entry.log_hash, rows, state)
 
     def write_failed(self, entry: Entry, sentence: str) -> None:
         """Write that a log could not be measured, which is tried again each time.
@@ -283,15 +188,15 @@ class Dataset:
         One that is not there at all leaves no row.
         """
         if entry.state:
-            self.write(replace(entry, state=""), failed_tables(sentence), damaged=False)
+            self.write(replace(entry, state=""), _log_row({}, sentence), damaged=False)
 
     def _look_at(self, location: Location) -> tuple[Entry, bool | None]:
         """Return a log, and whether it is damaged; None: it is to be measured."""
         log_hash = hash_of(location)
-        stored = self.files.read_log(log_hash)
-        row, known = stored or (None, {})
-        old = {} if row is None else labels_of(row)
-        labels = _merged(old, self.labels)
+        row, known = self._read_log(log_hash) or (None, {})
+        old = {} if row is None else dict(row["labels"][0].as_py())
+        given = {**old, **self.labels}
+        labels = {name: given[name] for name in sorted(given) if given[name]}
         try:
             size, version = storage.version(location)
         except (LogtoolError, OSError):
@@ -302,43 +207,92 @@ class Dataset:
         if not version or known.get("state") != state:
             return entry, None
         if labels != old:
-            self.files.write("logs", log_hash, with_labels(row, labels), known)
+            self._replace("logs", log_hash, _with_labels(row, labels), known)
         return entry, bool(known["damaged"])
 
     def _prune(self, named: set[str]) -> tuple[str, ...]:
         """Remove the files of logs that are gone, but for those named in the call."""
-        hashes = [each for each in self.files.hashes() if each not in named]
+        files: Sequence[Location] = ()
+        with suppress(CallError, FileNotFoundError):
+            files = storage.files_in(self.root / "logs")
+        hashes = sorted(file.stem for file in files if file.suffix == ".parquet")
+        others = [each for each in hashes if each not in named]
         with ThreadPoolExecutor(_ASKED_AT_ONCE) as pool:
-            gone = [each for each in pool.map(self._gone, hashes) if each]
+            gone = [each for each in pool.map(self._gone, others) if each]
         for _, log_hash in gone:
             for table in reversed(TABLES):
-                self.files.remove(table, log_hash)
+                self._remove(table, log_hash)
         return tuple(name for name, _ in gone)
 
     def _gone(self, log_hash: str) -> tuple[str, str] | None:
         """Return the name and the hash of a log that is gone for certain."""
-        stored = self.files.read_log(log_hash)
+        stored = self._read_log(log_hash)
         if stored is None:
             return None
         name = stored[0]["path"][0].as_py()
         return (name, log_hash) if is_gone(name, log_hash) else None
 
+    def _file(self, table: str, log_hash: str) -> Location:
+        return self.root / table / f"{log_hash}.parquet"
 
-def dataset_at(location: Location, options: MeasureOptions, labels: Labels) -> Dataset:
+    def _read_log(self, log_hash: str) -> tuple[Any, dict[str, Any]] | None:
+        """Return the row of a log, a `pyarrow.Table`, and its state; None: there is none."""
+        file = self._file("logs", log_hash)
+        try:
+            content = storage.content(file, _MOST_BYTES)
+            rows = pq.read_table(io.BytesIO(content or b""), use_threads=False)
+        except CallError:
+            return None
+        except (OSError, pa.ArrowException) as error:
+            raise LogtoolError(f"{storage.shown(file)}: cannot be read: {error}") from error
+        return rows, json.loads((rows.schema.metadata or {}).get(_STATE, b"{}"))
+
+    def _replace(self, table: str, log_hash: str, rows: Any, state: dict[str, Any]) -> None:  # noqa: ANN401
+        """Write the rows of a log in a table, a `pyarrow.Table`, in the place of any before."""
+        buffer = io.BytesIO()
+        marked = rows.replace_schema_metadata({_STATE: json.dumps(state)})
+        pq.write_table(marked, buffer, compression="zstd", write_statistics=False)
+        with whole_file(self._file(table, log_hash), overwrite=True, makes_folder=True) as file:
+            file.write(buffer.getvalue())
+
+    def _remove(self, table: str, log_hash: str) -> None:
+        """Remove the rows of a log from a table, if they are there."""
+        file = self._file(table, log_hash)
+        if isinstance(file, Path):
+            file.unlink(missing_ok=True)
+            return
+        with suppress(CallError):
+            storage.asked(file, lambda: file.fs.rm_file(file.path))
+
+
+def dataset_at(root: Location, options: MeasureOptions, labels: Labels) -> Dataset:
     """Return the dataset at a path or URL, for metrics with some options.
 
     Raises:
         CallError: no dataset can be there.
     """
-    if isinstance(location, Path):
-        _refuse_bad_root(location)
+    if isinstance(root, Path):
+        _refuse_bad_root(root)
     settings = asdict(replace(part_of(options, MeasureOptions), jobs=1))
     robot = options.robot
     if robot is not None and robot.endswith(".toml"):
         # The file may change while its name does not.
-        settings["robot_file"] = storage.content(Path(robot), 1 << 20)
+        settings["robot_file"] = storage.content(Path(robot), _MOST_BYTES)
     text = json.dumps(settings, sort_keys=True, default=repr)
-    return Dataset(Files(location), hashlib.sha256(text.encode()).hexdigest(), labels)
+    return Dataset(root, hashlib.sha256(text.encode()).hexdigest(), labels)
+
+
+def _refuse_bad_root(path: Path) -> None:
+    name = storage.shown(path)
+    if name != str(path):
+        raise CallError(f"--dataset {name}: its name must be UTF-8, which all readers of it need")
+    if path.exists() and not path.is_dir():
+        raise CallError(f"--dataset {name}: is no directory")
+    if next(path.glob("logs/robot=*"), None) is not None:
+        raise CallError(
+            f"--dataset {name}: is of an older version of this program, which cannot be added to; "
+            "name another directory: its logs are measured anew"
+        )
 
 
 def parse_labels(words: Sequence[str]) -> Labels:
@@ -378,7 +332,8 @@ def is_gone(name: str, log_hash: str) -> bool:
     except LogtoolError:
         return False
     if isinstance(location, Path):
-        names = os.fsencode(name), _ESCAPED.sub(_byte, os.fsencode(name))
+        plain = os.fsencode(name)
+        names = plain, _ESCAPED.sub(lambda found: bytes.fromhex(found[1].decode()), plain)
         return not any(map(_may_be_there, names))
     if hash_of(location) != log_hash:
         return False  # a part of the URL is not kept, since it may hold secrets
@@ -386,29 +341,6 @@ def is_gone(name: str, log_hash: str) -> bool:
         return not storage.asked(location, lambda: location.fs.exists(location.path))
     except CallError:
         return False
-
-
-def _merged(old: Labels, given: Labels) -> Labels:
-    """Return the labels of a log: those that it has, and those that are given."""
-    labels = {**old, **given}
-    return {name: labels[name] for name in sorted(labels) if labels[name]}
-
-
-def _refuse_bad_root(path: Path) -> None:
-    name = storage.shown(path)
-    if name != str(path):
-        raise CallError(f"--dataset {name}: its name must be UTF-8, which all readers of it need")
-    if path.exists() and not path.is_dir():
-        raise CallError(f"--dataset {name}: is no directory")
-    if next(path.glob("logs/robot=*"), None) is not None:
-        raise CallError(
-            f"--dataset {name}: is of an older version of this program, which cannot be added to; "
-            "name another directory: its logs are measured anew"
-        )
-
-
-def _byte(escaped: re.Match[bytes]) -> bytes:
-    return bytes.fromhex(escaped[1].decode())
 
 
 def _may_be_there(name: bytes) -> bool:

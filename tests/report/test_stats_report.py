@@ -18,9 +18,8 @@ from dogbot_logtool.core.settings import FootSettings, WalkSettings
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, finding_kinds
 from dogbot_logtool.reader.containers.loss import Damage, Loss
-from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.report.schema import schema
-from dogbot_logtool.report.table_file import stride_table
+from dogbot_logtool.report.documents import schema, stats_json
+from dogbot_logtool.report.tables import stride_table
 from dogbot_logtool.report.text.gait_diagram import ASCII, default_window, gait_diagram
 from dogbot_logtool.report.text.stats_text import print_report, print_summary
 from dogbot_logtool.report.verdict import summary_row

@@ -30,6 +30,8 @@ HEAVIEST_KG: Final = 200.0
 """Assumed where the mass is not known."""
 FEWEST_A_STRIDE: Final = 4.0
 """Distinct poses a stride from which they tell of attitude and height."""
+MOST_OF_LOG: Final = 0.03
+"""Share of the log that lies between two distinct poses from which its whole path is not known."""
 TURNS_RAD: Final = np.radians(20.0)
 """A course that turns by more tells whether the orientation turns with it."""
 TURNS_WITH: Final = 0.5
@@ -237,6 +239,9 @@ def rate(walk: Walk) -> Iterator[Finding]:
         return
     per_stride = period_s / interval_s
     cases = ("rare",) if per_stride < FEWEST_A_STRIDE else ()
+    if interval_s > MOST_OF_LOG * float(np.ptp(poses.time)) / 1e9:
+        # Where the base goes after the last pose is not known.
+        cases = (*cases, "short")
     rates = f"{1.0 / interval_s:.2g} distinct poses a second, {per_stride:.1f} a stride"
     if poses.repeated or cases:
         say = "plain" if poses.repeated else "rare"

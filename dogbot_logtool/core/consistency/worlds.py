@@ -123,10 +123,16 @@ def placed_poses(
     """
     tracks, stances = [each.track for each in records], [each.stances for each in records]
     worlds = compare_worlds(tracks, recorded, stances)
-    if recorded is base or worlds is None or worlds.agree:
+    if recorded is base or worlds is None:
         return recorded, worlds
     without = compare_worlds(tracks, base, stances)
-    return (base, without) if without is not None and without.agree else (recorded, worlds)
+    if (
+        without is None
+        or not without.agree
+        or (worlds.agree and worlds.change_m <= without.change_m)
+    ):
+        return recorded, worlds
+    return base, without
 
 
 def _windows(seconds: float) -> int:

@@ -21,7 +21,7 @@ from dogbot_logtool.io.printable import shell_joined
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.robot.robot_model.description import read_urdf
-from dogbot_logtool.robot.robot_model.joint_motion import own_description
+from dogbot_logtool.robot.robot_model.joints_of_log import own_description
 from dogbot_logtool.robot.robot_model.robot_of_urdf import (
     Legs,
     RobotOfUrdf,
@@ -75,7 +75,12 @@ def told_by_legs(
     lacks_feet, lacks_base = not selection.contacts, not selection.odometry
     if not (lacks_feet or lacks_base):
         return recording, selection
-    found = find_legs(robot, _posture(recording.joints)) if robot else Legs()
+    named, found = selection.robot, Legs()
+    knows_axis = named.is_given("forward_axis") or not selection.robot_is_guessed
+    if robot is not None:
+        robot = _based(recording, selection, robot)
+        axis = named.forward_axis if knows_axis else None
+        found = find_legs(robot, _posture(recording.joints), axis)
     names = dict.fromkeys(name for leg in found.legs for name in leg.measured)
     joints = joints_of_legs(recording.joints, tuple(names)) if names else None
     reason = model.why_none or (found.why_none and f"the robot description {found.why_none}")
@@ -84,12 +89,9 @@ def told_by_legs(
         return recording, _without_legs(selection, reason, model.call) if lacks_feet else selection
     mass = selection.robot.mass_kg or robot.mass_kg
     told = estimate(recording, found.legs, joints, _mounting(recording, robot), mass)
-    named, findings = selection.robot, [*selection.findings]
-    named = replace(
-        named,
-        forward_axis=found.forward_axis if selection.robot_is_guessed else named.forward_axis,
-        base_frame=named.base_frame or _base_frame(recording, robot),
-    )
+    findings = [*selection.findings]
+    base_frame = named.base_frame or robot.base
+    named = replace(named, forward_axis=found.forward_axis, base_frame=base_frame)
     if lacks_base:
         named = replace(named, world_frame=named.world_frame or _WORLD)
         findings = [each for each in findings if each.code != "NO_BASE"]
@@ -159,11 +161,13 @@ def _is_settled(finding: Finding, recording: Recording) -> bool:
     return finding.code == "NO_FEET" or (finding.code == "FEET_UNSURE" and any(joints))
 
 
-def _base_frame(recording: Recording, robot: RobotOfUrdf) -> str:
-    """Return the base's frame: that of the poses, where the description has it."""
-    names = {name for joint in robot.joints for name in (joint.parent, joint.child)}
-    told = [each.strip("/") for each in recording.base_frames]
-    return next((each for each in told if each in names), robot.base)
+def _based(recording: Recording, selection: Selection, robot: RobotOfUrdf) -> RobotOfUrdf:
+    """Return a robot whose base is the robot's file's, or that of the poses, if it has that."""
+    below = {joint.parent for joint in robot.joints}
+    named = (selection.robot.base_frame or "", *recording.base_frames)
+    base = next((each.strip("/") for each in named if each.strip("/") in below), robot.base)
+    other = replace(robot, base=base)
+    return other if base == robot.base or find_legs(other, {}).legs else robot
 
 
 def _mounting(recording: Recording, robot: RobotOfUrdf) -> Floats:

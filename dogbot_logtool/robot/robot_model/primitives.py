@@ -15,12 +15,9 @@ import numpy as np
 from dogbot_logtool.core.rotations import roll_pitch_yaw
 from dogbot_logtool.core.scene.foot_style import colour_parts
 from dogbot_logtool.core.soles import FramePose, Point
-from dogbot_logtool.robot.robot_model.skeleton import Skeleton
+from dogbot_logtool.robot.robot_model.skeleton import Skeleton, body_size_m
 
 _AXES: Final = {"+x": (1, 0), "-x": (-1, 0), "+y": (0, 1), "-y": (0, -1)}
-_DENSITY: Final = 500.0
-"""kg/m3 of a body whose legs are not known; half of water's, as robots have."""
-_USUAL_MASS_KG: Final = 12.0
 _FEWEST_HIPS: Final = 3
 """Assumed hips that span a body."""
 _SHORTEST_LIMB_M: Final = 0.01
@@ -99,12 +96,6 @@ def _body(
     x, y = (max(float(side), 0.4 * longest) for side in (high - low)[:2])
     cx, cy, cz = ((low + high) / 2.0).tolist()
     return (cx, cy, cz), (x, y, 0.25 * longest)
-
-
-def body_size_m(mass_kg: float | None) -> tuple[float, float, float]:
-    """Return length, width and height, m, of a body of some mass; None: a usual one."""
-    third = ((mass_kg or _USUAL_MASS_KG) / _DENSITY / 6.0) ** (1.0 / 3.0)
-    return 3.0 * third, 2.0 * third, third
 
 
 def _limb_radius(frames: Skeleton) -> float:

@@ -135,12 +135,15 @@ def _joints_below(below: Mapping[str, list[Joint]], link: str) -> int:
     return sum(1 + _joints_below(below, joint.child) for joint in below.get(link, ()))
 
 
-def find_legs(robot: RobotOfUrdf, posture: Mapping[str, float]) -> Legs:
+def find_legs(
+    robot: RobotOfUrdf, posture: Mapping[str, float], forward_axis: str | None = None
+) -> Legs:
     """Return the legs of a robot, or why it has none.
 
     Args:
         robot: its description.
         posture: rad or m, usual positions of recorded joints; others are at rest.
+        forward_axis: of the base; None: told by the names of the legs, else +x.
     """
     below = robot.below
     ends = [_end(robot, below, chain, posture) for chain in _chains(below, robot.base)]
@@ -156,7 +159,7 @@ def find_legs(robot: RobotOfUrdf, posture: Mapping[str, float]) -> Legs:
     if np.hypot(along[0], along[1]) > abs(along[2]):
         return Legs(why_none=f"has a base, {robot.base}, whose z axis is not up: legs go sideways")
     places = np.array([end.place for end in feet])
-    axis = _forward(places, [_position_in(end.leg) for end in feet])
+    axis = forward_axis or _forward(places, [_position_in(end.leg) for end in feet])
     turn = FORWARD_ANGLES[axis]
     ahead = places[:, 0] * np.cos(turn) + places[:, 1] * np.sin(turn)
     aside = places[:, 1] * np.cos(turn) - places[:, 0] * np.sin(turn)

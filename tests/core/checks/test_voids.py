@@ -74,7 +74,7 @@ def test_columns_of_tables_are_voided_by_the_same_patterns() -> None:
     columns = {name: np.ones(2) for name in ("length_m", "peak_force_n")}
     found = [
         Finding("SATURATED", "", feet=("left",)),
-        Finding("CLOCK_OFFSET", "", cases=("base",)),
+        Finding("CLOCK_OFFSET", "", cases=("base",), feet=("left", "right")),
     ]
     patterns = void_patterns(found)
     left, right = (void_columns(columns, foot, patterns) for foot in ("left", "right"))
