@@ -26,7 +26,6 @@ from tests.comparison.recordings import (
     Message,
     Packing,
     Recording,
-    load_with_force,
     mixed,
     odometry,
     one_topic,
