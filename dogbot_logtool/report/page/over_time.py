@@ -12,7 +12,6 @@ from dogbot_logtool.core.base.motion import FORWARD_ANGLES, roll_and_pitch
 from dogbot_logtool.core.events.event import STEPS, EventType
 from dogbot_logtool.core.metrics import Event, WalkMetrics
 from dogbot_logtool.core.rotations import along_heading
-from dogbot_logtool.core.stability import margins
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.curves import Curve, curve_of
 from dogbot_logtool.report.page.chart import (
@@ -123,10 +122,8 @@ def _motion_rows(walk: Walk) -> Iterator[Row]:
         points = base.time, value
         return line_over_time(walk, name, points, base.gaps, hover, colour, dash=dash)
 
-    if walk.stability is not None:
-        offset = walk.settings.com_offset_m or (0.0, 0.0, 0.0)
-        time, margin = margins(feet, base, offset)
-        points = time, margin * 1e3
+    if walk.instants is not None:
+        points = walk.instants.time, walk.instants.margin * 1e3
         known = line_over_time(walk, "static margin", points, base.gaps, "%{y:.0f} mm")
         yield from _row("margin (mm)", [known], 20.0)
     yield from _row("speed (m/s)", [curve("speed forward", _speed(walk), "%{y:.3f} m/s")], 0.1)
