@@ -1,6 +1,5 @@
 """Topics beside feet and base that `stats` compares with them: commands, accelerometers."""
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
@@ -15,6 +14,7 @@ from dogbot_logtool.reader.messages.source import source_of
 from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.reader.wanted import WantedVectors
 from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.robot.topics import topic_words
 
 _TYPES: Final = frozenset((*types_of("commands"), *types_of("accelerations")))
 Rank = Callable[[str], "tuple[int, ...] | None"]
@@ -77,13 +77,9 @@ def side_topics(log: Log, robot: Robot) -> SideTopics:
     return SideTopics(found[0], found[1], tuple(findings))
 
 
-def _words(topic: str) -> frozenset[str]:
-    return frozenset(re.findall(r"[a-z0-9]+", topic.lower()))
-
-
 def _command_rank(topic: str) -> tuple[int, ...] | None:
     """Return how likely a topic's twists are commands, low first; None: they are none."""
-    words = _words(topic)
+    words = topic_words(topic)
     if not words.isdisjoint(_MEASURED):
         return None
     rank = next((row for row, sure in enumerate(_COMMANDS) if words & sure), None)
@@ -93,7 +89,7 @@ def _command_rank(topic: str) -> tuple[int, ...] | None:
 
 def _inertial_rank(topic: str) -> tuple[int, ...] | None:
     """Return how likely a topic is of the base's inertial unit, low first; None: it is not."""
-    words = _words(topic)
+    words = topic_words(topic)
     if not words.isdisjoint(_ELSEWHERE):
         return None
     return (int("raw" in words),)
@@ -119,12 +115,10 @@ def _ranked(log: Log, part: Part, rank: Rank) -> list[WantedVectors]:
 
 def _readable(log: Log, topic: str, part: Part) -> tuple[Channel, ...]:
     """Return the channels of a topic that can be decoded, all of one type."""
-    channels = log.channels_by_topic.get(topic, ())
-    for type_name in types_of(part):
-        found = [c for c in channels if c.type_name == type_name and not _fault(c, part)]
-        if found:
-            return tuple(found)
-    return ()
+    channels = [c for c in log.channels_by_topic.get(topic, ()) if not _fault(c, part)]
+    kinds = {channel.type_name for channel in channels}
+    kind = next((name for name in types_of(part) if name in kinds), None)
+    return tuple(channel for channel in channels if channel.type_name == kind)
 
 
 def _fault(channel: Channel, part: Part) -> str:
