@@ -68,7 +68,7 @@ def convert(
             )
             walk = measured.measurement.walk
             plan = make_plan(log, measured.selection, walk, options, copier.left_out)
-            scene = draw(plan, walk, output.recorded_arrows())
+            scene = draw(plan, walk, output.arrows)
             annotations, moved = annotations_of(log, plan)
             counts = output.annotate(scene, annotations, _half(progress, 1), start)
             losses = _finish(log, output, measured, plan)

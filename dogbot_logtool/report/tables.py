@@ -1,6 +1,6 @@
 """Tables of metrics: which column shows what, and how; and the table of strides."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final, Generic, NamedTuple, Self, TypeVar
 
@@ -65,8 +65,11 @@ class MetricPath:
     def __getattr__(self, name: str) -> Self:
         return type(self)(*self._names, name)
 
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
     def __str__(self) -> str:
-        return ".".join(self._names)
+        return ".".join(self)
 
 
 METRICS: Final = MetricPath()
