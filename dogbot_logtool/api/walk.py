@@ -30,7 +30,7 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import Location, location
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.report.strides import stride_table
+from dogbot_logtool.report.tables import stride_table
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.robot.annotated import open_recorded
 

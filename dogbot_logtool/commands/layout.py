@@ -20,8 +20,7 @@ from dogbot_logtool.report.layouts import View, upper_bound
 from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.feet import assign_feet
 from dogbot_logtool.robot.robot import Robot, load_robot
-from dogbot_logtool.robot.robot_model.description import robot_shape
-from dogbot_logtool.robot.robot_model.primitives import body_size_m
+from dogbot_logtool.robot.robot_model.skeleton import body_size_m, robot_shape
 from dogbot_logtool.robot.settings import with_settings
 
 _NEARLY_ALL: Final = 0.995

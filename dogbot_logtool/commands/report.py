@@ -11,8 +11,8 @@ from dogbot_logtool.io.storage import Location, file_name, is_folder, shown, ver
 from dogbot_logtool.io.targets import Output, targets
 from dogbot_logtool.options import Report
 from dogbot_logtool.report.page.assets import page_script, shared_name
-from dogbot_logtool.report.page.events import listed_events
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
+from dogbot_logtool.report.page.over_time import listed_events
 from dogbot_logtool.report.page.render import ALONE, Beside, page
 from dogbot_logtool.report.page.replay import frame_times, replay
 from dogbot_logtool.results import Page
@@ -39,7 +39,7 @@ class Reports:
         self._beside = ALONE
         if len(logs) > 1:
             self._index = output.path / "index.html"
-            self._refuse(self._index, None)
+            self._refuse(self._index)
             self._beside = Beside(shared_name(), "index.html")
 
     def write(self, source: Location, options: Report, progress: OnProgress | None = None) -> Page:
@@ -55,7 +55,7 @@ class Reports:
             LogtoolError: the log cannot be used, or the page not be written.
         """
         target = self._targets[source]
-        self._refuse(target, source)
+        self._refuse(target, [source])
         with closing(open_recorded(source, options.joined)) as log:
             found = measure_log(log, options, progress)
             replay = replay_of(found) if options.replay else None

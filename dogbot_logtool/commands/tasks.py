@@ -44,7 +44,7 @@ def figures(
     """
     from dogbot_logtool.commands.stats import measure  # noqa: PLC0415
     from dogbot_logtool.report.documents import stats_json  # noqa: PLC0415
-    from dogbot_logtool.report.strides import stride_table  # noqa: PLC0415
+    from dogbot_logtool.report.tables import stride_table  # noqa: PLC0415
     from dogbot_logtool.report.verdict import summary_row  # noqa: PLC0415
 
     measured = measure(log, options, progress)
@@ -114,7 +114,7 @@ def measure_entry(
     """Measure a log for a dataset."""
     from dogbot_logtool.commands.stats import measure  # noqa: PLC0415
     from dogbot_logtool.report.dataset import log_tables  # noqa: PLC0415
-    from dogbot_logtool.report.strides import stride_table  # noqa: PLC0415
+    from dogbot_logtool.report.tables import stride_table  # noqa: PLC0415
 
     measured = measure(entry.location, options, progress)
     tables = log_tables(measured.metrics, stride_table(measured.walk))

@@ -50,7 +50,7 @@ class Scene:
     loads: Loads
     """Beside those of samples: where silences begin, and at the opening."""
     recorded: Arrows | None
-    """Those of contact states as they were recorded; None: arrows show the walk."""
+    """Those of contact states as they were recorded; None: there are none."""
     events: Sequence[EventMessage]
     event_log_time: Ints
     """(events,) ns."""
@@ -63,7 +63,7 @@ class Scene:
     """Found while sensors without contact points were placed."""
 
 
-def draw(plan: ConversionPlan, walk: Walk, recorded: Arrows) -> Scene:
+def draw(plan: ConversionPlan, walk: Walk, recorded: Sequence[Arrows]) -> Scene:
     """Prepare what is drawn of a walk.
 
     Args:
@@ -101,7 +101,7 @@ def draw(plan: ConversionPlan, walk: Walk, recorded: Arrows) -> Scene:
         poses=_known_poses(poses, opening, known_from),
         links=_links(plan, recording, opening),
         loads=in_time_order(concatenated(loads)),
-        recorded=in_time_order(recorded) if plan.style.needs_contact_states else None,
+        recorded=in_time_order(concatenated(recorded)) if recorded else None,
         events=events,
         event_log_time=event_log_time,
         gaits=gaits,
@@ -142,17 +142,13 @@ def _known_poses(poses: Odometry, opening: int, known_from: int) -> Odometry:
 
 def _links(plan: ConversionPlan, recording: Recording, opening: int) -> list[LinkTransforms]:
     """Return the links that are written: as often as the base, and at the log's first time."""
-    motion = plan.description.motion
-    tables = () if motion is None else recording.joints
-    found = []
-    for table in tables:
-        if motion is not None and table.topic == motion.channel.topic:
-            samples = table.samples
-            times = samples.log_time, samples.stamp
-            moved = motion.links(table.names, *times, samples.position.astype(np.float64))
-            rows = first_at_each_tick(moved.stamp, plan.options.tf_rate)
-            found.append(moved.pick(rows).from_opening(opening))
-    return found
+    motion, rate_hz = plan.description.motion, plan.options.tf_rate
+    if motion is None:
+        return []
+    moved = (motion.links(table) for table in recording.joints if table.topic == motion.topic)
+    return [
+        each.pick(first_at_each_tick(each.stamp, rate_hz)).from_opening(opening) for each in moved
+    ]
 
 
 def annotations_between(
@@ -178,7 +174,7 @@ def annotations_between(
     arrows, support, legs = [], [], []
     if scene.recorded is not None:
         arrows.append(within(scene.recorded, scene.recorded.log_time))
-    for foot, own in forced if scene.recorded is None else ():
+    for foot, own in () if plan.style.needs_contact_states else forced:
         drawn, skipped = _arrows(plan, foot, own)
         arrows += drawn
         counts += skipped

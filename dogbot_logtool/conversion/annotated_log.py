@@ -18,8 +18,8 @@ from mcap import records
 from dogbot_logtool.conversion.annotate import Scene, annotations_between
 from dogbot_logtool.conversion.copying import CopiedSpan, as_it_stands
 from dogbot_logtool.conversion.plan import ConversionPlan
-from dogbot_logtool.core.arrays import Ints, concatenated
-from dogbot_logtool.core.scene.arrows import Arrows, no_arrows
+from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.core.scene.styles import LIFETIME_S
 from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Chunk, Log, Loss
@@ -64,7 +64,8 @@ class AnnotatedLog:
         profile = log.profile if options.copy else ENCODINGS[options.encoding].profile
         self._log, self._options = log, options
         self._writer = McapWriter(file, profile)
-        self._arrows = [no_arrows()]
+        self.arrows: list[Arrows] = []
+        """Those that were made of recorded messages."""
         self._counts = Counter[str]()
         if options.copy:
             copied = {n: c for n, c in log.channels.items() if n not in left_out}
@@ -87,12 +88,8 @@ class AnnotatedLog:
                 self._writer.add_chunk(as_it_stands(chunk, stored))
             else:
                 self._writer.add_chunk(chunk)
-        self._arrows.append(span.arrows)
+        self.arrows += span.arrows
         self._counts += span.counts
-
-    def recorded_arrows(self) -> Arrows:
-        """Return the arrows that were made of recorded messages."""
-        return concatenated(self._arrows)
 
     def annotate(
         self,

@@ -7,12 +7,11 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import concatenated
-from dogbot_logtool.core.scene.arrows import Arrows, classic_arrows, no_arrows
+from dogbot_logtool.core.scene.arrows import Arrows, classic_arrows
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.options import ConvertOptions
-from dogbot_logtool.reader.containers.log import Batch, Channel, Chunk, LoadedChunk, Log, Messages
+from dogbot_logtool.reader.containers.log import Batch, Channel, Chunk, Log
 from dogbot_logtool.reader.messages.contacts import read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.robot.selection import Selection
@@ -21,11 +20,8 @@ from dogbot_logtool.writer.chunks import (
     FinishedChunk,
     chunk_rows,
     finish_chunk,
-    message_index,
-    time_range,
 )
 from dogbot_logtool.writer.message_records import record_bounds, recorded
-from dogbot_logtool.writer.template import MESSAGE_HEAD
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,9 +30,10 @@ class CopiedSpan:
 
     chunks: tuple[FinishedChunk | Chunk, ...]
     """A chunk of the log itself is copied as it stands."""
-    arrows: Arrows
+    arrows: Sequence[Arrows]
     """Of contact states as they are recorded, for a style that draws these."""
     counts: Counter[str]
+    """Contact states that have none, by why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,35 +52,31 @@ class Copier:
 
     def __call__(self, log: Log, batch: Batch) -> CopiedSpan:
         """Return what is made of the messages of a batch."""
-        arrows, counts = self._arrows(batch)
+        arrows, counts = [], Counter[str]()
+        in_order = batch.in_time_order() if self.drawn else batch
+        for read in read_contacts(in_order, self.drawn, self.feet):
+            if read.pairs is not None:
+                drawn, skipped = classic_arrows(read.pairs.contacts)
+                arrows.append(drawn)
+                counts += skipped
         kept = batch.without(self.left_out) if self.left_out else batch
         chunks = copied_chunks(log, kept, self.compression) if self.copies else ()
         return CopiedSpan(tuple(chunks), arrows, counts)
-
-    def _arrows(self, batch: Batch) -> tuple[Arrows, Counter[str]]:
-        found, counts = [no_arrows()], Counter[str]()
-        if self.drawn:
-            for read in read_contacts(batch.in_time_order(), self.drawn, self.feet):
-                if read.pairs is not None:
-                    arrows, skipped = classic_arrows(read.pairs.contacts)
-                    found.append(arrows)
-                    counts += skipped
-        return concatenated(found), counts
 
 
 def copied_chunks(
     log: Log, batch: Batch, compression: Compression | None
 ) -> Iterator[FinishedChunk | Chunk]:
-    """Yield the messages of a batch: whole chunks of an MCAP verbatim, others in new chunks."""
+    """Yield the messages of a batch: sound chunks of an MCAP verbatim, others in new chunks."""
     partial: list[slice] = []
     for loaded in batch.chunks:
-        stored = loaded.chunk.compression or "none"
-        if log.copies_chunks and loaded.whole and compression in {None, stored}:
+        chunk = loaded.chunk
+        is_kept = log.copies_chunks and compression in {None, chunk.compression or "none"}
+        if is_kept and loaded.whole and loaded.indexed:
             yield from _new_chunks(batch, partial, compression)
             partial = []
             # Where processes share the file, its bytes need not be sent from one to another.
-            is_sent = not (loaded.indexed and log.can_fork)
-            yield _unchanged(batch.messages, loaded) if is_sent else loaded.chunk
+            yield chunk if log.can_fork else as_it_stands(chunk, loaded.stored)
         else:
             partial.append(loaded.rows)
     yield from _new_chunks(batch, partial, compression)
@@ -108,19 +101,6 @@ def _new_chunks(
             part.end,
         )
         yield finish_chunk(records, compression or "zstd")
-
-
-def _unchanged(messages: Messages, loaded: LoadedChunk) -> FinishedChunk:
-    """Return a recorded chunk verbatim, with a new message index if its own is not sound."""
-    chunk = loaded.chunk
-    if loaded.indexed:
-        return as_it_stands(chunk, loaded.stored)
-    rows = messages.pick(loaded.rows)
-    record = np.frombuffer(loaded.stored[: chunk.end - chunk.offset], np.uint8)
-    offset = rows.start - MESSAGE_HEAD.itemsize - loaded.base
-    index = message_index(rows.channel, rows.log_time, offset)
-    times = time_range(rows.log_time)
-    return FinishedChunk(record, index, *times, chunk.compression, chunk.data_size, chunk.size)
 
 
 def as_it_stands(chunk: Chunk, stored: bytes | memoryview) -> FinishedChunk:

@@ -37,6 +37,7 @@ from dogbot_logtool.core.metrics import Log
 from dogbot_logtool.core.planned import follow_plan
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
+from dogbot_logtool.core.stability import instants
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.core.walk_metrics.walk import metrics_of
 from dogbot_logtool.finding import Finding
@@ -107,7 +108,11 @@ def _measured(walk: Walk, corrected: Corrected) -> Walk:
     apart = walk.worlds_differ or walk.base_by_feet
     placed = walk.poses.without_poses() if apart else walk.placed_poses
     swapped, pairs = swapped_pairs(placed, records, positions, forward_rad)
-    stable, unstable = stability_in(walk)
+    placed_at = None
+    if walk.contacts_known and not (walk.base_is_apart or walk.base_by_feet):
+        offset_m = settings.com_offset_m or (0.0, 0.0, 0.0)
+        placed_at = instants(records, walk.placed_poses, settings.forward_axis, offset_m)
+    walk = replace(walk, instants=placed_at)
     # In segments with strides the robot steps.
     steps = [each.spans for each in segments if each.strides]
     stepping = timespans.merge(np.concatenate([timespans.no_spans(), *steps]))
@@ -124,8 +129,7 @@ def _measured(walk: Walk, corrected: Corrected) -> Walk:
         main=main_segment(segments),
         support=supported,
         loads=loads_in(walk),
-        stability=stable,
-        unstable=unstable,
+        stability=stability_in(walk),
         overlap_s=timespans.total(_overlap(records, walk.poses)) / 1e9,
         contact_without_pose_s=tuple(
             walk.poses.unplaced(record.in_contact) / 1e9 for record in records

@@ -38,7 +38,7 @@ from dogbot_logtool.core.loads import (
 )
 from dogbot_logtool.core.metrics import Base, Stability
 from dogbot_logtool.core.settings import WalkSettings
-from dogbot_logtool.core.stability import Unstable, stability
+from dogbot_logtool.core.stability import stability
 from dogbot_logtool.core.walk import Walk
 
 if TYPE_CHECKING:
@@ -55,22 +55,15 @@ def support_in(walk: Walk, within: Ints | None = None) -> Support | None:
     return support(walk.records, within) if walk.contacts_known else None
 
 
-def stability_in(
-    walk: Walk, within: Ints | None = None
-) -> tuple[Stability, Unstable] | tuple[None, None]:
-    """Return the stability, and when the robot is not stable."""
-    if not walk.contacts_known or walk.base_is_apart or walk.base_by_feet:
-        return None, None
-    found = stability(
-        walk.records,
-        walk.placed_poses,
-        walk.settings.forward_axis,
-        vertical_known=walk.vertical_known,
-        height_known=bool(np.isfinite(walk.track.height_m).any()),
-        com_offset_m=walk.settings.com_offset_m or (0.0, 0.0, 0.0),
-        within=within,
+def stability_in(walk: Walk, within: Ints | None = None) -> Stability | None:
+    """Return the stability, where base and feet are on one clock and in one world."""
+    if walk.instants is None:
+        return None
+    height_known = bool(np.isfinite(walk.track.height_m).any())
+    vertical_known = walk.vertical_known
+    return stability(
+        walk.instants, within, vertical_known=vertical_known, height_known=height_known
     )
-    return found or (None, None)
 
 
 def loads_in(walk: Walk, within: Ints | None = None) -> WalkLoads:

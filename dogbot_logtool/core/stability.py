@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, concatenated, nearest_rows
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, nearest_rows
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
@@ -26,19 +26,12 @@ _CHUNK_NUMBERS: Final = 500_000
 
 
 @dataclass(frozen=True, slots=True)
-class Unstable:
-    """Time in which there is a support polygon and the static margin is negative."""
+class Instants:
+    """Base and feet at n instants, up to 100 a second, of the time that is known of all of them."""
 
-    spans: Ints
-    """(b, 2) ns."""
-    least_margin_m: Floats
-    """(b,) m, the least margin in each of them."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Instants:
-    """Base and feet at n instants."""
-
+    extent: Ints
+    """(1, 2) ns, from the first time of base and feet to the last; also `known`, (k, 2) ns."""
+    known: Ints
     time: Ints
     """(n,) ns."""
     placed: Flags
@@ -49,109 +42,89 @@ class _Instants:
     """(n,) m, energy margin, likewise."""
     polygon: Flags
     """(n,) whether all is placed, and enough feet are down."""
+    pressure: Floats
+    """(n, 2) m, centre of pressure in the world; NaN where not known."""
     ahead: Floats
-    """(n,) m, centre of pressure ahead of the base; NaN where not known; also `left`."""
+    """(n,) m, the same ahead of the base; also `left` of it."""
     left: Floats
+
+    def unstable(self) -> tuple[Ints, Floats]:
+        """(b, 2) ns, spans with a negative static margin, and (b,) m, the least in each.
+
+        An instant speaks for the time until the next one, if that is near.
+        """
+        near = np.diff(self.time) <= 2 * NEAR_NS
+        below = np.where(self.polygon & (self.margin < 0.0), self.margin, 0.0)
+        spans = timespans.spans_where(self.time, (below[:-1] < 0.0) & near)
+        rows = np.searchsorted(self.time, spans).tolist()
+        return spans, np.array([below[first:last].min() for first, last in rows], np.float64)
 
 
 def stability(
+    found: Instants, within: Ints | None = None, *, vertical_known: bool, height_known: bool = True
+) -> Stability | None:
+    """Measure static stability; each instant speaks for the same part of the known time.
+
+    Args:
+        found: base and feet.
+        within: (w, 2) ns, a part of the log; None: all of it.
+        vertical_known: whether vertical forces are known; else there is no centre of pressure.
+        height_known: whether the base's height over the feet is known.
+
+    Returns:
+        None without any instant.
+    """
+    spans = found.extent if within is None else within
+    rows = timespans.covers(spans, found.time)
+    if not rows.any():
+        return None
+    known_ns = timespans.total(timespans.intersect([found.known, spans]))
+    known_share = known_ns / max(timespans.total(spans), 1)
+    placed, polygon = found.placed[rows], found.polygon[rows]
+    margins = aggregate(found.margin[rows])
+    unstable = polygon & (found.margin[rows] < 0.0)
+    undefined = known_share * float((placed & ~polygon).mean())
+    return Stability(
+        static_margin_m=margins,
+        energy_margin_m=aggregate(found.energy[rows]) if height_known else None,
+        unstable_fraction=known_share * float(unstable.mean()) if margins else None,
+        undefined_fraction=undefined if placed.any() else None,
+        unknown_fraction=1.0 - known_share * float(placed.mean()),
+        centre_of_pressure_forward_m=aggregate(found.ahead[rows]) if vertical_known else None,
+        centre_of_pressure_left_m=aggregate(found.left[rows]) if vertical_known else None,
+    )
+
+
+def instants(
     feet: Sequence[FootHistory],
     base: BaseHistory,
     forward_axis: str,
-    *,
-    vertical_known: bool,
-    height_known: bool = True,
     com_offset_m: Sequence[float] = AT_BASE,
-    within: Ints | None = None,
-) -> tuple[Stability, Unstable] | None:
-    """Measure static stability; None where feet and base have no time in common.
-
-    Each of up to 100 instants a second speaks for the same part of the known time.
+) -> Instants | None:
+    """Place base and feet at the first foot's samples; None where they have no time in common.
 
     Args:
         feet: records of all feet.
         base: poses.
         forward_axis: the body's axis that points forward.
-        vertical_known: whether vertical forces are known; else there is no centre of pressure.
-        height_known: whether the base's height over the feet is known.
         com_offset_m: m, the centre of mass from the base's frame, in its axes.
-        within: (w, 2) ns, a part of the log; None: all of it.
     """
-    if within is None:
-        times = [each for foot in feet for each in (foot.start, foot.end) if each is not None]
-        times += [int(each) for each in base.time[[0, -1]]] if len(base.time) else []
-        within = np.array([[min(times), max(times)]] if times else [], np.int64).reshape(-1, 2)
-    known = timespans.intersect([base.known, *(foot.known for foot in feet), within])
-    found = _instants(feet, base, known, forward_axis, com_offset_m)
-    if found is None:
+    if not feet or not len(base.time):
         return None
-    known_share = timespans.total(known) / max(timespans.total(within), 1)
-    unstable, placed = found.polygon & (found.margin < 0.0), found.placed
-    margins = aggregate(found.margin)
-    undefined = known_share * float((placed & ~found.polygon).mean())
-    measured = Stability(
-        static_margin_m=margins,
-        energy_margin_m=aggregate(found.energy) if height_known else None,
-        unstable_fraction=known_share * float(unstable.mean()) if margins else None,
-        undefined_fraction=undefined if placed.any() else None,
-        unknown_fraction=1.0 - known_share * float(placed.mean()),
-        centre_of_pressure_forward_m=aggregate(found.ahead) if vertical_known else None,
-        centre_of_pressure_left_m=aggregate(found.left) if vertical_known else None,
-    )
-    return measured, _unstable(found.time, np.where(unstable, found.margin, 0.0))
-
-
-def margins(
-    feet: Sequence[FootHistory], base: BaseHistory, com_offset_m: Sequence[float] = AT_BASE
-) -> tuple[Ints, Floats]:
-    """Return the static margin at up to 100 Hz, over the time in which base and feet are known.
-
-    Args:
-        feet: records of all feet.
-        base: poses.
-        com_offset_m: m, the centre of mass from the base's frame, in its axes.
-
-    Returns:
-        (n,) ns and (n,) m, NaN where there is no polygon, or some foot's place is not known.
-    """
+    times = [each for foot in feet for each in (foot.start, foot.end) if each is not None]
+    times += base.time[[0, -1]].tolist()
     known = timespans.intersect([base.known, *(foot.known for foot in feet)])
-    found = _instants(feet, base, known, "+x", com_offset_m)
-    return (np.empty(0, np.int64), np.empty(0)) if found is None else (found.time, found.margin)
-
-
-def _unstable(instants: Ints, margin: Floats) -> Unstable:
-    """Find the spans with a negative margin.
-
-    An instant speaks for the time until the next one, if that is near.
-    """
-    near = np.diff(instants) <= 2 * NEAR_NS
-    spans = timespans.spans_where(instants, (margin[:-1] < 0.0) & near)
-    rows = np.searchsorted(instants, spans)
-    least = [margin[first:last].min() for first, last in rows.tolist()]
-    return Unstable(spans, np.array(least, np.float64))
-
-
-def instants_of(foot: FootHistory, known: Ints) -> Ints:
-    """(n,) ns: up to `POINT_RATE_HZ` samples a second of a foot, in spans, (k, 2) ns."""
-    time = foot.track.time[timespans.covers(known, foot.track.time)]
-    return time[first_at_each_tick(time, POINT_RATE_HZ)]
-
-
-def _instants(
-    feet: Sequence[FootHistory],
-    base: BaseHistory,
-    known: Ints,
-    forward_axis: str,
-    com_offset_m: Sequence[float],
-) -> _Instants | None:
-    """Measure at the first foot's samples in the known time; None without any."""
-    time = instants_of(feet[0], known) if feet and len(base.time) else np.empty(0, np.int64)
-    chunk = max(_CHUNK_NUMBERS // max(len(feet), 1) ** 2, 1)
+    sampled = feet[0].track.time[timespans.covers(known, feet[0].track.time)]
+    time = sampled[first_at_each_tick(sampled, POINT_RATE_HZ)]
+    chunk = max(_CHUNK_NUMBERS // len(feet) ** 2, 1)
+    offset, forward_rad = np.array(com_offset_m, np.float64), FORWARD_ANGLES[forward_axis]
     parts = [
-        _at(time[start : start + chunk], feet, base, FORWARD_ANGLES[forward_axis], com_offset_m)
+        _at(time[start : start + chunk], feet, base, forward_rad, offset)
         for start in range(0, len(time), chunk)
     ]
-    return concatenated(parts) if parts else None
+    extent = np.array([[min(times), max(times)]], np.int64)
+    columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
+    return Instants(extent, known, time, *columns) if parts else None
 
 
 def _at(
@@ -159,22 +132,23 @@ def _at(
     feet: Sequence[FootHistory],
     base: BaseHistory,
     forward_rad: float,
-    com_offset_m: Sequence[float],
-) -> _Instants:
-    """Measure at some instants, (n,) ns."""
-    body = base.point_at(time, np.array(com_offset_m, np.float64))
+    com_offset_m: Floats,
+) -> tuple[Flags | Floats, ...]:
+    """Measure at some instants, (n,) ns: the columns of `Instants` from `placed` on."""
+    body = base.point_at(time, com_offset_m)
     points, load = feet_down(time, feet)
     hull, standing = hulls(points[:, :, :2]), np.isfinite(points[:, :, 0])
     down = np.stack([timespans.covers(foot.in_contact, time) for foot in feet], axis=1)
     placed = (standing == down).all(axis=1) & np.isfinite(body[:, 0])
-    pressure = centre_of_pressure(points[:, :, :2], load) - base.position_at(time)[:, :2]
-    ahead, left = along_heading(pressure, base.angles_at(time)[:, 2] + forward_rad)
-    return _Instants(
-        time,
+    pressure = centre_of_pressure(points[:, :, :2], load)
+    away = pressure - base.position_at(time)[:, :2]
+    ahead, left = along_heading(away, base.angles_at(time)[:, 2] + forward_rad)
+    return (
         placed,
         np.where(placed, margin_in(hull, body[:, :2]), np.nan),
         np.where(placed, energy_margin_in(hull, points, body), np.nan),
         placed & (standing.sum(axis=1) >= FEWEST_FEET),
+        pressure,
         np.where(placed, ahead, np.nan),
         np.where(placed, left, np.nan),
     )
@@ -261,20 +235,3 @@ def footprints(foot: FootHistory) -> GroundPoints:
     first = np.searchsorted(time, touchdown)
     seen = first < np.searchsorted(time, liftoff)
     return GroundPoints(touchdown[seen], point[first[seen], :2])
-
-
-def pressure_path(feet: Sequence[FootHistory]) -> GroundPoints:
-    """Return the centre of pressure, sum(Fz p) / sum(Fz), at up to 100 Hz.
-
-    Only over the time known to all feet: without one of them it would be that of the others.
-    Its points are NaN where no foot is loaded.
-
-    Args:
-        feet: records of all feet, whose vertical forces must be known.
-    """
-    if not feet:
-        return GroundPoints(np.empty(0, np.int64), np.empty((0, 2)))
-    known = timespans.intersect([foot.vertical_known for foot in feet])
-    time = instants_of(feet[0], known)
-    points, load = feet_down(time, feet)
-    return GroundPoints(time, centre_of_pressure(points[:, :, :2], load))

@@ -27,7 +27,7 @@ from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.records import unknown
 from dogbot_logtool.core.settings import WalkSettings
-from dogbot_logtool.core.stability import Unstable
+from dogbot_logtool.core.stability import Instants
 from dogbot_logtool.core.world_frames import PlacedCounts, WorldFrames
 from dogbot_logtool.finding import Finding
 
@@ -120,7 +120,9 @@ class Walk:
     """The longest segment: its class is the log's."""
     support: Support | None = None
     stability: Stability | None = None
-    unstable: Unstable | None = None
+    instants: Instants | None = None
+    """Where base and feet are; None where contacts are not known, or not on one clock with the
+    base and in one world."""
     overlap_s: float = 0.0
     """s, time known to all feet that have messages and to the base."""
     contact_without_pose_s: tuple[float, ...] = ()

@@ -51,7 +51,6 @@ class ExecutorRunner(Runner[Result]):
     the memory, and where several items were lost together it becomes clear which one kills.
     """
 
-    may_repeat = True
     capacity: int
     """How many items may be under way at once."""
     conclusive: ClassVar[tuple[type[Exception], ...]] = ()

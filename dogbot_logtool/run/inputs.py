@@ -14,7 +14,7 @@ from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader.containers.signatures import ANNOTATED, ROSBAG2_METADATA
 from dogbot_logtool.reader.registry import CONTAINERS, ROSBAG2_SUFFIXES
-from dogbot_logtool.run.search import UnreadableDirectory, matches, walk
+from dogbot_logtool.run.search import Unreadable, matches, walk
 
 if TYPE_CHECKING:
     from upath import UPath
@@ -43,8 +43,8 @@ class LogSet:
     logs: tuple[Found, ...]
     left_out: int
     """Files of `convert` that were found in searched directories."""
-    unreadable: tuple[UnreadableDirectory, ...] = ()
-    """Directories that could not be searched."""
+    failures: tuple[tuple[str, str], ...] = ()
+    """Name and sentence of each directory that could not be searched."""
 
     @property
     def paths(self) -> list[Location]:
@@ -60,15 +60,6 @@ class LogSet:
     def below(self) -> list[PurePath]:
         """Their directories below those that were searched."""
         return [log.below for log in self.logs]
-
-    @property
-    def failures(self) -> list[tuple[str, str]]:
-        """Name and sentence of each directory that could not be searched."""
-        names = [storage.shown(each.path) for each in self.unreadable]
-        return [
-            (name, f"{name}: cannot be searched: {each.reason}")
-            for name, each in zip(names, self.unreadable, strict=True)
-        ]
 
 
 def find_logs(words: Iterable[str], *, for_workers: bool = False) -> LogSet:
@@ -89,7 +80,7 @@ def find_logs(words: Iterable[str], *, for_workers: bool = False) -> LogSet:
         StoreError: a store fails.
     """
     found: dict[str, Found] = {}
-    unreadable: list[UnreadableDirectory] = []
+    unreadable: Unreadable = {}
     left_out = 0
     for word in words:
         for one in _named(word, unreadable):
@@ -98,28 +89,29 @@ def find_logs(words: Iterable[str], *, for_workers: bool = False) -> LogSet:
                 continue
             path = storage.from_root(one.path) if for_workers else one.path
             found.setdefault(storage.identity(path), replace(one, path=path))
-    log_set = LogSet(tuple(found.values()), left_out, tuple(dict.fromkeys(unreadable)))
-    if not found and unreadable:
-        raise LogtoolError(f"{log_set.failures[0][1]}, and there are no logs elsewhere")
+    names = ((storage.shown(path), reason) for path, reason in unreadable.items())
+    failures = tuple((name, f"{name}: cannot be searched: {reason}") for name, reason in names)
+    if not found and failures:
+        raise LogtoolError(f"{failures[0][1]}, and there are no logs elsewhere")
     if not found:
         raise CallError("there are no logs: the lists and directories that were named hold none")
-    return log_set
+    return LogSet(tuple(found.values()), left_out, failures)
 
 
-def _named(word: str, unreadable: list[UnreadableDirectory]) -> Iterator[Found]:
+def _named(word: str, unreadable: Unreadable) -> Iterator[Found]:
     if word.startswith("@") and len(word) > 1:
         yield from _listed(storage.location(word[1:]), unreadable)
         return
     if not word:
         raise CallError("an empty name names no log; is a variable of the shell empty?")
     path = storage.location(word)
-    if isinstance(path, Path):
-        yield from _on_disk(path, unreadable)
-    else:
-        yield from _in_store(path)
+    yield from _on_disk(path, unreadable) if isinstance(path, Path) else _in_store(path)
 
 
-def _listed(path: Location, unreadable: list[UnreadableDirectory]) -> Iterator[Found]:
+# --- Lists ----------------------------------------------------------------------------------------
+
+
+def _listed(path: Location, unreadable: Unreadable) -> Iterator[Found]:
     """Find the logs that a list names."""
     for number, line in enumerate(_lines(path), 1):
         word = line if os.path.lexists(line) else line.strip()
@@ -153,7 +145,10 @@ def _lines(path: Location) -> list[str]:
     raise CallError(f"{name}: is no list of logs, not even text in UTF-8")
 
 
-def _on_disk(path: Path, unreadable: list[UnreadableDirectory]) -> Iterator[Found]:
+# --- Disks ----------------------------------------------------------------------------------------
+
+
+def _on_disk(path: Path, unreadable: Unreadable) -> Iterator[Found]:
     name = str(path)
     if os.path.isdir(name):  # noqa: PTH112 - false for a name that no disk takes
         logs = _searched(path, unreadable)
@@ -168,26 +163,26 @@ def _on_disk(path: Path, unreadable: list[UnreadableDirectory]) -> Iterator[Foun
         paths = matches(name, unreadable)
         if not paths and not unreadable:
             raise CallError(f"{storage.shown(path)}: no file has such a name")
-        found: list[Found] = []
-        for match in paths:
-            found += _searched(match, unreadable) if match.is_dir() else [Found(match)]
-        yield from _unique(found)
+        yield from _unique(
+            one
+            for each in paths
+            for one in (_searched(each, unreadable) if each.is_dir() else [Found(each)])
+        )
 
 
-def _searched(folder: Path, unreadable: list[UnreadableDirectory]) -> list[Found]:
+def _searched(folder: Path, unreadable: Unreadable) -> list[Found]:
     """Find the logs below a directory of a disk, or that it is one; by name."""
     found: list[Found] = []
-    for listing in walk(folder, unreadable):
-        is_root = listing.path == folder
-        name = PurePath(os.path.realpath(listing.path)).name
-        if _is_bag([file.name for file in listing.files], name):
-            found.append(Found(listing.path, listing.below.parent, searched=not is_root))
-            listing.folders.clear()
+    for path, folders, files in walk(folder, unreadable):
+        below = path.relative_to(folder)
+        if _is_bag(files, PurePath(os.path.realpath(path)).name):
+            found.append(Found(path, below.parent, searched=path != folder))
+            folders.clear()
         else:
-            found.extend(
-                Found(Path(file.path), listing.below, searched=True)
-                for file in listing.files
-                if _ends_like_a_log(file.name) or _begins_like_a_log(Path(file.path))
+            found += (
+                Found(path / name, below, searched=True)
+                for name in files
+                if _ends_like_a_log(name) or _begins_like_a_log(path / name)
             )
     return _unique(found)
 
@@ -206,52 +201,19 @@ def _is_link(found: Found) -> bool:
     return any(isinstance(path, Path) and path.is_symlink() for path in links)
 
 
-def _in_store(path: "UPath") -> Iterator[Found]:
-    if not _WILD.search(path.path) or path.protocol in {"http", "https"}:
-        yield from _object(path)
-        return
-    names = sorted(storage.asked(path, lambda: list(path.fs.glob(path.path))))
-    if not names and not storage.asked(path, lambda: path.fs.exists(path.path)):
-        raise CallError(f"{storage.shown(path)}: no object has such a name")
-    for name in names or [path.path]:
-        yield from _object(_like(path, name))
+def _begins_like_a_log(file: Path) -> bool:
+    try:
+        # Opening a FIFO would wait for a writer.
+        if not file.is_file():
+            return False
+        with file.open("rb") as opened:
+            return opened.read(16).startswith(_MAGIC)
+    except OSError:
+        return False
 
 
-def _object(path: "UPath") -> Iterator[Found]:
-    if not _ends_like_a_log(path.name) and storage.is_folder(path):
-        yield from _searched_in_store(path)
-    else:
-        yield Found(path)
-
-
-def _searched_in_store(folder: "UPath") -> Iterator[Found]:
-    """Find the logs below a directory of a store: one listing, whatever its depth."""
-    names = sorted(storage.asked(folder, lambda: list(folder.fs.find(folder.path))))
-    root = PurePosixPath(folder.path)
-    files: dict[PurePosixPath, list[str]] = {}
-    for name in names:
-        path = PurePosixPath(name)
-        files.setdefault(path.parent, []).append(path.name)
-    bags = {path for path, inside in files.items() if _is_bag(inside, path.name)}
-    found = [Found(_like(folder, str(bag)), _relative(bag.parent, root)) for bag in bags]
-    for name in names:
-        path = PurePosixPath(name)
-        if _ends_like_a_log(path.name) and path.parent not in bags:
-            below = _relative(path.parent, root)
-            found.append(Found(_like(folder, name), below, searched=True))
-    if not found:
-        raise CallError(f"{storage.shown(folder)}: there are no logs")
-    yield from sorted(found, key=lambda one: str(one.path))
-
-
-def _relative(path: PurePosixPath, root: PurePosixPath) -> PurePosixPath:
-    return path.relative_to(root) if path.is_relative_to(root) else PurePosixPath()
-
-
-def _like(path: "UPath", name: str) -> "UPath":
-    """Return another object of the same store."""
-    other: UPath = type(path)(path.fs.unstrip_protocol(name), **path.storage_options)
-    return other
+def _ends_like_a_log(name: str) -> bool:
+    return name.removesuffix(".zstd").endswith(_SUFFIXES)
 
 
 def _is_bag(names: Sequence[str], folder: str) -> bool:
@@ -267,16 +229,40 @@ def _is_bag(names: Sequence[str], folder: str) -> bool:
     return any(numbered.fullmatch(name) for name in names)
 
 
-def _ends_like_a_log(name: str) -> bool:
-    return name.removesuffix(".zstd").endswith(_SUFFIXES)
+# --- Stores ---------------------------------------------------------------------------------------
 
 
-def _begins_like_a_log(file: Path) -> bool:
-    try:
-        # Opening a FIFO would wait for a writer.
-        if not file.is_file():
-            return False
-        with file.open("rb") as opened:
-            return opened.read(16).startswith(_MAGIC)
-    except OSError:
-        return False
+def _in_store(path: "UPath") -> Iterator[Found]:
+    names: list[str] = []
+    if _WILD.search(path.path) and path.protocol not in {"http", "https"}:
+        names = sorted(storage.asked(path, lambda: list(path.fs.glob(path.path))))
+        if not names and not storage.asked(path, lambda: path.fs.exists(path.path)):
+            raise CallError(f"{storage.shown(path)}: no object has such a name")
+    for one in [_like(path, name) for name in names] or [path]:
+        if _ends_like_a_log(one.name) or not storage.is_folder(one):
+            yield Found(one)
+        else:
+            yield from _searched_in_store(one)
+
+
+def _searched_in_store(folder: "UPath") -> Iterator[Found]:
+    """Find the logs below a directory of a store: one listing, whatever its depth."""
+    listed = storage.asked(folder, lambda: list(folder.fs.find(folder.path)))
+    paths, root = [PurePosixPath(name) for name in listed], PurePosixPath(folder.path)
+    files: dict[PurePosixPath, list[str]] = {}
+    for path in paths:
+        files.setdefault(path.parent, []).append(path.name)
+    bags = {parent for parent, names in files.items() if _is_bag(names, parent.name)}
+    logs = [path for path in paths if _ends_like_a_log(path.name) and path.parent not in bags]
+    if not bags and not logs:
+        raise CallError(f"{storage.shown(folder)}: there are no logs")
+    for path in sorted([*bags, *logs], key=str):
+        parent, is_below = path.parent, path.parent.is_relative_to(root)
+        below = parent.relative_to(root) if is_below else PurePosixPath()
+        yield Found(_like(folder, str(path)), below, searched=path not in bags)
+
+
+def _like(path: "UPath", name: str) -> "UPath":
+    """Return another object of the same store."""
+    other: UPath = type(path)(path.fs.unstrip_protocol(name), **path.storage_options)
+    return other

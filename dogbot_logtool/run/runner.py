@@ -53,8 +53,6 @@ class Runner(ABC, Generic[Result]):
 
     jobs: int
     """How many batches of an item may be worked on at once."""
-    may_repeat: bool
-    """Whether an item may be begun again after the process that worked on it was lost."""
 
     @abstractmethod
     def run(
@@ -83,8 +81,6 @@ class Runner(ABC, Generic[Result]):
 
 class SerialRunner(Runner[Result]):
     """One item after the other in this process, each on all cores that may be used."""
-
-    may_repeat = False
 
     def __init__(self, jobs: int) -> None:
         self.jobs = jobs

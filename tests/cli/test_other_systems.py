@@ -212,7 +212,7 @@ def test_depths_in_patterns_of_windows(tmp_path: Path, monkeypatch: pytest.Monke
 
     monkeypatch.setattr(search, "os", Windows())
     monkeypatch.chdir(tmp_path)
-    assert search.matches(r"runs\**\*.bag", []) == [Path("runs/a/walk.bag")]
+    assert search.matches(r"runs\**\*.bag", {}) == [Path("runs/a/walk.bag")]
 
 
 def test_a_list_in_letters_of_windows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

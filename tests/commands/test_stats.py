@@ -16,8 +16,7 @@ from mcap.writer import Writer
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.metrics import NEEDS, WalkMetrics
 from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.report.schema import schema
+from dogbot_logtool.report.documents import schema, stats_json
 from tests.measured import measured
 from tests.oracles.walks import Walk as ContactWalk
 from tests.oracles.walks import write_mcap

@@ -1,4 +1,4 @@
-"""What rules come to on figures, findings and events."""
+"""What rules come to on metrics, findings and events."""
 
 from typing import Any, Final
 
@@ -8,9 +8,8 @@ from dogbot_logtool.comparison.judge import Judgement, Status, figures_in, judge
 from dogbot_logtool.comparison.limits import parse_limits
 
 LOG: Final[dict[str, Any]] = {
-    "schema_version": 2,
     "findings": [
-        {"code": "W_SLIP", "severity": "warning", "text": "left slips", "where": "feet.left"},
+        {"code": "SLIP", "severity": "warning", "text": "left slips", "where": "feet.left"},
         {"code": "MASS_UNKNOWN", "severity": "note", "text": "no mass", "where": "forces.ratio"},
     ],
     "feet": {
@@ -18,6 +17,8 @@ LOG: Final[dict[str, Any]] = {
         "right": {"duty_factor": None, "slip_m": {"max": 0.001}},
     },
     "forces": {"ratio": None},
+    "legs": {"work_j": None},
+    "null_because": {"legs.work_j": "no efforts"},
     "gait": {
         "name": "trot",
         "running": False,
@@ -31,161 +32,92 @@ LOG: Final[dict[str, Any]] = {
         {"onset_s": 7.5, "type": "slip", "foot": "left"},
     ],
 }
+SLIP, RATIO, NAME = "feet.left.slip_m.max", "forces.ratio", "gait.name"
+TEXT = "a number, which the rule's value is not"
+NEAR = "no figure of this log is called so; near it are feet.left.slip_m.max, feet.right.slip_m.max"
+RULES: Final = [
+    # Rule, path, verdict, value, where to look.
+    (f'figure = "{SLIP}"\nat_most = 0.005', SLIP, "FAIL", 0.02, "left slips"),
+    (f'figure = "{SLIP}"\nat_most = 0.005\nlevel = "warn"', SLIP, "WARN", 0.02, "left slips"),
+    (f'figure = "{SLIP}"\nbetween = [0.02, 0.03]', SLIP, "GOOD", 0.02, ""),
+    (f'figure = "{SLIP}"\nbetween = [0.01, 0.02]', SLIP, "GOOD", 0.02, ""),
+    (f'figure = "{SLIP}"\nbetween = [0.0201, 1.0]', SLIP, "FAIL", 0.02, "left slips"),
+    (f'figure = "{SLIP}i"\nat_most = 1', f"{SLIP}i", "UNKNOWN", None, NEAR),
+    (f'figure = "{SLIP}"\nequals = "0.01"\nnull = "pass"', SLIP, "UNKNOWN", 0.02, TEXT),
+    ('figure = "forces.ratio"\nat_most = 1', RATIO, "UNKNOWN", None, "no mass"),
+    ('figure = "forces.ratio"\nat_most = 1\nnull = "fail"', RATIO, "FAIL", None, "no mass"),
+    ('figure = "forces.ratio"\nat_most = 1\nnull = "pass"', RATIO, "GOOD", None, "no mass"),
+    ('figure = "*work_j*"\nat_most = 1', "legs.work_j", "UNKNOWN", None, "no efforts"),
+    ('figure = "gait.name"\nequals = "trot"', NAME, "GOOD", "trot", ""),
+    ('figure = "gait.name"\nequals = "walk"', NAME, "FAIL", "trot", ""),
+    ('figure = "gait.name"\nat_most = 1\nnull = "pass"', NAME, "UNKNOWN", "trot", "no number"),
+    ('figure = "gait.name"\nequals = 1\nlevel = "warn"', NAME, "UNKNOWN", "trot", "no number"),
+    ('figure = "gait.running"\nequals = false', "gait.running", "GOOD", False, ""),
+    ('figure = "gait.duty_factor"\nwhere = "walk"\nbetween = [0.7, 0.9]',
+     "segment 1 (0.0 to 4.0 s): gait.duty_factor", "GOOD", 0.8, ""),
+    ('figure = "gait.duty_factor"\nwhere = "pace"\nat_most = 1',
+     "gait.duty_factor", "UNKNOWN", None, "no segment is a pace"),
+    ('finding = "warning"', "warning", "FAIL", 1, "left slips"),
+    ('finding = "warning"\nat_most = 1', "warning", "GOOD", 1, "left slips"),
+    ('finding = "error"', "error", "GOOD", 0, ""),
+    ('event = "slip"\nat_most = 1', "slip", "FAIL", 2, "at 3.25 s, 7.50 s"),
+    ('event = "fall"', "fall", "GOOD", 0, ""),
+]  # fmt: skip
 
 
-def judged(lines: str, baseline: dict[str, Any] | None = None) -> list[Judgement]:
-    return judge(LOG, parse_limits(f"[[rule]]\n{lines}", "limits.toml"), baseline)
+def judged(lines: str, log: Any = LOG, baseline: dict[str, Any] | None = None) -> list[Judgement]:
+    return judge(log, parse_limits(f"[[rule]]\n{lines}", "limits.toml"), baseline)
 
 
-def statuses(lines: str, baseline: dict[str, Any] | None = None) -> dict[str, Status]:
-    return {found.figure: found.status for found in judged(lines, baseline)}
+@pytest.mark.parametrize(("rule", "path", "status", "value", "look"), RULES)
+def test_a_rule_has_a_verdict_and_says_where_to_look(
+    rule: str, path: str, status: str, value: object, look: str
+) -> None:
+    (found,) = judged(rule)
+    assert (found.figure, found.status, found.value, found.look) == (path, status, value, look)
 
 
-def test_each_figure_that_fits_is_judged() -> None:
-    assert statuses('figure = "feet.*.slip_m.max"\nat_most = 0.005') == {
-        "feet.left.slip_m.max": Status.FAIL,
-        "feet.right.slip_m.max": Status.GOOD,
-    }
-
-
-def test_a_null_says_why_and_its_reason_is_no_figure() -> None:
-    log = {
-        "feet": {"left": {"slip_m": None}},
-        "null_because": {"feet.left.slip_m": "no contact points"},
-    }
-    (found,) = judge(log, parse_limits('[[rule]]\nfigure = "*slip_m*"\nat_most = 1', ""), None)
-    assert (found.figure, found.status) == ("feet.left.slip_m", Status.UNKNOWN)
-    assert found.look == "no contact points"
-
-
-@pytest.mark.parametrize(
-    ("value", "status"),
-    [(0.7, Status.FAIL), (0.71, Status.GOOD), (0.9, Status.GOOD), (0.9001, Status.FAIL)],
-)
-def test_both_ends_of_a_range_are_good(value: float, status: Status) -> None:
-    log = {"a": value}
-    (found,) = judge(log, parse_limits('[[rule]]\nfigure="a"\nbetween=[0.71, 0.9]', ""), None)
-    assert found.status is status
-
-
-def test_a_figure_below_a_null_is_unknown() -> None:
-    assert statuses('figure = "feet.*.duty_factor.median"\nbetween = [0.7, 0.8]') == {
+def test_each_metric_that_fits_is_judged_and_below_a_null_it_is_unknown() -> None:
+    found = judged('figure = "feet.*.duty_factor.median"\nbetween = [0.7, 0.8]')
+    assert {each.figure: each.status for each in found} == {
         "feet.left.duty_factor.median": Status.GOOD,
         "feet.right.duty_factor.median": Status.UNKNOWN,
     }
-
-
-@pytest.mark.parametrize(
-    ("null", "status"),
-    [("unknown", Status.UNKNOWN), ("fail", Status.FAIL), ("pass", Status.GOOD)],
-)
-def test_a_rule_says_what_a_null_means(null: str, status: Status) -> None:
-    (found,) = judged(f'figure = "forces.ratio"\nat_most = 1\nnull = "{null}"')
-
-    assert (found.status, found.value, found.look) == (status, None, "no mass")
-
-
-def test_a_figure_that_no_log_has_is_unknown() -> None:
-    (found,) = judged('figure = "feet.left.slip_m.maxi"\nat_most = 1')
-    assert (found.status, found.look) == (
-        Status.UNKNOWN,
-        (
-            "no figure of this log is called so; near it are feet.left.slip_m.max, "
-            "feet.right.slip_m.max"
-        ),
-    )
-
-
-def test_a_level_of_warn() -> None:
-    assert statuses('figure = "feet.left.slip_m.max"\nat_most = 0.005\nlevel = "warn"') == {
-        "feet.left.slip_m.max": Status.WARN
-    }
-
-
-def test_findings_that_concern_a_bad_figure_say_where_to_look() -> None:
-    (found,) = judged('figure = "feet.left.slip_m.max"\nat_most = 0.005')
-    assert found.look == "left slips"
-
-
-def test_texts_and_flags_are_equal_or_not() -> None:
-    assert statuses('figure = "gait.name"\nequals = "trot"') == {"gait.name": Status.GOOD}
-    assert statuses('figure = "gait.name"\nequals = "walk"') == {"gait.name": Status.FAIL}
-    assert statuses('figure = "gait.running"\nequals = false') == {"gait.running": Status.GOOD}
-
-
-@pytest.mark.parametrize(
-    ("rule", "look"),
-    [
-        ('"gait.name"\nat_most = 1', "no number"),
-        ('"gait.name"\nequals = 1', "no number"),
-        ('"feet.left.slip_m.max"\nequals = "0.01"', "a number, which the rule's value is not"),
-    ],
-)
-def test_a_text_and_a_number_are_unknown_whatever_null_is(rule: str, look: str) -> None:
-    (found,) = judged(f'figure = {rule}\nnull = "pass"\nlevel = "warn"')
-    assert (found.status, found.look) == (Status.UNKNOWN, look)
-    assert found.value is not None
-
-
-def test_segments_of_one_class_only() -> None:
-    (found,) = judged('figure = "gait.duty_factor"\nwhere = "walk"\nbetween = [0.7, 0.9]')
-
-    assert (found.status, found.value) == (Status.GOOD, 0.8)
-    assert found.figure == "segment 1 (0.0 to 4.0 s): gait.duty_factor"
-
-
-def test_no_segment_of_a_class_is_unknown() -> None:
-    (found,) = judged('figure = "gait.duty_factor"\nwhere = "pace"\nat_most = 1')
-    assert (found.status, found.look) == (Status.UNKNOWN, "no segment is a pace")
-
-
-def test_findings_are_counted_by_code() -> None:
-    (found,) = judged('finding = "warning"')
-    assert (found.status, found.value, found.look) == (Status.FAIL, 1, "left slips")
-    assert judged('finding = "error"')[0].status is Status.GOOD
-    assert judged('finding = "warning"\nat_most = 1')[0].status is Status.GOOD
-
-
-def test_events_are_counted_and_their_times_told() -> None:
-    (found,) = judged('event = "slip"\nat_most = 1')
-    assert (found.status, found.value, found.look) == (Status.FAIL, 2, "at 3.25 s, 7.50 s")
-    assert judged('event = "fall"')[0].status is Status.GOOD
-
-
-def test_a_log_without_a_table_of_events_is_unknown() -> None:
-    (found,) = judge({}, parse_limits('[[rule]]\nevent = "fall"', ""), None)
-    assert found.status is Status.UNKNOWN
-
-
-def test_a_baseline_gives_the_range() -> None:
-    lines = 'figure = "feet.left.duty_factor.median"\nbaseline = { by_percent = 10 }'
-    near = {"feet": {"left": {"duty_factor": {"median": 0.75}}}}
-    far = {"feet": {"left": {"duty_factor": {"median": 0.80}}}}
-
-    assert judged(lines, near)[0].status is Status.GOOD
-    assert judged(lines, far)[0].status is Status.FAIL
-    assert judged(lines, far)[0].demand == "within 10 % of the baseline, 0.8"
-    assert judged(lines, {})[0].status is Status.UNKNOWN
-
-
-def test_a_baseline_of_a_text_must_be_the_same() -> None:
-    lines = 'figure = "gait.name"\nbaseline = { by = 0 }'
-    assert judged(lines, {"gait": {"name": "trot"}})[0].status is Status.GOOD
-    assert judged(lines, {"gait": {"name": "walk"}})[0].status is Status.FAIL
-
-
-def test_the_worst_is_what_a_log_comes_to() -> None:
-    rules = parse_limits(
-        '[[rule]]\nfigure="gait.name"\nequals="trot"\n[[rule]]\nfigure="forces.ratio"\nat_most=1',
-        "",
-    )
-    assert worst(judge(LOG, rules, None)) is Status.UNKNOWN
-    assert worst([]) is Status.GOOD
-
-
-def test_a_star_stands_for_dots_too() -> None:
     assert {path for path, _ in figures_in(LOG, "feet*max")} == {
         "feet.left.duty_factor.max",
         "feet.left.slip_m.max",
         "feet.right.slip_m.max",
     }
+
+
+def test_a_log_without_a_table_of_events_is_unknown() -> None:
+    (found,) = judged('event = "fall"', {})
+    assert found.status is Status.UNKNOWN
+
+
+@pytest.mark.parametrize(
+    ("lines", "baseline", "status"),
+    [
+        ("baseline = { by_percent = 10 }", 0.75, Status.GOOD),
+        ("baseline = { by_percent = 10 }", 0.80, Status.FAIL),
+        ("baseline = { by = 0.1 }", 0.80, Status.GOOD),
+        ("baseline = { by_percent = 10 }", None, Status.UNKNOWN),
+    ],
+)
+def test_a_baseline_gives_the_range(lines: str, baseline: float | None, status: Status) -> None:
+    run = {"feet": {"left": {"duty_factor": {"median": baseline}}}}
+    (found,) = judged(f'figure = "feet.left.duty_factor.median"\n{lines}', baseline=run)
+    assert found.status is status
+    assert baseline is None or found.demand.endswith(f" of the baseline, {baseline:.4g}")
+
+
+def test_a_baseline_of_a_text_must_be_the_same() -> None:
+    lines = 'figure = "gait.name"\nbaseline = { by = 0 }'
+    statuses = [judged(lines, baseline={"gait": {"name": each}}) for each in ("trot", "walk")]
+    assert [each.status for (each,) in statuses] == [Status.GOOD, Status.FAIL]
+
+
+def test_the_worst_is_what_a_log_comes_to() -> None:
+    rules = 'figure="gait.name"\nequals="trot"\n[[rule]]\nfigure="forces.ratio"\nat_most=1'
+    assert worst(judged(rules)) is Status.UNKNOWN
+    assert worst([]) is Status.GOOD

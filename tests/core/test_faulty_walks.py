@@ -11,7 +11,7 @@ from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.walk import Walk as MeasuredWalk
-from tests.analysed import analysed, feet_of, with_learnt_sensors
+from tests.analysed import analysed, feet_of
 from tests.core.checks.voided import metrics
 from tests.oracles.straight_walk import (
     SETTINGS,
@@ -36,39 +36,8 @@ def test_added_up_physics_steps_show_in_the_impulse() -> None:
     assert "physics steps" in texts[0]
 
 
-def test_a_dropout_is_not_a_swing() -> None:
-    walk = Walk()
-    feet = [walk.samples(foot) for foot in range(4)]
-    silent = (walk.times() > 5.0) & (walk.times() < 5.3)
-    feet[1] = feet[1].pick(~silent)
-    stats = measure(feet, walk.odometry())
-    assert stats.feet[1].discarded["gap"] >= 1
-    assert feet_of(stats)[1].stride_frequency_hz == pytest.approx(1.25, rel=3e-3)
-    assert main_class(stats) == "trot"
-    assert "GAPS" in codes(stats)
-    assert stats.loads.vertical_impulse_over_weight == pytest.approx(1.0, abs=0.02)
-
-
 def with_stamps(samples: Samples, stamp: Ints) -> Samples:
     return replace(samples, stamp=stamp)
-
-
-@pytest.mark.parametrize("fault", ["zero", "backwards"])
-def test_stamps_that_cannot_be_used_are_left_for_log_time(fault: str) -> None:
-    walk = Walk()
-    feet = [walk.samples(foot) for foot in range(4)]
-    stamp = feet[2].stamp.copy()
-    if fault == "zero":
-        stamp[:] = 0
-    else:
-        stamp[1000:1400] = stamp[1000:1400].reshape(-1, 2)[:, ::-1].ravel()
-    feet[2] = with_stamps(feet[2], stamp)
-    stats = measure(feet, walk.odometry())
-    assert stats.settings.clock is TimeSource.LOG
-    assert "/back_left" in stats.settings.time_source_reason
-    assert main_class(stats) == "trot"
-    assert feet_of(stats)[2].stride_frequency_hz == pytest.approx(1.25, rel=2e-3)
-    assert "LOG_TIME_USED" in codes(stats)
 
 
 @pytest.mark.parametrize("fault", ["zero", "swapped", "far ahead"])
@@ -146,43 +115,6 @@ def test_a_foot_that_never_touches_is_dead_and_leaves_the_class_open() -> None:
     assert walk_metrics.null_because["forces.load_share.feet"] == "DEAD"
     assert main_class(stats) is None
     assert {"DEAD", "CLASS_UNKNOWN"} <= codes(stats)
-
-
-def test_a_lifted_foot_is_not_dead_when_the_others_carry_everything() -> None:
-    walk = Walk(load=(4 / 3, 4 / 3, 4 / 3, 4 / 3))
-    feet = [walk.samples(foot) for foot in range(4)]
-    nothing = np.zeros(len(walk.times()))
-    feet[2] = foot_samples(2, walk.times(), nothing, np.zeros((len(nothing), 3)))
-    stats = measure(feet, walk.odometry())
-    assert feet_of(stats)[2].contact_fraction == 0.0
-    assert "LIFTED" in codes(stats)
-
-
-def test_a_stuck_and_a_saturated_sensor_are_told() -> None:
-    walk = Walk()
-    time = walk.times()
-    feet = [walk.samples(foot) for foot in range(4)]
-    down = walk.force(0, time) > 0.0
-    points = walk.points(0, time)
-    feet[0] = foot_samples(0, time, np.where(down, 55.0, 0.0), points)
-    feet[1] = foot_samples(1, time, np.minimum(walk.force(1, time), 100.0), points)
-    stats = analysed(with_learnt_sensors(SETTINGS, feet), feet, walk.odometry())
-    found = {(each.code, each.where) for each in findings_of(stats)}
-    assert ("STUCK", "feet.front_left") in found
-    assert ("SATURATED", "feet.front_right") in found
-    assert not {("STUCK", "feet.back_left"), ("SATURATED", "feet.back_left")} & found
-
-
-def test_a_log_without_odometry_or_mass_says_so_instead_of_guessing() -> None:
-    walk = Walk()
-    stats = analysed(replace(SETTINGS, mass_kg=None), [walk.samples(foot) for foot in range(4)])
-    assert stats.base_by_feet
-    assert stats.base is not None
-    assert stats.base.forward_speed_mps == pytest.approx(0.5, rel=0.05)
-    assert stats.stability is None
-    assert feet_of(stats)[0].stride_length_from == "points"
-    assert stats.loads.vertical_impulse_over_weight is None
-    assert {"BASE_FROM_LEGS", "MASS_UNKNOWN"} <= codes(stats)
 
 
 def test_an_empty_log_is_measured_without_complaint() -> None:

@@ -25,7 +25,7 @@ from dogbot_logtool.core.records import (
     unknown,
     void,
 )
-from dogbot_logtool.report.schema import schema
+from dogbot_logtool.report.documents import schema
 
 SUFFIXES = {
     "_s": "s",

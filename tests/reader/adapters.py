@@ -91,23 +91,28 @@ def payloads(type_name: str, count: int) -> tuple[bytes, ...]:
     )
 
 
-def empty_payload(type_name: str) -> bytes | None:
-    """Return a sound message whose arrays are empty; None for a type without arrays."""
-    made, kind = walk(), _known(type_name)
+WITH_ARRAYS: Final = (
+    FOXGLOVE[0],
+    "tf2_msgs/TFMessage",
+    "gazebo_msgs/ContactsState",
+    "ros_gz_interfaces/Contacts",
+    "spot_msgs/FootStateArray",
+    "champ_msgs/ContactsStamped",
+    "quad_msgs/GRFArray",
+    "whole_body_state_msgs/WholeBodyState",
+    "hrpsys_ros_bridge/ContactStatesStamped",
+)
+"""Types whose messages may hold nothing."""
+
+
+def empty_payload(type_name: str) -> bytes:
+    """Return a sound message whose arrays are empty."""
     if type_name == FOXGLOVE[0]:
         return FrameTransforms().SerializeToString()
-    kinds = (
-        "tf2_msgs/msg/TFMessage",
-        "gazebo_msgs/msg/ContactsState",
-        "ros_gz_interfaces/msg/Contacts",
-        "spot_msgs/msg/FootStateArray",
-        "champ_msgs/msg/ContactsStamped",
-        "quad_msgs/msg/GRFArray",
-        "whole_body_state_msgs/msg/WholeBodyState",
-        "hrpsys_ros_bridge/msg/ContactStatesStamped",
-    )
-    frames = {"header": made.header(0, "world")} if kind != kinds[0] and kind != kinds[3] else {}
-    return made.bytes_of(kind, made.make(kind, **frames)) if kind in kinds else None
+    made, kind = walk(), _known(type_name)
+    fields = dict(made.store.fielddefs[kind][1])
+    frames = {"header": made.header(0, "world")} if "header" in fields else {}
+    return made.bytes_of(kind, made.make(kind, **frames))
 
 
 def transforms(sample: int) -> Any:

@@ -17,13 +17,9 @@ from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.options import CompareOptions, ConvertOptions, MeasureOptions
-from dogbot_logtool.reader.containers.log import Chunk
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.results import Conversion
-from dogbot_logtool.robot.annotated import open_recorded
-from dogbot_logtool.writer import channels as added_channels
-from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.measured import measured
 from tests.oracles.small_logs import first_seconds
@@ -32,13 +28,11 @@ from tests.paths import TROUBLED as LONG
 from tests.shell import Shell
 
 TROUBLED = first_seconds(LONG)
+Once = Callable[[Path, str], tuple[Path, Conversion]]
 
 
 def converted(log: Path, target: Path, **options: Any) -> Conversion:
     return convert(log, target, ConvertOptions(**options))
-
-
-Once = Callable[[Path, str], tuple[Path, Conversion]]
 
 
 @pytest.fixture(scope="module")
@@ -69,33 +63,32 @@ def records(log: Path) -> list[Metadata]:
         return list(make_reader(stream).iter_metadata())
 
 
-CASES: list[tuple[Path, str]] = [
-    *((TROUBLED, encoding) for encoding in ENCODINGS),
-    (WALK, "ros2"),
-    (TROT, "ros1"),
-]
-EACH_CASE = pytest.mark.parametrize(
-    ("log", "encoding"), CASES, ids=lambda each: each.name if isinstance(each, Path) else each
+def check_again(once: Path, first: Conversion, again: Path, encoding: str) -> Conversion:
+    """Annotate a log that is annotated, and check that the same comes out."""
+    second = converted(once, again, encoding=encoding)
+    assert (second.copied, second.annotations) == (first.copied, first.annotations)
+    assert "ANNOTATED" in {finding.code for finding in second.findings}
+    return second
+
+
+@pytest.mark.parametrize(
+    ("log", "encoding"),
+    [*((TROUBLED, encoding) for encoding in ENCODINGS), (WALK, "ros2"), (TROT, "ros1")],
+    ids=lambda each: each.name if isinstance(each, Path) else each,
 )
-
-
-@EACH_CASE
 def test_annotating_again_gives_the_same(
     tmp_path: Path, once_annotated: Once, log: Path, encoding: str
 ) -> None:
-    once, first = once_annotated(log, encoding)
-    again, third = tmp_path / "again.mcap", tmp_path / "third.mcap"
-    second = converted(once, again, encoding=encoding)
+    (once, first), again = once_annotated(log, encoding), tmp_path / "again.mcap"
+    check_again(once, first, again, encoding)
     # A log that is no MCAP has chunks of its own kind.
     assert log is not WALK or once.read_bytes() == again.read_bytes()
-    assert (second.copied, second.annotations) == (first.copied, first.annotations)
-    assert "ANNOTATED" in {finding.code for finding in second.findings}
     assert same(once, again)
     assert len(channels(again)) == len(channels(once))
     assert [record.name for record in records(again)] == ["dogbot_logtool"]
-    converted(again, third, encoding=encoding)
+    converted(again, tmp_path / "third.mcap", encoding=encoding)
     # Chunks that hold only what was recorded are copied as they stand.
-    assert third.read_bytes() == again.read_bytes()
+    assert (tmp_path / "third.mcap").read_bytes() == again.read_bytes()
 
 
 @pytest.mark.parametrize(
@@ -125,46 +118,29 @@ def figures(log: Path) -> dict[str, Any]:
 def test_figures_are_those_of_the_log_itself(
     once_annotated: Once, log: Path, encoding: str
 ) -> None:
-    once, _ = once_annotated(log, encoding)
-    assert figures(once) == figures(log)
+    assert figures(once_annotated(log, encoding)[0]) == figures(log)
 
 
-def repacked(log: Path, target: Path, *, chunk_size: int) -> Path:
-    """Write a log anew as another tool would: new channel ids, all topics in one chunk."""
+def repacked(log: Path, target: Path, chunk_size: int = 1 << 20, *, marked: bool = True) -> Path:
+    """Write a log anew as another tool would: new ids, all topics in one chunk, maybe unmarked."""
     with log.open("rb") as stream, target.open("wb") as out:
         reader, writer = make_reader(stream), Writer(out, chunk_size=chunk_size)
         writer.start(profile=reader.get_header().profile)
         numbers: dict[int, int] = {}
-        schemas: dict[int, int] = {}
-        for schema, channel, message in reader.iter_messages(log_time_order=False):
+        for schema, channel, message in reader.iter_messages(log_time_order=not marked):
             assert schema is not None
-            if schema.id not in schemas:
-                schemas[schema.id] = writer.register_schema(
-                    schema.name, schema.encoding, schema.data
-                )
             if channel.id not in numbers:
+                number = writer.register_schema(schema.name, schema.encoding, schema.data)
+                marks = channel.metadata if marked else {}
                 numbers[channel.id] = writer.register_channel(
-                    channel.topic, channel.message_encoding, schemas[schema.id], channel.metadata
+                    channel.topic, channel.message_encoding, number, marks
                 )
-            writer.add_message(
-                numbers[channel.id],
-                message.log_time,
-                message.data,
-                message.publish_time,
-                message.sequence,
-            )
-        for record in reader.iter_metadata():
+            times = message.publish_time, message.sequence
+            writer.add_message(numbers[channel.id], message.log_time, message.data, *times)
+        for record in reader.iter_metadata() if marked else ():
             writer.add_metadata(record.name, record.metadata)
         writer.finish()
     return target
-
-
-def _chunks(path: Path) -> list[Chunk]:
-    log = open_log(path)
-    try:
-        return list(log.chunks)
-    finally:
-        log.close()
 
 
 @pytest.mark.parametrize("chunk_size", [20_000, 1 << 26], ids=["small", "one chunk"])
@@ -172,57 +148,28 @@ def _chunks(path: Path) -> list[Chunk]:
 def test_chunks_may_hold_both(
     tmp_path: Path, once_annotated: Once, encoding: str, chunk_size: int
 ) -> None:
-    once, first = once_annotated(TROUBLED, encoding)
-    again = tmp_path / "again.mcap"
-    mixed = repacked(once, tmp_path / "mixed.mcap", chunk_size=chunk_size)
-    done = converted(mixed, again, encoding=encoding)
-    assert (done.copied, done.annotations) == (first.copied, first.annotations)
-    assert not done.damage.losses
+    (once, first), again = once_annotated(TROUBLED, encoding), tmp_path / "again.mcap"
+    mixed = repacked(once, tmp_path / "mixed.mcap", chunk_size)
+    assert not check_again(mixed, first, again, encoding).damage.losses
     assert len(channels(again)) == len(channels(once))
     assert same(once, again)
-    found = [chunk.counts.keys() for chunk in _chunks(mixed) if chunk.counts]
+    log = open_log(mixed)
+    found = [chunk.counts.keys() for chunk in log.chunks if chunk.counts]
+    log.close()
     ours = {channel.id for channel in channels(mixed) if channel.metadata.get("dogbot_logtool")}
     assert any(ids & ours and ids - ours for ids in found)
 
 
-_declare = added_channels.AddedChannels.declare
-
-
-def _declared_of_old(added: added_channels.AddedChannels, topic: str, kind: MessageType) -> int:
-    """Declare a channel, unless it is of a topic that came later."""
-    return 0 if topic.startswith(("/label", "/events", "/gait")) else _declare(added, topic, kind)
-
-
 def test_a_recorded_topic_that_ours_joins_is_kept(tmp_path: Path) -> None:
     """A live script's arrows have our topics and types; only ours are marked."""
-    live = tmp_path / "live.mcap"
+    live, once, again = (tmp_path / f"{name}.mcap" for name in ("live", "once", "again"))
     converted(TROUBLED, live, encoding="ros1", style="classic")
-    recorded = _with_marks_removed(live, tmp_path / "recorded.mcap")
-    once, again = tmp_path / "once.mcap", tmp_path / "again.mcap"
+    recorded = repacked(live, tmp_path / "recorded.mcap", marked=False)
     first = converted(recorded, once, encoding="ros1")
     topics = Counter(channel.topic for channel in channels(once))
     assert topics["/marker_basic_front_left_foot"] == 2
-    second = converted(once, again, encoding="ros1")
-    assert (second.copied, second.annotations) == (first.copied, first.annotations)
+    check_again(once, first, again, "ros1")
     assert same(once, again)
-
-
-def _with_marks_removed(log: Path, target: Path) -> Path:
-    """Write a log without what tells that it was annotated: as if all of it were recorded."""
-    with log.open("rb") as stream, target.open("wb") as out:
-        reader, writer = make_reader(stream), Writer(out)
-        writer.start(profile="ros1")
-        numbers: dict[int, int] = {}
-        for schema, channel, message in reader.iter_messages():
-            assert schema is not None
-            if channel.id not in numbers:
-                number = writer.register_schema(schema.name, schema.encoding, schema.data)
-                numbers[channel.id] = writer.register_channel(channel.topic, "ros1", number)
-            writer.add_message(
-                numbers[channel.id], message.log_time, message.data, message.publish_time
-            )
-        writer.finish()
-    return target
 
 
 def test_a_cut_file_is_told_by_its_marks(tmp_path: Path, once_annotated: Once) -> None:
@@ -230,31 +177,22 @@ def test_a_cut_file_is_told_by_its_marks(tmp_path: Path, once_annotated: Once) -
     once, _ = once_annotated(TROUBLED, "foxglove")
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(once.read_bytes()[:-20_000])
-    done = converted(cut, tmp_path / "again.mcap")
-    assert done.damage.losses
+    assert converted(cut, tmp_path / "again.mcap").damage.losses
     assert len(channels(tmp_path / "again.mcap")) == len(channels(once))
 
 
-def test_what_was_lost_before_is_not_forgotten(tmp_path: Path) -> None:
-    log = tmp_path / "cut.bag"
+def test_what_was_lost_and_left_out_before_is_not_forgotten(tmp_path: Path) -> None:
+    log, once, again = (tmp_path / name for name in ("cut.bag", "once.mcap", "again.mcap"))
     log.write_bytes(TROUBLED.read_bytes()[:-50_000])
-    once, again = tmp_path / "once.mcap", tmp_path / "again.mcap"
-    assert converted(log, once).damage.losses
+    assert converted(log, once, start=1.0).damage.losses
     assert not converted(once, again).damage.losses
     (record,) = records(again)
-    assert record.metadata["input"] == "cut.bag"
     assert record.metadata["damage"]
+    assert (record.metadata["input"], record.metadata["start_s"]) == ("cut.bag", "1.0")
     assert same(once, again)
-
-
-def test_a_part_of_an_annotated_log_is_a_part_of_that_log(tmp_path: Path) -> None:
-    once, part = tmp_path / "once.mcap", tmp_path / "part.mcap"
-    converted(TROUBLED, once, start=1.0)
-    converted(once, tmp_path / "again.mcap")
-    (record,) = records(tmp_path / "again.mcap")
-    assert (record.metadata["input"], record.metadata["start_s"]) == (TROUBLED.name, "1.0")
-    converted(once, part, end=2.0)
-    (record,) = records(part)
+    # A part of an annotated log is a part of that log.
+    converted(once, tmp_path / "part.mcap", end=2.0)
+    (record,) = records(tmp_path / "part.mcap")
     assert (record.metadata["input"], record.metadata["start_s"]) == ("once.mcap", "")
 
 
@@ -262,11 +200,9 @@ def test_a_directory_of_a_ros2_bag_may_hold_an_annotated_file(
     tmp_path: Path, once_annotated: Once
 ) -> None:
     once, first = once_annotated(WALK, "ros2")
-    folder = tmp_path / "walk"
-    folder.mkdir()
-    shutil.copy(once, folder / "walk_0.mcap")
-    done = converted(folder, tmp_path / "again.mcap", encoding="ros2")
-    assert (done.copied, done.annotations) == (first.copied, first.annotations)
+    (tmp_path / "walk").mkdir()
+    shutil.copy(once, tmp_path / "walk" / "walk_0.mcap")
+    check_again(tmp_path / "walk", first, tmp_path / "again.mcap", "ros2")
 
 
 @pytest.mark.parametrize("command", ["convert", "stats", "report", "layout"])
@@ -291,19 +227,7 @@ def test_info_tells_annotations_from_what_was_recorded(shell: Shell, *, copy: bo
     assert sum(topic["messages"] for topic in ours) == sum(done.annotations[n] for n in names)
     (finding,) = (each for each in told["findings"] if each["code"] == "ANNOTATED")
     assert f"its {count:,} annotations are left out" in finding["text"]
-
-
-def test_frames_of_annotations_are_shown_but_not_heeded(shell: Shell, once_annotated: Once) -> None:
-    once, _ = once_annotated(TROUBLED, "ros1")
-    plain = shell("info", TROUBLED, "--frames", "--json").json["frames"]
-    told = shell("info", once, "--frames", "--json").json["frames"]
-    assert plain["added"] == told["added"]
-    assert "base_link" in json.dumps(told)
-
-
-def test_the_log_itself_is_not_wrapped() -> None:
-    log = open_recorded(WALK)
-    try:
-        assert log.annotations is None
-    finally:
-        log.close()
+    # Frames of annotations are shown, and not heeded.
+    plain, both = (shell("info", x, "--frames", "--json").json for x in (TROUBLED, "x.mcap"))
+    assert not copy or plain["frames"]["added"] == both["frames"]["added"]
+    assert "base_link" in json.dumps(both["frames"])

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
+from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.report.documents import stats_json
 from tests.oracles import base_walks as base
 from tests.oracles import walks
@@ -51,36 +50,36 @@ def test_every_source_gives_the_walk(tmp_path: Path, kind: str) -> None:
     assert ("LOG_TIME_USED" in said) == (kind in base.WITHOUT_HEADER)
 
 
-@pytest.mark.parametrize("topic", ["/goal_pose", "/initialpose", "/object", "/base_to_footprint"])
-def test_other_poses_are_not_the_base_s(tmp_path: Path, topic: str) -> None:
-    path = base.write(tmp_path / "walk.mcap", "geometry_msgs/PoseStamped", topic)
-    assert "NO_BASE" in codes(describe(path, InfoOptions()))
-    check(figures(path, topic))
-
-
 @pytest.mark.parametrize(
     ("kind", "path"),
     [
         ("geometry_msgs/PoseStamped", "pose"),
+        ("geometry_msgs/PoseStamped", ""),
         ("xpp_msgs/RobotStateCartesian", "base.pose"),
         ("geometry_msgs/TransformStamped", "transform"),
+        ("std_msgs/Float64MultiArray", "data[2:9]"),
     ],
 )
-def test_a_pose_at_a_path(tmp_path: Path, kind: str, path: str) -> None:
+def test_a_pose_that_the_user_names(tmp_path: Path, kind: str, path: str) -> None:
+    log = base.write(tmp_path / "walk.mcap", kind, "/goal_pose")
+    check(figures(log, f"/goal_pose:{path}".rstrip(":")))
+
+
+@pytest.mark.parametrize(
+    ("kind", "element", "said"),
+    [
+        ("tf2_msgs/TFMessage", "odom/trunk", "odom/base_link"),
+        ("gazebo_msgs/ModelStates", "spot", "anymal, ground_plane"),
+        ("geometry_msgs/PoseStamped", "body", "no field 'body'"),
+        ("ocs2_msgs/mpc_observation", "state.value[0:5]", "has 5 numbers"),
+    ],
+)
+def test_a_wrong_element_lists_what_there_is(
+    tmp_path: Path, kind: str, element: str, said: str
+) -> None:
     log = base.write(tmp_path / "walk.mcap", kind, "/x")
-    check(figures(log, f"/x:{path}"))
-
-
-def test_a_wrong_element_lists_what_there_is(tmp_path: Path) -> None:
-    log = base.write(tmp_path / "walk.mcap", "tf2_msgs/TFMessage", "/tf")
-    with pytest.raises(CallError, match="odom/base_link"):
-        figures(log, "/tf:odom/trunk")
-    log = base.write(tmp_path / "states.mcap", "gazebo_msgs/ModelStates", "/states")
-    with pytest.raises(CallError, match="anymal, ground_plane"):
-        figures(log, "/states:spot")
-    log = base.write(tmp_path / "pose.mcap", "geometry_msgs/PoseStamped", "/pose")
-    with pytest.raises(CallError, match="no field 'body'"):
-        figures(log, "/pose:body")
+    with pytest.raises(CallError, match=said):
+        figures(log, f"/x:{element}")
 
 
 def test_recorded_transforms_are_not_written_again(tmp_path: Path) -> None:
@@ -91,11 +90,3 @@ def test_recorded_transforms_are_not_written_again(tmp_path: Path) -> None:
     assert (copied.world_frame, copied.base_frame) == ("odom", "base_link")
     alone = convert(path, tmp_path / "b.mcap", ConvertOptions(copy=False))
     assert alone.annotations["/tf"] > 0
-
-
-def test_array_fields_by_path(tmp_path: Path) -> None:
-    log = base.write(tmp_path / "walk.mcap", "ocs2_msgs/mpc_observation", "/x")
-    with pytest.raises(CallError, match="has 5 numbers"):
-        figures(log, "/x:state.value[0:5]")
-    whole = base.write(tmp_path / "array.mcap", "std_msgs/Float64MultiArray", "/array")
-    check(figures(whole, "/array:data[2:9]"))

@@ -73,6 +73,9 @@ def test_six_feet_on_unusual_topics_take_two_commands(
         assert written.returncode == 0, written.stderr
         words = command(written.stderr)
     assert words[0] == "stats"
+    if kind.endswith("Reading"):
+        text = " ".join((shown.stdout + shown.stderr).split())
+        assert "put front_left, back_right ... for" in text
     found = figures(*words[1:], folder=tmp_path)
 
     check_steps(found)
@@ -166,14 +169,6 @@ def test_fields_become_the_loads_they_are(
             assert foot["peak_force_n"] is None
 
 
-def test_a_fixed_array_on_the_command_line(states: Path) -> None:
-    words = [word for foot in range(4) for word in ("--foot", f"f{foot}=/state:loads[{foot}]")]
-    found = figures(states, *words, "--set", "clock=log")
-    assert [foot["peak_force_n"]["median"] for foot in found["feet"].values()] == pytest.approx(
-        [WEIGHT_N / 3] * 4, rel=0.02
-    )
-
-
 @pytest.mark.parametrize(
     ("word", "expected"),
     [
@@ -185,19 +180,15 @@ def test_a_fixed_array_on_the_command_line(states: Path) -> None:
         ("/state:legs[0]..z", "is no path of a field"),
         ("/stat:left.force", "did you mean /state?"),
         ("/state", "A field of its messages can be named: /state:legs[].force"),
+        ("/state:left.force", "each needs a field of its own"),
     ],
 )
 def test_a_wrong_path_lists_what_there_is(states: Path, word: str, expected: str) -> None:
-    done = forked_cli.run("stats", states, "--foot", f"left={word}")
+    feet = ("left", "right") if "own" in expected else ("left",)
+    words = [text for foot in feet for text in ("--foot", f"{foot}={word}")]
+    done = forked_cli.run("stats", states, *words)
     assert done.returncode == 2
     assert expected in " ".join(done.stderr.split())
-
-
-def test_two_feet_need_two_fields(states: Path) -> None:
-    same = ["--foot", "a=/state:left.force", "--foot", "b=/state:left.force"]
-    done = forked_cli.run("stats", states, *same)
-    assert done.returncode == 2
-    assert "each needs a field of its own" in done.stderr
 
 
 LEGS = ("LF", "RF", "LH", "RH")
@@ -283,15 +274,6 @@ def test_a_robot_of_two_files_that_are_one_recording(tmp_path: Path) -> None:
     words = command(done.stderr)
     assert words[:4] == ["stats", *map(str, files), "--join"]
     check_steps(figures(*words[1:]))
-
-
-def test_feet_without_a_leg_are_said_to_need_one(tmp_path: Path) -> None:
-    told = forked_cli.run("info", six_feet(tmp_path / "walk.mcap"))
-    assert "put front_left, back_right ... for" in " ".join(told.stdout.split())
-    found = forked_cli.run(*command(told.stdout), "-v")
-    text = " ".join(found.stdout.split())
-    assert "a gait's name needs to know which foot is front or back, left or right" in text
-    assert "phases of all" not in text
 
 
 @pytest.mark.parametrize("words", ["info", "stats", "robots new"])

@@ -1,56 +1,64 @@
-"""Robots' files: those that come along are sound, and every key is read."""
+"""Robots' files: those that come along are sound, every key is read, errors name their place."""
 
+import re
+import tomllib
 from pathlib import Path
 
 import pytest
 
+from dogbot_logtool.errors import CallError
+from dogbot_logtool.io.toml_table import declared_fields, toml_values
 from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.robot.robot import Robot, known_robots, load_robot, parse_robot, robot_toml
 
 FOOT = '[feet.left]\ntopic = "/left"\n'
-EVERY_KEY = """
-    name = "spider"
-    description = "eight feet"
-    mass_kg = 3
-    forward_axis = "-x"
-    com_offset_m = [0.02, 0, -0.01]
-    foot_rolling_m = 0.002
-    [topics]
-    odometry = "/odom"
-    [frames]
-    world = "map"
-    base = "trunk"
-    [arrows]
-    newtons_per_metre = 10
-    shaft_diameter_m = 0.01
-    [contact]
-    on_n = 5
-    on_counts = 30
-    off_n = 2.5
-    debounce_s = 0.01
-    [feet.two]
-    topic = "/two"
-    collision = "*two*"
-    place = ["middle", "centre"]
-    [feet.one]
-    topic = "/one"
-    frame = "one_foot"
-    contact_point_m = [0, 0.5, -0.25]
-    field = "a[1].b"
-    kind = "force"
-    scale = 2
-    unit = "kN"
-    sign = "-"
-    axis = "-z"
-    threshold = 3
-    offset = 4
-    [feet.three]
-    topic = "/three"
-    element = 1
-    newtons_per_count = 0.5
-    offset_n = [0, 0, -12]
-    label = "paw"
-"""
+RAW = Foot("three", "/three", element=1, label="paw", offset_n=(0, 0, -12), newtons_per_count=0.5)
+EVERYTHING = Robot(
+    name="spider",
+    description="eight feet",
+    mass_kg=3.0,
+    forward_axis="-x",
+    wrench_frame="link",
+    clock="log",
+    tare="none",
+    com_offset_m=(0.02, 0.0, -0.01),
+    foot_rolling_m=0.002,
+    odometry_topic="/odom",
+    command_topic="/cmd",
+    imu_topic="/imu",
+    odometry_scale=0.001,
+    world_frame="map",
+    base_frame="trunk",
+    feet=(
+        Foot("two", "/two", "*two*", ("middle", "centre")),
+        Foot(
+            "one",
+            "/one",
+            frame="one_foot",
+            contact_point_m=(0.0, 0.5, -0.25),
+            field=FootField("a[1].b", "force", 2.0, "kN", "-", "-z", 3.0),
+            offset=4.0,
+        ),
+        RAW,
+    ),
+    newtons_per_metre=10.0,
+    shaft_diameter_m=0.01,
+    contact_on_n=5.0,
+    contact_on_counts=30.0,
+    contact_off_n=2.5,
+    debounce_s=0.01,
+)
+
+
+def test_every_key_is_written_and_read() -> None:
+    assert toml_values(EVERYTHING).keys() >= {
+        f"{section}.{key}".lstrip(".") for _, _, section, key in declared_fields(Robot)
+    }
+    lines = [f"{key} = {text}" for key, text in toml_values(EVERYTHING).items()]
+    for foot in EVERYTHING.feet:
+        values = {**toml_values(foot), **(toml_values(foot.field) if foot.field else {})}
+        lines += [f"[feet.{foot.name}]", *(f"{key} = {text}" for key, text in values.items())]
+    assert parse_robot("\n".join(lines), "mine.toml") == EVERYTHING
 
 
 @pytest.mark.parametrize("name", known_robots())
@@ -64,60 +72,160 @@ def test_known_robots_load_under_their_own_name_and_can_be_copied(
     assert robot.description
     # Which of them may fit a log is seen before any is parsed.
     assert all(topic in robot_toml(name) for topic in robot.topics)
+    if name.startswith("unitree") and "state" not in name:
+        elements = {foot.name: foot.element for foot in robot.feet}
+        assert elements == {"front_right": 0, "front_left": 1, "back_right": 2, "back_left": 3}
 
 
-def test_the_generic_robot_assumes_nothing() -> None:
-    robot = load_robot("generic")
-    assert (robot.feet, robot.topics) == ((), frozenset())
-    assert (robot.mass_kg, robot.odometry_topic, robot.base_frame) == (None, None, None)
-
-
-@pytest.mark.parametrize("name", ["unitree_a1", "unitree_go1", "unitree_go2"])
-def test_unitree_s_order_is_right_before_left(name: str) -> None:
-    elements = {foot.name: foot.element for foot in load_robot(name).feet}
-    assert elements == {"front_right": 0, "front_left": 1, "back_right": 2, "back_left": 3}
-
-
-def test_every_key_is_read() -> None:
-    assert parse_robot(EVERY_KEY, "mine.toml") == Robot(
-        name="spider",
-        description="eight feet",
-        mass_kg=3.0,
-        forward_axis="-x",
-        com_offset_m=(0.02, 0.0, -0.01),
-        foot_rolling_m=0.002,
-        odometry_topic="/odom",
-        world_frame="map",
-        base_frame="trunk",
-        feet=(
-            Foot("two", "/two", "*two*", ("middle", "centre")),
-            Foot(
-                "one",
-                "/one",
-                frame="one_foot",
-                contact_point_m=(0.0, 0.5, -0.25),
-                field=FootField("a[1].b", "force", 2.0, "kN", "-", "-z", 3.0),
-                offset=4.0,
-            ),
-            Foot(
-                "three",
-                "/three",
-                element=1,
-                label="paw",
-                offset_n=(0.0, 0.0, -12.0),
-                newtons_per_count=0.5,
-            ),
-        ),
-        newtons_per_metre=10.0,
-        shaft_diameter_m=0.01,
-        contact_on_n=5.0,
-        contact_on_counts=30.0,
-        contact_off_n=2.5,
-        debounce_s=0.01,
+def test_the_generic_robot_and_an_empty_file_assume_nothing(tmp_path: Path) -> None:
+    generic, file = load_robot("generic"), tmp_path / "mine.toml"
+    assert (generic.feet, generic.topics, generic.mass_kg, generic.base_frame) == (
+        (),
+        frozenset(),
+        None,
+        None,
     )
-
-
-def test_an_empty_file_is_a_robot_with_the_files_name(tmp_path: Path) -> None:
-    file = tmp_path / "mine.toml"
     file.write_text("", encoding="utf-8")
     assert load_robot(str(file)) == Robot("mine")
+
+
+@pytest.mark.parametrize("name", ["dogcat", "", "DogBot", "dogbot.tom"])
+def test_an_unknown_robot_is_named_and_the_known_ones_are_listed(name: str) -> None:
+    for ask in (load_robot, robot_toml):
+        with pytest.raises(CallError, match="dogbot, generic") as caught:
+            ask(name)
+        assert repr(name) in str(caught.value)
+
+
+@pytest.mark.parametrize("content", [None, b"\xff\xfe", b"name = '\x80'"])
+def test_a_file_that_is_none_or_no_text_is_named(tmp_path: Path, content: bytes | None) -> None:
+    file = tmp_path / "binary.toml"
+    file.write_bytes(content) if content else file.mkdir()
+    with pytest.raises(CallError, match=re.escape(str(file))):
+        load_robot(str(file))
+
+
+def refused(text: str) -> str:
+    """The error of a robot's file called mine.toml."""
+    with pytest.raises(CallError, match=r"^mine\.toml") as caught:
+        parse_robot(text, "mine.toml")
+    return str(caught.value)
+
+
+WRONG = """
+colour = 1 | colour
+topics.camera = '/image' | topics.camera
+contact.on = 3 | contact.on
+FOOT color = 1 | feet.left.color
+name = 3 | name
+description = ['a'] | description
+topics = '/odom' | topics
+contact = 10 | contact
+feet.left = '/left' | feet.left
+feet.left.topic = 3 | feet.left.topic
+FOOT collision = true | feet.left.collision
+mass_kg = '21 kg' | mass_kg
+mass_kg = true | mass_kg
+mass_kg = 0 | mass_kg
+mass_kg = nan | mass_kg
+foot_rolling_m = -0.1 | foot_rolling_m
+forward_axis = '+z' | forward_axis
+frames.world = '' | frames.world
+frames.base = '/base_link' | frames.base
+arrows.newtons_per_metre = 0 | arrows.newtons_per_metre
+contact.on_n = 0 | contact.on_n
+contact.debounce_s = nan | contact.debounce_s
+contact = {on_n = 5, off_n = 6} | contact.off_n
+feet.left = {} | feet.left.topic
+feet.left.topic = '' | feet.left.topic
+FOOT place = 'front' | feet.left.place
+FOOT place = ['left', 'front'] | feet.left.place
+FOOT place = ['front', 'left', 'up'] | feet.left.place
+FOOT place = ['front', 3] | feet.left.place
+FOOT place = ['front', {side = 'left'}] | feet.left.place
+FOOT element = -1 | feet.left.element
+FOOT element = 1.5 | feet.left.element
+FOOT element = true | feet.left.element
+FOOT offset = nan | feet.left.offset
+FOOT offset = "3" | feet.left.offset
+FOOT newtons_per_count = 0 | feet.left.newtons_per_count
+FOOT kind = "force" | feet.left.kind
+FIELD kind = "weight" | feet.left.kind
+FIELD unit = "pound" | feet.left.unit
+FIELD sign = "down" | feet.left.sign
+FIELD axis = "w" | feet.left.axis
+FIELD scale = 0 | feet.left.scale
+FIELD threshold = "x" | feet.left.threshold
+FIELD [feet.right] topic = "/left" field = "data" | a field of its own
+FOOT [feet.right] topic = "/left" | element
+"""
+
+
+@pytest.mark.parametrize("row", WRONG.strip().splitlines())
+def test_an_error_names_the_file_the_key_and_the_line(row: str) -> None:
+    text, _, key = row.rpartition(" | ")
+    text = text.replace("FIELD ", f'{FOOT}field = "data"\n').replace("FOOT ", FOOT)
+    text = text.replace("[feet.right] ", "[feet.right]\n").replace(" field", "\nfield")
+    tomllib.loads(text)  # the fault is not one of TOML
+    message = refused(text)
+    assert re.search(rf"(?<![\w.]){re.escape(key)}(?![\w.])", message)
+    assert message.startswith("mine.toml, line ")
+
+
+PROFILE = """\
+# A robot of our own.
+name = "walker"
+description = '''
+mass_kg = "this is no key"
+'''
+mass_kg = 12.0
+
+[frames]
+base = "trunk"
+
+[contact]
+on_n = 20.0
+off_n = 10.0
+
+[feet.left]
+topic = "/left"
+place = [
+    "front",
+    "left",
+]
+
+[feet."right"]
+topic = "/both"
+element = 0
+
+# The last one.
+[feet.third]
+topic = "/both"
+element = 1
+"""
+
+
+@pytest.mark.parametrize(
+    ("spoilt", "by", "key", "line"),
+    [
+        ("mass_kg = 12.0", "mass_kg = -12.0", "mass_kg", 6),
+        ("mass_kg = 12.0", "mass_kg = = 3", "line 6", 6),
+        ('base = "trunk"', 'base = "/trunk"', "frames.base", 9),
+        ("[frames]", "[frame]", "frame", 8),
+        ("off_n = 10.0", "off_n = 30.0", "contact.off_n", 13),
+        ('    "front",', '    "up",', "feet.left.place", 17),
+        ('topic = "/left"', "topics = 1", "feet.left.topic", 15),
+        ('topic = "/left"', "topic = 1", "feet.left.topic", 16),
+        ("element = 1", "element = 0", "/both", 29),
+        ("element = 1", "", "/both", 28),
+        ("element = 1", "elements = 1\nelement = 1", "feet.third.elements", 29),
+        ("element = 1", 'element = 1\nframe = ""', "feet.third.frame", 30),
+        ("element = 1", "element = 1\ncontact_point_m = [0, 0]", "feet.third.contact_point_m", 30),
+        ("[frames]", "[[frames]]", "frames", 8),
+        ("mass_kg = 12.0", "frames.world = 3\nmass_kg = 12.0", "frames", 9),
+    ],
+)
+def test_a_fault_is_told_by_its_line(spoilt: str, by: str, key: str, line: int) -> None:
+    message = refused(PROFILE.replace(spoilt, by, 1))
+    assert key in message
+    assert f"line {line}" in message

@@ -1,19 +1,27 @@
-"""Options about topics: what they choose, and what is said of those that do not fit."""
+"""Options about topics and fields: what they choose, and what is said of those that do not fit."""
 
+import json
+import shlex
 from pathlib import Path
 
 import pytest
 
+import dogbot_logtool as dl
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.selection import Selection, select_topics
-from tests.oracles.foot_logs import CONTACTS, write_log
+from tests import forked_cli
+from tests.forked_cli import Ended
+from tests.oracles.foot_logs import CONTACTS, WRENCH, write_log
 
 LEGS = ("front_left", "front_right", "back_left", "back_right")
 DOGBOT = {f"/dogbot/{leg}_contactsensor_state": CONTACTS for leg in LEGS}
 SPARE = {f"/spare/{number}": CONTACTS for number in range(4)}
 FRONT_RIGHT = "/dogbot/front_right_contactsensor_state"
+SENSORS = {
+    f"/{side} {at}/wrench": WRENCH for side in ("left", "right") for at in ("toe y", "toe x")
+}
 
 
 def selected(path: Path, options: RobotOptions, **topics: str) -> Selection:
@@ -52,15 +60,14 @@ def test_a_foot_of_the_robot_gets_another_topic(path: Path) -> None:
 @pytest.mark.parametrize("topics", [list(DOGBOT), list(SPARE)], ids=["its own", "others"])
 def test_all_feet_of_a_guessed_robot_can_be_named_anew(path: Path, topics: list[str]) -> None:
     given = {f"paw_{number}": topic for number, topic in enumerate(topics)}
-    recorded = dict.fromkeys(topics, CONTACTS)
-    found = selected(path, RobotOptions(foot=given), **recorded)
+    found = selected(path, RobotOptions(foot=given), **dict.fromkeys(topics, CONTACTS))
     assert found.robot.name == "dogbot"
     assert {foot.name: foot.topic for foot in found.robot.feet} == given
 
 
 def test_a_robot_of_which_the_log_has_nothing(path: Path) -> None:
     found = selected(path, RobotOptions(robot="anymal"), **SPARE)
-    assert "ROBOT_GUESSED" in {each.code for each in found.findings}
+    assert any("none of the topics of the robot 'anymal'" in each.text for each in found.findings)
     named = selected(path, RobotOptions(robot="anymal", odom_topic="/x"), **SPARE)
     assert "ROBOT_GUESSED" not in {each.code for each in named.findings}
 
@@ -89,3 +96,101 @@ def test_a_robot_of_which_the_log_has_nothing(path: Path) -> None:
 def test_options_that_do_not_fit(path: Path, options: RobotOptions, said: str) -> None:
     with pytest.raises(CallError, match=said):
         selected(path, options)
+
+
+# What is offered in a terminal
+
+
+def run(*words: object) -> Ended:
+    return forked_cli.run(*words, environment={"COLUMNS": "80"})
+
+
+def command(printed: str) -> list[str]:
+    """The words after the program's name of the one command that was printed in one piece."""
+    lines = [line for line in printed.splitlines() if line.lstrip().startswith("dogbot-logtool ")]
+    assert len(lines) == 1
+    return shlex.split(lines[0])[1:]
+
+
+def test_the_offered_command_can_be_typed(tmp_path: Path) -> None:
+    (tmp_path / "a folder").mkdir()
+    sensors = write_log(
+        tmp_path / "a folder" / "it's.mcap", SENSORS, odometry=["/odom"], samples=400
+    )
+    told = run("stats", sensors)
+    assert "Gait: not measured (no topic of feet)" in told.stdout
+    figures = json.loads(run(*command(told.stdout), "--json", "-v").stdout)
+    feet = {name: foot["topic"] for name, foot in figures["settings"]["feet"].items()}
+    assert feet == {side: f"/{side} toe x/wrench" for side in ("left", "right")}
+    assert all(foot["touchdown_s"] for foot in figures["feet"].values())
+
+
+@pytest.mark.parametrize("name", ["stats", "convert", "layout", "report", "stats --figure x.svg"])
+def test_the_errors_offer_feet(tmp_path: Path, name: str) -> None:
+    log = write_log(tmp_path / "walk.mcap", SENSORS)
+    first, *words = name.split()
+    done = run(first, log, *(tmp_path / word if "." in word else word for word in words))
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr.startswith("error: ")
+    assert command(done.stderr)[:2] == ["stats", str(log)]
+    assert sorted(tmp_path.iterdir()) == [log]
+
+
+@pytest.mark.parametrize("feet", [["a=/left_toe_y/wrench"], ["a=/left toe x", "a=/left toe y"]])
+@pytest.mark.parametrize("name", ["info", "stats", "layout"])
+def test_feet_that_do_not_fit_end_each_command(tmp_path: Path, name: str, feet: list[str]) -> None:
+    log = write_log(tmp_path / "walk.mcap", SENSORS)
+    done = run(name, log, *(word for foot in feet for word in ("--foot", foot)))
+    assert (done.returncode, done.stdout) == (2, "")
+    assert ("did you mean" if len(feet) == 1 else "--foot a: is given") in done.stderr
+
+
+def test_a_layout_without_a_log_has_the_given_feet() -> None:
+    assert run("layout", "--robot", "dogbot", "--foot", "nose=/x").returncode == 2
+    done = run("layout", "--foot", "left=/x", "--foot", "right=/y")
+    panels = json.loads(done.stdout)["configById"]
+    curves = [panel["paths"] for name, panel in panels.items() if name.startswith("Plot!load")]
+    assert [paths[0]["label"] for paths in curves] == ["left", "right"]
+
+
+# Some of the feet only
+
+
+def logged(folder: Path, kinds: dict[str, str]) -> Path:
+    topics = {f"/{name}/contact": kind for name, kind in kinds.items()}
+    return write_log(folder / "log.mcap", topics, odometry=["/odom"], samples=200)
+
+
+@pytest.mark.parametrize("says", ["log", "file", "options"])
+def test_a_foot_that_is_missing_is_one_of_the_robot(says: str, tmp_path: Path) -> None:
+    """What rests on all feet is not known, and the words that add one are said."""
+    path = logged(tmp_path, dict.fromkeys(LEGS[: 3 if says == "log" else 4], CONTACTS))
+    topics = {name: f"/{name}/contact" for name in LEGS[:3]}
+    file = tmp_path / "three.toml"
+    feet = (f'[feet.{name}]\ntopic = "{topic}"\n' for name, topic in topics.items())
+    file.write_text('name = "three"\n' + "".join(feet))
+    robot, foot = (str(file) if says == "file" else None), (topics if says == "options" else None)
+    found = dl.measure(path, robot=robot, foot=foot).stats
+    used = {name: foot["topic"] for name, foot in found["settings"]["feet"].items()}
+    assert used == topics | {"back_right": None}
+    assert found["gait"]["support"] is None
+    assert found["forces"]["load_share"]["feet"] is None
+    missing = [each["text"] for each in found["findings"] if each["code"] == "NO_MESSAGES"]
+    said = "foot back_right" if says == "log" else "--foot back_right=/back_right/contact"
+    assert any(said in text for text in missing)
+    if says == "log":
+        done = run("robots", "new", path)
+        assert "# [feet.back_right]\n# topic =" in done.stdout
+        file.write_text(done.stdout)
+        assert list(dl.measure(path, robot=str(file)).stats["feet"]) == list(LEGS[:3])
+
+
+def test_hands_are_no_feet_that_were_left_out(tmp_path: Path) -> None:
+    topics = {
+        f"/{side}_{limb}/wrench": WRENCH for side in ("left", "right") for limb in ("foot", "hand")
+    }
+    path = write_log(tmp_path / "log.mcap", topics, odometry=["/odom"], samples=200)
+    feet = {side: f"/{side}_foot/wrench" for side in ("left", "right")}
+    found = dl.measure(path, foot=feet).stats
+    assert list(found["feet"]) == ["left", "right"]
+    assert "NO_MESSAGES" not in {each["code"] for each in found["findings"]}

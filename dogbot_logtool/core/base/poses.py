@@ -78,6 +78,12 @@ def concatenate_odometry(parts: Sequence[Odometry]) -> Odometry:
     return joined.pick(np.argsort(joined.log_time, kind="stable"))
 
 
+def scaled(odometry: Odometry, metres: float) -> Odometry:
+    """Return poses whose unit of length is so many metres, in metres."""
+    position, velocity = odometry.position * metres, odometry.linear_velocity * metres
+    return replace(odometry, position=position, linear_velocity=velocity)
+
+
 @dataclass(frozen=True, slots=True)
 class Transforms:
     """Poses of one frame in its parent frame."""

@@ -188,10 +188,10 @@ def _margins(walk: Walk) -> Iterator[Event]:
     After a jump of the pose it is not known where the base is among the feet; a robot that lies
     does not lose its balance.
     """
-    if walk.unstable is None:
+    if walk.instants is None:
         return
     jump = walk.jumps.spans[0, 0] if len(walk.jumps.spans) else walk.end
-    below, least = walk.unstable.spans, walk.unstable.least_margin_m
+    below, least = walk.instants.unstable()
     counts = (below[:, 1] - below[:, 0] >= LASTING_S * 1e9) & (least < -MARGIN_M)
     counts &= (below[:, 0] < jump) & ~timespans.covers(walk.fallen, below[:, 0])
     for (start, end), value in zip(below[counts].tolist(), least[counts].tolist(), strict=True):

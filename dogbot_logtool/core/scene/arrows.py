@@ -82,13 +82,6 @@ class Arrows:
     """(n, 4) red, green, blue, alpha in [0, 1]."""
 
 
-def no_arrows() -> Arrows:
-    """Return no arrows."""
-    none, vectors = np.empty(0, np.int64), np.empty((0, 4))
-    colour = vectors.astype(np.float32)
-    return Arrows(none, none, none, none > 0, vectors[:, :3], vectors, vectors[:, 0], colour)
-
-
 def removals(samples: Samples) -> Arrows:
     """Return the removal of the arrows of samples without contact."""
     shown, unused = np.zeros(len(samples.log_time), np.bool_), np.empty((0, 4))

@@ -105,7 +105,6 @@ def _segment(walk: Walk, segment: Segment) -> metrics.Segment:
     """Measure a segment: the same metrics over another span."""
     within = segment.spans
     feet = {foot.name: _foot(walk, row, within) for row, foot in enumerate(walk.feet)}
-    stable, _ = stability_in(walk, within)
     return metrics.Segment(
         start_s=(segment.start - walk.origin) / 1e9,
         end_s=(segment.end - walk.origin) / 1e9,
@@ -113,7 +112,7 @@ def _segment(walk: Walk, segment: Segment) -> metrics.Segment:
         gait=_gait(walk, segment, support_in(walk, within), segment.flight_fraction),
         feet=feet,
         forces=_forces(walk, loads_in(walk, within), feet),
-        stability=stable or unknown(Stability),
+        stability=stability_in(walk, within) or unknown(Stability),
     )
 
 

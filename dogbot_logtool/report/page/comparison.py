@@ -16,6 +16,7 @@ from dogbot_logtool.core.events.event import STEPS
 from dogbot_logtool.report.numbers import NOTHING, nice_step
 from dogbot_logtool.report.page.assets import rendered
 from dogbot_logtool.report.page.chart import extent_of
+from dogbot_logtool.report.tables import METRICS, MetricPath
 
 Json = Mapping[str, Any]
 Sides = tuple[Sequence[Json], Sequence[Json]]
@@ -25,7 +26,10 @@ MOST_NAMES: Final = 6
 COLUMNS: Final = (
     "first", "second", "difference", "in %", f"{CONFIDENCE:.0%} from", "to", "effect", "strides",
 )  # fmt: skip
-_CURVES: Final = (("vertical", "vertical_over_stride_n"), ("forward", "forward_over_stride_n"))
+_CURVES: Final = {
+    "vertical": METRICS.vertical_over_stride_n,
+    "forward": METRICS.forward_over_stride_n,
+}
 _PANEL: Final = {"width": 300, "height": 170, "left": 46, "right": 294, "top": 22, "bottom": 148}
 """Sizes of a panel, and edges of what is drawn in it."""
 _STANCES: Final = {"name": 110, "row": 34, "bar": 9, "cycle": 640}
@@ -49,7 +53,7 @@ def comparison_page(found: GaitComparison, sides: Sides) -> bytes:
         columns=COLUMNS,
         rows=[(each, _cells(each)) for each in found.differences],
         sides=list(_side_rows(sides)),
-        panels={name: each for name, key in _CURVES if (each := _panels(sides, feet, key))},
+        panels={name: each for name, of in _CURVES.items() if (each := _panels(sides, feet, of))},
         panel=_PANEL,
         stances=_stances(sides, feet),
         sizes=_STANCES,
@@ -85,12 +89,12 @@ class Panel(NamedTuple):
     """y and text of each tick of the force."""
 
 
-def _panels(sides: Sides, feet: Sequence[str], key: str) -> list[Panel]:
+def _panels(sides: Sides, feet: Sequence[str], of: MetricPath) -> list[Panel]:
     """Lay the curves over the gait cycle of both sides over each other, a panel a foot.
 
     All are on one scale; there are none where neither side knows the curve.
     """
-    found = {foot: [_median_curve(side, foot, key) for side in sides] for foot in feet}
+    found = {foot: [_median_curve(side, foot, of) for side in sides] for foot in feet}
     known = [each for pair in found.values() for each in pair if each is not None]
     if not known:
         return []
@@ -115,9 +119,9 @@ def _panels(sides: Sides, feet: Sequence[str], key: str) -> list[Panel]:
     return [Panel(foot, [drawn(each) for each in pair], ticks) for foot, pair in found.items()]
 
 
-def _median_curve(side: Sequence[Json], foot: str, key: str) -> Floats | None:
+def _median_curve(side: Sequence[Json], foot: str, of: MetricPath) -> Floats | None:
     """(4, n) percent, lower quartile, median and upper quartile: the medians over the logs."""
-    curves = [document["feet"].get(foot, {}).get(key) for document in side]
+    curves = [_at(document["feet"].get(foot, {}), of) for document in side]
     parts = ("percent", "lower", "median", "upper")
     known = [[curve[part] for part in parts] for curve in curves if curve]
     return median_of(np.array(known, np.float64), axis=0) if known else None
@@ -134,7 +138,8 @@ def _bars(side: Sequence[Json], foot: str) -> list[tuple[float, float]]:
 
     Of several logs it is the mean of the phases, with the median of the duty factors.
     """
-    pairs = [(_at(each, f"gait.phase.{foot}"), each["feet"][foot]["duty_factor"]) for each in side]
+    phase_of, duty_of = getattr(METRICS.gait.phase, foot), getattr(METRICS.feet, foot).duty_factor
+    pairs = [(_at(each, phase_of), _at(each, duty_of)) for each in side]
     known = [
         (phase["mean"], duty["median"])
         for phase, duty in pairs
@@ -174,7 +179,7 @@ def _strides(side: Sequence[Json]) -> str:
 
 
 def _seconds(side: Sequence[Json]) -> str:
-    return f"{sum(document['log']['duration_s'] or 0.0 for document in side):.1f} s"
+    return f"{sum(_at(document, METRICS.log.duration_s) or 0.0 for document in side):.1f} s"
 
 
 def _failed(side: Sequence[Json]) -> str:
@@ -183,7 +188,7 @@ def _failed(side: Sequence[Json]) -> str:
     return _listed((each["name"] for each in checks if each["outcome"] == "failed"), "none")
 
 
-def _middle(path: str, unit: str, decimals: int) -> Callable[[Sequence[Json]], str]:
+def _middle(path: MetricPath, unit: str, decimals: int) -> Callable[[Sequence[Json]], str]:
     """Return what words the median of a metric over the logs of a side."""
 
     def words(side: Sequence[Json]) -> str:
@@ -193,9 +198,9 @@ def _middle(path: str, unit: str, decimals: int) -> Callable[[Sequence[Json]], s
     return words
 
 
-def _at(document: Json, path: str) -> Any:  # noqa: ANN401 - any value of JSON
+def _at(document: Json, path: MetricPath) -> Any:  # noqa: ANN401 - any value of JSON
     value: Any = document
-    for key in path.split("."):
+    for key in path:
         value = None if value is None else value.get(key)
     return value
 
@@ -204,11 +209,11 @@ _OF_A_SIDE: Final[Mapping[str, Callable[[Sequence[Json]], str]]] = {
     "gait": _classes,
     "strides of all feet": _strides,
     "time": _seconds,
-    "stride frequency": _middle("gait.stride_frequency_hz", " Hz", 3),
-    "duty factor": _middle("gait.duty_factor", "", 3),
-    "forward speed": _middle("base.forward_speed_mps", " m/s", 3),
-    "vertical impulse over weight": _middle("forces.vertical_impulse_over_weight", "", 3),
-    "static margin": _middle("stability.static_margin_m.median", " m", 3),
-    "mass": _middle("settings.mass_kg", " kg", 2),
+    "stride frequency": _middle(METRICS.gait.stride_frequency_hz, " Hz", 3),
+    "duty factor": _middle(METRICS.gait.duty_factor, "", 3),
+    "forward speed": _middle(METRICS.base.forward_speed_mps, " m/s", 3),
+    "vertical impulse over weight": _middle(METRICS.forces.vertical_impulse_over_weight, "", 3),
+    "static margin": _middle(METRICS.stability.static_margin_m.median, " m", 3),
+    "mass": _middle(METRICS.settings.mass_kg, " kg", 2),
     "checks of the recording that failed": _failed,
 }

@@ -7,7 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, distinct
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
-from dogbot_logtool.core.stability import GroundPoints, footprints, pressure_path
+from dogbot_logtool.core.stability import GroundPoints, footprints
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.page.chart import (
     MARGIN,
@@ -38,10 +38,10 @@ def walk_from_above(walk: Walk) -> Drawing | None:
     if not has_base and not any(len(each.time) for each in prints):
         return None
     data = [_path(walk)] if has_base else []
-    if walk.stability is not None and walk.stability.centre_of_pressure_forward_m is not None:
-        centre = pressure_path([foot.record for foot in walk.feet])
+    centre = walk.instants
+    if centre is not None and walk.vertical_known:
         rows = thinned(len(centre.time), MOST_POINTS)
-        x, y = centre.point[rows].T
+        x, y = centre.pressure[rows].T
         at = seconds(walk, centre.time[rows])
         words = {"customdata": at, "hovertemplate": _AT}
         data.append(line(x, y, "centre of pressure", SECOND, width=1.2, more=words))

@@ -83,7 +83,7 @@ def legs_over_cycle(walk: Walk) -> Drawing | None:
     if not rows:
         return None
     drawn = grid(rows[:_MOST_ROWS], _AXIS, _LEG_PIXELS, list(_columns(walk)))
-    return Drawing("legs", "Legs over the gait cycle", _clearances(legs), _LEGS, *drawn)
+    return Drawing("legs", "Legs over the gait cycle", _clearances(walk), _LEGS, *drawn)
 
 
 def _known(curves: Sequence[Shape]) -> dict[int, Curve]:
@@ -171,12 +171,14 @@ def _joints(legs: LegFigures) -> dict[str, dict[int, Curve]]:
     return found
 
 
-def _clearances(legs: LegFigures) -> str:
+def _clearances(walk: Walk) -> str:
+    metrics = walk.metrics
     clear = ", ".join(
-        f"{printable(leg.name)} {1e3 * float(np.nanmedian(leg.strides['clearance_m'])):.0f} mm"
-        for leg in legs.feet
-        if leg.height is not None
+        f"{printable(name)} {1e3 * foot.clearance_m.median:.0f} mm"
+        for name, foot in metrics.feet.items()
+        if foot.clearance_m is not None
     )
-    moving = sum(joint.position_over_stride is not None for joint in legs.metrics.joints.values())
-    text = f"Motion of {moving} joints over the stride of their {len(legs.feet)} feet."
+    joints = metrics.legs.joints.values()
+    moving = sum(joint.position_over_stride is not None for joint in joints)
+    text = f"Motion of {moving} joints over the stride of their {len(metrics.feet)} feet."
     return f"{text} Clearance of the feet: {clear}." if clear else text

@@ -1,6 +1,6 @@
-"""Curves over time, and the figures of the base: its motion, and its commands."""
+"""Curves and events over time, and the figures of the base: its motion, and its commands."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -9,12 +9,15 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints
 from dogbot_logtool.core.base.ground import height_over_feet
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES, roll_and_pitch
+from dogbot_logtool.core.events.event import STEPS, EventType
+from dogbot_logtool.core.metrics import Event, WalkMetrics
 from dogbot_logtool.core.rotations import along_heading
-from dogbot_logtool.core.stability import margins
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.curves import Curve, curve_of
 from dogbot_logtool.report.page.chart import (
+    BAD,
     LINE,
+    NEUTRAL,
     SECOND,
     Drawing,
     Row,
@@ -22,8 +25,10 @@ from dogbot_logtool.report.page.chart import (
     extent_of,
     grid,
     line,
+    note,
     seconds,
     time_axis,
+    translucent,
 )
 from dogbot_logtool.report.text.gait_diagram import default_window
 
@@ -117,10 +122,8 @@ def _motion_rows(walk: Walk) -> Iterator[Row]:
         points = base.time, value
         return line_over_time(walk, name, points, base.gaps, hover, colour, dash=dash)
 
-    if walk.stability is not None:
-        offset = walk.settings.com_offset_m or (0.0, 0.0, 0.0)
-        time, margin = margins(feet, base, offset)
-        points = time, margin * 1e3
+    if walk.instants is not None:
+        points = walk.instants.time, walk.instants.margin * 1e3
         known = line_over_time(walk, "static margin", points, base.gaps, "%{y:.0f} mm")
         yield from _row("margin (mm)", [known], 20.0)
     yield from _row("speed (m/s)", [curve("speed forward", _speed(walk), "%{y:.3f} m/s")], 0.1)
@@ -184,3 +187,67 @@ def tracked_commands(walk: Walk) -> Drawing | None:
     alt = f"Commanded and measured velocity over time. {' '.join(words)}"
     drawn = grid(rows, time_axis(walk), ROW_PIXELS)
     return Drawing("commands", "Commands", alt, caption, *drawn, over_time=True)
+
+
+MOST_SHOWN: Final = 200
+"""Events in the list, and marks in each figure."""
+_LABELLED: Final = 12
+"""Most bands that are named in the gait diagram."""
+MINOR: Final = frozenset({EventType.GAIT_CHANGE, EventType.GAP, EventType.EARLY_CONTACT})
+"""Types that are no fault of the walk."""
+_FALLS: Final = frozenset({EventType.FALL, EventType.TIPPING})
+
+
+def listed_events(walk: WalkMetrics) -> Sequence[Event]:
+    """Return the events that call for a look: all but touchdowns and lift-offs."""
+    return [each for each in walk.events if each.type not in STEPS]
+
+
+def mark_events(events: Sequence[Event], drawings: Iterable[Drawing], feet: Sequence[str]) -> None:
+    """Mark events in all figures over time, and name them in that with the rows of the feet.
+
+    A fall is darkest; what only the recording does is grey. Events of one foot stand in its row;
+    in figures without rows they have no more than an outline.
+    """
+    shown = events[:MOST_SHOWN]
+    for drawing in drawings:
+        if drawing.over_time:
+            drawing.layout["shapes"] = [_mark(each, drawing, feet) for each in shown]
+        if drawing.name == "gait":
+            drawing.layout["annotations"] = _names(shown)
+
+
+def _mark(event: Event, drawing: Drawing, feet: Sequence[str]) -> dict[str, Any]:
+    colour = NEUTRAL if event.type in MINOR else BAD
+    filled = 0.28 if event.type in _FALLS else 0.12
+    edges = {"yref": "paper", "y0": 0.0, "y1": 1.0}
+    if event.foot is not None and drawing.feet:
+        edges = dict(drawing.feet[feet.index(event.foot)])
+    elif event.foot is not None:
+        filled = 0.0
+    return {
+        "type": "rect",
+        "xref": "x",
+        "x0": event.onset_s,
+        "x1": event.onset_s + event.duration_s,
+        **edges,
+        "fillcolor": translucent(colour, filled),
+        "line": {"width": 1, "color": colour},
+        "layer": "below",
+    }
+
+
+def _names(events: Sequence[Event]) -> list[dict[str, Any]]:
+    """Name the first event of each kind, and every fall."""
+    first: dict[str, Event] = {}
+    for each in events:
+        first.setdefault(each.type, each)
+    named = [
+        each
+        for each in events
+        if each.type in _FALLS or (each.type not in MINOR and first[each.type] is each)
+    ]
+    return [
+        note(each.type.replace("_", " "), x=each.onset_s, xref="x", xanchor="left")
+        for each in named[:_LABELLED]
+    ]

@@ -15,7 +15,7 @@ from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.page.chart import FINE, is_hind, packed, seconds, thinned
-from dogbot_logtool.report.page.events import MINOR, MOST_SHOWN
+from dogbot_logtool.report.page.over_time import MINOR, MOST_SHOWN
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.robot.robot_model.limbs import Limbs
 

@@ -6,21 +6,21 @@ from typing import Any, Final, NamedTuple, TypeVar
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, distinct
+from dogbot_logtool.core.arrays import Ints, distinct
 from dogbot_logtool.core.loads import WalkLoads
 from dogbot_logtool.core.metrics import (
     Joint,
     Legs,
     LoadShare,
+    Stride,
     Symmetry,
     TopicQuality,
     WalkMetrics,
 )
 from dogbot_logtool.core.quality.quality import LEAST_SHARE, MOST_DEVIATIONS, outliers
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.report.numbers import NOTHING, decimal, percent
-from dogbot_logtool.report.strides import stride_table
-from dogbot_logtool.report.tables import Column, FootRow, foot_rows
+from dogbot_logtool.report.numbers import NOTHING, percent
+from dogbot_logtool.report.tables import Column, FootRow, foot_rows, stride_table
 
 MOST_STRIDES: Final = 200
 """Rows of the table of strides."""
@@ -210,56 +210,55 @@ def _work_words(legs: Legs) -> str:
     return words
 
 
-_STRIDES: Final = (
-    ("stance s", "stance_s", 3, 1.0),
-    ("swing s", "swing_s", 3, 1.0),
-    ("duty", "duty_factor", 3, 1.0),
-    ("length m", "length_m", 3, 1.0),
-    ("peak N", "peak_force_n", 1, 1.0),
-    ("slip mm", "slip_m", 1, 1e3),
+_STRIDES: Final[Sequence[Column[Stride]]] = (
+    Column("stance s", lambda stride: stride.stance_s, ".3f"),
+    Column("swing s", lambda stride: stride.swing_s, ".3f"),
+    Column("duty", lambda stride: stride.duty_factor, ".3f"),
+    Column("length m", lambda stride: stride.length_m, ".3f"),
+    Column("peak N", lambda stride: stride.peak_force_n, ".1f"),
+    Column("slip mm", lambda stride: stride.slip_m, ".1f", 1e3),
 )
-"""Columns of the table of strides: heading, metric, decimals, factor."""
 
 
 def _stride_table(walk: Walk) -> Table:
     """Return the strides in the order of time; outliers against the foot's own segment."""
-    strides, names = stride_table(walk), [foot.name for foot in walk.feet]
-    start = strides.columns["start_s"]
-    feet = np.array([names.index(name) for name in strides.foot], np.int64)
-    segment = np.full(len(start), -1)
-    middle = start + (strides.columns["stance_s"] + strides.columns["swing_s"]) / 2.0
+    table, names = stride_table(walk), [foot.name for foot in walk.feet]
+    every: Any = Stride(**table.columns)  # type: ignore[arg-type] # all strides at once
+    feet = np.array([names.index(name) for name in table.foot], np.int64)
+    segment = np.full(len(feet), -1)
+    middle = walk.origin + 1e9 * (every.start_s + (every.stance_s + every.swing_s) / 2.0)
     for number, each in enumerate(walk.segments):
-        first, last = (each.start - walk.origin) / 1e9, (each.end - walk.origin) / 1e9
-        segment[(middle >= first) & (middle < last)] = number
+        segment[(middle >= each.start) & (middle < each.end)] = number
     groups = np.where(segment < 0, -1, feet + len(names) * segment)
-    columns = [
-        _stride_cells(strides.columns[key] * scale, decimals, groups)
-        for _, key, decimals, scale in _STRIDES
-    ]
+    columns = [_stride_cells(column, every, groups) for column in _STRIDES]
     rows = [
-        [Cell(name), Cell(decimal(at, 3)), *cells]
-        for name, at, *cells in zip(strides.foot, start.tolist(), *columns, strict=True)
+        [Cell(name), Cell(f"{at:.3f}"), *cells]
+        for name, at, *cells in zip(table.foot, every.start_s.tolist(), *columns, strict=True)
     ]
-    order = np.lexsort([feet, start]).tolist()
+    order = np.lexsort([feet, every.start_s]).tolist()
     marked = [row for row in order if any(cell.mark for cell in rows[row])]
     shown = order if len(order) <= MOST_STRIDES else marked[:MOST_STRIDES]
     return Table(
-        ("foot", "from s", *(heading for heading, *_ in _STRIDES)),
+        ("foot", "from s", *(column.heading for column in _STRIDES)),
         [rows[row] for row in shown],
         _stride_words(len(order), len(marked), len(shown)),
         [int(feet[row]) for row in shown],
     )
 
 
-def _stride_cells(values: Floats, decimals: int, groups: Any) -> list[Cell]:  # noqa: ANN401 - int64
+def _stride_cells(column: Column[Stride], every: Stride, groups: Ints) -> list[Cell]:
     """Return a column of strides; marked is what is far from the others of its group."""
-    cells = [
-        Cell(NOTHING if np.isnan(each) else decimal(each, decimals)) for each in values.tolist()
-    ]
+    values: Any = column.of(every) * column.scale
+
+    def text(value: float) -> str:
+        return NOTHING if np.isnan(value) else format(value, column.form)
+
+    cells = [Cell(text(value)) for value in values.tolist()]
+    last_digit = 10.0 ** -int(column.form.strip(".f"))
     for group in distinct(groups[groups >= 0]).tolist():
         rows = np.flatnonzero(groups == group)
-        found = outliers(values[rows], 10.0**-decimals)
-        why = f"the median is {decimal(found.median, decimals)}"
+        found = outliers(values[rows], last_digit)
+        why = f"the median is {text(found.median)}"
         for flags, mark in ((found.high, "high"), (found.low, "low")):
             for row in rows[flags].tolist():
                 cells[row] = Cell(cells[row].text, mark, why)

@@ -4,10 +4,13 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool.core.analysis import FindLegs
+from dogbot_logtool.core.base.poses import scaled
 from dogbot_logtool.core.contact.contact_rule import Thresholds
 from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.moved_base import poses_of_base
+from dogbot_logtool.core.one_clock import on_one_clock
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import FootSettings, WalkSettings
 from dogbot_logtool.errors import LogError
@@ -15,10 +18,9 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted, WantedJoints
+from dogbot_logtool.robot.base_candidates import BASES
 from dogbot_logtool.robot.contact_evidence import decide_contacts
 from dogbot_logtool.robot.measuring.joined_sensors import with_joined_sensors
-from dogbot_logtool.robot.measuring.moved_base import with_poses_of_base
-from dogbot_logtool.robot.measuring.one_clock import on_one_clock
 from dogbot_logtool.robot.measuring.side_topics import SideTopics, side_topics
 from dogbot_logtool.robot.message_feet import planned_feet
 from dogbot_logtool.robot.selection import Selection, select_topics
@@ -83,7 +85,7 @@ def _planned(log: Log, selection: Selection, options: MeasureOptions) -> Selecti
 def settings_of(selection: Selection, options: RobotOptions) -> WalkSettings:
     """Return what is known of a recording before its columns are looked at."""
     robot, guessed = selection.robot, selection.robot_is_guessed
-    promised = {source.frame for source in selection.sources}
+    promised = {source.row.axes for source in selection.sources}
     mass_is_given = options.mass is not None or robot.is_given("mass_kg")
     time_source, reason = _time_source(selection)
     return WalkSettings(
@@ -193,13 +195,18 @@ def prepare(
     if plan_of_feet is not None:
         planned_feet, plan_of_feet = decide_contacts(planned_feet, plan_of_feet)
     recording = replace(recording, feet=feet, planned=planned_feet)
-    recording, moved = with_poses_of_base(recording, selection)
-    recording, joined = on_one_clock(recording, selection)
+    if (scale := selection.robot.odometry_scale) is not None:
+        recording = replace(recording, base=scaled(recording.base, scale))
+    topic, statics = selection.base_name or "", selection.static_transforms
+    base_frame = selection.robot.base_frame
+    recording, moved = poses_of_base(recording, topic, base_frame, BASES, statics)
+    recording, joined = on_one_clock(recording, topic)
     recording, selection, whole = with_joined_sensors(recording, selection)
     model = None
     if recording.joints:
         from dogbot_logtool.robot.measuring.array_feet import named_by_legs  # noqa: PLC0415
-        from dogbot_logtool.robot.measuring.by_legs import read_model, told_by_legs  # noqa: PLC0415
+        from dogbot_logtool.robot.measuring.by_legs import told_by_legs  # noqa: PLC0415
+        from dogbot_logtool.robot.robot_model.description import read_model  # noqa: PLC0415
 
         found = read_model(log, options.urdf)
         model = found.robot

@@ -14,7 +14,7 @@ from dogbot_logtool.core.frames.transforms import (
 )
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.robot.robot_model.description import log_skeleton, model_feet
+from dogbot_logtool.robot.robot_model.skeleton import model_feet, skeleton
 from dogbot_logtool.robot.selection import Selection
 
 MOST_FRAMES: Final = 64
@@ -45,7 +45,7 @@ def find_limbs(walk: Walk, selection: Selection, time: Ints) -> Limbs | None:
     """
     probe, transforms = walk.frames, walk.recording.transforms
     links = walk.legs.links if walk.legs else TransformBuffer()
-    known = log_skeleton(selection, probe, probe.base)
+    known = skeleton(selection, probe, probe.base)
     legs = {frame for leg in known.legs for frame in leg}
     parents = {name: pose.parent for name, pose in known.frames.items()}
     drawn = [name for name, pose in known.frames.items() if name in legs or not pose.static]

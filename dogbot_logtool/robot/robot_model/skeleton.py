@@ -1,12 +1,26 @@
-"""The frames of a robot below its base, and where its feet touch the ground in them."""
+"""What a log's frames tell of its robot: those below the base, where feet touch, its shape."""
 
 from collections.abc import Iterator, Mapping
-from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
+from typing import Final
 
-from dogbot_logtool.core.frames.frame_tree import DEEPEST
+import numpy as np
+
+from dogbot_logtool.core.arrays import median_of
+from dogbot_logtool.core.base.ground import nearest_axis
 from dogbot_logtool.core.frames.transforms import chain_of_frames
-from dogbot_logtool.core.soles import FramePose, Point
+from dogbot_logtool.core.known_frames import KnownFrames
+from dogbot_logtool.core.scene.foot_style import foot_colour
+from dogbot_logtool.core.soles import FramePose, Point, rounded
+from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.robot.selection import Selection
+
+_INSIDE: Final = 0.75
+"""Hips over feet: how much nearer to the middle of the body they are assumed to be."""
+
+_DENSITY: Final = 500.0
+"""kg/m3 of a body whose legs are not known; half of water's, as robots have."""
+_USUAL_MASS_KG: Final = 12.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,28 +62,91 @@ class Skeleton:
                 yield frame, pose
 
 
-def skeleton(
-    base: str,
-    poses: Mapping[str, FramePose],
-    ambiguous: AbstractSet[str],
-    feet: tuple[ModelFoot, ...],
-) -> Skeleton:
-    """Return the frames that hang below the base.
+@dataclass(frozen=True, slots=True)
+class RobotShape:
+    """The known shape of the robot."""
 
-    Args:
-        base: the base's frame.
-        poses: of all frames of the log, by child.
-        ambiguous: frames with several parents, which are left out with all below them.
-        feet: of the robot; those with unconnected frames are left out.
+    forward_axis: str
+    """The body axis that points forward, ``+x`` ..."""
+    hips: Mapping[int, Point]
+    """m, base frame: where legs are assumed to begin, by foot."""
+    height_m: float
+    """Height of the base above the feet."""
+    size_m: float
+    """Length of the body, or its height above the feet if that is more."""
+
+
+def skeleton(selection: Selection, probe: KnownFrames, base: str) -> Skeleton:
+    """Return the frames of a log that hang below the base; those with two parents do not."""
+    known = {
+        child: pose
+        for child, pose in probe.frame_poses.items()
+        if len(probe.parents.get(child, ())) < 2
+    }
+    parents = {child: pose.parent for child, pose in known.items()}
+    chains = {child: chain_of_frames(parents, child, base) or () for child in known}
+    below = sorted((len(chain), child) for child, chain in chains.items() if chain)
+    frames = {child: known[child] for _, child in below}
+    feet = (foot for foot in model_feet(selection, probe) if foot.frame in {base, *frames})
+    return Skeleton(base, frames, tuple(feet))
+
+
+def model_feet(selection: Selection, probe: KnownFrames) -> Iterator[ModelFoot]:
+    """Yield the feet whose frames are known, with the points where they touch the ground."""
+    soles = rounded(probe.soles)
+    for number, foot in enumerate(selection.robot.feet):
+        link, like = link_of_foot(selection, probe, number)
+        if foot.frame is not None:
+            frame, point = foot.frame.lstrip("/"), foot.contact_point_m
+            yield ModelFoot(foot.name, frame, point, foot_colour(number))
+        elif link is not None:
+            point = soles.get(number, soles.get(like, (0.0, 0.0, 0.0)))
+            yield ModelFoot(foot.name, link, point, foot_colour(number))
+
+
+def link_of_foot(selection: Selection, probe: KnownFrames, number: int) -> tuple[str | None, int]:
+    """Return the link of a foot, and the foot that is made like it.
+
+    A foot that reports no contact has a link that is named as another's, but for the foot's name.
     """
-    children: dict[str, list[str]] = {}
-    for child, pose in poses.items():
-        if child not in ambiguous:
-            children.setdefault(pose.parent, []).append(child)
-    frames: dict[str, FramePose] = {}
-    level = [base]
-    for _ in range(DEEPEST):
-        below = (child for parent in level for child in children.get(parent, ()))
-        level = sorted(child for child in below if child != base and child not in frames)
-        frames.update((child, poses[child]) for child in level)
-    return Skeleton(base, frames, tuple(foot for foot in feet if foot.frame in {base, *frames}))
+    if (link := probe.links[number]) is not None:
+        return link.lstrip("/"), number
+    names = [foot.name for foot in selection.robot.feet]
+    for like, link in enumerate(probe.links):
+        if link is not None and names[like] in link:
+            named = link.lstrip("/").replace(names[like], names[number])
+            if named in probe.frame_poses:
+                return named, like
+    return None, number
+
+
+def robot_shape(selection: Selection, probe: KnownFrames) -> RobotShape:
+    """Return what the positions of standing feet, else the mass, tell of a robot's shape."""
+    robot, stances = selection.robot, probe.stances
+    length = height = body_size_m(robot.mass_kg)[0]
+    if stances:
+        points = np.array(list(stances.values()))
+        height = max(-float(median_of(points[:, 2])), 0.0) or length
+        length = max(float(np.ptp(points[:, :2], axis=0).max()), 0.5 * length)
+    hips = {foot: (_INSIDE * x, _INSIDE * y, 0.0) for foot, (x, y, _) in stances.items()}
+    axis = _axis_by_feet(robot, stances) if selection.robot_is_guessed else None
+    return RobotShape(axis or robot.forward_axis, hips, height, max(length, height))
+
+
+def _axis_by_feet(robot: Robot, stances: Mapping[int, Point]) -> str | None:
+    """Return the axis from hind to fore feet; None: their positions are not known."""
+    ends: dict[str, list[Point]] = {"front": [], "back": []}
+    for number, point in stances.items():
+        position = robot.feet[number].leg_position
+        if position is not None and position[0] in ends:
+            ends[position[0]].append(point)
+    if not all(ends.values()):
+        return None
+    fore, hind = (np.mean(points, axis=0) for points in ends.values())
+    return nearest_axis((fore - hind)[:2])
+
+
+def body_size_m(mass_kg: float | None) -> tuple[float, float, float]:
+    """Return length, width and height, m, of a body of some mass; None: a usual one."""
+    third = ((mass_kg or _USUAL_MASS_KG) / _DENSITY / 6.0) ** (1.0 / 3.0)
+    return 3.0 * third, 2.0 * third, third

@@ -4,32 +4,10 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from dogbot_logtool.core.soles import FramePose
 from dogbot_logtool.robot.robot_model.primitives import primitive_urdf
-from dogbot_logtool.robot.robot_model.skeleton import (
-    ModelFoot,
-    Skeleton,
-    skeleton,
-)
+from dogbot_logtool.robot.robot_model.skeleton import Skeleton
 
-UPRIGHT = (0.0, 0.0, 0.0, 1.0)
-
-
-def pose(parent: str, *translation: float, static: bool = False) -> FramePose:
-    x, y, z = translation
-    return FramePose(parent, (x, y, z), UPRIGHT, static)
-
-
-POSES = {
-    "base": pose("world", 0, 0, 1),
-    "hip": pose("base", 0.2, 0.1, 0.0),
-    "knee": pose("hip", 0.1, 0.2, -0.2),
-    "other_hip": pose("base", -0.2, -0.1, 0.0),
-    "imu": pose("base", 0.0, 0.3, 0.0, static=True),
-    "loop_a": pose("loop_b", 0, 0, 0),
-    "loop_b": pose("loop_a", 0, 0, 0),
-}
-FEET = (ModelFoot("left", "knee", (0.0, 0.0, -0.3), "#0072b2"),)
+NOTHING = Skeleton("base", {}, ())
 
 
 def tree(frames: Skeleton, axis: str = "+x", mass: float | None = None) -> ET.Element:
@@ -45,7 +23,7 @@ def link(robot: ET.Element, name: str) -> ET.Element:
     ("axis", "x", "y"), [("+x", 1, 0), ("-x", -1, 0), ("+y", 0, 1), ("-y", 0, -1)]
 )
 def test_the_nose_is_at_the_front(axis: str, x: int, y: int) -> None:
-    body, nose = link(tree(skeleton("base", {}, set(), ()), axis, 12.0), "base").findall("visual")
+    body, nose = link(tree(NOTHING, axis, 12.0), "base").findall("visual")
     place = [float(number) for number in nose.find("origin").get("xyz").split()]  # type: ignore[union-attr]
     size = [float(number) for number in body.find("geometry/box").get("size").split()]  # type: ignore[union-attr]
     reach = place[0] * x + place[1] * y
@@ -56,9 +34,8 @@ def test_the_nose_is_at_the_front(axis: str, x: int, y: int) -> None:
 
 
 def test_a_biped_s_body_stands_on_its_base() -> None:
-    frames = skeleton("base", {}, frozenset(), ())
     for upright in (False, True):
-        robot = ET.fromstring(primitive_urdf("r", frames, "+x", 60.0, upright=upright))  # noqa: S314
+        robot = ET.fromstring(primitive_urdf("r", NOTHING, "+x", 60.0, upright=upright))  # noqa: S314
         body = link(robot, "base").findall("visual")[0]
         box, origin = body.find("geometry/box"), body.find("origin")
         assert box is not None
@@ -67,9 +44,3 @@ def test_a_biped_s_body_stands_on_its_base() -> None:
         assert (height > length) == upright
         lowest = float(origin.attrib["xyz"].split()[2]) - height / 2.0
         assert lowest == pytest.approx(0.0 if upright else -height / 2.0, abs=1e-6)
-
-
-def test_frames_with_two_parents_are_left_out_with_those_below() -> None:
-    frames = skeleton("base", POSES, {"hip"}, FEET)
-    assert sorted(frames.frames) == ["imu", "other_hip"]
-    assert frames.feet == ()

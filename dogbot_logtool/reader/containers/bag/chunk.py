@@ -23,9 +23,10 @@ from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage, read_content
 from dogbot_logtool.reader.containers.salvage.records import (
     Index,
+    IndexRecord,
     Readable,
     RecordFormat,
-    merged_index,
+    read_index,
 )
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
@@ -103,29 +104,18 @@ def indexed_times(source: ByteSource, chunks: Sequence[Chunk]) -> list[tuple[int
 
 
 def _index(behind: memoryview) -> Index | None:
-    """Return what the index records behind a chunk name, None if there are none to be read."""
-    parts: list[memoryview] = []
-    records: list[tuple[int, int]] = []
-    offset = 0
-    while offset < len(behind):
-        try:
-            header_end, end = record_bounds(behind, offset, len(behind))
-            header = bytes(behind[offset + 4 : header_end])
-            recurs = len(header) <= _RECURRING_SIZE
-            connection = (_recurring_connection if recurs else _indexed_connection)(header)
-        except MalformedRecord:
-            break
-        entries = behind[header_end + 4 : end]
-        if len(entries) % _INDEX_ENTRY.itemsize:
-            break
-        parts.append(entries)
-        records.append((connection, len(entries) // _INDEX_ENTRY.itemsize))
-        offset = end
-    if not parts:
+    return read_index(behind, _index_record, _INDEX_ENTRY, nanoseconds)
+
+
+def _index_record(behind: memoryview, offset: int) -> IndexRecord | None:
+    try:
+        header_end, end = record_bounds(behind, offset, len(behind))
+        header = bytes(behind[offset + 4 : header_end])
+        recurs = len(header) <= _RECURRING_SIZE
+        connection = (_recurring_connection if recurs else _indexed_connection)(header)
+    except MalformedRecord:
         return None
-    table = np.frombuffer(b"".join(parts), _INDEX_ENTRY)
-    offsets = table["offset"].astype(np.int64)
-    return merged_index(offsets, nanoseconds(table), records, complete=offset == len(behind))
+    return connection, behind[header_end + 4 : end], end
 
 
 def _indexed_connection(header: bytes) -> int:

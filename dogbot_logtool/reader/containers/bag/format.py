@@ -1,6 +1,7 @@
 """How ROS 1 bags write records: messages by their columns, and the search for sound records."""
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -20,6 +21,16 @@ from dogbot_logtool.reader.containers.salvage.records import Readable, Records, 
 from dogbot_logtool.reader.decode.columns import gather, gather_bytes, rows_like
 
 INDEX_ENTRY_SIZE: Final = 12
+_ENTRY_SIZES: Final[Mapping[int, int]] = {BagOp.INDEX: INDEX_ENTRY_SIZE, BagOp.CHUNK_INFO: 8}
+_FIELDS: Final[Mapping[int, Mapping[str, int | None]]] = {
+    BagOp.MESSAGE: {"conn": 4, "time": 8},
+    BagOp.CONNECTION: {"conn": 4, "topic": None},
+    BagOp.CHUNK: {"size": 4, "compression": None},
+    BagOp.INDEX: {"conn": 4},
+    BagOp.CHUNK_INFO: {"chunk_pos": 8},
+    BagOp.BAG_HEADER: {"index_pos": 8},
+}
+"""Fields that the headers of records must have, and their sizes in bytes; None: any."""
 _MOST_TEMPLATES: Final = 8
 """Recorders write all their message headers alike; more kinds are decoded one by one."""
 _LONGEST_HEADER: Final = 4096
@@ -114,28 +125,11 @@ def is_sound(record: Record, op: int) -> bool:
     Raises:
         MalformedRecord: a field is missing.
     """
-    fields, size = record.fields, record.end - record.data
-    match op:
-        case BagOp.MESSAGE:
-            fields.u32("conn")
-            fields.time_ns("time")
-        case BagOp.CONNECTION:
-            fields.u32("conn")
-            fields.raw("topic")
-        case BagOp.CHUNK:
-            fields.u32("size")
-            fields.raw("compression")
-        case BagOp.INDEX:
-            fields.u32("conn")
-            return size == fields.u32("count") * INDEX_ENTRY_SIZE
-        case BagOp.CHUNK_INFO:
-            fields.u64("chunk_pos")
-            return size == fields.u32("count") * 8
-        case BagOp.BAG_HEADER:
-            fields.u64("index_pos")
-        case _:
-            return False
-    return True
+    for name, size in _FIELDS.get(op, {}).items():
+        record.fields.raw(name, size)
+    if op in _ENTRY_SIZES:
+        return record.end - record.data == record.fields.u32("count") * _ENTRY_SIZES[op]
+    return op in _FIELDS
 
 
 def _may_follow(source: Readable, offset: int, end: int) -> bool:

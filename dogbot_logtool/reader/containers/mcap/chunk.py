@@ -2,6 +2,7 @@
 
 import struct
 from dataclasses import replace
+from operator import itemgetter
 from typing import Final
 
 import numpy as np
@@ -15,7 +16,7 @@ from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.mcap.format import McapFormat
 from dogbot_logtool.reader.containers.mcap.records import CHUNK_HEAD, RECORD_HEAD
 from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage, read_content
-from dogbot_logtool.reader.containers.salvage.records import Index, merged_index
+from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 INDEX_ENTRY: Final = np.dtype([("log_time", "<i8"), ("offset", "<u8")])
@@ -122,23 +123,14 @@ def _header_of(chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]
 
 
 def _index(behind: memoryview) -> Index | None:
-    """Return what the message index behind a chunk names, None if there is none to be read."""
-    parts: list[memoryview] = []
-    named: list[tuple[int, int]] = []
-    offset = 0
-    while offset + _INDEX_HEAD.size <= len(behind):
-        opcode, length, channel, size = _INDEX_HEAD.unpack_from(behind, offset)
-        start, end = offset + _INDEX_HEAD.size, offset + RECORD_HEAD.size + length
-        if opcode != Opcode.MESSAGE_INDEX or end > len(behind) or start + size > end:
-            break
-        if size % INDEX_ENTRY.itemsize:
-            break
-        parts.append(behind[start : start + size])
-        named.append((channel, size // INDEX_ENTRY.itemsize))
-        offset = end
-    if not parts:
+    return read_index(behind, _index_record, INDEX_ENTRY, itemgetter("log_time"))
+
+
+def _index_record(behind: memoryview, offset: int) -> IndexRecord | None:
+    if offset + _INDEX_HEAD.size > len(behind):
         return None
-    entries = np.frombuffer(b"".join(parts), INDEX_ENTRY)
-    # Offsets beyond 2^63 become negative, and no message begins there either.
-    offsets = entries["offset"].astype(np.int64)
-    return merged_index(offsets, entries["log_time"], named, complete=offset == len(behind))
+    opcode, length, channel, size = _INDEX_HEAD.unpack_from(behind, offset)
+    start, end = offset + _INDEX_HEAD.size, offset + RECORD_HEAD.size + length
+    if opcode != Opcode.MESSAGE_INDEX or not start + size <= end <= len(behind):
+        return None
+    return channel, behind[start : start + size], end

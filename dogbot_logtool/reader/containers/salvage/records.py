@@ -7,11 +7,12 @@ another; behind a damaged one the search goes on at the next sound one.
 
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints
 from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages, no_messages
@@ -80,24 +81,47 @@ class Index:
     """Nothing but index records was there."""
 
 
-def merged_index(
-    offset: Ints, log_time: Ints, records: Sequence[tuple[int, int]], *, complete: bool
-) -> Index:
-    """Merge index records.
+IndexRecord = tuple[int, memoryview, int]
+"""The channel of a record that names messages, its entries, and where it ends."""
+
+
+def read_index(
+    behind: memoryview,
+    record_at: Callable[[memoryview, int], IndexRecord | None],
+    entry: np.dtype[np.void],
+    log_times: Callable[[NDArray[np.void]], Ints],
+) -> Index | None:
+    """Return what the records behind a chunk name; None if there are none to be read.
 
     Args:
-        offset: (n,) what they name, one record's entries after the other's.
-        log_time: (n,) ns, likewise.
-        records: channel and number of entries of each.
-        complete: nothing but index records was there.
+        behind: the bytes behind the chunk.
+        record_at: reads the record at an offset; None: there is none.
+        entry: how an entry is written, with its ``offset``.
+        log_times: returns the log times of entries, ns.
     """
+    parts: list[memoryview] = []
+    named: list[tuple[int, int]] = []
     by_channel: Counter[int] = Counter()
-    for number, count in records:
-        by_channel[number] += count
-    channels, counts = np.array(records, np.int64).T
+    end = 0
+    while end < len(behind) and (record := record_at(behind, end)):
+        if len(record[1]) % entry.itemsize:
+            break
+        channel, entries, end = record
+        count = len(entries) // entry.itemsize
+        by_channel[channel] += count
+        parts.append(entries)
+        named.append((channel, count))
+    if not parts:
+        return None
+    table = np.frombuffer(b"".join(parts), entry)
+    channels, counts = np.array(named, np.int64).T
+    # Offsets beyond 2^63 become negative, and no message begins there either.
+    offset = table["offset"].astype(np.int64)
     order = np.argsort(offset, kind="stable")
     group = np.repeat(np.arange(len(counts)), counts)[order]
-    return Index(offset[order], channels[group], log_time[order], group, by_channel, complete)
+    complete = end == len(behind)
+    log_time = log_times(table)[order]
+    return Index(offset[order], channels[group], log_time, group, by_channel, complete)
 
 
 class RecordFormat(Protocol):

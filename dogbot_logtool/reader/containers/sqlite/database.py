@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.reader.containers.sqlite.pages import Pages, in_pieces
 from dogbot_logtool.reader.containers.sqlite.records import columns
 from dogbot_logtool.reader.containers.sqlite.tree import (
@@ -114,6 +115,24 @@ class Database:
                 if table := parse_table(str(sql), key, root):
                     self.tables[key] = table
 
+    def cells(self, table: Table, most: int, numbers: Ints | None = None) -> Iterator[Cells]:
+        """Yield the rows of a table as they stand in its leaf pages, some pages at a time.
+
+        Args:
+            table: the table.
+            most: bytes after which no more rows are taken.
+            numbers: of its leaf pages, if known.
+        """
+        numbers = leaves(self.pages, table.root, self.damage) if numbers is None else numbers
+        for piece in in_pieces(numbers, self.pages.size):
+            cells = cells_of(self.pages, piece, self.damage)
+            fits = np.cumsum(cells.size) <= most
+            yield cells if fits.all() else cells.pick(fits)
+            if not fits.all():
+                self.damage.reasons.add(SWOLLEN)
+                return
+            most -= int(cells.size.sum())
+
     def rows(self, name: str, names: Sequence[str]) -> Iterator[tuple[Any, ...]]:
         """Yield some columns of the rows of a small table; rows beyond some number are left out.
 
@@ -126,15 +145,14 @@ class Database:
             return
         # No record has a value for a column behind the last.
         wanted = [table.columns.get(name, len(table.columns)) for name in names]
-        rows, size = _MOST_ROWS, min(_MOST_BYTES, self.pages.bytes)
-        for piece in in_pieces(leaves(self.pages, table.root, self.damage), self.pages.size):
-            cells = cells_of(self.pages, piece, self.damage)
-            few = cells.pick((np.cumsum(cells.size) <= size) & (np.arange(len(cells.size)) < rows))
+        left = _MOST_ROWS
+        for cells in self.cells(table, min(_MOST_BYTES, self.pages.bytes)):
+            few = cells.pick(slice(left))
             yield from self._values(with_overflow(self.pages, few), table.key, wanted)
+            left -= len(few.size)
             if len(few.size) < len(cells.size):
                 self.damage.reasons.add(SWOLLEN)
                 return
-            rows, size = rows - len(few.size), size - int(few.size.sum())
 
     def _values(
         self, cells: Cells, key: int | None, wanted: Sequence[int]

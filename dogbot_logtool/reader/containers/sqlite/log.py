@@ -18,7 +18,7 @@ from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.containers.sqlite.database import Database
 from dogbot_logtool.reader.containers.sqlite.journals import take_journals
 from dogbot_logtool.reader.containers.sqlite.pages import Pages
-from dogbot_logtool.reader.containers.sqlite.rows import CELL_BITS, MessageRows, MessageTable
+from dogbot_logtool.reader.containers.sqlite.rows import MessageRows, MessageTable
 from dogbot_logtool.reader.containers.sqlite.topics import TABLES, Topics, check_tables, read_topics
 from dogbot_logtool.reader.containers.sqlite.tree import Damage
 from dogbot_logtool.reader.decode.message_table import Messages
@@ -41,27 +41,21 @@ class SqliteLog(Log):
 
     def _read(self, span: Span) -> Batch:
         """See `Log.read`."""
-        found = self._table.between([(chunk.data_offset, chunk.end) for chunk in span])
+        found = self._table.between(*((chunk.data_offset, chunk.end) for chunk in span))
         channel = np.where(found.sound, self._ids.of(found.topic), UNKNOWN_CHANNEL)
         kept = np.flatnonzero(channel != UNKNOWN_CHANNEL)
-        position = found.position[kept]
+        leaf = found.leaf[kept]
         losses: list[Loss] = []
         loaded: list[LoadedChunk] = []
-        parts: list[Ints] = []
-        row = 0
         for chunk in span:
-            first, stop = np.searchsorted(position, (chunk.data_offset, chunk.end + 1)).tolist()
-            rows = slice(row, row + stop - first)
+            rows = slice(*np.searchsorted(leaf, (chunk.data_offset, chunk.end + 1)).tolist())
             loaded.append(LoadedChunk(chunk, memoryview(b""), 0, rows, whole=False))
-            parts.append(kept[first:stop])
-            if lost := (chunk.messages or 0) - (stop - first):
+            if lost := (chunk.messages or 0) - (rows.stop - rows.start):
                 what = f"the database is damaged: {lost} messages cannot be read"
                 losses.append(Loss(0, what, 0, lost))
-            row = rows.stop
-        every = np.concatenate(parts)
-        none = np.zeros(len(every), np.int64)
-        time, start = found.time[every], found.start[every]
-        messages = Messages(channel[every], time, time, none, start, start + found.size[every])
+        time, start = found.time[kept], found.start[kept]
+        end = start + found.size[kept]
+        messages = Messages(channel[kept], time, time, np.zeros(len(kept), np.int64), start, end)
         return unpacked(Batch(found.buffer, messages, tuple(loaded), tuple(losses)))
 
     def close(self) -> None:
@@ -111,7 +105,7 @@ def _contents(table: MessageTable, topics: Topics, losses: list[Loss], damage: D
         page_size = table.pages.size
         chunks += [
             _chunk(number, rows, channel, part, page_size)
-            for number, part in enumerate(_cut(np.where(rows.sound, rows.size, 0)), len(chunks))
+            for number, part in enumerate(_cut(rows), len(chunks))
         ]
     counts: Counter[int] = Counter()
     for chunk in chunks:
@@ -137,11 +131,13 @@ def _contents(table: MessageTable, topics: Topics, losses: list[Loss], damage: D
     )
 
 
-def _cut(size: Ints) -> Iterator[slice]:
-    """Cut rows of some sizes into runs of about `_CHUNK_SIZE` bytes."""
-    full = np.cumsum(size + 1) // _CHUNK_SIZE
+def _cut(rows: MessageRows) -> Iterator[slice]:
+    """Cut rows into those of whole leaf pages, of about `_CHUNK_SIZE` bytes."""
+    full = np.cumsum(np.where(rows.sound, rows.size, 0) + 1) // _CHUNK_SIZE
+    # A page belongs to the chunk that its first row does.
+    full = full[np.searchsorted(rows.leaf, rows.leaf)]
     edges = np.flatnonzero(np.diff(full)) + 1
-    for start, stop in pairwise([0, *edges.tolist(), len(size)]):
+    for start, stop in pairwise([0, *edges.tolist(), len(full)]):
         if start < stop:
             yield slice(start, stop)
 
@@ -151,8 +147,7 @@ def _chunk(number: int, rows: MessageRows, channel: Ints, part: slice, page_size
     numbers, counts = np.unique(channel[part][known], return_counts=True)
     time = rows.time[part][known]
     size = int(rows.size[part][known].sum())
-    first, last = int(rows.position[part][0]), int(rows.position[part][-1])
-    pages = (last >> CELL_BITS) - (first >> CELL_BITS) + 1
+    first, last = int(rows.leaf[part][0]), int(rows.leaf[part][-1])
     return Chunk(
         offset=number,
         data_offset=first,
@@ -160,7 +155,7 @@ def _chunk(number: int, rows: MessageRows, channel: Ints, part: slice, page_size
         end=last,
         index_end=last,
         compression="",
-        size=max(size, pages * page_size),
+        size=max(size, (last - first + 1) * page_size),
         start_time=int(time.min()) if len(time) else None,
         end_time=int(time.max()) if len(time) else None,
         counts=dict(zip(numbers.tolist(), counts.tolist(), strict=True)),

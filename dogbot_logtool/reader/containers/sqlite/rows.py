@@ -1,17 +1,16 @@
 """The rows of the table of messages, as columns."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Bytes, Flags, Ints, distinct
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints
 from dogbot_logtool.reader.containers.sqlite.database import Database
-from dogbot_logtool.reader.containers.sqlite.pages import PIECE, in_pieces
+from dogbot_logtool.reader.containers.sqlite.pages import PIECE
 from dogbot_logtool.reader.containers.sqlite.records import columns
 from dogbot_logtool.reader.containers.sqlite.tree import (
-    SWOLLEN,
     Cells,
     Damage,
     cells_of,
@@ -19,16 +18,15 @@ from dogbot_logtool.reader.containers.sqlite.tree import (
     with_overflow,
 )
 
-CELL_BITS: Final = 16
-"""Of the position of a row: in them the index in its leaf page, above them the index of that."""
+_COLUMNS: Final = ("topic_id", "timestamp", "data")
 
 
 @dataclass(frozen=True, slots=True)
 class MessageRows:
-    """Some rows."""
+    """Some rows, in the order of the table."""
 
-    position: Ints
-    """(n,) ascending; where each stands in the table."""
+    leaf: Ints
+    """(n,) ascending; which leaf page of the table each stands in."""
     sound: Flags
     """(n,) which are messages: SQLite stores any type in any column."""
     topic: Ints
@@ -48,47 +46,30 @@ class MessageTable:
     def __init__(self, database: Database) -> None:
         """Find the pages of the rows."""
         self.pages = database.pages
+        self._database = database
         self._table = database.tables["messages"]
-        self._damage = database.damage
-        self._leaves = leaves(self.pages, self._table.root, self._damage)
+        self._leaves = leaves(self.pages, self._table.root, database.damage)
 
     def rows(self) -> Iterator[MessageRows]:
-        """Yield all rows as they stand in the file, from a few megabytes at a time."""
-        left = self.pages.bytes
-        for index in in_pieces(np.arange(len(self._leaves)), self.pages.size):
-            cells = cells_of(self.pages, self._leaves[index], self._damage)
-            few = cells.pick(np.cumsum(cells.size) <= left)
-            yield self._described(index, few)
-            left -= int(few.size.sum())
-            if len(few.size) < len(cells.size):
-                self._damage.reasons.add(SWOLLEN)
-                return
+        """Yield all rows, by their first bytes, which mostly tell all but the message."""
+        first = 0
+        for cells in self._database.cells(self._table, self.pages.bytes, self._leaves):
+            rows = self._decoded(first + cells.page, cells)
+            doubtful = np.flatnonzero((cells.overflow > 0) & ~rows.sound)
+            parts = np.cumsum(cells.size[doubtful]) // PIECE
+            for part in np.split(doubtful, np.flatnonzero(np.diff(parts)) + 1):
+                few = cells.pick(part)
+                whole = self._decoded(few.page, with_overflow(self.pages, few))
+                for column in ("sound", "topic", "time", "size"):
+                    getattr(rows, column)[part] = getattr(whole, column)
+            yield rows
+            first += len(cells.buffer) // self.pages.size - 1
 
-    def _described(self, index: Ints, cells: Cells) -> MessageRows:
-        """Return rows by their first bytes, which mostly tell all but the message."""
-        rows = self._decoded(index, cells)
-        doubtful = np.flatnonzero((cells.overflow > 0) & ~rows.sound)
-        parts = np.cumsum(cells.size[doubtful]) // PIECE
-        for part in np.split(doubtful, np.flatnonzero(np.diff(parts)) + 1) if len(parts) else ():
-            whole = self._decoded(index, with_overflow(self.pages, cells.pick(part)))
-            for column in ("sound", "topic", "time", "size"):
-                getattr(rows, column)[part] = getattr(whole, column)
-        return rows
-
-    def between(self, bounds: Sequence[tuple[int, int]]) -> MessageRows:
-        """Return whole rows.
-
-        Args:
-            bounds: positions of the first and the last row of each run.
-        """
-        runs = [np.arange(first >> CELL_BITS, (last >> CELL_BITS) + 1) for first, last in bounds]
-        index = distinct(np.concatenate(runs))
+    def between(self, *bounds: tuple[int, int]) -> MessageRows:
+        """Return the whole rows of leaf pages, from the first to the last of some runs."""
+        index = np.concatenate([np.arange(first, last + 1) for first, last in bounds])
         cells = cells_of(self.pages, self._leaves[index], Damage())
-        position = _position(index, cells)
-        wanted = np.zeros(len(position), np.bool_)
-        for first, last in bounds:
-            wanted |= (position >= first) & (position <= last)
-        return self._decoded(index, with_overflow(self.pages, cells.pick(wanted)))
+        return self._decoded(index[cells.page], with_overflow(self.pages, cells))
 
     def times_around(self, pages: Ints) -> tuple[int | None, int | None]:
         """Return the times, ns, of the last row before some pages and of the first behind them.
@@ -105,14 +86,12 @@ class MessageTable:
         """Return the times of the rows of a leaf page; none if there is no such page."""
         if not 0 <= leaf < len(self._leaves):
             return []
-        first = leaf << CELL_BITS
-        rows = self.between([(first, first | (1 << CELL_BITS) - 1)])
+        rows = self.between((leaf, leaf))
         times: list[int] = rows.time[rows.sound].tolist()
         return times
 
-    def _decoded(self, index: Ints, cells: Cells) -> MessageRows:
-        numbers = self._table.columns
-        wanted = [numbers[name] for name in ("topic_id", "timestamp", "data")]
+    def _decoded(self, leaf: Ints, cells: Cells) -> MessageRows:
+        wanted = [self._table.columns[name] for name in _COLUMNS]
         (*found, data), _ = columns(cells.buffer, cells.start, cells.size, cells.held, wanted)
         sound = data.is_blob
         values: list[Ints] = []
@@ -122,9 +101,4 @@ class MessageTable:
             values.append(np.where(is_key, cells.rowid, column.integers(cells.buffer)))
         topic, time = values
         sound &= time >= 0
-        position = _position(index, cells)
-        return MessageRows(position, sound, topic, time, data.start, data.size, cells.buffer)
-
-
-def _position(index: Ints, cells: Cells) -> Ints:
-    return index[cells.page] << CELL_BITS | cells.index
+        return MessageRows(leaf, sound, topic, time, data.start, data.size, cells.buffer)

@@ -1,4 +1,4 @@
-"""The joints of a robot description that the log's joint states move, where no transforms do."""
+"""A log's own robot description and joint states, and the links that these move."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -7,9 +7,10 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints, header_time
+from dogbot_logtool.core.arrays import header_time
 from dogbot_logtool.core.frames.kinematics import Joint, LinkTransforms, link_poses
 from dogbot_logtool.core.known_frames import KnownFrames
+from dogbot_logtool.core.legs.joints import JointTable
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
 from dogbot_logtool.reader.decode.fields import Field, Kind
@@ -28,11 +29,10 @@ _DESCRIPTION: Final = (Field("data", Kind.TEXT),)
 
 @dataclass(frozen=True, slots=True)
 class JointMotion:
-    """How joint states move the links of a robot description."""
+    """How joint states move the links of a robot description, where no transforms do."""
 
-    channel: Channel
+    topic: str
     joints: tuple[Joint, ...]
-    """Those whose children no recorded transform places."""
     left_out: int
     """Joints of the description that make no tree of links."""
 
@@ -41,30 +41,18 @@ class JointMotion:
         """Parent and child of each joint."""
         return tuple((joint.parent, joint.child) for joint in self.joints)
 
-    def read(self, batch: Batch) -> Iterator[LinkTransforms]:
-        """Yield the links of a batch's joint states."""
-        for told in read_joints(batch, self.channel):
-            yield self.links(told.names, told.log_time, told.stamp, told.position)
-
-    def links(
-        self, names: Sequence[str], log_time: Ints, stamp: Ints, position: Floats
-    ) -> LinkTransforms:
-        """Return the links of n joint states; those that lack a joint are left out.
-
-        Args:
-            names: of the joints.
-            log_time: (n,) ns.
-            stamp: (n,) ns; 0: none.
-            position: (n, len(names)) rad or m.
-        """
-        own = np.full((len(log_time), len(self.joints)), np.nan)
+    def links(self, table: JointTable) -> LinkTransforms:
+        """Return the links of joint states; those that lack a joint are left out."""
+        told = table.samples
+        own = np.full((len(told.log_time), len(self.joints)), np.nan)
         for column, joint in enumerate(self.joints):
-            if joint.measured in names:
-                own[:, column] = position[:, names.index(joint.measured)]
+            if joint.measured in table.names:
+                own[:, column] = told.position[:, table.names.index(joint.measured)]
         moving = np.array([joint.kind != "fixed" for joint in self.joints])
         rows = np.flatnonzero(np.isfinite(own[:, moving]).all(axis=1))
-        times = log_time[rows], header_time(stamp[rows], log_time[rows])
-        return LinkTransforms(*times, link_poses(self.joints, own[rows]))
+        log_time = told.log_time[rows]
+        stamp = header_time(told.stamp[rows], log_time)
+        return LinkTransforms(log_time, stamp, link_poses(self.joints, own[rows]))
 
 
 def joint_motion(
@@ -90,12 +78,11 @@ def joint_motion(
     kept = tuple(
         joint
         for joint in joints
-        if joint.child not in probe.parents
-        and joint.child != base
+        if joint.child not in {*probe.parents, base}
         and (joint.kind == "fixed" or joint.measured in named)
     )
     moves = any(joint.kind != "fixed" for joint in kept)
-    return JointMotion(channel, kept, left_out) if moves else None
+    return JointMotion(channel.topic, kept, left_out) if moves else None
 
 
 def description_channels(log: Log) -> Sequence[Channel]:

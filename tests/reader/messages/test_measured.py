@@ -1,0 +1,355 @@
+"""The synthetic walk in every type of contact message: what is measured, said and drawn of it."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from rosbags.typesys import get_types_from_msg
+
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.commands.info import describe
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.core.checks.engine import findings_of
+from dogbot_logtool.errors import CallError
+from dogbot_logtool.option import part_of
+from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
+from dogbot_logtool.report.documents import stats_json
+from tests.oracles import state_walks, walks
+from tests.oracles.state_walks import StateWalk
+
+FLAGS_ONLY = ("spot_msgs/msg/FootStateArray", "champ_msgs/msg/ContactsStamped")
+RAW = tuple(kind for kind in walks.KINDS if kind.startswith("unitree"))
+IN_WORLD = ("gazebo_msgs/msg/ContactsState", "ros_gz_interfaces/msg/Contacts")
+XPP, GZ = state_walks.KINDS[0], IN_WORLD[1]
+FORCE_FIGURES = (
+    "peak_force_n",
+    "peak_force_bw",
+    "mean_force_n",
+    "peak_vertical_force_n",
+    "mean_vertical_force_n",
+    "vertical_impulse_ns",
+    "loading_rate_nps",
+)
+
+
+def options_for(folder: Path, kind: str) -> MeasureOptions:
+    return MeasureOptions(robot=str(walks.robot_file(folder, kind)))
+
+
+def written(folder: Path, walk: walks.Walk, entries: Iterable[walks.Entry]) -> Path:
+    path = folder / "made.mcap"
+    walks.write_mcap(path, walk, list(entries))
+    return path
+
+
+def figures(path: Path, options: MeasureOptions) -> dict[str, Any]:
+    return stats_json(measure(path, options))
+
+
+def said(found: dict[str, Any]) -> dict[str, str]:
+    return {each["code"]: each["text"] for each in found["findings"]}
+
+
+def steps(leg: str) -> tuple[list[float], list[float]]:
+    """Touchdowns and lift-offs, s: the first sample in contact, and the first one not."""
+    down = np.flatnonzero(np.diff(walks.TOUCHES[leg].astype(int), prepend=0))
+    times = [round(float(sample) * walks.STEP / 1e9, 9) for sample in down]
+    return times[0::2], times[1::2]
+
+
+def check_touchdowns(found: dict[str, Any], shift_s: float = 0.0) -> None:
+    """Check that feet step when the walk does; `shift_s` later."""
+    for leg in walks.LEGS:
+        expected = [time + shift_s for time in steps(leg)[0]]
+        assert found["feet"][leg]["touchdown_s"] == pytest.approx(expected, abs=1e-6)
+
+
+def check_no_forces(found: dict[str, Any]) -> None:
+    for leg in walks.LEGS:
+        assert [found["feet"][leg][name] for name in FORCE_FIGURES] == [None] * len(FORCE_FIGURES)
+    assert found["forces"]["load_share"] is None or not any(found["forces"]["load_share"].values())
+    assert found["forces"]["vertical_impulse_over_weight"] is None
+
+
+@pytest.mark.parametrize("kind", walks.KINDS)
+def test_a_walk_is_measured_and_drawn(tmp_path: Path, kind: str) -> None:
+    path, options = walks.write_walk(tmp_path, kind, "mcap"), options_for(tmp_path, kind)
+    found = figures(path, options)
+    without_header = kind in RAW or "spot" in kind
+    assert (found["settings"]["clock"] == "log") == without_header
+    assert any("no header" in text for text in said(found).values()) == without_header
+    assert ("NO_FORCE" in said(found)) == (kind in FLAGS_ONLY)
+    assert "STUCK" not in said(found)
+    assert all(found["feet"][leg]["stance_s"]["n"] > 0 for leg in walks.LEGS)
+    if kind in FLAGS_ONLY:
+        check_no_forces(found)
+    done = convert(path, tmp_path / "out.mcap", part_of(options, ConvertOptions))
+    assert done.damage.losses == ()
+    touching = sum(int(touch.sum()) for touch in walks.TOUCHES.values())
+    assert all(done.annotations[f"/load/{leg}"] >= 0.5 * walks.SAMPLES for leg in walks.LEGS)
+    drawn = sum(done.annotations[f"/marker_basic_{leg}_foot"] for leg in walks.LEGS)
+    assert kind not in IN_WORLD or drawn >= touching
+    codes = {finding.code for finding in done.findings}
+    assert "NOT_CALIBRATED" not in codes
+    if kind != "unitree_go/msg/SportModeState":
+        assert ("NOT_DRAWN" in codes) == (kind not in (*FLAGS_ONLY, *IN_WORLD))
+
+
+# Raw counts
+
+
+@pytest.mark.parametrize("name", ["unitree_go2", "generic"])
+def test_raw_counts_are_not_passed_off_as_newtons(tmp_path: Path, name: str) -> None:
+    """But two clear modes of each foot's counts tell when it touches."""
+    path = walks.write_walk(tmp_path, "unitree_go/msg/LowState", "mcap")
+    feet = dict.fromkeys(walks.LEGS, "/feet") if name == "unitree_go2" else None
+    options = MeasureOptions(robot=name, foot=feet)
+    told = describe(path, part_of(options, InfoOptions))
+    assert "NOT_CALIBRATED" in {each.code for each in told.findings}
+    found = figures(path, options)
+    assert "no forces; contact from" in said(found)["NOT_CALIBRATED"]
+    assert "both estimated from the log" in said(found)["NOT_CALIBRATED"]
+    check_no_forces(found)
+    check_touchdowns(found)
+
+
+def test_counts_of_a_robot_that_stands_tell_nothing(tmp_path: Path) -> None:
+    kind, walk = "unitree_go/msg/LowState", walks.Walk(2)
+    counts = np.random.default_rng(1).normal(120.0, 4.0, (400, 4))
+    entries = []
+    for sample, values in enumerate(counts):
+        message = walk.make(kind, foot_force=values, tick=sample)
+        time = walks.START + sample * walks.STEP
+        entries.append(walks.Entry("/feet", kind, time, walk.bytes_of(kind, message)))
+    found = figures(written(tmp_path, walk, entries), MeasureOptions(robot="generic"))
+    for foot in found["feet"].values():
+        assert (foot["contact_fraction"], foot["touchdown_s"]) == (None, None)
+    assert "without contact.on_counts no contact either" in said(found)["NOT_CALIBRATED"]
+
+
+@pytest.mark.parametrize("kind", RAW)
+def test_counts_without_a_scale_give_a_gait_and_no_forces(tmp_path: Path, kind: str) -> None:
+    path = walks.write_walk(tmp_path, kind, "mcap")
+    robot = walks.robot_file(tmp_path, kind)
+    lines = robot.read_text(encoding="utf-8").splitlines()
+    kept = [line for line in lines if not line.startswith("newtons_per_count")]
+    robot.write_text("\n".join(["contact.on_counts = 30", *kept]), encoding="utf-8")
+    options = MeasureOptions(robot=str(robot))
+    found = figures(path, options)
+    assert found["gait"]["name"] == "trot"
+    check_no_forces(found)
+    check_touchdowns(found)
+    assert "contact from 30 counts above a foot's offset on" in said(found)["NOT_CALIBRATED"]
+    assert "WRENCH_FRAME" not in said(found)
+
+    target = tmp_path / "out.mcap"
+    how = replace(part_of(options, ConvertOptions), encoding="ros2", copy=False)
+    done = convert(path, target, how)
+    assert "NOT_FINITE" not in {finding.code for finding in done.findings}
+    assert not any(n for topic, n in done.annotations.items() if "marker" in topic)
+    loads = 0
+    with target.open("rb") as stream:
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        for _, channel, message, load in reader.iter_decoded_messages():
+            leg = channel.topic.removeprefix("/load/")
+            if leg in walks.LEGS:
+                sample = (message.log_time - walks.START) // walks.STEP
+                assert load.in_contact == walks.TOUCHES[leg][sample]
+                assert np.isnan(load.force) == load.in_contact
+                loads += 1
+    assert loads == 4 * walks.SAMPLES
+
+
+class Rounded(StateWalk):
+    """Counts that are as good as constant on the ground, and jitter by one in the air."""
+
+    def counts(self, forces: Any) -> Any:
+        down = {leg: force[2] > 0.0 for leg, force in forces.items()}
+        order = ("front_right", "front_left", "back_right", "back_left")
+        jitter = int(next(self.ticks) % 2)
+        return np.array([140 if down[leg] else 20 + jitter for leg in order], np.int16)
+
+    def __init__(self, ros: int) -> None:
+        super().__init__(ros)
+        self.ticks = iter(range(10**6))
+
+
+def test_counts_of_two_levels_tell_contact(tmp_path: Path) -> None:
+    """The narrower level is that of stance here, but a load never lowers a count."""
+    walk = Rounded(2)
+    path = written(tmp_path, walk, walk.messages("go2_interfaces/msg/Go2State"))
+    check_touchdowns(figures(path, MeasureOptions()))
+
+
+# Flags beside forces
+
+
+class Unflagged(StateWalk):
+    """A publisher that never sets its flags."""
+
+    def flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
+        return np.zeros_like(super().flags(sample, legs))
+
+
+class Shifted(StateWalk):
+    """A plan whose flags end contact before the force does."""
+
+    def flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
+        return super().flags(min(sample + 4, walks.SAMPLES - 1), legs)
+
+
+@pytest.mark.parametrize(("maker", "shift_s"), [(Unflagged, 0.0), (Shifted, -0.04)])
+def test_flags_decide_unless_they_are_never_set(
+    tmp_path: Path, maker: type[StateWalk], shift_s: float
+) -> None:
+    walk = maker(2)
+    path = written(tmp_path, walk, walk.messages(XPP))
+    found = figures(path, MeasureOptions(mass=walks.MASS_KG))
+    assert "FLAGS_CONTRADICTED" in said(found)
+    check_touchdowns(found, shift_s)
+
+
+# Which feet, and which topic
+
+
+@pytest.mark.parametrize("kind", state_walks.KINDS)
+def test_what_is_planned_is_called_planned(tmp_path: Path, kind: str) -> None:
+    told = describe(written(tmp_path, StateWalk(2), state_walks.messages(kind)), InfoOptions())
+    (use,) = [topic.use for topic in told.topics if topic.topic == "/feet"]
+    is_said = "PLANNED" in {finding.code for finding in told.findings}
+    assert (use.startswith("planned feet "), is_said) == ((kind in state_walks.PLANNED),) * 2
+
+
+def test_two_feet_are_not_one_element(tmp_path: Path) -> None:
+    path = walks.write_walk(tmp_path, "spot_msgs/msg/FootStateArray", "mcap")
+    options = InfoOptions(robot="generic", foot={"fl": "/feet", "front_left": "/feet"})
+    with pytest.raises(CallError, match="front_left: fl is the same foot"):
+        describe(path, options)
+
+
+class WithArm(StateWalk):
+    """A robot whose messages tell of a gripper, too."""
+
+    def contacts(self, kind: str, sample: int) -> Iterator[tuple[str, Any]]:
+        names = ["gripper", *(f"{tip[:2]}_foot" for tip in state_walks.TIPS.values())]
+        wrenches = [[force] for force in ((0.0, 0.0, -12.0), *self.forces(sample))]
+        yield "/feet", self.make(kind, name=names, wrench=wrenches, **self.stamped(sample, ""))
+
+
+def test_a_gripper_among_feet_is_no_foot(tmp_path: Path) -> None:
+    walk = WithArm(2)
+    path = written(tmp_path, walk, walk.messages("syropod_highlevel_controller/msg/TipState"))
+    found = figures(path, MeasureOptions(mass=walks.MASS_KG))
+    assert set(found["feet"]) == set(walks.LEGS)
+    check_touchdowns(found)
+
+
+class Ballbot(StateWalk):
+    """A robot without legs that uses the same controller."""
+
+    def contacts(self, kind: str, sample: int) -> Iterator[tuple[str, Any]]:
+        state = {"state": [np.zeros(10)], "input": [np.zeros(3)]}
+        yield "/feet", self.make(kind, time=0.01 * sample, **state)
+
+
+@pytest.mark.parametrize(
+    ("walk", "kind", "topics", "uses"),
+    [
+        (Ballbot(2), "ocs2_msgs/msg/mpc_observation", ["/x"], [""]),
+        (
+            StateWalk(2),
+            "quad_msgs/msg/GRFArray",
+            ["/control/grfs", "/state/grfs"],
+            ["", "feet front_left, front_right, back_left, back_right"],
+        ),
+        (StateWalk(2), "sensor_msgs/msg/JointState", ["/joint_states"], ["joints"]),
+        (
+            StateWalk(2),
+            "sensor_msgs/msg/JointState",
+            ["/hardware_a1/joint_foot"],
+            ["feet front_left, front_right, back_left, back_right"],
+        ),
+    ],
+    ids=["no legs", "measured before commanded", "joints", "joints and feet"],
+)
+def test_what_a_topic_is_used_for(
+    tmp_path: Path, walk: StateWalk, kind: str, topics: list[str], uses: list[str]
+) -> None:
+    entries = (
+        replace(entry, topic=topic)
+        for entry in walk.messages(kind)
+        for topic in (topics if entry.kind == kind else [entry.topic])
+    )
+    found = describe(written(tmp_path, walk, entries), InfoOptions()).topics
+    used = {each.topic: each.use for each in found}
+    assert [used[topic] for topic in topics] == uses
+
+
+def test_a_type_without_its_fields_is_not_of_feet(tmp_path: Path) -> None:
+    """Unitree's humanoids have a LowState without forces on feet."""
+    walk, kind = StateWalk(2), "unitree_hg/msg/LowState"
+    walk.store.register(get_types_from_msg("uint32 tick\nfloat32[3] position", kind))
+    message = walk.make(kind, tick=1, position=np.zeros(3, np.float32))
+    entry = walks.Entry("/lowstate", kind, walks.START, walk.bytes_of(kind, message))
+    told = describe(written(tmp_path, walk, [entry]), InfoOptions())
+    assert [topic.use for topic in told.topics] == [""]
+    assert "NO_FEET" in {finding.code for finding in told.findings}
+
+
+@pytest.mark.parametrize("kind", ["old_xpp/msg/RobotStateCartesian", "anymal_msgs/msg/AnymalState"])
+def test_the_base_is_part_of_a_state_in_any_package(tmp_path: Path, kind: str) -> None:
+    walk = StateWalk(2)
+    path = written(tmp_path, walk, (each for each in walk.messages(kind) if each.kind == kind))
+    found = figures(path, MeasureOptions())
+    walked = 0.003 * (walks.SAMPLES - 1)
+    assert found["base"]["net_displacement_m"] == pytest.approx(walked, rel=1e-6)
+
+
+class TurnedSensors(walks.Walk):
+    """Sensors that hang upside down: what is up in the world is down in their frames."""
+
+    def wrench(self, values: Any) -> Any:
+        return super().wrench(np.array(values) * (1.0, -1.0, -1.0))
+
+    def frames(self) -> walks.Entry:
+        kind, turned = "tf2_msgs/msg/TFMessage", {"rotation": (1.0, 0.0, 0.0, 0.0)}
+        header = self.header(0, "base")
+        transforms = [
+            {"header": header, "child_frame_id": f"{leg}_sensor", "transform": turned}
+            for leg in walks.LEGS
+        ]
+        data = self.bytes_of(kind, self.make(kind, transforms=transforms))
+        return walks.Entry("/tf_static", kind, walks.START, data)
+
+
+def test_a_force_sensor_s_frame_is_turned_into_the_world(tmp_path: Path) -> None:
+    kind, walk = "geometry_msgs/msg/WrenchStamped", TurnedSensors(2)
+    path = written(tmp_path, walk, [walk.frames(), *walk.messages(kind)])
+    found = figures(path, options_for(tmp_path, kind))
+    times = np.arange(walks.SAMPLES) * walks.STEP / 1e9
+    for leg in walks.LEGS:
+        foot, vertical = found["feet"][leg], walks.FORCES[leg][:, 2]
+        assert foot["peak_vertical_force_n"]["mean"] == pytest.approx(vertical.max())
+        expected = np.trapezoid(vertical, times)
+        assert foot["vertical_impulse_ns"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_swings_of_sensors_that_are_silent_in_swing_are_no_gaps(tmp_path: Path) -> None:
+    """But a silence that no swing lasts is one, and only of its own topic."""
+    walk = walks.Walk(2)
+    entries = list(walk.messages(GZ))
+    done = measure(written(tmp_path, walk, entries), MeasureOptions()).walk
+    assert not [topic for topic in done.topics if "contact" in topic.topic and topic.gaps]
+    assert not [each for each in findings_of(done) if each.code == "GAPS"]
+    silent = walks.foot_topic(GZ, walks.LEGS[0])
+    start, end = walks.START + 1_000_000_000, walks.START + 4_800_000_000
+    kept = [e for e in entries if e.topic != silent or not start < e.log_time < end]
+    done = measure(written(tmp_path, walk, kept), MeasureOptions()).walk
+    (found,) = [topic for topic in done.topics if topic.gaps]
+    assert (found.topic, found.gaps) == (silent, 1)
+    assert found.longest_gap_s == pytest.approx(3.8, abs=0.5)
