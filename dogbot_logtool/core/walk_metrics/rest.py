@@ -5,7 +5,6 @@ from dataclasses import replace
 
 from dogbot_logtool.core.checks.questions import checks_of
 from dogbot_logtool.core.metrics import (
-    Check,
     Commands,
     FootQuality,
     FootSettings,
@@ -77,10 +76,7 @@ def quality_metrics(walk: Walk, findings: Sequence[Finding]) -> Quality:
         overlap_s=walk.overlap_s,
         base_to_feet_m=None if worlds is None else worlds.distance_m,
         feet_spread_m=None if worlds is None else worlds.spread_m,
-        checks=tuple(
-            Check(each.name, each.outcome.value, each.reason or None)
-            for each in checks_of(walk, findings)
-        ),
+        checks=checks_of(walk, findings),
     )
 
 
