@@ -10,10 +10,10 @@
 Names are loaded when they are used, so that the import costs next to nothing.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any, Final
-
+TYPE_CHECKING = False  # as checkers know it; `typing` takes longer than all the rest of this
 if TYPE_CHECKING:
+    from typing import Final
+
     from dogbot_logtool.api.functions import (
         check,
         compare,
@@ -44,7 +44,7 @@ __all__ = [
     "measure",
     "read",
 ]
-_MODULES: Final = {
+_MODULES: "Final" = {
     "CallError": "errors",
     "LogError": "errors",
     "LogtoolError": "errors",
@@ -57,8 +57,10 @@ _MODULES: Final = {
 
 if not TYPE_CHECKING:  # else a checker would take every name for one of ours
 
-    def __getattr__(name: str) -> Any:  # noqa: ANN401 - any public name
+    def __getattr__(name: str) -> object:
         """Load a public name."""
+        from importlib import import_module  # noqa: PLC0415
+
         if name not in __all__:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         module = _MODULES.get(name, "api.functions")

@@ -1,5 +1,11 @@
 """``python -m dogbot_logtool`` is the command ``dogbot-logtool``."""
 
+import signal
+
+# Loading takes a while: Ctrl-C would print a traceback of Python's own.
+if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
 import gc
 from typing import Final, NoReturn
 

@@ -9,7 +9,7 @@ from dogbot_logtool.conversion.findings import second_tf
 from dogbot_logtool.core.checks.frames import name_findings, stamp_findings
 from dogbot_logtool.core.known_frames import KnownFrames, known_frames
 from dogbot_logtool.core.quality.quality import mean_rate_hz
-from dogbot_logtool.finding import Finding, by_severity
+from dogbot_logtool.finding import Finding, by_severity, found
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.options import ConvertOptions, InfoOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
@@ -25,7 +25,8 @@ from dogbot_logtool.robot.frames.frames import Frames, read_frames
 from dogbot_logtool.robot.measuring.plan import settings_of
 from dogbot_logtool.robot.measuring.side_topics import side_topics
 from dogbot_logtool.robot.message_feet import is_planned
-from dogbot_logtool.robot.robot_model.joints_of_log import joint_channels, own_description
+from dogbot_logtool.robot.robot_model.description import read_model, without_legs
+from dogbot_logtool.robot.robot_model.joints_of_log import joint_channels
 from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.run.runner import OnProgress
 
@@ -104,15 +105,13 @@ def _with_legs(
     missing = {code for code, lacks in lacking.items() if lacks}
     if not missing or not joint_channels(log):
         return list(findings)
-    if options.urdf is None and own_description(log) is None:
-        return list(findings)
-    text = "joint states and the robot description stand in for {}, as far as they fit: estimated"
-    found = [each for each in findings if each.code not in missing]
-    if "NO_FEET" in missing:
-        found.append(Finding("CONTACT_ESTIMATED", text.format("sensors of the feet")))
-    if "NO_BASE" in missing:
-        found.append(Finding("BASE_FROM_LEGS", text.format("poses of the base")))
-    return found
+    model = read_model(log, options.urdf)
+    if model.robot is None:
+        told = without_legs(model.why_none, model.call)
+        return [told if each.code == "NO_FEET" else each for each in findings]
+    stand_in = {"NO_FEET": "CONTACT_ESTIMATED", "NO_BASE": "BASE_FROM_LEGS"}
+    kept = [each for each in findings if each.code not in missing]
+    return kept + [found(stand_in[code], say="may") for code in sorted(missing)]
 
 
 def _first_seconds(log: Log, selection: Selection) -> tuple[KnownFrames, list[Finding], int]:

@@ -13,7 +13,7 @@ from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.frames.transforms import static_tracks
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import conjugate, multiply, normalised, rotate
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, found
 
 _SENSORS: Final = frozenset(
     {"imu", "camera", "cam", "lidar", "laser", "gps", "gnss", "livox", "velodyne", "ouster"}
@@ -53,26 +53,20 @@ def poses_of_base(
     base = _base_of(above, named and named.lstrip("/"), bases, parents)
     if base == above[0]:
         return recording, ()
-    text = f"the poses of {topic} are those of {above[0]}"
     now = np.zeros(1, np.int64)
     own, other = (statics.lookup(frame, above[-1], now, now) for frame in (above[0], base or ""))
     if not (own.known[0] and other.known[0]):
-        text += (
-            ", not of the base, and no static transform of the log tells where it is on the base"
-        )
-        return recording, (Finding("POSE_FRAME", text, topic, cases=("unknown",)),)
-    way = other.translation - own.translation
-    text += (
-        f"; they are moved to {base} by the log's static transform ({np.linalg.norm(way):.2f} m)"
-    )
-    back = conjugate(own.rotation)
+        return recording, (found("POSE_FRAME", "unknown", topic=topic, frame=above[0]),)
+    way, back = other.translation - own.translation, conjugate(own.rotation)
     slash = "/" if recording.base_frames[0].startswith("/") else ""
     moved = replace(
         recording,
         base=_moved(recording.base, rotate(back, way), multiply(back, other.rotation)),
         base_frames=(f"{slash}{base}",),
     )
-    return moved, (Finding("POSE_FRAME", text, topic),)
+    metres = float(np.linalg.norm(way))
+    told = found("POSE_FRAME", topic=topic, frame=above[0], base=base, metres=metres)
+    return moved, (told,)
 
 
 def _base_of(

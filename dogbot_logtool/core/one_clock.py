@@ -13,7 +13,7 @@ from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import advancing
 from dogbot_logtool.core.recording import Recording, has_own_stamps
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, found
 
 SAME_SPEED: Final = 0.02
 """Difference of a clock's speed from that of log time that does not matter."""
@@ -53,13 +53,9 @@ def on_one_clock(recording: Recording, topic: str) -> tuple[Recording, tuple[Fin
     else:
         own = _clock(base.log_time, log_time, stamp)
         changed = replace(recording, base=replace(base, stamp=own))
-    what = ("feet", "odometry") if base_is_stamped else ("odometry", "feet")
-    text = (
-        f"the stamps of the {what[1]} run at {speed:.3g} times the speed of log time, as of a "
-        f"simulation that is not in real time; the {what[0]}, whose messages have no stamp, are "
-        "put on that clock by their log times"
-    )
-    return changed, (Finding("CLOCK_SPEED", text, topic),)
+    others, stamped_ones = ("feet", "odometry")[:: 1 if base_is_stamped else -1]
+    told = found("CLOCK_SPEED", where=topic, stamped=stamped_ones, others=others, speed=speed)
+    return changed, (told,)
 
 
 def _stamped(samples: Samples, log_time: Ints, stamp: Ints) -> Samples:

@@ -17,9 +17,7 @@ from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base
 from dogbot_logtool.robot.base_candidates import (
     BaseCandidate,
     base_candidates,
-    elements_in,
     elements_of,
-    frame_pair,
     is_of_another_robot,
     likely_base,
     namespace,
@@ -111,17 +109,17 @@ def _named(log: Log, robot: Robot, name: str) -> BaseCandidate:
     source = sources[0]
     if not source.row.choose:
         return BaseCandidate(topic, source, element)
-    names, element = elements_in(log, topic, source), element.lstrip("/")
-    known = listed(sorted(names), _MOST_LISTED) or "none"
-    if element and element not in names:
+    found, element = elements_of(log, robot, topic, source), element.lstrip("/")
+    known = listed(sorted(each.element for each in found), _MOST_LISTED) or "none"
+    fitting = [each for each in found if each.element == element or (each.is_sure and not element)]
+    if element and not fitting:
         raise CallError(f"{where} has no {element}; it has {known}")
-    sure = [each for each in elements_of(log, robot, topic, source, ()) if each.is_sure]
-    if not element and not sure:
+    if not fitting:
         raise CallError(
             f"{where} is of type {source.row.name}, and which of its poses is the "
             f"base's is not known: name one as {topic}:NAME; it has {known}"
         )
-    return BaseCandidate(topic, source, element) if element else sure[0]
+    return fitting[0]
 
 
 def _chosen(
@@ -143,7 +141,7 @@ def _chosen(
         text = f"{source.row.name} has no header: log time is used for it"
         findings.append(Finding("LOG_TIME_USED", text, cases=("no_header",)))
     if source.is_transform:
-        parent, child = frame_pair(candidate.element)
+        parent, child = (frame.lstrip("/") for frame in candidate.frames)
         robot = replace(robot, world_frame=parent, base_frame=child)
         if "footprint" in child:
             text = f"{child} is the base's projection on the ground: height, roll and pitch are "

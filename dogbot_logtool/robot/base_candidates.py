@@ -71,6 +71,8 @@ class BaseCandidate:
     element: str = ""
     is_sure: bool = True
     """Whether they are taken without asking, if nothing better is there."""
+    frames: tuple[str, ...] = ()
+    """Of a transform, parent and child."""
 
     @property
     def name(self) -> str:
@@ -112,7 +114,8 @@ def base_candidates(log: Log, robot: Robot, feet: Collection[str]) -> Iterator[B
         found: list[BaseCandidate] = []
         for topic, source in sorted(by_type.get(type_name, {}).items()):
             if source.row.choose:
-                found += elements_of(log, robot, topic, source, feet)
+                listed = elements_of(log, robot, topic, source, feet)
+                found += (each for each in listed if may_be_base(each, robot))
             else:
                 found.append(BaseCandidate(topic, source, "", _is_base(topic, source)))
         # Of two robots' poses, or two objects', none is surely the base's.
@@ -156,65 +159,56 @@ def _in_unknown_messages(log: Log) -> Iterator[BaseCandidate]:
                 yield from (BaseCandidate(topic, each, path, is_sure=False) for each in sources)
 
 
-def elements_in(log: Log, topic: str, source: Source) -> frozenset[str]:
-    """Return what a topic's messages hold poses of, by its first messages."""
-    return frozenset(
-        name
-        for channel in log.channels_by_topic[topic]
-        if source_of(channel, "base") is source
-        for messages in first_messages(log, channel, source.fields)
-        for name in choices(source, messages)
-    )
-
-
 def elements_of(
-    log: Log, robot: Robot, topic: str, source: Source, feet: Collection[str]
+    log: Log, robot: Robot, topic: str, source: Source, feet: Collection[str] = ()
 ) -> list[BaseCandidate]:
-    """Return the poses in a topic's messages that may be the base's, the best first."""
-    names = elements_in(log, topic, source)
-    ranked = sorted((_rank(name, robot, source), name) for name in names)
+    """Return what a topic's first messages hold poses of, what is most likely the base first.
+
+    Args:
+        log: the log.
+        robot: its frames are looked for.
+        topic: the topic.
+        source: of its messages.
+        feet: topics of the robot's feet; see `base_candidates`.
+    """
+    frames: dict[str, tuple[str, ...]] = {}
+    for channel in log.channels_by_topic[topic]:
+        if source_of(channel, "base") is source:
+            for messages in first_messages(log, channel, source.fields):
+                frames |= choices(source, messages)
+    ranked = sorted((_rank(parts, robot, source), name) for name, parts in frames.items())
     best = _of_same_robot([name for rank, name in ranked if rank[0] == _SURE], feet)
     # Two robots' bases: none is surely the one that is meant.
-    bases = {frame_pair(name)[1] for name in best}
+    bases = {frames[name][-1].lstrip("/") for name in best}
     is_sure = len(bases) == len({base.rpartition("/")[2] for base in bases})
     is_sure = is_sure if source.is_transform else len(best) == 1
     return [
-        BaseCandidate(topic, source, name, is_sure and name in best)
+        BaseCandidate(topic, source, name, is_sure and name in best, frames[name])
         for rank, name in ranked
-        if rank[0] < _NEVER
     ]
 
 
-def _rank(name: str, robot: Robot, source: Source) -> tuple[int, int, int]:
+def may_be_base(candidate: BaseCandidate, robot: Robot) -> bool:
+    """Tell whether poses in a list may be the base's: those of scenery and of arms are not."""
+    return _rank(candidate.frames, robot, candidate.source)[0] < _NEVER
+
+
+def _rank(parts: Sequence[str], robot: Robot, source: Source) -> tuple[int, int, int]:
     """Return what sorts elements: whether each is surely the base; then by preference."""
     bases = ((robot.base_frame or "").rpartition("/")[2].lower(), *BASES)
+    names = [part.rpartition("/")[2].lower() for part in parts]
     if source.is_transform:
-        parent, child = (frame.rpartition("/")[2].lower() for frame in frame_pair(name))
-        if parent not in _WORLDS or child in _WORLDS:
+        if names[0] not in _WORLDS or names[1] in _WORLDS:
             return _NEVER, 0, 0
-        return int(child not in bases), _index(bases, child), _WORLDS.index(parent)
-    model, _, link = name.lower().partition("::")
-    if model in _SCENERY:
-        return _NEVER, 0, 0
-    if not source.row.name.endswith("LinkStates"):
-        return _SURE, 0, 0
+        return int(names[1] not in bases), _index(bases, names[1]), _WORLDS.index(names[0])
+    model, _, link = parts[0].lower().partition("::")
+    if model in _SCENERY or not source.row.name.endswith("LinkStates"):
+        return _NEVER if model in _SCENERY else _SURE, 0, 0
     return _SURE if link in bases else _PERHAPS, _index(bases, link), 0
 
 
 def _index(names: Sequence[str], name: str) -> int:
     return names.index(name) if name in names else len(names)
-
-
-def frame_pair(pair: str) -> tuple[str, str]:
-    """Split a pair of frames, whose names may hold slashes, where the child most likely begins."""
-    parts = pair.split("/")
-    splits = [("/".join(parts[:cut]), "/".join(parts[cut:])) for cut in range(1, len(parts))]
-
-    def likely(split: tuple[str, str]) -> tuple[bool, bool]:
-        parent, child = (frame.rpartition("/")[2].lower() for frame in split)
-        return parent not in _WORLDS, child not in BASES
-
-    return min(splits or [(pair, "")], key=likely)
 
 
 def _of_same_robot(names: Sequence[str], feet: Collection[str]) -> list[str]:

@@ -110,27 +110,48 @@ def channels_of_feet(log: Log, robot: Robot) -> dict[Channel, tuple[int, ...]]:
     """Return the channels from which feet can be read, and which feet each tells of.
 
     Raises:
-        CallError: a field of a foot does not exist, or only some of the feet have one.
+        CallError: a field of a foot does not exist, only some of the feet have one, or two feet
+            would be the same in the messages of a topic.
     """
     found: dict[Channel, tuple[int, ...]] = {}
     for topic in dict.fromkeys(foot.topic for foot in robot.feet):
         feet = robot.feet_of(topic)
-        names = f"{'foot' if len(feet) == 1 else 'feet'} {listed([foot.name for foot in feet])}"
         if len({foot.field is None for foot in feet}) > 1:
             raise CallError(f"{topic}: all feet of a topic need a field, or none")
-        sources: dict[Channel, Source | None] = {}
+        sources: dict[Channel, Source] = {}
         because = ""
         for channel in log.channels_by_topic.get(topic, ()):
             try:
-                sources[channel] = foot_source(channel, feet)
+                source = foot_source(channel, feet)
             except DefinitionError as reason:
                 because = str(reason)
-        own = [channel for channel, source in sources.items() if source and not source.fault]
-        if because and not own:
+            else:
+                sources |= {channel: source} if source and not source.fault else {}
+        if because and not sources:
+            names = f"{'foot' if len(feet) == 1 else 'feet'} {listed([foot.name for foot in feet])}"
             raise CallError(f"{shown(log.source.path)}: {names}, {topic}: {because}")
+        if because := _same_foot(feet, [*sources.values()]):
+            raise CallError(f"{shown(log.source.path)}: --foot {because}")
         indices = tuple(index for index, foot in enumerate(robot.feet) if foot.topic == topic)
-        found |= dict.fromkeys(own, indices)
+        found |= dict.fromkeys(sources, indices)
     return found
+
+
+def _same_foot(feet: Sequence[Foot], sources: Sequence[Source]) -> str:
+    """Return which of the feet of a topic is the same as another one; empty: they differ."""
+    seen: dict[str | int | None, str] = {}
+    for foot in feet if sources else ():
+        own = foot.field.path if foot.field is not None else foot.element
+        if own is None and all(source.tells_all_feet for source in sources):
+            continue
+        other = seen.setdefault(own, foot.name)
+        if other != foot.name:
+            text = f"{foot.name}: {other} is the same foot in the messages of {foot.topic}"
+            if own is None:
+                text = f"{foot.name}: {foot.topic} would be the topic of {other}, {foot.name}; "
+                text += f"a message of type {sources[0].row.name} is about one foot"
+            return text if foot.field is None else f"{text}; each needs a field of its own"
+    return ""
 
 
 # --- by types and names --------------------------------------------------------------------------
@@ -145,9 +166,6 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, S
             are replaced by those found.
         findings: receives findings.
 
-    Raises:
-        CallError: two feet would be the same in the messages of a topic.
-
     Returns:
         the robot with its feet, and sets of topics that may be feet if none surely are.
     """
@@ -156,7 +174,6 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, S
     found, offered, told = _feet_by_names(log)
     if any(foot.topic in topics for foot in robot.feet):
         feet = tuple(_with_element(log, foot, findings) for foot in robot.feet)
-        _check_feet_differ(log, feet)
         for foot in feet:
             if foot.topic not in log.channels_by_topic:
                 text = f"foot {foot.name} has no messages: there is no topic {foot.topic}"
@@ -248,30 +265,6 @@ def _by_source(log: Log) -> Iterator[tuple[bool, Source, list[str]]]:
     for key in sorted(groups, key=lambda key: (key[0], key in rare, order.index(key[1]))):
         source, topics = groups[key]
         yield key[0] > 0, source, sorted(topics)
-
-
-def _check_feet_differ(log: Log, feet: Sequence[Foot]) -> None:
-    """Check that no two feet are the same in the messages of a topic.
-
-    Raises:
-        CallError: two are.
-    """
-    seen: dict[tuple[str, str | int | None], str] = {}
-    for foot in feet:
-        own = foot.field.path if foot.field is not None else foot.element
-        sources = sources_of(log, foot.topic, "feet")
-        if own is None and all(source.tells_all_feet for source in sources):
-            continue
-        other = seen.setdefault((foot.topic, own), foot.name)
-        if other == foot.name:
-            continue
-        text = f"{other} is the same foot in the messages of {foot.topic}"
-        if foot.field is not None:
-            text += "; each needs a field of its own"
-        elif own is None:
-            text = f"{foot.topic} would be the topic of {other}, {foot.name}; a message of type "
-            text += f"{sources[0].row.name} is about one foot"
-        raise CallError(f"{shown(log.source.path)}: --foot {foot.name}: {text}")
 
 
 def _missing(text: str, where: str, foot: str) -> Finding:

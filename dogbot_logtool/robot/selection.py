@@ -3,7 +3,7 @@
 Topics are given by the robot's file or options, or found.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -155,7 +155,9 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
     of_robot = {foot.topic for foot in (possible[0].feet if possible else robot.feet)}
     of_robot = {*unsure[0].topics} if unsure else of_robot
     chosen = choose_base(log, robot, findings, of_robot, is_asked=options.odom_topic is not None)
-    if options.robot is not None and named.topics and not _shows(log, named, chosen.channels):
+    used = {channel.topic for channel in (*feet_of, *chosen.channels)}
+    known = {split_topic(topic, log.channels_by_topic)[0] for topic in named.topics}
+    if options.robot is not None and known and known.isdisjoint(used):
         text = (
             f"the log has none of the topics of the robot {robot.name!r}: feet and odometry are "
             "looked for by type and name, but its mass, axes and frames are used; check --robot"
@@ -234,16 +236,6 @@ def _with_options(log: Log, robot: Robot, options: RobotOptions) -> Robot:
         guessed = options.robot is None
         robot = assign_feet(robot, options.foot, _usable_topics(log), guessed=guessed)
     return robot
-
-
-def _shows(log: Log, robot: Robot, base: Sequence[Channel]) -> bool:
-    """Tell whether the log has a topic that the robot's file names, and that can be used."""
-    fields = {foot.topic for foot in robot.feet if foot.field is not None}
-    if not fields.isdisjoint(log.channels_by_topic):
-        return True
-    if base and split_topic(robot.odometry_topic or "", log.channels_by_topic)[0] == base[0].topic:
-        return True
-    return not robot.topics.isdisjoint(_usable_topics(log))
 
 
 def _with_command(finding: Finding, call: str) -> Finding:

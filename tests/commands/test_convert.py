@@ -282,17 +282,3 @@ def test_the_doctor_finds_nothing(
 def test_nothing_but_the_output_is_left(tmp_path: Path) -> None:
     convert(TROUBLED, tmp_path / "out.mcap", ConvertOptions(jobs=2))
     assert [file.name for file in tmp_path.iterdir()] == ["out.mcap"]
-
-
-@pytest.mark.parametrize(
-    ("option", "sentence"),
-    [
-        (ConvertOptions(style="bold"), "no arrow style 'bold'; known: classic, pressure, force"),
-        (ConvertOptions(encoding="xml"), "no encoding 'xml'; known: foxglove, ros1, ros2"),
-    ],
-)
-def test_an_unknown_style_or_encoding_is_a_wrong_call(
-    tmp_path: Path, option: ConvertOptions, sentence: str
-) -> None:
-    with pytest.raises(CallError, match=sentence):
-        convert(TROT, tmp_path / "out.mcap", option)

@@ -8,7 +8,6 @@ import pytest
 from mcap.writer import CompressionType
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.errors import LogError
 from dogbot_logtool.options import ConvertOptions
 from tests.commands.conversions import chunks_of, codes
 from tests.oracles.annotated_file import read_written, written_loads
@@ -17,14 +16,13 @@ from tests.oracles.recorded import (
     DESCRIPTION,
     FEET,
     ODOMETRY,
-    TEXT_TYPE,
     TF_TYPE,
     S,
     arrow_topic,
     contact_topic,
     load_topic,
 )
-from tests.oracles.ros1_logs import Entry, small_walk, text, transform, write_bag, write_ros1_mcap
+from tests.oracles.ros1_logs import Entry, small_walk, transform, write_bag, write_ros1_mcap
 
 
 def test_a_damaged_attachment_is_left_out_and_told(tmp_path: Path) -> None:
@@ -58,19 +56,6 @@ def test_odometry_only(tmp_path: Path, tf: Literal["auto", "never"]) -> None:
     written = {topic: count for topic, count in conversion.annotations.items() if count}
     assert written == {DESCRIPTION: 1} | ({"/tf": 50} if tf == "auto" else {})
     assert len(read_written(tmp_path / "out.mcap").messages) == (301 if tf == "auto" else 251)
-
-
-def test_neither_is_an_error_that_lists_what_is_there(tmp_path: Path) -> None:
-    log = write_bag(tmp_path / "log.bag", [Entry("/said", TEXT_TYPE, S, text("hello"))])
-    with pytest.raises(LogError, match=r"/said\s+std_msgs/String"):
-        convert(log, tmp_path / "out.mcap", ConvertOptions())
-    assert not (tmp_path / "out.mcap").exists()
-
-
-def test_an_empty_log_is_an_error(tmp_path: Path) -> None:
-    log = write_bag(tmp_path / "log.bag", [])
-    with pytest.raises(LogError, match="nothing"):
-        convert(log, tmp_path / "out.mcap", ConvertOptions())
 
 
 @pytest.mark.parametrize("kind", ["bag", "mcap"])

@@ -13,29 +13,16 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.core.arrays import concatenated
-from dogbot_logtool.core.base.poses import Odometry, base_history, concatenate_odometry
-from dogbot_logtool.core.contact.contact_rule import contact_rule
-from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.foot_history import foot_history
-from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.corrections.sensor import SensorLevel
-from dogbot_logtool.core.hulls import hulls, margin_in
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.core.scene.support_scene import margin_colour
-from dogbot_logtool.core.stability import feet_down
-from dogbot_logtool.options import ConvertOptions, MeasureOptions
-from dogbot_logtool.reader.messages.contacts import read_contacts
-from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.results import Conversion
-from dogbot_logtool.robot.selection import select_topics
 from tests.measured import measured_contact
 from tests.oracles import walks
 from tests.oracles.annotated_file import Written, annotations, arrows, read_written
 from tests.oracles.conversion import expected_poses, norm, sample_of, xyz
 from tests.oracles.foot_logs import CONTACTS, write_log
 from tests.oracles.recorded import (
-    BODY_WEIGHT_N,
     FEET,
     contact_topic,
     decoded_log,
@@ -225,76 +212,6 @@ def assert_outline(message: Shown, points: list[Vector], body: Vector) -> None:
     if outline:
         wanted = margin_colour(np.array([margin]))[0]
         np.testing.assert_allclose(message.colour, wanted, atol=1e-6)
-
-
-# --- Against `stats` ------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("log", [TROT, WALK], ids=lambda log: log.stem)
-def test_margins_are_those_of_stats_at_the_same_times(folder: Path, log: Path) -> None:
-    """`stats` debounces and looks at 25 Hz, so the moments of touchdown and lift-off may differ."""
-    _, written = converted(folder, log, "foxglove")
-    messages = shown_in(written, "foxglove")
-    time = np.array([one.log_time for one in messages])
-    told = np.array(
-        [
-            margin_of(one.outline, one.projection[0]) if len(one.outline) > 3 else math.nan
-            for one in messages
-        ]
-    )
-    feet, base = recorded(log)
-    points, _ = feet_down(time, feet)
-    margins = margin_in(hulls(points[:, :, :2]), base.position_at(time)[:, :2])
-    edges = np.concatenate([(f.stances.touchdown, f.stances.liftoff) for f in feet], axis=None)
-    settled = np.abs(time[:, None] - edges).min(axis=1) > 25 * MS
-    settled &= time - time[0] > NEAR_MS * MS
-    assert settled.mean() > 0.5
-    np.testing.assert_array_equal(np.isnan(told[settled]), np.isnan(margins[settled]))
-    np.testing.assert_allclose(told[settled], margins[settled], atol=1e-3)
-    assert abs(np.nanmedian(told) - np.nanmedian(margins)) < 1e-3
-    assert np.isfinite(told[settled]).sum() > 50
-
-
-def recorded(path: Path) -> tuple[list[Any], Any]:
-    """Return what `stats` keeps of the feet and the base, on log time."""
-    log = open_log(path)
-    selection = select_topics(log, MeasureOptions())
-    assert selection.base is not None
-    rule = contact_rule(SensorLevel(zero_in_swing=True), BODY_WEIGHT_N)
-    samples: list[Samples] = []
-    poses: list[Odometry] = []
-    for span in log.spans():
-        batch = log.read(span)
-        found = selection.base.read(batch, selection.odometry)
-        poses.extend(each.poses for each in found)
-        read = read_contacts(batch, selection.contacts, selection.foot_channels())
-        samples.extend(each.samples for each in read)
-    log.close()
-    together = concatenated(samples)
-    feet = [
-        foot_history(
-            together.pick(together.foot == foot), rule, TimeSource.LOG, force_in_world=False
-        )
-        for foot in range(len(FEET))
-    ]
-    return feet, base_history(concatenate_odometry(poses), TimeSource.LOG)
-
-
-# --- Batches --------------------------------------------------------------------------------------
-
-
-def test_it_does_not_matter_where_batches_end(
-    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    _, written = converted(folder, TROT, "foxglove")
-    monkeypatch.setattr("dogbot_logtool.reader.containers.log.BATCH_SIZE", 200_000)
-    opened = open_log(TROT)
-    assert len(list(opened.spans())) > 10
-    opened.close()
-    convert(TROT, tmp_path / "out.mcap", ConvertOptions(copy=False, jobs=2))
-    many = read_written(tmp_path / "out.mcap").of("/support", "protobuf")
-    whole = written.of("/support", "protobuf")
-    assert [m.data for _, m in many] == [m.data for _, m in whole]
 
 
 # --- When it is written ---------------------------------------------------------------------------

@@ -1,257 +1,206 @@
-"""The figures of a trot in closed form, as JSON, CSV and text."""
+"""What `stats` says, as text and as JSON, of logs that are whole and of others."""
 
 import io
 import json
-from typing import Any
+from dataclasses import replace
+from typing import Any, Final
 
-import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 from rich.console import Console
 
-from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.base.poses import Odometry
-from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.metrics import NEEDS, SCHEMA_VERSION, WalkMetrics
-from dogbot_logtool.core.settings import FootSettings, WalkSettings
+import dogbot_logtool as dl
+from dogbot_logtool.core.metrics import NEEDS, WalkMetrics
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, finding_kinds
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.loss import Damage, Loss
 from dogbot_logtool.report.documents import schema, stats_json
-from dogbot_logtool.report.tables import stride_table
-from dogbot_logtool.report.text.gait_diagram import ASCII, default_window, gait_diagram
+from dogbot_logtool.report.text.gait_diagram import (
+    ASCII,
+    STRIDES_SHOWN,
+    default_window,
+    gait_diagram,
+)
 from dogbot_logtool.report.text.stats_text import print_report, print_summary
 from dogbot_logtool.report.verdict import summary_row
-from tests.analysed import analysed
-from tests.measured import LogFacts, measurement_of
+from dogbot_logtool.results import Measurement
+from tests.measured import LogFacts, measured, measurement_of
+from tests.paths import TROT, TROUBLED, WALK
 
-START = 1_700_000_000_000_000_000
-PLACES = (("front", "left"), ("front", "right"), ("back", "left"), ("back", "right"))
-PHASES = (0.0, 0.5, 0.5, 0.0)
-FACTS = LogFacts("walks/trot.bag", "ROS 1 bag", "ros1", START / 1e9, 10.0, 8004)
-
-
-def trot_samples(foot: int, time: Floats) -> Samples:
-    """A stride a second from 0.1 s on, down for 0.6 of it with a third of the weight, 196.2 N."""
-    cycle = time - 0.098 - PHASES[foot]
-    down = cycle % 1.0 < 0.6
-    count = len(time)
-    up = np.tile([0.0, 0.0, 1.0], (count, 1))
-    unknown = np.where(down, 0.0, np.nan)[:, None]
-    stamp = START + np.round(time * 1e9).astype(np.int64)
-    # In the middle of a stance a foot is at its corner of the base, which goes on.
-    ahead = 0.25 * (np.floor(cycle) + 0.398 + PHASES[foot])
-    x, y = 0.3 if foot < 2 else -0.3, 0.15 if foot % 2 == 0 else -0.15
-    point = np.stack([x + ahead, np.full(count, y), np.zeros(count)], axis=1)
-    return Samples(
-        foot=np.full(count, foot, np.int64),
-        log_time=stamp,
-        stamp=stamp,
-        in_contact=down,
-        force=up * np.where(down, 196.2 / 4.0 / 0.6, 0.0)[:, None],
-        in_world=np.zeros(count, np.bool_),
-        points=down.astype(np.int64),
-        position=point + unknown,
-        normal=up + unknown,
-    )
-
-
-def odometry(time: Floats) -> Odometry:
-    zero = np.zeros_like(time)
-    stamp = START + np.round(time * 1e9).astype(np.int64)
-    position = np.stack([0.25 * time, zero, zero + 0.4], axis=1)
-    level = np.stack([zero, zero, zero, zero + 1.0], axis=1)
-    return Odometry(stamp, stamp, position, level, position * 0.0, position * 0.0)
-
-
-def measured(
-    *, feet: int = 4, with_base: bool = True, wrench_frame: WrenchFrame = WrenchFrame.WORLD
-) -> Walk:
-    time = np.arange(2001, dtype=np.float64) / 200.0
-    names = tuple(FootSettings("_".join(place), f"/{'_'.join(place)}", place) for place in PLACES)
-    settings = WalkSettings(names, 20.0, foot_rolling_m=0.0, wrench_frame=wrench_frame)
-    samples = [trot_samples(foot, time) for foot in range(feet)]
-    poses = odometry(time) if with_base else None
-    return analysed(settings, samples, poses)
+FEET: Final = ("front_left", "front_right", "back_left", "back_right")
+TOPICS: Final = {
+    "no feet": ("/dogbot/odom",),
+    "joints alone": ("/dogbot/joint_states",),
+    "two feet": ("/dogbot/front_*", "/dogbot/odom"),
+    "no base": ("*contact*", "/tf"),
+    "link frame": ("*contact*", "/dogbot/odom"),
+}
 
 
 @pytest.fixture(scope="module")
-def trot() -> Walk:
-    return measured()
+def missing(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Measurement]:
+    """Return the trot with some of its topics only."""
+    folder = tmp_path_factory.mktemp("logs")
+    found = {}
+    for name, topics in TOPICS.items():
+        dl.convert(TROT, folder / f"{name}.mcap", topics=topics, tf="never", overwrite=True)
+        found[name] = measured(folder / f"{name}.mcap")
+    return found
 
 
-def valid_json(stats: Walk, log: LogFacts = FACTS) -> dict[str, Any]:
+def valid_json(done: Measurement) -> dict[str, Any]:
     """The object as scripts get it: NaN is no JSON."""
-    plain = stats_json(measurement_of(stats, log))
+    plain = stats_json(done)
     Draft202012Validator(schema(WalkMetrics)).validate(plain)
     loaded: dict[str, Any] = json.loads(json.dumps(plain, allow_nan=False))
     return loaded
 
 
-def text_of(stats: Walk, width: int, *, log: LogFacts = FACTS, colour: bool = False) -> str:
+def text_of(done: Measurement, width: int, *, colour: bool = False, verbose: bool = False) -> str:
     file = io.StringIO()
-    console = Console(
-        file=file,
-        width=width,
-        force_terminal=colour,
-        color_system="standard" if colour else None,
-    )
-    print_report(console, measurement_of(stats, log))
+    system: Any = "standard" if colour else None
+    console = Console(file=file, width=width, force_terminal=colour, color_system=system)
+    print_report(console, done, verbose=verbose)
     return file.getvalue()
 
 
 def test_the_schema_is_itself_valid_and_strict() -> None:
     Draft202012Validator.check_schema(schema(WalkMetrics))
-    assert all(
-        each["additionalProperties"] is False for each in schema(WalkMetrics)["$defs"].values()
-    )
+    records = schema(WalkMetrics)["$defs"].values()
+    assert all(each["additionalProperties"] is False for each in records)
 
 
-def test_the_json_says_what_was_walked(trot: Walk) -> None:
-    figures = valid_json(trot)
-    assert figures["schema_version"] == SCHEMA_VERSION
-    assert figures["gait"]["name"] == "trot"
-    assert figures["gait"]["confidence"] == pytest.approx(1.0, abs=0.01)
-    assert figures["gait"]["strides"] == 9
-    assert figures["gait"]["duty_factor"] == pytest.approx(0.6)
-    assert figures["gait"]["diagonality"] == pytest.approx(0.5)
-    assert figures["gait"]["phase"]["back_left"]["mean"] == pytest.approx(0.5)
-    assert figures["gait"]["support"]["4"] == pytest.approx(0.2, abs=0.01)
-    foot = figures["feet"]["front_left"]
-    assert foot["touchdown_s"] == pytest.approx([0.1 + stride for stride in range(10)])
-    assert foot["lift_off_s"] == pytest.approx([0.7 + stride for stride in range(10)])
-    assert foot["strides"] == 9
-    assert figures["quality"]["feet"]["front_left"]["discarded_strides"] == {"log_end": 1}
-    assert foot["peak_force_bw"]["median"] == pytest.approx(0.25 / 0.6)
-    assert foot["stride_length_m"]["mean"] == pytest.approx(0.25)
-    assert figures["forces"]["vertical_impulse_over_weight"] == pytest.approx(1.0, abs=0.01)
-    assert figures["forces"]["load_share"]["fore"] == pytest.approx(0.5)
-    assert figures["forces"]["symmetry_index_percent"]["hind"]["stance_s"] == pytest.approx(0.0)
-    assert figures["base"]["forward_speed_mps"] == pytest.approx(0.25)
-    assert figures["settings"]["clock"] == "header"
-    topic = figures["quality"]["topics"]["/front_left"]
-    assert topic["messages"] == 2001
-
-
-@pytest.mark.parametrize(
-    "stats",
-    [
-        measured(feet=0),
-        measured(feet=0, with_base=False),
-        measured(feet=2),
-        measured(with_base=False),
-        measured(wrench_frame=WrenchFrame.LINK),
-        analysed(WalkSettings(())),
-    ],
-    ids=["no feet", "nothing", "two feet", "no base", "link frame", "no robot"],
-)
-def test_whatever_is_missing_the_json_is_valid_and_the_report_printed(stats: Walk) -> None:
-    assert valid_json(stats)["findings"]
-    for width in (80, 140):
-        assert "Data quality: " in text_of(stats, width)
-
-
-def test_every_null_of_a_foot_has_a_reason() -> None:
-    figures = valid_json(measured(with_base=False, wrench_frame=WrenchFrame.LINK))
-    for name, foot in figures["feet"].items():
+@pytest.mark.parametrize("case", TOPICS)
+def test_whatever_is_missing_the_json_is_valid_and_says_why(
+    missing: dict[str, Measurement], case: str
+) -> None:
+    document = valid_json(missing[case])
+    assert document["findings"]
+    for name, foot in document["feet"].items():
         nulls = {f"feet.{name}.{key}" for key, value in foot.items() if value is None}
-        because = figures["null_because"]
-        assert nulls <= because.keys()
-        assert because[f"feet.{name}.peak_vertical_force_n"] == NEEDS["vertical force"]
-
-
-def test_what_the_reader_lost_and_found_is_in_the_quality(trot: Walk) -> None:
-    said = [Finding("ROBOT_GUESSED", "a robot", ""), Finding("UNREADABLE", "bad", "/x")]
-    damage = Damage("a", (Loss(9, "a chunk", 77, None),))
-    log = LogFacts("a", "MCAP", "", None, None, 1, damage, said)
-    document = valid_json(trot, log)
-    assert (document["log"]["lost_messages"], document["log"]["lost_bytes"]) == (None, 77)
-    assert [each["code"] for each in document["findings"][:2]] == ["UNREADABLE", "LOST"]
-    assert document["findings"][0] == {
-        "code": "UNREADABLE",
-        "severity": "error",
-        "text": "bad",
-        "remedy": finding_kinds()["UNREADABLE"].remedy,
-        "where": "/x",
-        "voids": [],
-    }
-    robot = next(each for each in document["findings"] if each["code"] == "ROBOT_GUESSED")
-    assert (robot["severity"], robot["where"]) == ("note", None)
-    assert "unknown number of messages and 77 bytes" in text_of(trot, 140, log=log)
-
-
-def test_a_row_a_stride(trot: Walk) -> None:
-    strides = stride_table(trot)
-    assert len(strides.foot) == sum(len(foot.strides.stance) for foot in trot.feet)
-    assert strides.foot[0] == "front_left"
-    first = {name: float(column[0]) for name, column in strides.columns.items()}
-    assert (first["start_s"], first["duty_factor"], first["slip_m"]) == (0.1, 0.6, 0.0)
-    assert first["peak_force_n"] == pytest.approx(196.2 / 4.0 / 0.6)
-    assert first["vertical_impulse_ns"] == pytest.approx(196.2 / 4.0)
-
-
-def test_the_verdict_comes_first(trot: Walk) -> None:
-    lines = text_of(trot, 140).splitlines()
-    assert lines[0].startswith("trot.bag: ROS 1 bag")
-    assert lines[2].startswith("Gait: trot (high confidence: ")
-    assert lines[4].startswith("Data quality: ")
-    assert len(lines) <= 40
+        assert nulls <= document["null_because"].keys()
+    if case == "link frame":
+        because = document["null_because"]["feet.front_left.peak_vertical_force_n"]
+        assert because == NEEDS["vertical force"]
 
 
 @pytest.mark.parametrize("width", [80, 140])
+@pytest.mark.parametrize("case", ["trot", "troubled", "walk", *TOPICS])
 def test_no_line_is_wider_than_the_terminal_and_nothing_is_cut_short(
-    trot: Walk, width: int
+    missing: dict[str, Measurement], case: str, width: int
 ) -> None:
-    text = text_of(trot, width)
-    assert max(len(line) for line in text.splitlines()) <= width
-    assert "\u2026" not in text
+    logs = {"trot": TROT, "troubled": TROUBLED, "walk": WALK}
+    done = measured(logs[case]) if case in logs else missing[case]
+    for verbose in (False, True):
+        text = text_of(done, width, verbose=verbose)
+        lines = text.splitlines()
+        too_long = [line for line in lines if len(line) > width and len(line.split()) > 1]
+        # Commands stay whole, so that they can be pasted.
+        assert [each for each in too_long if not each.startswith("    dogbot-logtool ")] == []
+        assert "\u2026" not in text
+        assert "\x1b" not in text
+        assert sum(line.startswith("Data quality: ") for line in lines) == 1
+        if case in {"trot", "walk"} and not verbose:
+            assert len(lines) <= 40
 
 
-def test_without_colour_there_are_no_escapes_and_with_it_the_same_words(trot: Walk) -> None:
-    plain, coloured = text_of(trot, 100), text_of(trot, 100, colour=True)
-    assert "\x1b" not in plain
+def test_the_answers_stand_in_the_order_of_the_questions() -> None:
+    text = text_of(measured(TROT), 100)
+    lines = text.splitlines()
+    assert lines[0].startswith("dogbot_trot.bag: ROS 1 bag, 8.0 s, 12,009 messages")
+    assert lines[2].startswith("Gait: trot (high confidence: ")
+    assert lines[4] == "Data quality: OK (11 checks passed)"
+    words = ("front_left", "clearance", "Support", "Load check", "Base", "Events", "notes (-v)")
+    places = [text.index(word) for word in words]
+    assert places == sorted(places)
+    coloured = text_of(measured(TROT), 100, colour=True)
     assert "\x1b[" in coloured
-    for word in ("Gait: trot", "front_left", "Load check"):
-        assert word in plain
-        assert word in coloured
+    assert all(word in coloured for word in words)
 
 
-def test_the_diagram_is_filled_where_feet_are_down(trot: Walk) -> None:
-    """Two strides of a second in 60 characters: a foot is down for 18 of each 30."""
-    width = 60 + len("front_right ") + 2
-    lines = gait_diagram(trot, width, window=(1.1, 3.1), glyphs=ASCII)
-    bars = [line.plain.split() for line in lines[:4]]
-    down, up = "#" * 18, "." * 12
-    assert [name for name, _ in bars] == [foot.name for foot in trot.feet]
-    assert bars[0][1] == bars[3][1] == (down + up) * 2
-    for bar in (bars[1][1], bars[2][1]):
-        assert (bar.count("#"), bar[3:15]) == (36, up)
+def test_what_is_wrong_is_said_worst_first_with_what_to_do() -> None:
+    text = " ".join(text_of(measured(TROUBLED), 100).split())
+    assert "Data quality: DOUBTFUL (8 warnings, 4 of 9 checks passed" in text
+    dead = text.index("- back_left never touches the ground")
+    assert dead < text.index("- header stamps are zero") < text.index("3 more warnings (-v)")
+    assert "Not given: all of back_left, support" in text
+    assert "Not measured load (back_left never touches the ground)" in text
 
 
-def test_the_diagrams_axis_has_labels_under_its_ticks(trot: Walk) -> None:
-    width = 60 + len("front_right ") + 2
-    *_, ruler, labels = gait_diagram(trot, width, window=(1.0, 4.0), glyphs=ASCII)
+def test_what_the_reader_lost_and_found_is_in_the_quality() -> None:
+    said = [Finding("ROBOT_GUESSED", "a robot", ""), Finding("UNREADABLE", "bad", "/x")]
+    damage = Damage("a", (Loss(9, "a chunk", 77, None),))
+    facts = LogFacts("a", "MCAP", "", None, None, 1, damage, said)
+    done = measurement_of(measured(TROT).walk, facts)
+    document = valid_json(done)
+    assert (document["log"]["lost_messages"], document["log"]["lost_bytes"]) == (None, 77)
+    assert [each["code"] for each in document["findings"][:2]] == ["UNREADABLE", "LOST"]
+    remedy = finding_kinds()["UNREADABLE"].remedy
+    assert document["findings"][0] == {
+        "code": "UNREADABLE", "severity": "error", "text": "bad", "remedy": remedy, "where": "/x",
+        "voids": [],
+    }  # fmt: skip
+    text = text_of(done, 140)
+    assert "unknown number of messages and 77 bytes" in text
+    assert "Data quality: DAMAGED" in text
+
+
+def bars(walk: Walk, window: tuple[float, float]) -> list[str]:
+    """The bars of the diagram, 60 characters each."""
+    lines = gait_diagram(walk, 60 + len("front_right ") + 2, window=window, glyphs=ASCII)
+    assert [line.plain.split()[0] for line in lines[:4]] == list(FEET)
+    return [line.plain.split()[1] for line in lines[:4]]
+
+
+def test_the_diagram_is_filled_where_feet_are_down_and_tells_what_is_not_known() -> None:
+    walk = measured(TROT).walk
+    for foot, bar in zip(walk.feet, bars(walk, (1.0, 4.0)), strict=True):
+        edges = [1.0 + 3.0 * (cell + 0.5) / 60.0 for cell in range(60)]
+        spans = ((foot.record.in_contact - walk.origin) / 1e9).tolist()
+        down = [any(start <= at < end for start, end in spans) for at in edges]
+        wrong = sum((glyph == "#") != truth for glyph, truth in zip(bar, down, strict=True))
+        assert wrong <= 2 * len(spans)  # half characters at the edges of stances
+    _, silent, dead, _ = bars(measured(TROUBLED).walk, (2.0, 4.0))
+    assert "?" * 20 in silent
+    assert set(dead) == {"?"}
+
+
+def test_the_diagrams_axis_has_labels_under_its_ticks() -> None:
+    walk = measured(TROT).walk
+    *_, ruler, labels = gait_diagram(walk, 74, window=(1.0, 4.0), glyphs=ASCII)
     ticks = [place for place, glyph in enumerate(ruler.plain) if glyph == "+"]
     assert labels.plain.split() == ["1.0", "1.5", "2.0", "2.5", "3.0", "3.5", "4.0", "s"]
     assert labels.plain[ticks[2] - 1 : ticks[2] + 2] == "2.0"
 
 
-def test_silence_is_drawn_as_unknown_not_as_swing() -> None:
-    lines = gait_diagram(measured(feet=3), 80, window=(1.0, 3.0), glyphs=ASCII)
-    assert set(lines[3].plain.split()[1]) == {"?"}
+@pytest.mark.parametrize("seconds", [2.5, 3.5, 8.0])
+def test_the_window_chosen_is_a_few_strides_within_the_log(seconds: float) -> None:
+    walk = measured(TROT, MeasureOptions(end=seconds)).walk
+    begin, end = default_window(walk)
+    assert walk.main is not None
+    assert walk.main.stride_frequency_hz is not None
+    wanted = STRIDES_SHOWN / walk.main.stride_frequency_hz
+    assert 0.0 <= begin < end <= seconds + 0.01
+    assert end - begin == pytest.approx(min(wanted, seconds), abs=0.02)
 
 
-def test_the_window_chosen_is_a_few_strides(trot: Walk) -> None:
-    start, end = default_window(trot)
-    assert end - start == pytest.approx(4.0)
-    assert 0.0 <= start < end <= 10.0
-
-
-def test_several_logs_have_a_row_each(trot: Walk) -> None:
+def test_several_logs_have_a_row_each(missing: dict[str, Measurement]) -> None:
     file = io.StringIO()
-    rows = [summary_row(measurement_of(stats, FACTS)) for stats in (trot, measured(feet=0))]
-    print_summary(Console(file=file, width=80), rows)
+    done = [measured(TROT), missing["no feet"]]
+    print_summary(Console(file=file, width=80), [summary_row(each) for each in done])
     lines = file.getvalue().splitlines()
     assert len(lines) == 4
-    assert lines[2].split()[:3] == ["trot.bag", "trot", "high"]
+    assert lines[2].split()[:3] == ["dogbot_trot.bag", "trot", "high"]
+
+
+def test_a_walk_shorter_than_the_log_is_shown_by_its_longest_segment() -> None:
+    """Two halves of the trot are taken for two gaits, as where a robot speeds up."""
+    done = measured(TROT)
+    (segment,) = done.metrics.gait.segments
+    halves = (replace(segment, end_s=3.0), replace(segment, start_s=3.5))
+    gait = replace(done.metrics.gait, segments=halves)
+    walk = replace(done.walk, metrics=replace(done.metrics, gait=gait))
+    text = text_of(Measurement(walk), 100)
+    assert "Gait: trot, trot\n" in text
+    assert "Longest segment: 3.5 to " in text

@@ -199,14 +199,3 @@ def world_forces(log: Log) -> Iterator[tuple[int, dict[str, Array]]]:
 def seconds(log: Log, time_ns: int) -> float:
     """Time on the axis of the truth."""
     return time_ns / 1e9 - float(log.truth["log"]["start_stamp_s"])
-
-
-def stances(log: Log, foot: str) -> list[tuple[float, float]]:
-    """Stances of the truth in seconds, those cut by the log's start and end too."""
-    touchdowns_s = list(log.truth["feet"][foot]["touchdown_s"])
-    liftoffs_s = list(log.truth["feet"][foot]["liftoff_s"])
-    if liftoffs_s[0] < touchdowns_s[0]:
-        touchdowns_s.insert(0, -np.inf)
-    if touchdowns_s[-1] > liftoffs_s[-1]:
-        liftoffs_s.append(np.inf)
-    return list(zip(touchdowns_s, liftoffs_s, strict=True))

@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of_known
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, median_of_known
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 
@@ -119,7 +119,7 @@ def _noise(velocity: Floats, common: Floats, feet: Ints) -> float:
         return 0.0
     # Two feet are each half of their difference away from their median.
     degrees = float((feet[rows] / (feet[rows] - 1.0)).mean())
-    return float(np.median(apart)) / _NORMAL_MEDIAN * float(np.sqrt(degrees))
+    return float(median_of(apart)) / _NORMAL_MEDIAN * float(np.sqrt(degrees))
 
 
 def dead_reckoned(

@@ -16,14 +16,12 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import advancing
 from dogbot_logtool.core.estimated.forces import effort_fault, ground_forces, loaded_feet
 from dogbot_logtool.core.estimated.ground import resting_feet, slopes
-from dogbot_logtool.core.estimated.leg_joints import FEWEST, LegJoints
+from dogbot_logtool.core.estimated.leg_joints import FEWEST, SLOWEST_S, LegJoints
 from dogbot_logtool.core.frames.kinematics import Leg, LegMotion, leg_motion
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 
-SLOWEST_S: Final = 0.04
-"""s between two joint states, beyond which they tell no contact."""
 SHORTEST_S: Final = 0.04
 """s: shorter swings and stances are none."""
 TURNS_S: Final = 0.1

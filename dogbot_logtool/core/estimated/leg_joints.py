@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints, all_finite
+from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of
 from dogbot_logtool.core.corrections.clock import (
     TimeSource,
     advancing,
@@ -17,6 +17,8 @@ from dogbot_logtool.core.legs.joints import JointTable
 
 RATE_HZ: Final = 200.0
 """At which legs are looked at, at most."""
+SLOWEST_S: Final = 0.04
+"""s between two joint states, beyond which they tell no contact."""
 FEWEST: Final = 20
 """Joint states at least."""
 
@@ -49,19 +51,20 @@ class LegJoints:
         return [self.names.index(name) for name in names]
 
 
-def joints_of_legs(tables: Sequence[JointTable], names: Sequence[str]) -> LegJoints | None:
+def joints_of_legs(tables: Sequence[JointTable], names: Sequence[str]) -> LegJoints:
     """Return joints at the times of the topic that tells of most of them.
 
     Args:
         tables: joint states, the best topic first.
         names: of the joints.
 
-    Returns:
-        None where not all of them are told, or too rarely.
+    Raises:
+        ValueError: a sentence: not all of them are told, or too rarely.
     """
     table_of = {name: table for table in reversed(tables) for name in table.names}
-    if any(name not in table_of for name in names):
-        return None
+    if lacking := [name for name in names if name not in table_of]:
+        text = f"joint states do not tell of {', '.join(lacking)}"
+        raise ValueError(f"{text}, which the robot description has")
     of = [table_of[name] for name in names]
     main = max(of, key=of.count)
     checks = {t.topic: check_stamps(t.topic, t.samples.stamp, t.samples.log_time) for t in of}
@@ -85,7 +88,10 @@ def joints_of_legs(tables: Sequence[JointTable], names: Sequence[str]) -> LegJoi
                 values[rows] if same else _interpolated(time, clock.of(samples), values)
             )
     if len(rows) < FEWEST or not np.isfinite(position).all():
-        return None
+        raise ValueError("too few joint states tell the positions of all joints of the legs")
+    interval_s = float(median_of(np.diff(time))) / 1e9
+    if interval_s > SLOWEST_S:
+        raise ValueError(f"joint states come {1.0 / interval_s:.3g} times a second, too rarely")
     times = main.samples.log_time[rows], main.samples.stamp[rows], time
     return LegJoints(tuple(names), main.topic, clock, *times, position, effort)
 

@@ -82,9 +82,9 @@ def _read(source: Source, messages: DecodedMessages, element: str) -> BasePoses:
     return _poses(source, messages, message, values)
 
 
-def choices(source: Source, messages: DecodedMessages) -> frozenset[str]:
-    """Return what messages hold poses of: models, links, pairs of frames."""
-    return frozenset(name for name, _ in _names(source, messages.table)[1])
+def choices(source: Source, messages: DecodedMessages) -> dict[str, tuple[str, ...]]:
+    """Return what messages hold poses of: models, links, pairs of frames; with the two frames."""
+    return dict(_names(source, messages.table)[1])
 
 
 def _names(source: Source, table: Table) -> tuple[Ints, list[tuple[str, tuple[str, ...]]]]:
@@ -92,7 +92,7 @@ def _names(source: Source, table: Table) -> tuple[Ints, list[tuple[str, tuple[st
     encoded = [path.texts(table)[1].encode() for path in source.paths["choose"]]
     code, names = encoded[0]
     if len(encoded) == 1:
-        return code, [(name, ()) for name in names]
+        return code, [(name, (name,)) for name in names]
     other, others = encoded[1]
     different, pair = np.unique(code * max(len(others), 1) + other, return_inverse=True)
     pairs = [

@@ -71,7 +71,7 @@ def _decoded(batch: Batch, channels: Sequence[Channel], fields: Fields) -> list[
         if channel.message_encoding in OBJECT_ENCODINGS:
             decoded.append(_decode_objects(batch, channel, fields))
             continue
-        layout = _layout_of(channel, fields)
+        layout, _ = _layout_of(channel, fields)
         by_layout.setdefault(id(layout), (layout, []))[1].append(channel.id)
     decoded += [_decode(batch, layout, ids) for layout, ids in by_layout.values()]
     return [messages for messages in decoded if messages is not None]
@@ -106,15 +106,11 @@ def _decode_objects(batch: Batch, channel: Channel, fields: Fields) -> DecodedMe
     rows = np.flatnonzero(messages.channel == channel.id)
     if not len(rows):
         return None
-    decoded = [
-        decode_object(
-            channel.type_name,
-            channel.message_encoding,
-            batch.buffer[messages.start[row] : messages.end[row]].tobytes(),
-            fields,
-        )
-        for row in rows.tolist()
-    ]
+    kind, encoding = channel.type_name, channel.message_encoding
+    payloads = (
+        batch.buffer[messages.start[row] : messages.end[row]].tobytes() for row in rows.tolist()
+    )
+    decoded = [decode_object(kind, encoding, payload, fields) for payload in payloads]
     sound = rows[[row is not None for row in decoded]]
     table = table_of_rows([row for row in decoded if row is not None], fields)
     lost = len(rows) - len(sound)
@@ -134,10 +130,7 @@ def check_channel(channel: Channel, fields: Fields) -> str:
     if channel.message_encoding in OBJECT_ENCODINGS:
         check_object_type(channel.type_name, channel.message_encoding)
         return ""
-    decoder = _decoder_of(channel, fields)
-    if isinstance(decoder, str):
-        raise DefinitionError(decoder)
-    return decoder.own_because
+    return _layout_of(channel, fields)[1]
 
 
 def definition_of(channel: Channel) -> Struct:
@@ -146,55 +139,44 @@ def definition_of(channel: Channel) -> Struct:
     Raises:
         DefinitionError: there is none; the sentence does not name the topic.
     """
+    return _definition(*_declared(channel))[0]
+
+
+def _declared(channel: Channel) -> tuple[str, str, bytes, Serialisation]:
+    """Return a type's name, the definition's encoding and text, and how messages are encoded."""
     if channel.schema is None:
         raise DefinitionError("its messages have no type")
-    if channel.message_encoding not in SERIALISATIONS:
-        raise DefinitionError(_not_read(channel.message_encoding))
-    serialisation = SERIALISATIONS[channel.message_encoding]
-    schema = channel.schema
-    return _definition(schema.name, schema.encoding, schema.data, serialisation)[0]
+    schema, encoding = channel.schema, channel.message_encoding
+    if encoding not in SERIALISATIONS:
+        raise DefinitionError(
+            f"messages encoded as {encoding!r} are not read, only ROS 1's and CDR"
+        )
+    return schema.name, schema.encoding, schema.data, SERIALISATIONS[encoding]
 
 
-def _not_read(message_encoding: str) -> str:
-    return f"messages encoded as {message_encoding!r} are not read, only ROS 1's and CDR"
+def _layout_of(channel: Channel, fields: Fields) -> tuple[Layout, str]:
+    """Return what decodes a channel's messages, and why it is not the log's definition.
 
-
-@dataclass(frozen=True, slots=True)
-class _Decoder:
-    layout: Layout
-    own_because: str
-    """Why our own definition is used; empty: it is the log's."""
-
-
-def _layout_of(channel: Channel, fields: Fields) -> Layout:
-    decoder = _decoder_of(channel, fields)
-    if isinstance(decoder, str):
-        raise DefinitionError(f"{channel.topic}: {decoder}")
-    return decoder.layout
-
-
-def _decoder_of(channel: Channel, fields: Fields) -> _Decoder | str:
-    """Return what decodes a channel's messages, or why nothing does."""
-    if channel.schema is None:
-        return "its messages have no type"
-    schema = channel.schema
-    return _decoder(schema.name, schema.encoding, schema.data, channel.message_encoding, fields)
+    Raises:
+        DefinitionError: they cannot be decoded.
+    """
+    found = _compiled(_declared(channel), fields)
+    if isinstance(found, str):
+        raise DefinitionError(found)
+    return found
 
 
 @lru_cache(maxsize=256)
-def _decoder(
-    name: str, schema_encoding: str, data: bytes, message_encoding: str, fields: Fields
-) -> _Decoder | str:
-    """Compile a layout once for every definition. What cannot be compiled is remembered, too."""
-    if message_encoding not in SERIALISATIONS:
-        return _not_read(message_encoding)
-    serialisation = SERIALISATIONS[message_encoding]
+def _compiled(
+    declared: tuple[str, str, bytes, Serialisation], fields: Fields
+) -> tuple[Layout, str] | str:
+    """Compile a layout once for every definition; why it cannot be compiled is remembered, too."""
     try:
-        definition, own_because = _definition(name, schema_encoding, data, serialisation)
-        check_fields(definition, fields, short_type_name(name))
+        definition, own_because = _definition(*declared)
+        check_fields(definition, fields, short_type_name(declared[0]))
     except DefinitionError as error:
         return str(error)
-    return _Decoder(compile_layout(definition, serialisation, column_paths(fields)), own_because)
+    return compile_layout(definition, declared[-1], column_paths(fields)), own_because
 
 
 def _definition(
@@ -203,7 +185,8 @@ def _definition(
     """Return a type's definition: the log's, else our own and why."""
     text = data.decode("utf-8", "replace")
     try:
-        if _is_blank(text):
+        # A definition has a line that is no comment.
+        if not any(line.partition("#")[0].strip() for line in text.splitlines()):
             raise DefinitionError(f"the log has no definition of {short_type_name(name)}")
         return parse_definition(name, text, schema_encoding), ""
     except DefinitionError as error:
@@ -212,8 +195,3 @@ def _definition(
             raise
         encoding = "ros1msg" if serialisation == "ros1" else "ros2msg"
         return parse_definition(name, own, encoding), str(error)
-
-
-def _is_blank(text: str) -> bool:
-    """Tell whether a definition has no line but comments."""
-    return not any(line.partition("#")[0].strip() for line in text.splitlines())

@@ -103,7 +103,7 @@ def grid(
         layout[f"yaxis{_end(number)}"] = {
             "range": list(row.extent),
             "fixedrange": True,
-            "nticks": 4,
+            "nticks": row_pixels // 40 + 2,
             "zeroline": True,
             "title": {"text": label(row.title), "standoff": 2, "font": {"size": 11}},
         }

@@ -9,7 +9,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, norms
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import shell_joined
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log
@@ -39,12 +39,12 @@ def named_by_legs(
     Returns:
         None where no fields may be feet, they have names, or no order of them fits the legs.
     """
-    found = selection.possible_feet[0] if selection.possible_feet else None
-    if found is None or len(found.feet) != len(samples) or len(samples) > MOST_FEET:
+    offered = selection.possible_feet[0] if selection.possible_feet else None
+    if offered is None or len(offered.feet) != len(samples) or len(samples) > MOST_FEET:
         return None
-    if any(foot.leg_position is not None for foot in found.feet):
+    if any(foot.leg_position is not None for foot in offered.feet):
         return None
-    chosen = select_topics(log, replace(options, foot=None, feet=found.feet))
+    chosen = select_topics(log, replace(options, foot=None, feet=offered.feet))
     read = read_recording(log, chosen.wanted(), 1).recording.feet
     likeness = _likeness(read, samples)
     orders = sorted(
@@ -55,23 +55,23 @@ def named_by_legs(
     if not best >= LIKELY:
         return None
     names = [foot.name for foot in selection.robot.feet]
-    named = [f"{names[leg]}={word_of(foot)}" for foot, leg in zip(found.feet, order, strict=True)]
+    named = [f"{names[leg]}={word_of(foot)}" for foot, leg in zip(offered.feet, order, strict=True)]
     words = [word for each in named for word in ("--foot", each)]
     call = shell_joined(["dogbot-logtool", "stats", *log.words, *words])
-    unsure = sorted(
-        {
-            names[order[row]]
-            for lead, other in orders[:-1]
-            if best - lead < CLEAR
-            for row in range(len(order))
-            if other[row] != order[row]
-        }
+    near = [other for lead, other in orders[:-1] if best - lead < CLEAR]
+    rows = {row for other in near for row in range(len(order)) if other[row] != order[row]}
+    alike = ", ".join(sorted(names[order[row]] for row in rows))
+    unsure = f"; {alike} move too much alike to be told apart surely" if alike else ""
+    told = found(
+        "FEET_UNSURE",
+        "possible",
+        say="by_legs",
+        type=offered.type_name,
+        named=", ".join(named),
+        unsure=unsure,
+        call=call,
     )
-    text = f"fields of {found.type_name} are loaded as the legs stand: {', '.join(named)}"
-    if unsure:
-        text += f"; {', '.join(unsure)} move too much alike to be told apart surely"
-    text += f"; they are not used unasked, this measures with them: {call}"
-    return Finding("FEET_UNSURE", text, command=call, cases=("possible",))
+    return replace(told, command=call)
 
 
 def _likeness(read: Sequence[Samples], samples: Sequence[Samples]) -> Floats:

@@ -1,63 +1,27 @@
 """Feet without sensors and a base without poses: what a log's joint states tell of both."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, median_of
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.estimated import forces
-from dogbot_logtool.core.estimated.estimate import SLOWEST_S, Estimate, estimate, placed_by_legs
-from dogbot_logtool.core.estimated.leg_joints import LegJoints, joints_of_legs
+from dogbot_logtool.core.estimated.estimate import Estimate, estimate, placed_by_legs
+from dogbot_logtool.core.estimated.forces import TOO_MUCH, WRONG_SIGN
+from dogbot_logtool.core.estimated.leg_joints import joints_of_legs
 from dogbot_logtool.core.frames.kinematics import Leg
 from dogbot_logtool.core.legs.joints import JointTable
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import multiply
-from dogbot_logtool.finding import Finding
-from dogbot_logtool.io.printable import shell_joined
-from dogbot_logtool.reader.containers.log import Log
+from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.robot.robot_model.description import read_urdf
-from dogbot_logtool.robot.robot_model.joints_of_log import own_description
-from dogbot_logtool.robot.robot_model.robot_of_urdf import (
-    Legs,
-    RobotOfUrdf,
-    find_legs,
-    read_robot,
-)
+from dogbot_logtool.robot.robot_model.description import Model, without_legs
+from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf, find_legs
 from dogbot_logtool.robot.selection import Selection
 
 _WORLD: Final = "odom"
-
-
-@dataclass(frozen=True, slots=True)
-class Model:
-    """The robot's description, the log's own or the user's."""
-
-    robot: RobotOfUrdf | None
-    why_none: str = ""
-    """Why there is none that can be used."""
-    call: str = ""
-    """A call that would give one."""
-
-
-def read_model(log: Log, urdf: Path | None) -> Model:
-    """Read the user's description, or else the log's.
-
-    Raises:
-        CallError: the user's file is no URDF.
-    """
-    text = own_description(log) if urdf is None else read_urdf(urdf)
-    if text is None:
-        call = shell_joined(["dogbot-logtool", "stats", *log.words, "--urdf", "ROBOT.urdf"])
-        return Model(None, "the log has no robot description, which says how the legs go", call)
-    try:
-        return Model(read_robot(text))
-    except ValueError as error:
-        return Model(None, f"the robot description {error}")
 
 
 def told_by_legs(
@@ -70,60 +34,77 @@ def told_by_legs(
         selection: its topics.
         model: the robot's description.
     """
-    robot = model.robot
+    robot, lacks_feet = model.robot, not selection.contacts
     recording = _named_as_described(recording, robot) if robot else recording
-    lacks_feet, lacks_base = not selection.contacts, not selection.odometry
-    if not (lacks_feet or lacks_base):
+    if selection.contacts and selection.odometry:
         return recording, selection
-    named, found = selection.robot, Legs()
+    try:
+        if robot is None:
+            raise ValueError(model.why_none)
+        legs, selection, told = _estimated(recording, selection, robot)
+    except ValueError as reason:
+        if not lacks_feet:
+            return recording, selection
+        settled = [each for each in selection.findings if each.code != "NO_FEET"]
+        told_why = without_legs(str(reason), model.call)
+        return recording, replace(selection, findings=(*settled, told_why))
+    feet = told.feet if lacks_feet else _with_points(recording, selection, legs, told)
+    base = recording.base if selection.odometry else told.base
+    return replace(recording, feet=feet, base=base), selection
+
+
+def _estimated(
+    recording: Recording, selection: Selection, robot: RobotOfUrdf
+) -> tuple[Sequence[Leg], Selection, Estimate]:
+    """Return the legs, what they tell, and the selection with what the log lacks.
+
+    Raises:
+        ValueError: a sentence: why they tell nothing.
+    """
+    named, lacks_feet = selection.robot, not selection.contacts
+    robot = _based(recording, named.base_frame, robot)
     knows_axis = named.is_given("forward_axis") or not selection.robot_is_guessed
-    if robot is not None:
-        robot = _based(recording, selection, robot)
-        axis = named.forward_axis if knows_axis else None
-        found = find_legs(robot, _posture(recording.joints), axis)
-    names = dict.fromkeys(name for leg in found.legs for name in leg.measured)
-    joints = joints_of_legs(recording.joints, tuple(names)) if names else None
-    reason = model.why_none or (found.why_none and f"the robot description {found.why_none}")
-    reason = reason or _why_not(recording, found.legs, joints)
-    if robot is None or joints is None or reason:
-        return recording, _without_legs(selection, reason, model.call) if lacks_feet else selection
-    mass = selection.robot.mass_kg or robot.mass_kg
-    told = estimate(recording, found.legs, joints, _mounting(recording, robot), mass)
+    axis = named.forward_axis if knows_axis else None
+    try:
+        found_legs = find_legs(robot, _posture(recording.joints), axis)
+    except ValueError as reason:
+        raise ValueError(f"the robot description {reason}") from None
+    legs, axis = found_legs.legs, found_legs.forward_axis
+    names = dict.fromkeys(name for leg in legs for name in leg.measured)
+    joints = joints_of_legs(recording.joints, tuple(names))
+    mass = named.mass_kg or robot.mass_kg
+    told = estimate(recording, legs, joints, _mounting(recording, robot), mass)
+    named = replace(named, forward_axis=axis, base_frame=named.base_frame or robot.base)
     findings = [*selection.findings]
-    base_frame = named.base_frame or robot.base
-    named = replace(named, forward_axis=found.forward_axis, base_frame=base_frame)
-    if lacks_base:
+    if not selection.odometry:
         named = replace(named, world_frame=named.world_frame or _WORLD)
         findings = [each for each in findings if each.code != "NO_BASE"]
-        findings.append(_of_base(told))
-    feet = _with_points(recording, selection, found.legs, told)
+        lean = "by the accelerometer" if told.tells_up else "taken as none"
+        findings.append(found("BASE_FROM_LEGS", say="joints", by=told.turns_from, lean=lean))
     if lacks_feet:
-        own = [
-            Foot(leg.name, joints.topic, leg_position=leg.position, frame=leg.foot)
-            for leg in found.legs
-        ]
-        named, feet = replace(named, mass_kg=mass, feet=tuple(own)), told.feet
+        own = (Foot(e.name, joints.topic, leg_position=e.position, frame=e.foot) for e in legs)
+        named = replace(named, mass_kg=mass, feet=tuple(own))
         findings = [each for each in findings if not _is_settled(each, recording)]
-        findings += [_of_contact(told, joints.topic), *_of_efforts(told, found.legs)]
-    return replace(recording, feet=feet, base=told.base if lacks_base else recording.base), replace(
+        findings += _of_contact(told, joints.topic, tuple(leg.name for leg in legs))
+    selection = replace(
         selection,
         robot=named,
         findings=tuple(findings),
         contact_from=told.contact_from if lacks_feet else "",
-        base_from_legs=lacks_base,
+        base_from_legs=not selection.odometry,
     )
+    return legs, selection, told
 
 
 def _posture(tables: Sequence[JointTable]) -> dict[str, float]:
     """Return the usual position of each recorded joint, rad or m."""
-    found: dict[str, float] = {}
+    usual: dict[str, float] = {}
     for table in tables:
-        for column, name in enumerate(table.names):
-            values = table.samples.position[:, column]
-            values = values[np.isfinite(values)]
-            if len(values):
-                found.setdefault(name, float(median_of(values)))
-    return found
+        for name, values in zip(table.names, table.samples.position.T, strict=True):
+            known = values[np.isfinite(values)]
+            if len(known):
+                usual.setdefault(name, float(median_of(known)))
+    return usual
 
 
 def _with_points(
@@ -132,12 +113,12 @@ def _with_points(
     """Return sensors' samples with the places where their legs rest, if sensors tell none."""
     if selection.has_points:
         return recording.feet
-    of_leg = {leg.position: samples for leg, samples in zip(legs, told.feet, strict=True)}
+    pairs = zip(legs, told.feet, strict=True)
+    of_leg = {leg.position or leg.name: samples for leg, samples in pairs}
+    keys = [foot.leg_position or foot.name for foot in selection.robot.feet]
     return tuple(
-        placed_by_legs(samples, of_leg[foot.leg_position])
-        if foot.leg_position and foot.leg_position in of_leg
-        else samples
-        for foot, samples in zip(selection.robot.feet, recording.feet, strict=True)
+        placed_by_legs(samples, of_leg[key]) if key in of_leg else samples
+        for key, samples in zip(keys, recording.feet, strict=True)
     )
 
 
@@ -161,13 +142,16 @@ def _is_settled(finding: Finding, recording: Recording) -> bool:
     return finding.code == "NO_FEET" or (finding.code == "FEET_UNSURE" and any(joints))
 
 
-def _based(recording: Recording, selection: Selection, robot: RobotOfUrdf) -> RobotOfUrdf:
+def _based(recording: Recording, named: str | None, robot: RobotOfUrdf) -> RobotOfUrdf:
     """Return a robot whose base is the robot's file's, or that of the poses, if it has that."""
     below = {joint.parent for joint in robot.joints}
-    named = (selection.robot.base_frame or "", *recording.base_frames)
-    base = next((each.strip("/") for each in named if each.strip("/") in below), robot.base)
-    other = replace(robot, base=base)
-    return other if base == robot.base or find_legs(other, {}).legs else robot
+    names = (each.strip("/") for each in (named or "", *recording.base_frames))
+    other = replace(robot, base=next((name for name in names if name in below), robot.base))
+    try:
+        find_legs(other, {})
+    except ValueError:
+        return robot
+    return other
 
 
 def _mounting(recording: Recording, robot: RobotOfUrdf) -> Floats:
@@ -182,62 +166,12 @@ def _mounting(recording: Recording, robot: RobotOfUrdf) -> Floats:
     return np.asarray(turn[0])
 
 
-def _why_not(recording: Recording, legs: Sequence[Leg], joints: LegJoints | None) -> str:
-    """Say why joint states tell nothing of the feet; empty if they do."""
-    if joints is None:
-        told = {name for table in recording.joints for name in table.names}
-        lacking = [name for leg in legs for name in leg.measured if name not in told]
-        names = ", ".join(dict.fromkeys(lacking))
-        if not names:
-            return "too few joint states tell the positions of all joints of the legs"
-        return f"joint states do not tell of {names}, which the robot description has"
-    interval = float(median_of(np.diff(joints.time))) / 1e9
-    if interval > SLOWEST_S:
-        return f"joint states come {1.0 / interval:.3g} times a second, too rarely"
-    return ""
-
-
-def _without_legs(selection: Selection, reason: str, call: str) -> Selection:
-    """Say why there is no gait, in place of what says that there are no topics of feet."""
-    findings = [each for each in selection.findings if each.code != "NO_FEET"]
-    text = f"no topic tells of feet, so there is no gait, and joints do not tell: {reason}"
-    text += f"; with it, this measures the gait: {call}" if call else ""
-    return replace(selection, findings=(*findings, Finding("NO_FEET", text, command=call)))
-
-
-def _of_base(told: Estimate) -> Finding:
-    """Say that the base is worked out from the legs."""
-    lean = "by the accelerometer" if told.tells_up else "taken as none"
-    text = (
-        "the log has no poses of the base: they are worked out from the standing feet (leg "
-        f"odometry), with turns by {told.turns_from}, roll and pitch {lean}; in a physics engine, "
-        "speeds were within 4 %; place and heading drift"
-    )
-    return Finding("BASE_FROM_LEGS", text)
-
-
-def _of_efforts(told: Estimate, legs: Sequence[Leg]) -> Iterator[Finding]:
-    """Yield why efforts are no torques: then work is none, either."""
-    if told.why_no_force.startswith(forces.TOO_MUCH):
-        text = f"no work is known: {told.why_no_force}"
-        yield Finding("JOINT_VALUES", text, "legs.absolute_work_j", cases=("efforts",))
-    if told.why_no_force.startswith(forces.WRONG_SIGN):
-        names = tuple(leg.name for leg in legs)
-        yield Finding("EFFORT_SIGN", told.why_no_force, "legs.positive_work_j", feet=names)
-
-
-def _of_contact(told: Estimate, topic: str) -> Finding:
-    """Say that contact is estimated, and from what."""
-    if told.contact_from == "joint_torques":
-        text = (
-            f"contacts and forces of the feet are estimated from positions and efforts of {topic}: "
-            "in a physics engine, contact times were within 0.03 of a stride, vertical forces "
-            "within 0.15 body weights rms, their sum 0.93 to 1.0 of the weight"
-        )
-        return Finding("CONTACT_ESTIMATED", text)
-    text = (
-        f"contacts of the feet are estimated from the motion of the legs ({topic}): beside a "
-        "physics engine and the sensors of a Go1, times in contact were within 0.1 of a stride; "
-        f"there are no forces: {told.why_no_force}"
-    )
-    return Finding("CONTACT_ESTIMATED", text)
+def _of_contact(told: Estimate, topic: str, names: tuple[str, ...]) -> Iterator[Finding]:
+    """Yield that contact is estimated, and why efforts are no torques: work is none, either."""
+    why = told.why_no_force
+    say = "plain" if why else "forces"
+    yield replace(found("CONTACT_ESTIMATED", say=say, topic=topic, why=why), where="")
+    if why.startswith(TOO_MUCH):
+        yield found("JOINT_VALUES", "efforts", where="legs.absolute_work_j", why=why)
+    if why.startswith(WRONG_SIGN):
+        yield Finding("EFFORT_SIGN", why, "legs.positive_work_j", feet=names)

@@ -205,7 +205,8 @@ def prepare(
     model = None
     if recording.joints:
         from dogbot_logtool.robot.measuring.array_feet import named_by_legs  # noqa: PLC0415
-        from dogbot_logtool.robot.measuring.by_legs import read_model, told_by_legs  # noqa: PLC0415
+        from dogbot_logtool.robot.measuring.by_legs import told_by_legs  # noqa: PLC0415
+        from dogbot_logtool.robot.robot_model.description import read_model  # noqa: PLC0415
 
         found = read_model(log, options.urdf)
         model = found.robot

@@ -1,6 +1,7 @@
 """Which robot description the output has: the log's own, the user's file, or one of primitives."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -9,15 +10,18 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, found
+from dogbot_logtool.io.printable import shell_joined
 from dogbot_logtool.io.storage import content
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.robot.robot_model.joints_of_log import (
     JointMotion,
     description_channels,
     joint_motion,
+    own_description,
 )
 from dogbot_logtool.robot.robot_model.primitives import primitive_urdf
+from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf, read_robot
 from dogbot_logtool.robot.robot_model.skeleton import robot_shape, skeleton
 from dogbot_logtool.robot.robot_model.urdf import parse_urdf, said_of_left_out
 from dogbot_logtool.robot.selection import Selection
@@ -73,10 +77,9 @@ def robot_description(
         nowhere = (np.nan,) * 3
         hips = np.array([shape.hips.get(foot, nowhere) for foot in range(len(feet))])
     own = sorted({channel.topic for channel in description_channels(log)}) if copy else []
-    found = _moved(motion, base_frame) if motion else []
+    told = list(_moved(motion, base_frame)) if motion else []
     if own:
-        text = f"the log has its own robot description ({', '.join(own)}): none is written"
-        found = [Finding("ROBOT_DESCRIPTION", text), *found]
+        told = [found("ROBOT_DESCRIPTION", say="own", topics=", ".join(own)), *told]
     elif given is None:
         given = primitive_urdf(
             selection.robot.name,
@@ -86,22 +89,17 @@ def robot_description(
             list(shape.hips.values()),
             upright=len(feet) == 2,
         )
-    return RobotDescription(None if own else given, tuple(found), hips, motion, shape.height_m)
+    return RobotDescription(None if own else given, tuple(told), hips, motion, shape.height_m)
 
 
-def _moved(motion: JointMotion, base_frame: str) -> list[Finding]:
-    """Return findings about links that joint states move."""
+def _moved(motion: JointMotion, base_frame: str) -> Iterator[Finding]:
+    """Yield findings about links that joint states move."""
     moving = sum(joint.kind != "fixed" for joint in motion.joints)
-    text = (
-        f"the log has no transforms of the links: they are computed from {motion.topic}, joints: "
-        f"{moving}"
-    )
-    text += f"; {said_of_left_out(motion.left_out)}" if motion.left_out else ""
-    found = [Finding("ROBOT_DESCRIPTION", text, motion.topic)]
+    left_out = f"; {said_of_left_out(motion.left_out)}" if motion.left_out else ""
+    topic = motion.topic
+    yield found("ROBOT_DESCRIPTION", say="moved", topic=topic, joints=moving, left_out=left_out)
     if base_frame not in {link for pair in motion.pairs for link in pair}:
-        text = f"the robot description has no link {base_frame}: its robot does not go along"
-        found.append(Finding("ROBOT_DESCRIPTION", text))
-    return found
+        yield found("ROBOT_DESCRIPTION", say="no_base", base=base_frame)
 
 
 def read_urdf(file: Path) -> str:
@@ -126,3 +124,37 @@ def read_urdf(file: Path) -> str:
     except ValueError as error:
         raise CallError(f"--urdf {file}: {error}") from None
     return text
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """The robot's description, the log's own or the user's."""
+
+    robot: RobotOfUrdf | None
+    why_none: str = ""
+    """Why there is none that can be used."""
+    call: str = ""
+    """A call that would give one."""
+
+
+def read_model(log: Log, urdf: Path | None) -> Model:
+    """Read the user's description, or else the log's.
+
+    Raises:
+        CallError: the user's file is no URDF.
+    """
+    text = own_description(log) if urdf is None else read_urdf(urdf)
+    if text is None:
+        call = shell_joined(["dogbot-logtool", "stats", *log.words, "--urdf", "ROBOT.urdf"])
+        return Model(None, "the log has no robot description, which says how the legs go", call)
+    try:
+        return Model(read_robot(text))
+    except ValueError as error:
+        return Model(None, f"the robot description {error}")
+
+
+def without_legs(reason: str, call: str) -> Finding:
+    """Say why there is no gait, with a call that would give one; empty: none is known."""
+    told = found("NO_FEET", say="joints", reason=reason)
+    text = f"{told.text}; with it, this measures the gait: {call}" if call else told.text
+    return replace(told, text=text, command=call)

@@ -13,6 +13,7 @@ from dogbot_logtool.core.frames.kinematics import Joint, Leg, Mass, Triple, leg_
 from dogbot_logtool.core.leg_position import LegPosition, leg_names
 from dogbot_logtool.core.legs.joints import JointLimits
 from dogbot_logtool.core.rotations import multiply, rotate
+from dogbot_logtool.robot.names import leg_position
 from dogbot_logtool.robot.robot_model.urdf import (
     Link,
     parse_urdf,
@@ -78,11 +79,9 @@ class RobotOfUrdf:
 class Legs:
     """The legs of a robot."""
 
-    legs: tuple[Leg, ...] = ()
+    legs: tuple[Leg, ...]
     """From front to back."""
-    forward_axis: str = "+x"
-    why_none: str = ""
-    """Why there are none, as a sentence about the robot description."""
+    forward_axis: str
 
 
 def read_robot(urdf: str) -> RobotOfUrdf:
@@ -138,12 +137,15 @@ def _joints_below(below: Mapping[str, list[Joint]], link: str) -> int:
 def find_legs(
     robot: RobotOfUrdf, posture: Mapping[str, float], forward_axis: str | None = None
 ) -> Legs:
-    """Return the legs of a robot, or why it has none.
+    """Return the legs of a robot.
 
     Args:
         robot: its description.
         posture: rad or m, usual positions of recorded joints; others are at rest.
         forward_axis: of the base; None: told by the names of the legs, else +x.
+
+    Raises:
+        ValueError: it has none that can be used; the sentence goes on from its description.
     """
     below = robot.below
     ends = [_end(robot, below, chain, posture) for chain in _chains(below, robot.base)]
@@ -151,13 +153,13 @@ def find_legs(
     feet = _lowest([end for end in ends if not (end.is_wheel or _is_arm(end.leg))])[:_MOST_LEGS]
     if not feet:
         what = f"legs that end in wheels, {', '.join(wheels)}, and " if wheels else ""
-        return Legs(why_none=f"has {what}no two legs: chains of joints that end below the base")
+        raise ValueError(f"has {what}no two legs: chains of joints that end below the base")
     if unclear := [end.leg.foot for end in feet if end.is_joint]:
         text = f"does not say where the feet of {', '.join(unclear)} are: no link hangs there"
-        return Legs(why_none=f"{text}, and they have no ball or cylinder")
+        raise ValueError(f"{text}, and they have no ball or cylinder")
     along = np.mean([end.place - end.hip for end in feet], axis=0)
     if np.hypot(along[0], along[1]) > abs(along[2]):
-        return Legs(why_none=f"has a base, {robot.base}, whose z axis is not up: legs go sideways")
+        raise ValueError(f"has a base, {robot.base}, whose z axis is not up: legs go sideways")
     places = np.array([end.place for end in feet])
     axis = forward_axis or _forward(places, [_position_in(end.leg) for end in feet])
     turn = FORWARD_ANGLES[axis]
@@ -166,19 +168,13 @@ def find_legs(
     names = leg_names(np.column_stack([ahead, aside, places[:, 2]]))
     legs = [
         replace(
-            end.leg, name=name, position=_position(name), masses=_carried(robot, below, end.leg)
+            end.leg, name=name, position=leg_position(name), masses=_carried(robot, below, end.leg)
         )
         for name, end in zip(names, feet, strict=True)
     ]
     order = {"front": 0, "middle": 1, "back": 2}
     legs.sort(key=lambda leg: (order.get((leg.position or ("",))[0], 3), leg.name))
     return Legs(tuple(legs), axis)
-
-
-def _position(name: str) -> LegPosition | None:
-    """Return the position that `leg_names` gives; a biped's legs have sides only."""
-    end, _, side = name.rpartition("_")
-    return (end or "middle", side) if side in SIDES.values() else None
 
 
 @dataclass(frozen=True, slots=True)
