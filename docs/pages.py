@@ -7,7 +7,7 @@ from typing import Final
 
 from dogbot_logtool.core.arrays import Aggregate
 from dogbot_logtool.core.events.event import EventType
-from dogbot_logtool.core.metrics import Event, Stride, WalkMetrics
+from dogbot_logtool.core.metrics import Stride, WalkMetrics
 from dogbot_logtool.core.records import Field, definitions, fields_of, is_record, metric_paths
 from dogbot_logtool.finding import finding_kinds
 from dogbot_logtool.io.plain_json import to_json
@@ -40,17 +40,18 @@ _METRICS_HEAD: Final = """# Metrics
 
 Everything that `stats --json` reports, and the columns of `export --table strides`. SI units; the
 unit stands in the key. A metric that cannot be known is `null`, and `null_because` says why: the
-code of a finding, what of *needs* the log lacks, or that it does not apply. In keys `*` stands for
-the name of a foot, pair, joint or topic, `[]` for the items of a list. Curves, lists of times and
-the touchdowns and lift-offs among the events are printed with `--json -v` only.
-This page is made of the records in `dogbot_logtool/core/metrics.py` by `make docs`.
+code of a finding, what of *needs* the log lacks, or that it does not apply. In keys `*` stands
+for the name of a foot, pair, joint or topic, `[]` for the items of a list. Curves, lists of times
+and the touchdowns and lift-offs among the events are printed with `--json -v` only. This page is
+made of the records in `dogbot_logtool/core/metrics.py` by `make docs`.
 
 An **aggregate** holds {statistics}; a **curve** quartiles over strides by percent of the gait
-cycle: `percent`, `lower`, `median`, `upper`.
+cycle: `percent`, `lower`, `median`, `upper`. All metrics of `base`, `gait`, `feet`, `forces` and
+`stability` are those of each of `gait.segments[]`, too.
+
+| key | unit | kind | definition | needs |
+|---|---|---|---|---|
 """
-_METRICS_COLUMNS: Final = "| key | unit | kind | definition | needs |\n|---|---|---|---|---|\n"
-_IN_SEGMENTS: Final = ("base", "gait", "feet", "forces", "stability")
-"""Groups that are measured for each segment, too."""
 
 
 def metrics_page() -> str:
@@ -59,26 +60,28 @@ def metrics_page() -> str:
     parts = [_METRICS_HEAD.format(statistics=statistics)]
     words = definitions(WalkMetrics)
     for field in fields_of(WalkMetrics):
-        parts += _section(field, words.get(field.name, ""))
-    parts.append(f"\n## stride\n{Stride.__doc__}\n\n{_METRICS_COLUMNS}")
+        parts += _group(field, words.get(field.name, ""))
+    parts.append(_group_row("stride", Stride.__doc__ or ""))
     parts += [_metric_row(*each) for each in metric_paths(Stride)]
+    meanings = definitions(EventType)
+    parts.append("\n## Events\n")
+    parts += [f"- `{kind}`: {meanings[kind.name]}.\n" for kind in EventType]
     return "".join(parts)
 
 
-def _section(field: Field, words: str) -> Iterator[str]:
+def _group(field: Field, words: str) -> Iterator[str]:
     items = {"map": ".*", "records": "[]"}.get(field.kind, "")
-    about = field.inner.__doc__ if is_record(field.inner) else words
-    also = " Also `gait.segments[].` of these." if field.name in _IN_SEGMENTS else ""
-    yield f"\n## {field.name}\n{' '.join(about.split())}{also}\n\n"
-    if is_record(field.inner):
-        yield _METRICS_COLUMNS
-        for path, each, definition in metric_paths(field.inner):
-            if not path.startswith("segments[].") or path.count(".") == 1:
-                yield _metric_row(f"{field.name}{items}.{path}", each, definition)
-    if field.inner is Event:
-        yield "\n"
-        meanings = definitions(EventType)
-        yield from (f"- `{kind}`: {meanings[kind.name]}.\n" for kind in EventType)
+    if not is_record(field.inner):
+        yield _group_row(field.name, words)
+        return
+    yield _group_row(field.name, field.inner.__doc__)
+    for path, each, definition in metric_paths(field.inner):
+        if not path.startswith("segments[].") or path.count(".") == 1:
+            yield _metric_row(f"{field.name}{items}.{path}", each, definition)
+
+
+def _group_row(name: str, words: str) -> str:
+    return f"| **{name}** | | | {' '.join(words.split())} | |\n"
 
 
 def _metric_row(path: str, field: Field, definition: str) -> str:

@@ -7,12 +7,14 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NoReturn, Protocol, TypeVar
 
 import click
 
 from dogbot_logtool.cli.messages import note, say, say_damage, say_failures
 from dogbot_logtool.errors import DAMAGED, LogtoolError
+from dogbot_logtool.io.output import whole_file
 from dogbot_logtool.io.plain_json import readable_json
 from dogbot_logtool.io.storage import valid_unicode, without_secrets
 from dogbot_logtool.options import JobOptions, MeasureOptions, QuietOptions
@@ -192,3 +194,12 @@ class Call:
         elif self.failures:
             say_failures(self.failures, len(self._results))
         sys.exit(next((code for code in (1, 2, DAMAGED) if code in self._codes), 0))
+
+
+def write(content: bytes, target: Path | None, *, overwrite: bool) -> None:
+    """Write a result to a file; without one, print it."""
+    if target is None:
+        click.echo(content.decode(), nl=False)
+    else:
+        with whole_file(target, overwrite=overwrite) as file:
+            file.write(content)

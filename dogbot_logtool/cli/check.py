@@ -4,13 +4,12 @@ from typing import NoReturn
 
 import click
 
-from dogbot_logtool.cli.call import Call
+from dogbot_logtool.cli.call import Call, write
 from dogbot_logtool.commands.check import check, exit_code, read_limits
 from dogbot_logtool.comparison.judge import Judgement
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.io.output import whole_file
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.io.targets import output_file, refuse_bad_report
+from dogbot_logtool.io.targets import output_file
 from dogbot_logtool.options import Check
 from dogbot_logtool.report.check_report import check_json, check_junit, print_check
 from dogbot_logtool.report.documents import damage_json
@@ -26,9 +25,7 @@ def run(options: Check) -> NoReturn:
         _suggest(call, options)
     limits = read_limits(options.limits, options.baseline)
     logs, options = call.joined_logs(options)
-    junit = output_file(options.junit, ".xml")
-    if junit is not None:
-        refuse_bad_report(junit, logs.paths, overwrite=options.overwrite)
+    junit = output_file(options.junit, ".xml", logs.paths, overwrite=options.overwrite)
     checked: dict[str, list[Judgement]] = {}
     for done in call.measured(logs, options):
         name = done.json["log"]["path"]
@@ -38,8 +35,7 @@ def run(options: Check) -> NoReturn:
         if not options.json:
             print_check(results(), name, judgements, verbose=options.verbose)
     if junit is not None:
-        with whole_file(junit, overwrite=options.overwrite) as file:
-            file.write(check_junit(checked, dict(call.failures)))
+        write(check_junit(checked, dict(call.failures)), junit, overwrite=options.overwrite)
     call.finish(as_json=options.json)
 
 

@@ -5,7 +5,7 @@ from typing import NoReturn
 
 import click
 
-from dogbot_logtool.cli.call import Call
+from dogbot_logtool.cli.call import Call, write
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.option import options_of, part_of
@@ -47,20 +47,16 @@ def _refuse_others(options: Compare) -> None:
 def _compare_files(call: Call, options: Compare) -> NoReturn:
     """Compare two logs, or two `stats --json` files; exit."""
     from dogbot_logtool.commands.compare import compare  # noqa: PLC0415
-    from dogbot_logtool.io.output import whole_file  # noqa: PLC0415
     from dogbot_logtool.io.printable import printable  # noqa: PLC0415
-    from dogbot_logtool.io.targets import output_file, refuse_bad_report  # noqa: PLC0415
+    from dogbot_logtool.io.targets import output_file  # noqa: PLC0415
 
     expected, actual = Path(options.expected), Path(options.actual)
-    junit = output_file(options.junit, ".xml")
-    if junit is not None:
-        refuse_bad_report(junit, (expected, actual), overwrite=options.overwrite)
+    junit = output_file(options.junit, ".xml", (expected, actual), overwrite=options.overwrite)
     comparison = compare(expected, actual, options)
     for damage in comparison.damage:
         call.add_damage(damage)
     if junit is not None:
-        with whole_file(junit, overwrite=options.overwrite) as file:
-            file.write(comparison_junit(comparison))
+        write(comparison_junit(comparison), junit, overwrite=options.overwrite)
     for warning in comparison.warnings:
         click.echo(printable(f"warning: {warning}"), err=True)
     if options.json:

@@ -33,8 +33,7 @@ def run(options: Export) -> NoReturn:
         call.finish()
     refuse_no_name(options.output or "")
     target = Path(options.output or "")
-    for log in logs.paths:
-        refuse_bad_target(target, log, overwrite=options.overwrite)
+    refuse_bad_target(target, logs.paths, overwrite=options.overwrite)
     with whole_file(
         target, overwrite=options.overwrite, is_wanted=lambda: call.has_results
     ) as file:

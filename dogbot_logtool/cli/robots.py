@@ -7,7 +7,7 @@ from typing import NoReturn
 
 import click
 
-from dogbot_logtool.cli.call import Call
+from dogbot_logtool.cli.call import Call, write
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.printable import shell_joined
@@ -42,24 +42,16 @@ def run(options: Robots) -> None:
 def _new(options: Robots, log: Path, *others: Path) -> NoReturn:
     """Draft the file of a log's robot; exit."""
     from dogbot_logtool.commands.new_robot import new_robot  # noqa: PLC0415
-    from dogbot_logtool.io.output import refuse_bad_target, whole_file  # noqa: PLC0415
     from dogbot_logtool.io.targets import output_file  # noqa: PLC0415
 
     call = Call(options)
-    target = output_file(options.output, ".toml")
-    if target is not None:
-        for source in (log, *others):
-            refuse_bad_target(target, source, overwrite=options.overwrite)
+    target = output_file(options.output, ".toml", (log, *others), overwrite=options.overwrite)
     stem = (target or log).stem
     name = re.sub(r"[^A-Za-z0-9]+", "_", stem).strip("_") or "robot"
     measuring = replace(part_of(options, MeasureOptions), joined=others)
     found = new_robot(log, name, measuring)
     call.add_damage(found.damage)
-    if target is None:
-        click.echo(found.text, nl=False)
-    else:
-        with whole_file(target, overwrite=options.overwrite) as file:
-            file.write(found.text.encode())
+    write(found.text.encode(), target, overwrite=options.overwrite)
     if not options.quiet:
         for other in found.runners_up[:3]:
             click.echo(f"not chosen: {other.fields} ({other.reasons})", err=True)

@@ -49,8 +49,8 @@ def convert(
         LogtoolError: the target cannot be written.
     """
     overwrite, makes_folder = options.overwrite, options.makes_folder
-    for location in (source, *options.joined):
-        refuse_bad_target(target, location, overwrite=overwrite, makes_folder=makes_folder)
+    inputs = (source, *options.joined)
+    refuse_bad_target(target, inputs, overwrite=overwrite, makes_folder=makes_folder)
     refuse_unknown_names(options)
     log = open_recorded(source, options.joined)
     try:

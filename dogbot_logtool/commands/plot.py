@@ -28,7 +28,7 @@ def refuse_bad_figure(target: Path, logs: Sequence[Location], *, overwrite: bool
     if _format(target) not in FORMATS:
         endings = ", ".join(f".{form}" for form in FORMATS)
         raise CallError(f"--figure {target}: the name must end in one of {endings}")
-    refuse_bad_target(target, logs[0], overwrite=overwrite)
+    refuse_bad_target(target, logs, overwrite=overwrite)
     require_matplotlib()
 
 

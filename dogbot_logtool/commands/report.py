@@ -39,7 +39,7 @@ class Reports:
         self._beside = ALONE
         if len(logs) > 1:
             self._index = output.path / "index.html"
-            self._refuse(self._index, None)
+            self._refuse(self._index)
             self._beside = Beside(shared_name(), "index.html")
 
     def write(self, source: Location, options: Report, progress: OnProgress | None = None) -> Page:
@@ -55,7 +55,7 @@ class Reports:
             LogtoolError: the log cannot be used, or the page not be written.
         """
         target = self._targets[source]
-        self._refuse(target, source)
+        self._refuse(target, [source])
         with closing(open_recorded(source, options.joined)) as log:
             found = measure_log(log, options, progress)
             replay = replay_of(found) if options.replay else None

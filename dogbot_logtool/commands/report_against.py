@@ -34,8 +34,8 @@ def comparison_target(
         CallError: it may not be written there.
     """
     target = output.path / f"{file_stem(logs[0])}{ENDING}" if output.is_folder else output.path
-    for log in (*logs, *others):
-        refuse_bad_target(target, log, overwrite=overwrite, makes_folder=output.is_folder)
+    inputs = (*logs, *others)
+    refuse_bad_target(target, inputs, overwrite=overwrite, makes_folder=output.is_folder)
     return target
 
 

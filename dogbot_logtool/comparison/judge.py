@@ -1,4 +1,4 @@
-"""Judge the figures, findings and events of a log by rules.
+"""Judge the metrics, findings and events of a log by rules.
 
 The words are those of log reviewers for flight logs: GOOD, WARN, FAIL, and UNKNOWN where a figure
 is not known.
@@ -125,53 +125,32 @@ def _counted(rule: Rule, count: int, look: str) -> Judgement:
 
 
 def _of_figures(document: Json, rule: Rule, baseline: Json | None) -> Iterator[Judgement]:
-    """Yield a judgement for each figure that the pattern fits."""
+    """Yield a judgement for each metric that the pattern fits."""
     parts = list(_parts(document, rule.where))
     if not parts:
         yield _unknown(rule, rule.pattern, f"no segment is a {rule.where}")
         return
-    found = False
-    for prefix, part in parts:
-        for path, value in figures_in(part, rule.pattern):
-            found = True
-            yield _of_figure(
-                document, rule, prefix + path, value, _of_baseline(baseline, rule, path)
-            )
+    # Of several segments, the baseline's first one counts.
+    others = reversed(list(_parts(baseline or {}, rule.where)))
+    before = dict(each for _, part in others for each in figures_in(part, rule.pattern))
+    found = [(prefix, *each) for prefix, part in parts for each in figures_in(part, rule.pattern)]
+    for prefix, path, value in found:
+        yield _of_figure(document, rule, prefix + path, value, before.get(path))
     if not found:
         yield _unknown(rule, rule.pattern, _no_such_figure(rule.pattern, [p for _, p in parts]))
 
 
-def _of_baseline(baseline: Json | None, rule: Rule, path: str) -> Value:
-    """Return the baseline's value of a figure; of several segments the first one's."""
-    if baseline is None or rule.baseline is None:
-        return None
-    for _, part in _parts(baseline, rule.where):
-        for other, value in figures_in(part, path):
-            if other == path:
-                return value
-    return None
-
-
-def _of_figure(
-    document: Json,
-    rule: Rule,
-    path: str,
-    value: Value,
-    before: Value,
-) -> Judgement:
+def _of_figure(document: Json, rule: Rule, path: str, value: Value, before: Value) -> Judgement:
     if value is None:
         return _unknown(rule, path, _reason(document, path))
     low, high, equals, demand = rule.low, rule.high, rule.equals, rule.demand
     if rule.baseline is not None:
         if before is None:
             return _unknown(rule, path, "the baseline does not have it")
-        demand = f"{demand}, {_shown(before)}"
-        if _is_number(before):
-            low, high = rule.baseline.around(float(before))
-        else:
-            equals = before
+        equals, demand = before, f"{demand}, {_shown(before)}"
     if _is_number(equals):
-        low, high, equals = equals, equals, None
+        low, high = rule.baseline.around(equals) if rule.baseline else (equals, equals)
+        equals = None
     if _is_number(value) and equals is None:
         good = low <= value <= high
     elif _is_number(value) or equals is None:

@@ -1,8 +1,8 @@
 """Suggest limits from good runs."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from dogbot_logtool.comparison.judge import can_tell, figures_in, findings_in
 from dogbot_logtool.io.printable import printable
@@ -10,35 +10,36 @@ from dogbot_logtool.io.printable import printable
 Json = Mapping[str, Any]
 
 
-@dataclass(frozen=True, slots=True)
-class _Suggested:
-    """A figure for which limits are suggested."""
+_BETWEEN: Final = "between = [{low}, {high}]"
+_MOST: Final = "at_most = {high}"
+_LEAST: Final = "at_least = {low}"
+
+
+class _Suggested(NamedTuple):
+    """A metric for which limits are suggested."""
 
     pattern: str
     why: str
     percent: float = 5.0
     """Room on either side of what was seen, of its size."""
     least: float = 0.0
-    """Room at least, in the figure's unit."""
-    lower: bool = True
-    """Whether too little is bad; also `upper`."""
-    upper: bool = True
+    """Room at least, in the metric's unit."""
+    demand: str = _BETWEEN
+    """Tells whether too little is bad, or too much, or both."""
 
 
-_FIGURES: Final = (
+_METRICS: Final = (
     _Suggested("feet.*.duty_factor.median", "how much of a stride each foot stands"),
     _Suggested("feet.*.stride_period_s.median", "s, how long a stride takes"),
     _Suggested("feet.*.stride_length_m.median", "m, how far a stride gets", least=0.005),
     _Suggested("feet.*.peak_force_bw.median", "body weights, how hard feet land and push", 15.0),
-    _Suggested("feet.*.slip_m.max", "m, the largest slip of each foot", 50.0, 0.003, lower=False),
+    _Suggested("feet.*.slip_m.max", "m, the largest slip of each foot", 50.0, 0.003, _MOST),
     _Suggested("forces.load_share.feet.*", "each foot's share of the load", 10.0, 0.02),
     _Suggested(
         "forces.vertical_impulse_over_weight", "1 where sensors and mass are right", 2.0, 0.02
     ),
-    _Suggested("stability.static_margin_m.min", "m, least static margin", 0.0, 0.02, upper=False),
-    _Suggested(
-        "gait.class_distance", "cycles, how far from the ideal gait", 0.0, 0.05, lower=False
-    ),
+    _Suggested("stability.static_margin_m.min", "m, least static margin", 0.0, 0.02, _LEAST),
+    _Suggested("gait.class_distance", "cycles, how far from the ideal gait", 0.0, 0.05, _MOST),
 )
 _ALIKE: Final = 1.2
 """Feet share a rule if its range is at most so many times the narrowest of theirs."""
@@ -81,13 +82,13 @@ def suggest_limits(documents: Sequence[Json], names: Sequence[str]) -> str:
     parts = [_HEAD.format(runs=runs, names=", ".join(names))]
     parts += [f"# {line}\n" for line in (*_damage(documents, names), *doubts(documents, names))]
     parts += _gait(documents)
-    for suggested in _FIGURES:
+    for suggested in _METRICS:
         parts += _rules(documents, suggested)
     parts += _events(documents)
-    counts = [_findings(document) for document in documents]
+    counts = [_warnings(document) for document in documents]
     unseen = [code for code in _SENSORS if not any(code in count for count in counts)]
     parts += [f'\n[[rule]]\nfinding = "{code}"\n' for code in unseen]
-    most = max(sum(count.values()) for count in counts)
+    most = max(count.total() for count in counts)
     parts.append(_FINDINGS.format(most=most))
     return "".join(parts)
 
@@ -101,7 +102,7 @@ def doubts(documents: Sequence[Json], names: Sequence[str]) -> list[str]:
     """
     found = []
     for document, name in zip(documents, names, strict=True):
-        bad = [code for code in _SENSORS if code in _findings(document)]
+        bad = [code for code in _SENSORS if code in _warnings(document)]
         if bad:
             found.append(f"{name} has {', '.join(bad)}: is it a good run?")
     classes = sorted({str(document["gait"]["name"] or "no gait") for document in documents})
@@ -145,8 +146,9 @@ def _rules(documents: Sequence[Json], suggested: _Suggested) -> Iterator[str]:
     if high - low <= _ALIKE * min(high - low for low, high in ranges.values()):
         ranges = {suggested.pattern: (low, high)}
     comment = f"\n# {suggested.why}"
-    for path, limits in ranges.items():
-        yield f'{comment}\n[[rule]]\nfigure = "{path}"\n{_demand(limits, suggested)}\n'
+    for path, (low, high) in ranges.items():
+        demand = suggested.demand.format(low=f"{low:.4g}", high=f"{high:.4g}")
+        yield f'{comment}\n[[rule]]\nfigure = "{path}"\n{demand}\n'
         comment = ""
 
 
@@ -156,15 +158,6 @@ def _range(found: Sequence[float], suggested: _Suggested) -> tuple[float, float]
     room = max(map(abs, found)) * suggested.percent / 100.0
     room = max(room, (high - low) / 2.0, suggested.least)
     return low - room, high + room
-
-
-def _demand(limits: tuple[float, float], suggested: _Suggested) -> str:
-    bottom, top = (f"{limit:.4g}" for limit in limits)
-    if not suggested.upper:
-        return f"at_least = {bottom}"
-    if not suggested.lower:
-        return f"at_most = {top}"
-    return f"between = [{bottom}, {top}]"
 
 
 def _events(documents: Sequence[Json]) -> Iterator[str]:
@@ -181,10 +174,6 @@ def _events(documents: Sequence[Json]) -> Iterator[str]:
             comment = ""
 
 
-def _findings(document: Json) -> dict[str, int]:
+def _warnings(document: Json) -> Counter[str]:
     """Count the warnings of a run by code."""
-    counts: dict[str, int] = {}
-    for each in findings_in(document):
-        if each["severity"] == "warning":
-            counts[each["code"]] = counts.get(each["code"], 0) + 1
-    return counts
+    return Counter(each["code"] for each in findings_in(document) if each["severity"] == "warning")

@@ -179,7 +179,8 @@ def _imu(walk: Walk, inertial: "VectorHistory | None") -> "ImuComparison | None"
         return None
     from dogbot_logtool.core.imu import compare_imu  # noqa: PLC0415
 
-    comparable = walk.vertical_known and walk.contacts_known and not walk.base_is_apart
+    apart = walk.feet_clocks_are_apart or walk.base_is_apart
+    comparable = walk.vertical_known and not (apart or walk.settings.lacks_feet)
     strides = any_strides(walk.records, walk.fallen, walk.standing.without_steps)
     return compare_imu(
         inertial,

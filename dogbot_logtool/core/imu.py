@@ -21,7 +21,7 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.integral import Integral, trapezoids
 from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
 from dogbot_logtool.core.metrics import Imu
-from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, rotate
+from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, normalised, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.vectors import VectorHistory
 
@@ -249,14 +249,12 @@ def find_mounting(sensed: Floats, expected: Floats) -> Mounting:
 def _between(first: Floats, second: Floats) -> tuple[Floats, float]:
     """Return the shortest rotation from one direction to another, x, y, z, w, and its angle."""
     one, other = (each / np.linalg.norm(each) for each in (first, second))
-    axis = np.cross(one, other)
-    sine = float(np.linalg.norm(axis))
-    angle = float(np.arctan2(sine, one @ other))
-    if sine < 1e-9:
-        # Any axis at a right angle will do.
+    axis, cosine = np.cross(one, other), float(one @ other)
+    if cosine < 0.0 and float(np.linalg.norm(axis)) < 1e-9:
+        # Any axis at a right angle will do for half a turn.
         axis = np.cross(one, np.eye(3)[int(np.abs(one).argmin())])
-        sine = float(np.linalg.norm(axis))
-    return np.append(axis / sine * np.sin(angle / 2.0), np.cos(angle / 2.0)), angle
+    turn = normalised(np.append(axis, 1.0 + cosine)[None, :])[0]
+    return turn, 2.0 * float(np.arctan2(np.linalg.norm(turn[:3]), turn[3]))
 
 
 def find_turn(first: Floats, second: Floats) -> float | None:

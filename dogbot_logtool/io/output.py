@@ -8,7 +8,7 @@ uploaded as one object, which is there when the store has all of it.
 import contextlib
 import os
 import stat
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Final
 
@@ -24,28 +24,32 @@ _OPEN_FILES: Final = Path("/proc/self/fd")
 
 
 def refuse_bad_target(
-    target: Location, source: Location | None, *, overwrite: bool, makes_folder: bool = False
+    target: Location,
+    inputs: Sequence[Location] = (),
+    *,
+    overwrite: bool,
+    makes_folder: bool = False,
 ) -> None:
     """Check a target before any work is done.
 
     Args:
         target: where the output is to be.
-        source: the input.
+        inputs: what is read.
         overwrite: whether a file that is there may be replaced.
         makes_folder: whether a directory that is missing is made.
 
     Raises:
-        CallError: it is no regular file, is the input itself, exists and may not be overwritten, or
+        CallError: it is no regular file, is an input itself, exists and may not be overwritten, or
             its directory does not exist.
     """
     if not isinstance(target, Path):
-        _refuse_object(target, source, overwrite=overwrite)
+        _refuse_object(target, inputs, overwrite=overwrite)
         return
     try:
         if target.is_dir():
             raise CallError(f"{target}: is a directory; name a file in it")
         there = _status_of(target) is not None
-        if there and isinstance(source, Path) and target.samefile(source):
+        if there and any(_is_file(target, source) for source in inputs):
             raise _is_input(target)
         if there and not overwrite:
             raise _exists_already(target)
@@ -59,15 +63,19 @@ def refuse_bad_target(
         raise CallError(f"{target}: cannot be written: {error.strerror}") from error
 
 
-def _refuse_object(target: "UPath", source: Location | None, *, overwrite: bool) -> None:
-    if target == source:
+def _is_file(target: Path, source: Location) -> bool:
+    return isinstance(source, Path) and source.exists() and target.samefile(source)
+
+
+def _refuse_object(target: "UPath", inputs: Sequence[Location], *, overwrite: bool) -> None:
+    if target in inputs:
         raise _is_input(target)
     if not overwrite and storage.asked(target, lambda: target.fs.exists(target.path)):
         raise _exists_already(target)
 
 
 def _is_input(target: Location) -> CallError:
-    what = "is the input itself; choose another output with -o"
+    what = "is the input itself; choose another output"
     return CallError(f"{storage.shown(target)}: {what}")
 
 
@@ -226,7 +234,7 @@ def _uploaded_object(
                 _discard(file)
                 return
             file.close()
-            _refuse_object(target, None, overwrite=overwrite)
+            _refuse_object(target, (), overwrite=overwrite)
             file.commit()
         except BaseException:
             _discard(file)

@@ -79,11 +79,14 @@ def may_be_several(words: Sequence[str], logs: Sequence[Location]) -> bool:
     return storage.from_root(named) != storage.from_root(found)
 
 
-def output_file(word: str | None, suffix: str) -> Path | None:
+def output_file(
+    word: str | None, suffix: str, inputs: Sequence[Location] = (), *, overwrite: bool
+) -> Path | None:
     """Return the file that -o names; None: none, which is stdout.
 
     Raises:
-        CallError: the word names no file, or promises another format than that of a suffix.
+        CallError: the word names no file, promises another format than that of a suffix, or the
+            file may not be written; see `refuse_bad_target`.
     """
     if word is None:
         return None
@@ -91,6 +94,7 @@ def output_file(word: str | None, suffix: str) -> Path | None:
     if ends_in_slash(word):
         raise CallError(f"{word}: is a directory's name; name a file in it")
     refuse_other_format(Path(word), suffix)
+    refuse_bad_target(Path(word), inputs, overwrite=overwrite)
     return Path(word)
 
 
@@ -178,16 +182,3 @@ def targets(
 def _below(folder: Location, below: PurePath) -> Location:
     # A store takes a dot for a name.
     return folder / below if below.parts else folder
-
-
-def refuse_bad_report(target: Path, inputs: Sequence[Location], *, overwrite: bool) -> None:
-    """Check where --junit writes before any work is done.
-
-    Raises:
-        CallError: it is one of the inputs, exists and may not be overwritten, or has no folder.
-    """
-    for path in inputs:
-        if isinstance(path, Path) and target.exists() and path.exists() and target.samefile(path):
-            raise CallError(f"{target}: is one of the inputs; --junit must name another file")
-    refuse_other_format(target, ".xml")
-    refuse_bad_target(target, None, overwrite=overwrite)

@@ -49,7 +49,7 @@ stats TROT --set contact_on_n | --set contact_on_n: must be FIELD=VALUE
 stats TROT --set contact_on_n=much | must be a number above 0
 stats TROT --set wrench_frame=body | must be one of auto, world, link
 stats TROT --set tare.nose=1,2,3 | the log has no such foot; it has front_left
-stats TROT --set command_topic=/none | command_topic: /none is not in the log
+stats TROT --set command_topic=/none | command_topic: the log has no topic /none
 stats TROT --overwrite | --overwrite goes with --figure
 stats TROT TROUBLED --figure x.pdf | call it for each
 stats TROT --figure x.eps | must end in one of .pdf, .png, .svg

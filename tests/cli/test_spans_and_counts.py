@@ -40,7 +40,7 @@ def run_on_full_disk(folder: Path, *words: str) -> subprocess.CompletedProcess[s
         "sys.exit(main())\n"
     )
     return subprocess.run(  # noqa: S603 - the program itself
-        [sys.executable, "-c", code],
+        [sys.executable, "-B", "-c", code],
         cwd=folder,
         env={**os.environ, "MPLCONFIGDIR": str(folder)},
         capture_output=True,

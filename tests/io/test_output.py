@@ -145,7 +145,7 @@ def test_a_link_stays_a_link(tmp_path: Path) -> None:
     (folder / "real.mcap").write_bytes(b"old")
     (folder / "real.mcap").chmod(0o600)
     target.symlink_to(Path("elsewhere") / "real.mcap")
-    refuse_bad_target(target, None, overwrite=True)
+    refuse_bad_target(target, overwrite=True)
     write(target, b"new", overwrite=True)
     assert target.readlink() == Path("elsewhere") / "real.mcap"
     assert (folder / "real.mcap").read_bytes() == b"new"
@@ -158,7 +158,7 @@ def test_a_link_to_nowhere_is_told_before_any_work(tmp_path: Path) -> None:
     target.symlink_to(tmp_path / "nowhere")
     for overwrite in (False, True):
         with pytest.raises(CallError, match="is a link to nothing"):
-            refuse_bad_target(target, None, overwrite=overwrite)
+            refuse_bad_target(target, overwrite=overwrite)
     with pytest.raises(CallError, match="is a link to nothing"):
         write(target, b"new", overwrite=True)
     assert files(tmp_path) == ["x.mcap"]
@@ -190,7 +190,7 @@ def test_only_regular_files_are_replaced(special: tuple[str, Path], *, overwrite
     kind, target = special
     before = target.lstat()
     with pytest.raises(CallError, match=f"is a {kind}, not a file"):
-        refuse_bad_target(target, None, overwrite=overwrite)
+        refuse_bad_target(target, overwrite=overwrite)
     with pytest.raises(CallError):
         write(target, b"new", overwrite=overwrite)
     after = target.lstat()
@@ -222,7 +222,7 @@ def test_an_object_that_is_not_wanted_is_not_uploaded(tmp_path: Path, *, wanted:
 @pytest.mark.usefixtures("way")
 def test_a_missing_directory_is_made_when_the_file_is_whole(tmp_path: Path) -> None:
     target = tmp_path / "a" / "b" / "x.mcap"
-    refuse_bad_target(target, None, overwrite=False, makes_folder=True)
+    refuse_bad_target(target, overwrite=False, makes_folder=True)
     with whole_file(target, overwrite=False, makes_folder=True) as file:
         file.write(b"whole")
         assert "a" not in files(tmp_path)
@@ -235,7 +235,7 @@ def test_a_directory_cannot_be_made_in_a_file(tmp_path: Path) -> None:
     (tmp_path / "a").write_bytes(b"")
     target = tmp_path / "a" / "b" / "x.mcap"
     with pytest.raises(CallError, match="a: is a file, not a folder"):
-        refuse_bad_target(target, None, overwrite=False, makes_folder=True)
+        refuse_bad_target(target, overwrite=False, makes_folder=True)
     with (
         pytest.raises(LogtoolError, match="cannot be written"),
         whole_file(target, overwrite=False, makes_folder=True),
@@ -312,17 +312,17 @@ def test_bad_targets(tmp_path: Path) -> None:
     log = tmp_path / "log.bag"
     log.write_bytes(b"log")
     with pytest.raises(CallError, match="is a directory"):
-        refuse_bad_target(tmp_path, None, overwrite=True)
+        refuse_bad_target(tmp_path, overwrite=True)
     with pytest.raises(CallError, match="input itself"):
-        refuse_bad_target(tmp_path / "." / "log.bag", log, overwrite=True)
+        refuse_bad_target(tmp_path / "." / "log.bag", [log], overwrite=True)
     link = tmp_path / "link"
     link.hardlink_to(log)
     with pytest.raises(CallError, match="input itself"):
-        refuse_bad_target(link, log, overwrite=True)
+        refuse_bad_target(link, [log], overwrite=True)
     other = tmp_path / "other"
     other.write_bytes(b"")
     with pytest.raises(CallError, match="--overwrite"):
-        refuse_bad_target(other, log, overwrite=False)
-    refuse_bad_target(other, log, overwrite=True)
-    refuse_bad_target(tmp_path / "new", log, overwrite=False)
+        refuse_bad_target(other, [log], overwrite=False)
+    refuse_bad_target(other, [log], overwrite=True)
+    refuse_bad_target(tmp_path / "new", [log], overwrite=False)
     assert log.read_bytes() == b"log"

@@ -22,7 +22,7 @@ from dogbot_logtool.core.corrections.clock import (
     advancing,
     first_at_each_tick,
 )
-from dogbot_logtool.core.quality.quality import steady_gap_ns
+from dogbot_logtool.core.quality import steady_gap_ns
 from dogbot_logtool.core.rotations import (
     from_roll_pitch_yaw,
     normalised,

@@ -7,13 +7,13 @@ a drop-out, unless it is no longer than the flight of every stride.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, concatenated, median_of
-from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
+from dogbot_logtool.core.contact.contacts import Samples, without_contact
 from dogbot_logtool.core.corrections.clock import SILENCE_NS, TimeSource
 
 MISSED_INTERVALS: Final = 2.5
@@ -40,8 +40,7 @@ _LONGER_FLIGHT: Final = 1.5
 """A flight is no longer than the usual one by this factor."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Silences:
+class _Silences(NamedTuple):
     """How the silences of one foot are to be understood, ns."""
 
     interval: int
@@ -62,10 +61,6 @@ class _Silences:
     def long(self) -> float:
         """Silence that is a swing nearly always."""
         return _LONG_INTERVALS * self.interval
-
-    def are_swings(self, step: Ints) -> Flags:
-        """(n,) tell which silences are certain swings."""
-        return (step > max(self.cut_swing, self.swing)) & (step <= LONGEST_SWING_NS)
 
 
 def with_swings(
@@ -107,10 +102,8 @@ def with_swings(
 
 def _clock_of_silences(feet: Sequence[Samples]) -> TimeSource:
     """Return the log's clock, or header stamps where messages are logged in bursts."""
-    log, stamp = (
-        np.concatenate([np.diff(source.of(samples)) for samples in feet])
-        for source in (TimeSource.LOG, TimeSource.HEADER)
-    )
+    log = np.concatenate([np.diff(samples.log_time) for samples in feet])
+    stamp = np.concatenate([np.diff(samples.stamp) for samples in feet])
     apart = stamp > 0
     if not apart.any() or median_of(log[apart]) >= _BURST * median_of(stamp[apart]):
         return TimeSource.LOG
@@ -121,15 +114,14 @@ def _usual(time: Ints) -> _Silences:
     """Learn how long the swings and stances of a foot usually are, from its times, (n,) ns."""
     step = np.diff(time)
     known = step[step > 0]
-    interval = int(median_of(known)) if len(known) else _USUAL_INTERVAL_NS
-    silences = _Silences(interval)
+    silences = _Silences(int(median_of(known)) if len(known) else _USUAL_INTERVAL_NS)
     long = step[(step > silences.long) & (step <= LONGEST_SWING_NS)]
     if len(long) < _FEWEST_SILENCES:
         return silences
     swing = round(_PART_OF_SWING * float(median_of(long)))
     ends = np.flatnonzero(step > swing)
     stance = round(float(median_of(time[ends[1:]] - time[ends[:-1] + 1])))
-    return _Silences(interval, len(long), swing, stance)
+    return _Silences(silences.interval, len(long), swing, stance)
 
 
 def _dropouts(times: Sequence[Ints], usual: Mapping[int, _Silences]) -> Ints:
@@ -140,11 +132,10 @@ def _dropouts(times: Sequence[Ints], usual: Mapping[int, _Silences]) -> Ints:
     if not all(each.strides for each in usual.values()):
         return np.empty((0, 2), np.int64)
     together = np.diff(np.sort(np.concatenate([times[foot] for foot in usual])))
-    shortest = max(*(each.long for each in usual.values()), SILENCE_NS)
-    flights = together[(together > shortest) & (together <= LONGEST_SWING_NS)]
-    longest = shortest
+    longest = max(*(each.long for each in usual.values()), SILENCE_NS)
+    flights = together[(together > longest) & (together <= LONGEST_SWING_NS)]
     if len(flights) >= _PART_OF_STRIDES * median_of([each.strides for each in usual.values()]):
-        longest = max(_LONGER_FLIGHT * float(median_of(flights)), shortest)
+        longest = max(_LONGER_FLIGHT * float(median_of(flights)), longest)
     every = np.sort(np.concatenate(times))
     last = np.flatnonzero(np.diff(every) > round(longest))
     return np.stack([every[last], every[last + 1]], axis=1)
@@ -161,77 +152,57 @@ def _swinging(
     """Insert the swings of a foot, of which there are n samples; arguments as in `with_swings`."""
     interval, on_stamps = usual.interval, clock is TimeSource.HEADER
     times = np.stack([samples.log_time, samples.stamp])
-    before = times[:, :1]
-    # Where messages come in bursts it is not known when the log starts on the clock of their
-    # stamps. A stamp of 0 or less would say that there are none.
-    if log_start is not None and not on_stamps and before[1] > 0:
-        placed = before - (before[0] - (log_start - interval))
-        before = placed if placed[1] > -interval else before
-    times = np.concatenate([before, times], axis=1)
-    time = times[1 if on_stamps else 0]
+    # The log's ends may cut a swing: the foot is silent from one interval before the log starts.
+    # Where messages come in bursts it is not known when that is on the clock of their stamps, and
+    # a stamp of 0 or less would say that there are none.
+    ahead = 0 if log_start is None or on_stamps else int(times[0, 0]) - log_start + interval
+    if times[1, 0] <= max(0, ahead - interval):
+        ahead = 0
+    behind = 0 if log_end is None else log_end + interval - int(times[0, -1])
+    times = np.concatenate([times[:, :1] - ahead, times, times[:, -1:] + behind], axis=1)
+    time, steps = times[1 if on_stamps else 0], np.diff(times)
     step = np.diff(time)
     since = np.searchsorted(dropouts[:, 0], time[:-1])
     known = np.searchsorted(dropouts[:, 1], time[1:], side="right") <= since
+    # After the foot's last message, no other comes on any clock but the log's.
+    known[-1] = since[-1] == len(dropouts)
     lasts_from = np.full(len(step), max(usual.cut_swing, usual.swing))
     if usual.strides:
-        # What comes before the foot's first message is no certain swing.
-        lasts_from[_may_swing(np.maximum(time, time[1]), time, usual)] = round(usual.long)
-    # The log's ends may cut a swing.
-    lasts_from[0] = usual.cut_swing
-    if log_end is not None:
-        # No message comes on any clock but the log's.
-        last = log_end + interval - times[0, -1]
-        known = np.append(known, not (dropouts[:, 0] >= time[-1]).any())
-        times = np.append(times, times[:, -1:] + last, axis=1)
-        step, lasts_from = np.append(step, last), np.append(lasts_from, usual.cut_swing)
-    steps = np.diff(times)
+        lasts_from[_may_swing(time, usual)] = round(usual.long)
+    lasts_from[[0, -1]] = usual.cut_swing
     swing = known & (step > lasts_from) & (step <= LONGEST_SWING_NS)
     swing &= (steps[1] >= 0) & (steps[1] <= 2 * LONGEST_SWING_NS)
     spacing = max(interval, _SPACING_NS)
     count = np.where(swing, 1 - (2 * interval - step) // spacing, 0)
     silence = np.repeat(np.arange(len(step)), count)
-    if not len(silence):
-        return samples
     number = np.arange(len(silence)) - np.repeat(np.cumsum(count) - count, count)
     passed = np.minimum(interval + number * spacing, step[silence] - interval)
     share: Floats = passed / np.maximum(step[silence], 1)
     inserted = times[:, silence] + np.round(share * steps[:, silence]).astype(np.int64)
-    # A filling comes before the sample that ends its silence.
-    keys = np.concatenate([2 * np.arange(len(samples.log_time)), 2 * silence - 1])
-    whole = concatenated([samples, _free(samples.foot[0], *inserted)])
-    return whole.pick(np.argsort(keys, kind="stable"))
+    # Each is placed behind the sample that begins its silence.
+    own = np.arange(len(samples.log_time))
+    row = np.concatenate([own, np.maximum(silence - 1, 0)])
+    order = np.argsort(np.concatenate([2 * own, 2 * silence - 1]), kind="stable")
+    log_time, stamp = np.concatenate([times[:, 1:-1], inserted], axis=1)[:, order]
+    whole = replace(samples.pick(row[order]), log_time=log_time, stamp=stamp)
+    return without_contact(whole, order >= len(own))
 
 
-def _may_swing(time: Ints, since: Ints, usual: _Silences) -> Flags:
+def _may_swing(time: Ints, usual: _Silences) -> Flags:
     """(n,) tell in which silences a foot may swing, by its last swing that was certain.
 
     The swing is not over yet, as when the foot hits something in it; or the stance is.
 
     Args:
-        time: (n + 1,) ns, when the foot sent messages.
-        since: (n + 1,) ns, when it fell silent; of the last one nothing is asked.
+        time: (n + 1,) ns, when it fell silent; of the last one nothing is asked.
         usual: its silences.
     """
-    certain = usual.are_swings(np.diff(time, prepend=time[0]))
+    # What comes before the foot's first message is no certain swing.
+    step = np.diff(np.maximum(time, time[1]), prepend=time[1])
+    certain = (step > max(usual.cut_swing, usual.swing)) & (step <= LONGEST_SWING_NS)
     row = np.maximum.accumulate(np.where(certain, np.arange(len(time)), -1))[:-1]
-    begun, stands = since[:-1] - time[row - 1], since[:-1] - time[row]
+    begun, stands = time[:-1] - time[row - 1], time[:-1] - time[row]
     swing = usual.swing / _PART_OF_SWING
     over = (stands >= _PART_OF_STANCE * usual.stance) & (stands <= usual.stance + swing)
     may: Flags = (row >= 0) & ((begun < swing) | over)
     return may
-
-
-def _free(foot: int, log_time: Ints, stamp: Ints) -> Samples:
-    """Return samples of a foot that touches nothing."""
-    count = len(log_time)
-    return Samples(
-        foot=np.full(count, foot),
-        log_time=log_time,
-        stamp=stamp,
-        in_contact=np.zeros(count, np.bool_),
-        force=np.zeros((count, 3)),
-        in_world=np.zeros(count, np.bool_),
-        points=np.zeros(count, np.int64),
-        position=np.full((count, 3), np.nan),
-        normal=np.full((count, 3), np.nan),
-    )

@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from itertools import pairwise
-from typing import Final, Protocol, TypeVar
+from typing import Any, Final, Protocol
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, Record, distinct, median_of
+from dogbot_logtool.core.arrays import AnyColumns, Flags, Floats, Ints, distinct, median_of
 
 SILENCE_NS: Final = 50_000_000
 """ns: a shorter interval between messages is never a gap."""
@@ -222,22 +222,12 @@ def _forward_steps(stamp: Ints, log_time: Ints, ahead: Flags, begins_anew: Ints)
     return forward
 
 
-class _StampedRecord(Record, Protocol):
-    """Columns with header stamps."""
-
-    @property
-    def stamp(self) -> Ints:
-        """(n,) ns."""
-
-
-Columns = TypeVar("Columns", bound=_StampedRecord)
-
-
-def without_bad_stamps(columns: Columns, check: StampCheck) -> Columns:
+def without_bad_stamps(columns: AnyColumns, check: StampCheck) -> AnyColumns:
     """Return columns with zero for header stamps that cannot be used."""
     if check.usable.all():
         return columns
-    changed: Columns = replace(columns, stamp=np.where(check.usable, columns.stamp, 0))
+    own: Any = columns
+    changed: AnyColumns = replace(own, stamp=np.where(check.usable, own.stamp, 0))
     return changed
 
 
@@ -279,12 +269,6 @@ def _why_set(checks: Sequence[StampCheck]) -> str:
     more = "" if times == 1 else f", and {times - 1} more times"
     text = f"the clock of {topics} was set {back} by {by:.2f} s at {at:.2f} s{more}"
     return f"{text} (was the simulation reset?)" if everywhere and first.by_ns < 0 else text
-
-
-def set_spans(checks: Sequence[StampCheck]) -> Ints:
-    """(s, 2) ns, log time: the spans in which the clock of any topic was set."""
-    spans = [(step.before, step.after) for check in checks for step in check.steps]
-    return np.array(spans, np.int64).reshape(-1, 2)
 
 
 WINDOW_NS: Final = 500_000_000
@@ -460,6 +444,6 @@ def choose_clock(
     if given is None:
         reason = why_unusable(checks) or why_clocks_cannot_be_joined(differences)
     source = TimeSource.LOG if reason else given or TimeSource.HEADER
-    on_stamps = source is TimeSource.HEADER
-    breaks = timespans.no_spans() if on_stamps else timespans.merge(set_spans(checks))
-    return LogClock(source, reason, breaks)
+    spans = [(step.before, step.after) for check in checks for step in check.steps]
+    breaks = np.array(spans if source is TimeSource.LOG else [], np.int64).reshape(-1, 2)
+    return LogClock(source, reason, timespans.merge(breaks))

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
 from itertools import accumulate
 from typing import Final
 
@@ -17,7 +18,7 @@ from dogbot_logtool.core.arrays import (
 )
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.transforms import RecordedTransforms, frame_pairs
-from dogbot_logtool.core.quality.quality import TopicQuality, topic_quality, topic_times
+from dogbot_logtool.core.quality import TopicQuality, topic_quality, topic_times
 
 NORM_TOLERANCE: Final = 0.01
 """A quaternion whose squared norm is further from 1 is not normalised. tf2's tolerance: it
@@ -219,26 +220,20 @@ def loops(pairs: Iterable[Pair]) -> list[list[str]]:
     Every frame is named in one loop at most, so there may be more loops than are told where
     they share frames.
     """
-    left, found = set(pairs), []
-    while left := _in_loops(left):
-        children = children_of(left)
-        path = [min(children)]
-        while (following := children[path[-1]][0]) not in path:
-            path.append(following)
-        loop = path[path.index(following) :]
-        found.append(loop)
-        left = {pair for pair in left if not set(pair) & set(loop)}
-    return found
-
-
-def _in_loops(pairs: AbstractSet[Pair]) -> set[Pair]:
-    """Return the pairs that are left once frames without a parent, or a child, are taken away."""
-    left, before = set(pairs), -1
-    while len(left) != before:
-        before = len(left)
-        inner = {parent for parent, _ in left} & {child for _, child in left}
-        left = {pair for pair in left if inner.issuperset(pair)}
-    return left
+    left, found = sorted(set(pairs)), []
+    while True:
+        sorter = TopologicalSorter[str]()
+        for parent, child in left:
+            sorter.add(child, parent)
+        try:
+            sorter.prepare()
+        except CycleError as error:
+            loop: list[str] = error.args[1][1:]
+            first = loop.index(min(loop))
+            found.append(loop[first:] + loop[:first])
+            left = [pair for pair in left if not set(pair) & set(loop)]
+        else:
+            return sorted(found)
 
 
 @dataclass(frozen=True, slots=True)
@@ -266,12 +261,8 @@ def second_parents(edges: Sequence[FrameEdge]) -> list[SecondParent]:
         if len(several) > 1:
             several.sort(key=lambda edge: (edge.first_log_time, edge.parent))
             parents = tuple(each.parent for each in several)
-            found.append(SecondParent(child, parents, _overlap(several)))
+            ends = (math.inf if each.static else each.last_log_time for each in several)
+            holds = zip(several[1:], accumulate(ends, max), strict=False)
+            at_once = any(each.first_log_time <= end for each, end in holds)
+            found.append(SecondParent(child, parents, at_once))
     return found
-
-
-def _overlap(edges: Sequence[FrameEdge]) -> bool:
-    """Tell whether edges, in the order in which they were first seen, hold at the same time."""
-    ends = (math.inf if each.static else each.last_log_time for each in edges)
-    latest = accumulate(ends, max)
-    return any(each.first_log_time <= end for each, end in zip(edges[1:], latest, strict=False))

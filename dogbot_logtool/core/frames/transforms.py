@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -120,13 +120,9 @@ class FrameTrack:
 
     def pick(self, rows: Flags | slice) -> "FrameTrack":
         """Return the chosen rows."""
-        return replace(
-            self,
-            time=self.time[rows],
-            log_time=self.log_time[rows],
-            translation=self.translation[rows],
-            rotation=self.rotation[rows],
-        )
+        time, log_time = self.time[rows], self.log_time[rows]
+        shift, turn = self.translation[rows], self.rotation[rows]
+        return FrameTrack(self.parent, self.static, time, log_time, shift, turn)
 
 
 def frame_track(
@@ -259,12 +255,7 @@ def _interpolated(track: FrameTrack, time: Ints, log_time: Ints) -> tuple[Flags,
 def static_tracks(recorded: RecordedTransforms, channels: AbstractSet[int]) -> TransformBuffer:
     """Return the transforms of channels whose transforms hold for ever."""
     held = np.flatnonzero(np.isin(recorded.channel, list(channels)))
-    frames: dict[str, FrameTrack] = {}
-    for parent, child, rows in frame_pairs(recorded, held):
-        track = _track(recorded, parent, recorded.stamp, rows, static=True)
-        if track is not None:
-            frames.setdefault(child, track)
-    return TransformBuffer(frames)
+    return _tracks(recorded, held, recorded.stamp, None)
 
 
 def moving_tracks(
@@ -279,26 +270,22 @@ def moving_tracks(
         clock: the clock that they are placed on.
     """
     time = clock.of(recorded)
+    return _tracks(recorded, np.arange(len(time)), time, parents)
+
+
+def _tracks(
+    recorded: RecordedTransforms, rows: Ints, time: Ints, parents: Mapping[str, str] | None
+) -> TransformBuffer:
+    """Return the tracks of chosen rows: static ones where no parents are given."""
     frames: dict[str, FrameTrack] = {}
-    for parent, child, rows in frame_pairs(recorded, np.arange(len(time))):
-        if parents.get(child) == parent:
-            track = _track(recorded, parent, time, rows, static=False)
+    for parent, child, own in frame_pairs(recorded, rows):
+        if parents is None or parents.get(child) == parent:
+            log_time, translation = recorded.log_time[own], recorded.translation[own]
+            turn, is_static = recorded.rotation[own], parents is None
+            track = frame_track(parent, time[own], log_time, translation, turn, static=is_static)
             if track is not None:
-                frames[child] = track
+                frames.setdefault(child, track)
     return TransformBuffer(frames)
-
-
-def _track(
-    recorded: RecordedTransforms, parent: str, time: Ints, rows: Ints, *, static: bool
-) -> FrameTrack | None:
-    return frame_track(
-        parent,
-        time[rows],
-        recorded.log_time[rows],
-        recorded.translation[rows],
-        recorded.rotation[rows],
-        static=static,
-    )
 
 
 def frame_pairs(recorded: RecordedTransforms, rows: Ints) -> Iterator[tuple[str, str, Ints]]:

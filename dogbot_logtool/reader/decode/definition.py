@@ -120,6 +120,12 @@ def short_type_name(name: str) -> str:
     return name.replace("/msg/", "/", 1)
 
 
+def long_type_name(name: str) -> str:
+    """Return ``package/msg/Name``, as ROS 2 spells it, for either spelling."""
+    package, _, message = short_type_name(name).rpartition("/")
+    return f"{package}/msg/{message}" if package and "/" not in package else name
+
+
 @lru_cache(maxsize=256)
 def parse_definition(type_name: str, text: str, schema_encoding: str) -> Struct:
     """Parse a recorded definition with all that it depends on.
@@ -138,15 +144,7 @@ def parse_definition(type_name: str, text: str, schema_encoding: str) -> Struct:
     if not schema_encoding and not text:
         raise DefinitionError(f"neither the log nor this program has a definition of {type_name}")
     types = _parse_text(type_name, text, schema_encoding)
-    return _TreeBuilder(types, schema_encoding).struct(_long_type_name(type_name), ())
-
-
-def _long_type_name(name: str) -> str:
-    """Return the name as rosbags' parser spells it."""
-    if "/action/" in name:
-        return name
-    package, _, message = short_type_name(name).rpartition("/")
-    return f"{package}/msg/{message}"
+    return _TreeBuilder(types, schema_encoding).struct(long_type_name(type_name), ())
 
 
 def _parse_text(

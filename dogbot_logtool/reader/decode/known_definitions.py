@@ -4,7 +4,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from dogbot_logtool.reader.decode.definition import short_type_name
+from dogbot_logtool.reader.decode.definition import long_type_name
 from dogbot_logtool.reader.decode.message_layout import Serialisation
 
 if TYPE_CHECKING:
@@ -14,12 +14,6 @@ _SHIPPED: Final = Path(__file__).with_name("definitions")
 """Types that rosbags' stores do not have, and whose layout never changed, a file each. (Those of
 `unitree_legged_msgs` and `spot_msgs` differ from version to version: only a log that records them
 can be read.)"""
-
-
-def long_type_name(name: str) -> str:
-    """Return ``package/msg/Name``, as ROS 2 spells it, for either spelling."""
-    package, _, message = short_type_name(name).rpartition("/")
-    return f"{package}/msg/{message}" if package and "/" not in package else name
 
 
 def known_definition(

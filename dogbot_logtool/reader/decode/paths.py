@@ -118,13 +118,6 @@ class FieldPath:
         nested = table.nested(self.arrays[0].path)
         return nested.parent, nested.table.texts(self.leaf or ELEMENT)
 
-    def is_in(self, table: Table) -> bool:
-        """Tell whether a table has the text that it leads to."""
-        if not self.arrays:
-            return self.leaf in table.columns
-        array = table.columns.get(self.arrays[0].path)
-        return isinstance(array, Nested) and self.leaf in array.table.columns
-
     def times(self, table: Table) -> Ints:
         """Return (m,) ns of every element."""
         return self._innermost(table).nanoseconds(self.leaf)

@@ -8,6 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, concatenated, median_of
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.leg_position import leg_names
 from dogbot_logtool.core.rotations import conjugate, normalised, rotate
 from dogbot_logtool.reader.decode.paths import MOST_ELEMENTS
@@ -78,7 +79,7 @@ def read_feet(source: Source, messages: DecodedMessages, feet: FootChannels) -> 
             stamp[rows],
             touches,
             force,
-            np.full(len(rows), source.row.axes == "world"),
+            np.full(len(rows), source.row.axes is WrenchFrame.WORLD),
             *_points(source, own, placed),
         )
         parts.append(samples if known.all() else samples.pick(known))

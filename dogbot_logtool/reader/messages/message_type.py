@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.reader.decode.paths import Want
 
 _PLANNED_WORDS: Final = (
@@ -97,8 +98,8 @@ class MessageType:
     """Pairs of bodies, of which one is the foot."""
     unit: Literal["N", "counts"] = "N"
     """Counts are newtons only with the scale and offset in the robot's file."""
-    axes: Literal["unknown", "by evidence", "world", "sensor"] = "unknown"
-    """What forces are along."""
+    axes: WrenchFrame | None = WrenchFrame.UNKNOWN
+    """The frame of the forces; None: evidence decides. A link's: that of the header."""
     points_in: Literal["world", "base"] = "world"
     point_in_swing: bool = False
     """Whether `point` also tells where a foot in the air is."""

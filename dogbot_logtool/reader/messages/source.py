@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Final
 
 import numpy as np
 
@@ -18,12 +17,6 @@ from dogbot_logtool.reader.messages.message_type import WANTS, MessageType, Part
 from dogbot_logtool.reader.messages.messages import DecodedMessages, check_channel, definition_of
 from dogbot_logtool.reader.messages.table import rows_of
 
-_FRAMES: Final = {
-    "unknown": WrenchFrame.UNKNOWN,
-    "by evidence": None,
-    "world": WrenchFrame.WORLD,
-    "sensor": WrenchFrame.LINK,
-}
 Paths = Mapping[str, tuple[FieldPath, ...]]
 """By the row's field; a path a leg where the row has a path a leg."""
 
@@ -45,11 +38,6 @@ class Source:
     def has_header(self) -> bool:
         """Without one, log time is the only time."""
         return "stamp" in self.paths
-
-    @property
-    def frame(self) -> WrenchFrame | None:
-        """Frame of the forces; None: to be decided by evidence."""
-        return _FRAMES[self.row.axes]
 
     @property
     def has_force(self) -> bool:
@@ -151,7 +139,7 @@ def first_fitting(
 def _fitted(row: MessageType, part: Part, definition: Struct | None, given: Paths) -> Source:
     """Return a row with the paths that a definition has, or else ought to have."""
     wants = dict(WANTS[part])
-    if part == "feet" and row.axes != "sensor":
+    if part == "feet" and row.axes is not WrenchFrame.LINK:
         del wants["frame"]
     if part == "feet" and row.by_place:
         wants |= {field: WANTS["base"][field] for field in ("position", "orientation")}

@@ -4,9 +4,11 @@ from collections.abc import Iterator
 from functools import cache, lru_cache
 from typing import Any, Final
 
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.reader.messages.message_type import COPIED, TOLD_BY, Pairs, Part
 from dogbot_logtool.reader.messages.message_type import MessageType as Row
 
+_WORLD, _LINK = WrenchFrame.WORLD, WrenchFrame.LINK
 QUADRUPED: Final = ("front_left", "front_right", "back_left", "back_right")
 """Feet in the order that most messages have."""
 _LETTERS: Final = ("lf", "rf", "lh", "rh")
@@ -119,21 +121,21 @@ def _joints() -> Iterator[Row]:
 
 def _feet() -> Iterator[Row]:
     # Forces are along a link's axes or the world's; the foot is either body.
-    yield Row("gazebo_msgs/ContactsState", axes="by evidence", pairs=Pairs(
+    yield Row("gazebo_msgs/ContactsState", axes=None, pairs=Pairs(
         "states", ("collision1_name", "collision2_name"), "contact_positions", "contact_normals",
         force="force", total="total_wrench.force", info="info"))
-    yield Row("ros_gz_interfaces/Contacts", axes="world", silent_in_swing=True, pairs=Pairs(
+    yield Row("ros_gz_interfaces/Contacts", axes=_WORLD, silent_in_swing=True, pairs=Pairs(
         "contacts", ("collision1.name", "collision2.name"), "positions", "normals",
         force="body_1_wrench.force"))
     # Simulators write forces along the world's axes; of real robots that is not known.
     yield Row("anymal_msgs/AnymalState", label="contacts[].name", flag="contacts[].state",
               closed=(1, 2), open=(0,), force="contacts[].wrench.force",
-              point="contacts[].position", normal="contacts[].normal", axes="by evidence",
+              point="contacts[].position", normal="contacts[].normal", axes=None,
               position="pose.pose.position", orientation="pose.pose.orientation",
               frame="pose.header.frame_id|")
     # `state/grfs` is measured (in simulation), `control/grfs` is commanded.
     yield Row("quad_msgs/GRFArray", legs=("front_left", "back_left", "front_right", "back_right"),
-              flag="contact_states[]", force="vectors[]", point="points[]", axes="world",
+              flag="contact_states[]", force="vectors[]", point="points[]", axes=_WORLD,
               planned="by name")
     yield Row("quad_msgs/RobotState", position="body.pose.position",
               orientation="body.pose.orientation")
@@ -141,7 +143,7 @@ def _feet() -> Iterator[Row]:
     for flag, closed in (("status", (2, 3)), ("contact_state", (0, 2))):
         yield Row("whole_body_state_msgs/WholeBodyState", **_CONTACTS, only=("contacts[].type", 0),
                   flag=f"contacts[].{flag}", closed=closed, open=(1,),
-                  normal="contacts[].surface_normal", axes="world")
+                  normal="contacts[].surface_normal", axes=_WORLD)
     # Forces are zero without contact.
     yield Row("dwl_msgs/WholeBodyState", **_CONTACTS, points_in="base")
     yield Row("dwl_msgs/WholeBodyState", numbered=("base[].id", "base[].position"), turned="xyz")
@@ -156,7 +158,7 @@ def _feet() -> Iterator[Row]:
     yield Row("sensor_msgs/JointState", legs=QUADRUPED, force="effort[12:16 of 16]",
               unit="counts", topic_end="joint_foot", joint="name[]", joint_position="position[]",
               joint_velocity="velocity[]", joint_effort="effort[]")
-    yield Row("geometry_msgs/WrenchStamped", force="wrench.force", axes="sensor", anything=True)
+    yield Row("geometry_msgs/WrenchStamped", force="wrench.force", axes=_LINK, anything=True)
     yield Row("pronto_msgs/QuadrupedForceTorqueSensors", legs=QUADRUPED, each=_LETTERS,
               force="{}.force")
     yield Row("syropod_highlevel_controller/TipState", label="name[]", force="wrench[].force")
@@ -180,7 +182,7 @@ def _plans() -> Iterator[Row]:
     # The order of the feet differs from version to version; `time_from_start` is that of the plan.
     yield Row("xpp_msgs/RobotStateCartesian", **_WITHOUT_HEADER, by_place=True,
               flag="ee_contact[]|common.ee_in_contact[]", force="ee_forces[]",
-              point="ee_motion[].pos|feet[].pos", axes="world", planned="always",
+              point="ee_motion[].pos|feet[].pos", axes=_WORLD, planned="always",
               position="base.pose.position|common.base.pose.position",
               orientation="base.pose.orientation|common.base.pose.orientation")
 
@@ -190,7 +192,7 @@ def _controllers() -> Iterator[Row]:
     # The forces are planned; the mode is measured only where the node has a contact estimate.
     yield Row("ocs2_msgs/mpc_observation", **_WITHOUT_HEADER, legs=QUADRUPED,
               each=("8", "4", "2", "1"), maybe_without_legs=True, flag="mode&{}",
-              force="input.value[0:12 by 3 of 24]", axes="world", planned="always",
+              force="input.value[0:12 by 3 of 24]", axes=_WORLD, planned="always",
               position="state.value[6:9 by 3 of 18+]", orientation="state.value[9:12 by 3 of 18+]",
               turned="zyx")
 # fmt: on

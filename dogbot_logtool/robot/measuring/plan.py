@@ -85,7 +85,7 @@ def _planned(log: Log, selection: Selection, options: MeasureOptions) -> Selecti
 def settings_of(selection: Selection, options: RobotOptions) -> WalkSettings:
     """Return what is known of a recording before its columns are looked at."""
     robot, guessed = selection.robot, selection.robot_is_guessed
-    promised = {source.frame for source in selection.sources}
+    promised = {source.row.axes for source in selection.sources}
     mass_is_given = options.mass is not None or robot.is_given("mass_kg")
     time_source, reason = _time_source(selection)
     return WalkSettings(

@@ -1,20 +1,23 @@
 """Topics beside feet and base that `stats` compares with them: commands, accelerometers."""
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
-from dogbot_logtool.io.storage import shown
-from dogbot_logtool.reader.containers.log import Channel, Log
+from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.source import source_of
 from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.reader.wanted import WantedVectors
 from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.robot.topics import (
+    message_count,
+    readable_topics,
+    require_topic,
+    topic_words,
+)
 
 _TYPES: Final = frozenset((*types_of("commands"), *types_of("accelerations")))
 Rank = Callable[[str], "tuple[int, ...] | None"]
@@ -65,7 +68,8 @@ def side_topics(log: Log, robot: Robot) -> SideTopics:
     )
     for topic, part, rank, what, option in choices:
         if topic is not None:
-            found.append(_named(log, topic, part, option))
+            require_topic(log, option, topic, part)
+            found.append(_wanted(log, topic, part))
             continue
         ranked = _ranked(log, part, rank)
         found.append(ranked[0] if ranked else None)
@@ -77,13 +81,9 @@ def side_topics(log: Log, robot: Robot) -> SideTopics:
     return SideTopics(found[0], found[1], tuple(findings))
 
 
-def _words(topic: str) -> frozenset[str]:
-    return frozenset(re.findall(r"[a-z0-9]+", topic.lower()))
-
-
 def _command_rank(topic: str) -> tuple[int, ...] | None:
     """Return how likely a topic's twists are commands, low first; None: they are none."""
-    words = _words(topic)
+    words = topic_words(topic)
     if not words.isdisjoint(_MEASURED):
         return None
     rank = next((row for row, sure in enumerate(_COMMANDS) if words & sure), None)
@@ -93,58 +93,33 @@ def _command_rank(topic: str) -> tuple[int, ...] | None:
 
 def _inertial_rank(topic: str) -> tuple[int, ...] | None:
     """Return how likely a topic is of the base's inertial unit, low first; None: it is not."""
-    words = _words(topic)
+    words = topic_words(topic)
     if not words.isdisjoint(_ELSEWHERE):
         return None
     return (int("raw" in words),)
 
 
 def _ranked(log: Log, part: Part, rank: Rank) -> list[WantedVectors]:
-    """Return the topics of some types that may be meant, the best first.
+    """Return the topics that may be meant, the best first.
 
     Of equally good ones that of the better type comes first, then that with the most messages.
     """
     found: dict[tuple[tuple[int, ...], int, int, int, str], WantedVectors] = {}
-    types = types_of(part)
-    for topic in {c.topic for c in log.channels.values() if c.type_name in types}:
-        readable = _readable(log, topic, part)
-        order = rank(topic)
-        if readable and order is not None:
-            kind = types.index(readable[0].type_name)
-            count = sum(log.counts.get(channel.id, 0) for channel in readable)
-            key = (order, kind, -count, len(topic), topic)
-            found[key] = WantedVectors(topic, readable, part)
+    for topic in readable_topics(log, part):
+        if (order := rank(topic)) is not None:
+            wanted = _wanted(log, topic, part)
+            kind = types_of(part).index(wanted.channels[0].type_name)
+            found[order, kind, -message_count(log, topic), len(topic), topic] = wanted
     return [found[key] for key in sorted(found)]
 
 
-def _readable(log: Log, topic: str, part: Part) -> tuple[Channel, ...]:
+def _wanted(log: Log, topic: str, part: Part) -> WantedVectors:
     """Return the channels of a topic that can be decoded, all of one type."""
-    channels = log.channels_by_topic.get(topic, ())
-    for type_name in types_of(part):
-        found = [c for c in channels if c.type_name == type_name and not _fault(c, part)]
-        if found:
-            return tuple(found)
-    return ()
-
-
-def _fault(channel: Channel, part: Part) -> str:
-    """Return why a channel's messages cannot be decoded; empty if they can be."""
-    source = source_of(channel, part)
-    return source.fault if source else ""
-
-
-def _named(log: Log, topic: str, part: Part, option: str) -> WantedVectors:
-    """Return the topic that the user names."""
-    where = f"{shown(log.source.path)}: {option}"
-    channels = [c for c in log.channels_by_topic.get(topic, ()) if c.type_name in types_of(part)]
-    readable = _readable(log, topic, part)
-    if readable:
-        return WantedVectors(topic, readable, part)
-    if channels:
-        raise LogError(f"{where}: {topic} cannot be read: {_fault(channels[0], part)}")
-    usable = sorted({c.topic for c in log.channels.values() if c.type_name in types_of(part)})
-    is_there = topic in log.channels_by_topic
-    problem = "is of another type" if is_there else "is not in the log"
-    raise CallError(
-        f"{where}: {topic} {problem}. Topics that can be used: {listed(usable) or 'none'}"
-    )
+    readable = [
+        channel
+        for channel in log.channels_by_topic[topic]
+        if (source := source_of(channel, part)) and not source.fault
+    ]
+    best = min(types_of(part).index(channel.type_name) for channel in readable)
+    own = (channel for channel in readable if channel.type_name == types_of(part)[best])
+    return WantedVectors(topic, tuple(own), part)

@@ -2,8 +2,6 @@
 
 from typing import Final
 
-from dogbot_logtool.reader.decode.definition import Struct, parse_definition
-
 SEPARATOR: Final = "=" * 80
 CONTACTS_TEXT: Final = f"""\
 Header header                                   # stamp
@@ -68,7 +66,3 @@ module demo {
   };
 };
 """
-
-
-def ros1(text: str) -> Struct:
-    return parse_definition("demo/Root", text, "ros1msg")

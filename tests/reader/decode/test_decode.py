@@ -7,22 +7,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dogbot_logtool.reader.decode.columns import Table, Texts
-from tests.reader.decode.decoded_messages import (
+from tests.reader.decode.oracle import (
+    WIRES,
+    Author,
+    Wire,
+    assert_same,
     decode_alone,
     decode_messages,
-    messages_of,
-)
-from tests.reader.decode.generated_definitions import (
-    ROOT,
-    WIRES,
-    Wire,
     define,
     definitions,
     dotted_paths,
     generated,
     ros_of,
 )
-from tests.reader.decode.messages_by_rosbags import Author, Oracle
 
 
 @pytest.mark.parametrize("wire", WIRES)
@@ -32,14 +29,14 @@ def test_every_field_of_every_message_equals_what_rosbags_reads(
     wire: Wire, data: st.DataObject, seed: int, count: int
 ) -> None:
     definition = data.draw(definitions(ros_of(wire)))
-    messages = Author(definition, wire, seed).write(count)
-    oracle = Oracle(definition, wire)
+    author = Author(definition, wire, seed)
+    messages = author.write(count)
 
     decoded = decode_messages(definition.layout(wire), messages, seed)
 
     assert decoded.sound.all()
     assert decoded.table.rows == count
-    assert messages_of(definition, decoded.table) == [oracle.read(one) for one in messages]
+    assert_same(definition, decoded.table, [author.read(one) for one in messages])
 
 
 @pytest.mark.parametrize("wire", WIRES)
@@ -49,7 +46,7 @@ def test_wanted_fields_are_the_same_columns_as_in_a_full_decode(
     wire: Wire, data: st.DataObject, seed: int
 ) -> None:
     definition = data.draw(definitions(ros_of(wire)))
-    paths = sorted(set(dotted_paths(definition, ROOT, "")))
+    paths = sorted(set(dotted_paths(definition)))
     wanted = data.draw(st.lists(st.sampled_from(paths), unique=True)) if paths else []
     messages = Author(definition, wire, seed).write(3)
 
@@ -86,7 +83,7 @@ def is_wanted(path: str, wanted: Sequence[str]) -> bool:
 
 
 def test_ros1_times_are_unsigned_and_durations_are_signed() -> None:
-    definition = define(1, Root="time at\nduration lasting")
+    definition = define(1, "time at\nduration lasting")
     data = bytes.fromhex("ffffffff fffffffe ffffffff fffffffe")
 
     table = decode_alone(definition.layout("ros1"), data).table
@@ -98,7 +95,7 @@ def test_ros1_times_are_unsigned_and_durations_are_signed() -> None:
 
 
 def test_ros2_times_and_durations_have_signed_seconds_and_unsigned_nanoseconds() -> None:
-    definition = define(2, Root="time at\nduration lasting")
+    definition = define(2, "time at\nduration lasting")
     data = bytes.fromhex("00010000 ffffffff fffffffe ffffffff fffffffe")
 
     table = decode_alone(definition.layout("cdr little-endian"), data).table
@@ -109,7 +106,7 @@ def test_ros2_times_and_durations_have_signed_seconds_and_unsigned_nanoseconds()
 
 
 def test_a_ros1_byte_is_signed_and_a_char_is_not() -> None:
-    definition = define(1, Root="byte b\nchar c\nbyte[2] more")
+    definition = define(1, "byte b\nchar c\nbyte[2] more")
 
     table = decode_alone(definition.layout("ros1"), b"\xff\xff\xfe\x01").table
 
@@ -119,7 +116,7 @@ def test_a_ros1_byte_is_signed_and_a_char_is_not() -> None:
 
 
 def test_a_ros2_byte_is_an_octet() -> None:
-    definition = define(2, Root="byte b\nchar c")
+    definition = define(2, "byte b\nchar c")
 
     table = decode_alone(definition.layout("cdr little-endian"), b"\0\1\0\0\xff\xff").table
 
@@ -129,7 +126,7 @@ def test_a_ros2_byte_is_an_octet() -> None:
 
 def test_an_empty_message_takes_one_byte_in_cdr_even_if_its_recorded_text_is_empty() -> None:
     # rosbag2 records the .msg file, which is empty; the padding byte is in the IDL only.
-    definition = define(2, Root="Empty nothing\nuint32 number", Empty="")
+    definition = define(2, "Empty nothing\nuint32 number", Empty="")
     data = bytes.fromhex("00010000 00 000000 2a000000")
 
     decoded = decode_alone(definition.layout("cdr little-endian"), data)
@@ -139,7 +136,7 @@ def test_an_empty_message_takes_one_byte_in_cdr_even_if_its_recorded_text_is_emp
 
 
 def test_an_empty_message_takes_nothing_in_ros1() -> None:
-    definition = define(1, Root="Empty nothing\nuint32 number\nEmpty[] many", Empty="")
+    definition = define(1, "Empty nothing\nuint32 number\nEmpty[] many", Empty="")
     data = bytes.fromhex("2a000000 00000000")
 
     decoded = decode_alone(definition.layout("ros1"), data)
@@ -150,21 +147,8 @@ def test_an_empty_message_takes_nothing_in_ros1() -> None:
 
 
 def test_text_that_is_not_utf_8_is_replaced() -> None:
-    definition = define(1, Root="string text")
+    definition = define(1, "string text")
 
     table = decode_alone(definition.layout("ros1"), b"\x03\0\0\0a\xffb").table
 
     assert table.texts("text").text(0) == "a�b"
-
-
-@given(texts=st.lists(st.sampled_from(["", "a", "ab", "ba", "world", "words", "é"]), max_size=30))
-@generated
-def test_encoded_texts_are_numbered_by_their_first_appearance(texts: list[str]) -> None:
-    definition = define(1, Root="string text")
-    raw = [text.encode() for text in texts]
-    messages = [len(text).to_bytes(4, "little") + text for text in raw]
-
-    code, names = decode_messages(definition.layout("ros1"), messages).table.texts("text").encode()
-
-    assert list(names) == list(dict.fromkeys(texts))
-    assert [names[number] for number in code] == texts

@@ -13,19 +13,20 @@ from hypothesis import strategies as st
 
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.decode.element_skipper import MAX_VARIABLE_ELEMENTS
-from tests.reader.decode.decoded_messages import decode_alone, decode_messages, messages_of
-from tests.reader.decode.generated_definitions import (
-    ROOT,
+from tests.reader.decode.oracle import (
     WIRES,
+    Author,
     Definition,
     Wire,
+    assert_same,
+    decode_alone,
+    decode_messages,
     define,
     definitions,
     dotted_paths,
     generated,
     ros_of,
 )
-from tests.reader.decode.messages_by_rosbags import Author, Oracle
 
 
 def truncations(message: bytes) -> list[bytes]:
@@ -77,21 +78,19 @@ def test_a_message_is_unsound_if_and_only_if_rosbags_refuses_it(
 ) -> None:
     definition = data.draw(definitions(ros_of(wire)))
     layout = definition.layout(wire)
-    oracle = Oracle(definition, wire)
-    first, damaged, last = Author(definition, wire, seed).write(3)
+    author = Author(definition, wire, seed)
+    first, damaged, last = author.write(3)
     messages = [first, *thinned(DAMAGES[damage](damaged), 200, seed), last]
-    expected = [oracle_verdict(oracle, wire, message, first) for message in messages]
+    verdicts = [verdict(author, wire, message, first) for message in messages]
 
     decoded = decode_messages(layout, messages, seed)
 
     assert decoded.sound[[0, -1]].all()
     assert decoded.table.rows == decoded.sound.sum()
-    rows = iter(messages_of(definition, decoded.table))
-    for sound, (accepted, value) in zip(decoded.sound.tolist(), expected, strict=True):
-        row = next(rows) if sound else None
-        if accepted is not None:
-            assert sound == accepted
-            assert row == value
+    clear = [row for row, (accepted, _) in enumerate(verdicts) if accepted is not None]
+    decoded = decode_messages(layout, [messages[row] for row in clear], seed)
+    assert decoded.sound.tolist() == [verdicts[row][0] for row in clear]
+    assert_same(definition, decoded.table, [verdicts[row][1] for row in clear if verdicts[row][0]])
 
 
 def thinned(messages: list[bytes], at_most: int, seed: int) -> list[bytes]:
@@ -101,13 +100,11 @@ def thinned(messages: list[bytes], at_most: int, seed: int) -> list[bytes]:
     return [messages[index] for index in chosen]
 
 
-def oracle_verdict(
-    oracle: Oracle, wire: Wire, message: bytes, first: bytes
-) -> tuple[bool | None, Any]:
+def verdict(author: Author, wire: Wire, message: bytes, first: bytes) -> tuple[bool | None, Any]:
     """Whether a message is sound, and its value; None where no verdict can be had."""
-    value = oracle.read(message)
+    value = author.read(message)
     if value is None:
-        return (None if oracle.excused(wire) else False), None
+        return (None if author.is_excused else False), None
     if wire != "ros1" and message[1] != first[1]:
         return False, None  # the byte order is another one than its neighbours'
     return True, value
@@ -120,22 +117,22 @@ def test_a_message_is_judged_the_same_when_it_is_alone_in_its_buffer(
     wire: Wire, data: st.DataObject, seed: int
 ) -> None:
     definition = data.draw(definitions(ros_of(wire)))
-    paths = sorted(set(dotted_paths(definition, ROOT, "")))
+    paths = sorted(set(dotted_paths(definition)))
     wanted = data.draw(st.none() | st.lists(st.sampled_from(paths))) if paths else None
     layout = definition.layout(wire, wanted)
-    oracle = Oracle(definition, wire)
-    message = Author(definition, wire, seed).write(1)[0]
+    author = Author(definition, wire, seed)
+    message = author.write(1)[0]
     damaged = [variant for damage in DAMAGES.values() for variant in damage(message)]
 
     for variant in thinned(damaged, 20, seed):
-        accepted, _ = oracle_verdict(oracle, wire, variant, variant)
+        accepted, _ = verdict(author, wire, variant, variant)
         decoded = decode_alone(layout, variant)
         assert accepted is None or decoded.sound.tolist() == [accepted]
 
 
 def test_a_truncated_message_alone_is_unsound_though_wanted_fields_lie_far_apart() -> None:
     text = "uint8[10] a\nuint8[900] b\nfloat64 c\nuint8[200] d\nfloat64 e"
-    layout = define(1, Root=text).layout("ros1", ("a", "c", "e"))
+    layout = define(1, text).layout("ros1", ("a", "c", "e"))
 
     for length in range(10 + 900 + 8 + 200 + 8):
         decoded = decode_alone(layout, bytes(length))
@@ -148,7 +145,7 @@ def test_a_truncated_message_alone_is_unsound_though_wanted_fields_lie_far_apart
 def author_of_hostility() -> tuple[Definition, list[bytes]]:
     definition = define(
         2,
-        Root="string a\nfloat64[] b\nInner[] c\nstring[] d\nInner[2] e\nuint8[] f",
+        "string a\nfloat64[] b\nInner[] c\nstring[] d\nInner[2] e\nuint8[] f",
         Inner="uint8 x\nstring y\nuint32[] z\nEven[] even",
         Even="float64 x\nfloat64 y",
     )
@@ -174,7 +171,7 @@ def test_counts_that_no_message_can_hold_allocate_nothing() -> None:
 
 
 def test_absurdly_large_messages_are_unsound_and_allocate_nothing_if_defined_at_all() -> None:
-    definition = define(1, Root="uint8[2000000000] x")
+    definition = define(1, "uint8[2000000000] x")
 
     with suppress(DefinitionError):
         decoded = decode_messages(definition.layout("ros1"), [b"abc"] * 5000)
@@ -184,7 +181,7 @@ def test_absurdly_large_messages_are_unsound_and_allocate_nothing_if_defined_at_
 def test_the_size_of_absurdly_large_elements_does_not_overflow_if_they_are_defined_at_all() -> None:
     # 4 * (2**31 - 1) bytes an element, times 2**31: more than an int64 counts to.
     large = "\n".join(f"uint8[2147483647] x{index}" for index in range(4))
-    definition = define(1, Root="Large[] many", Large=large)
+    definition = define(1, "Large[] many", Large=large)
 
     with suppress(DefinitionError):
         decoded = decode_messages(definition.layout("ros1"), [b"\0\0\0\x80"] * 1000)
@@ -193,7 +190,7 @@ def test_the_size_of_absurdly_large_elements_does_not_overflow_if_they_are_defin
 
 @pytest.mark.parametrize(("excess", "sound"), [(0, True), (1, False)])
 def test_arrays_of_uneven_elements_have_a_limit(excess: int, sound: bool) -> None:  # noqa: FBT001
-    definition = define(1, Root="string[] texts")
+    definition = define(1, "string[] texts")
     count = MAX_VARIABLE_ELEMENTS + excess
     message = count.to_bytes(4, "little") + bytes(4 * count)
     neighbour = (1).to_bytes(4, "little") + (2).to_bytes(4, "little") + b"ab"
@@ -204,7 +201,7 @@ def test_arrays_of_uneven_elements_have_a_limit(excess: int, sound: bool) -> Non
 
 
 def test_arrays_of_even_elements_have_no_limit() -> None:
-    definition = define(1, Root="uint16[] numbers")
+    definition = define(1, "uint16[] numbers")
     count = 5 * MAX_VARIABLE_ELEMENTS
     message = count.to_bytes(4, "little") + bytes(2 * count)
 
@@ -215,7 +212,7 @@ def test_arrays_of_even_elements_have_no_limit() -> None:
 
 
 def test_an_array_of_empty_messages_cannot_claim_more_elements_than_bytes() -> None:
-    definition = define(1, Root="Empty[] nothing\nuint8[] rest", Empty="")
+    definition = define(1, "Empty[] nothing\nuint8[] rest", Empty="")
     claims = (2**32 - 1).to_bytes(4, "little") + (1).to_bytes(4, "little") + b"\0"
 
     decoded = decode_messages(definition.layout("ros1"), [claims])
@@ -225,7 +222,7 @@ def test_an_array_of_empty_messages_cannot_claim_more_elements_than_bytes() -> N
 
 @pytest.mark.parametrize("header", [b"\0\2", b"\0\3", b"\0\6", b"\1\0", b"\xff\xff"])
 def test_other_encapsulations_than_plain_cdr_are_unsound(header: bytes) -> None:
-    layout = define(2, Root="uint32 number").layout("cdr little-endian")
+    layout = define(2, "uint32 number").layout("cdr little-endian")
     plain = bytes.fromhex("00010000 2a000000")
 
     decoded = decode_messages(layout, [header + plain[2:], plain, header + plain[2:]])
@@ -235,7 +232,7 @@ def test_other_encapsulations_than_plain_cdr_are_unsound(header: bytes) -> None:
 
 
 def test_a_message_in_another_byte_order_than_its_neighbours_is_unsound() -> None:
-    layout = define(2, Root="uint32 number").layout("cdr little-endian")
+    layout = define(2, "uint32 number").layout("cdr little-endian")
     little, big = bytes.fromhex("00010000 2a000000"), bytes.fromhex("00000000 0000002a")
 
     decoded = decode_messages(layout, [little, big, little])
@@ -249,7 +246,7 @@ def test_cdr_may_be_followed_by_three_bytes_of_padding(
     padding: int,
     sound: bool,  # noqa: FBT001
 ) -> None:
-    layout = define(2, Root="uint8 number").layout("cdr little-endian")
+    layout = define(2, "uint8 number").layout("cdr little-endian")
 
     decoded = decode_alone(layout, bytes.fromhex("00010000 2a") + bytes(padding))
 
@@ -257,7 +254,7 @@ def test_cdr_may_be_followed_by_three_bytes_of_padding(
 
 
 def test_a_cdr_string_without_its_terminator_is_unsound() -> None:
-    layout = define(2, Root="string text").layout("cdr little-endian")
+    layout = define(2, "string text").layout("cdr little-endian")
 
     good, bad = bytes.fromhex("00010000 02000000 6100"), bytes.fromhex("00010000 02000000 6162")
 

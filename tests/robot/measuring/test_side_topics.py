@@ -121,10 +121,10 @@ def test_the_best_of_several_is_taken_and_the_others_are_said(tmp_path: Path) ->
 
 def test_a_topic_that_is_not_there_is_refused(tmp_path: Path) -> None:
     recording = walk(ROBOT.commands())
-    with pytest.raises(dl.CallError, match=r"command_topic: /other is not in the log.*: /cmd_vel"):
+    with pytest.raises(dl.CallError, match=r"command_topic: .* no topic /other.*: /cmd_vel"):
         measured(tmp_path, recording, set={"command_topic": "/other"})
     topic = recording.robot.odometry_topic
-    with pytest.raises(dl.CallError, match="is of another type"):
+    with pytest.raises(dl.CallError, match="which does not fit"):
         measured(tmp_path, recording, "y.mcap", set={"command_topic": topic})
 
 

@@ -12,7 +12,8 @@ from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.reader.containers.contents import Channel, ChannelIds, Schema
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.sqlite.database import Database
-from dogbot_logtool.reader.decode.known_definitions import known_definition, long_type_name
+from dogbot_logtool.reader.decode.definition import long_type_name
+from dogbot_logtool.reader.decode.known_definitions import known_definition
 
 _MOST_TOPICS: Final = 0xFFFF
 """Channel ids of an MCAP."""

@@ -1,0 +1,266 @@
+"""Recorded definitions: the trees that they become, as rosbags parses them; or a refusal."""
+
+from typing import Any, Final
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
+
+from dogbot_logtool.errors import DefinitionError
+from dogbot_logtool.reader.decode.definition import (
+    FixedArray,
+    Primitive,
+    Struct,
+    Text,
+    VariableArray,
+    parse_definition,
+)
+from dogbot_logtool.reader.decode.plain_definition import Types, plain_types
+from tests.reader.decode.definitions import CONTACTS_TEXT, SEPARATOR, STAMPED_IDL
+
+F8, U4, I4, U1 = Primitive("f8"), Primitive("u4"), Primitive("i4"), Primitive("u1")
+RULE: Final = "=" * 80
+SEVERAL_IDL: Final = (
+    f"{RULE}\nIDL: demo/msg/Root\n"
+    '#include "geometry_msgs/msg/Vector3.idl"\n'
+    "module demo { module msg { struct Root { geometry_msgs::msg::Vector3 v; }; }; };\n"
+    f"{RULE}\nIDL: geometry_msgs/msg/Vector3\n"
+    "module geometry_msgs { module msg {\n"
+    '  @verbatim (language="comment", text="A \\"vector\\" (or a point)" "(in space)")\n'
+    "  struct Vector3 { double x; double y; double z; };\n};};\n"
+)
+MSG: Final = """\
+    # a comment
+    uint8 LEVEL=3
+    string NAME = some text # not a comment
+    int32 plain 5   # a default
+    string<=7 bounded
+    float64[<=4] few
+"""
+OWN_TIME: Final = (
+    f"builtin_interfaces/Time t\n{SEPARATOR}\nMSG: builtin_interfaces/Time\nint64 ticks"
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "encoding", "fields"),
+    [
+        (
+            "demo/msg/Stamped",
+            STAMPED_IDL,
+            "ros2idl",
+            {
+                "stamp": Struct("builtin_interfaces/msg/Time", (("sec", I4), ("nanosec", U4))),
+                "position": FixedArray(F8, 3),
+                "distances": VariableArray(F8),
+                "names": VariableArray(Text()),
+                "label": Text(),
+                "valid": U1,
+            },
+        ),
+        (
+            "demo/msg/Root",
+            SEVERAL_IDL,
+            "ros2idl",
+            {"v": Struct("geometry_msgs/msg/Vector3", (("x", F8), ("y", F8), ("z", F8)))},
+        ),
+        (
+            "demo/Root",
+            MSG,
+            "ros2msg",
+            {"plain": I4, "bounded": Text(), "few": VariableArray(F8)},
+        ),
+        (
+            "demo/Root",
+            OWN_TIME,
+            "ros2msg",
+            {"t": Struct("builtin_interfaces/msg/Time", (("ticks", Primitive("i8")),))},
+        ),
+    ],
+    ids=["IDL", "IDL of several files", "constants, defaults, bounds", "a time of its own"],
+)
+def test_definitions_become_trees(name: str, text: str, encoding: str, fields: Any) -> None:
+    assert dict(parse_definition(name, text, encoding).fields) == fields
+
+
+def test_windows_line_ends_are_read_like_others() -> None:
+    name, text = "gazebo_msgs/ContactsState", CONTACTS_TEXT.replace("\n", "\r\n")
+    other = parse_definition(name, CONTACTS_TEXT, "ros1msg")
+    assert parse_definition(name, text, "ros1msg") == other
+
+
+def idl(field: str) -> str:
+    return f"module demo {{ module msg {{ struct Root {{ {field}; }}; }}; }};"
+
+
+def levels(count: int, *fields: str) -> str:
+    """Return a definition of messages within messages."""
+    inner = [
+        f"MSG: demo/Level{level}\n" + "".join(f"Level{level + 1} {field}\n" for field in fields)
+        for level in range(count)
+    ]
+    last = f"MSG: demo/Level{count}\nint32 x"
+    return f"\n{SEPARATOR}\n".join(["Level0 root", *inner, last])
+
+
+def with_inner(field: str, inner: str = "int32 x") -> str:
+    return f"{field}\n{SEPARATOR}\nMSG: demo/Inner\n{inner}"
+
+
+UNPARSABLE: Final = ("3 is no field", "int32", "int32 x y z\n}", "int32[ x", "int32[][] x", "\0")
+NAMES: Final = ("", "Root", "demo/Root\nint32 y", "demo/Ro ot", "demo/Root\0")
+IDL_NAMES: Final = ("", "Root", "demo/Root\nint32 y", "demo/Other", "demo/", "/")
+LENGTHS: Final = ("-3", "1 << 99999999999999999999", "1 / 0", "2.5", "MISSING")
+IN_A_RING: Final = f"demo/A a\n{SEPARATOR}\nMSG: demo/A\ndemo/B%s b\n{SEPARATOR}\nMSG: demo/B\nA a"
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "encoding", "why"),
+    [
+        *(
+            ("demo/Root", text, encoding, "demo/Root")
+            for text in (*UNPARSABLE, "int32 x\nint32[3 y")
+            for encoding in ("ros1msg", "ros2msg", "ros2idl")
+        ),
+        *(
+            ("demo/Root", "int32 x", encoding, "not read")
+            for encoding in ("", "protobuf", "jsonschema", "ROS1MSG")
+        ),
+        *((name, idl("long x"), "ros2idl", ".") for name in IDL_NAMES),
+        *((name, "int32 x", "ros1msg", ".") for name in NAMES),
+        *(("demo/Root", idl(f"{each} x"), "ros2idl", "not read") for each in ("wstring", "wchar")),
+        ("demo/Root", idl("long double x"), "ros2idl", "not read"),
+        *(("demo/Root", idl(f"long x[{length}]"), "ros2idl", ".") for length in LENGTHS),
+        *(
+            ("demo/Root", text % array, "ros1msg", "contains itself")
+            for array in ("", "[]", "[2]")
+            for text in ("demo/Root%s x", IN_A_RING)
+        ),
+        ("demo/Root", "geometry_msgs/Vector3 x", "ros1msg", "geometry_msgs/msg/Vector3"),
+        *(
+            ("demo/Root", f"{kind} x", "ros1msg", kind)
+            for kind in ("wstring", "float128", "int128", "wchar")
+        ),
+        *(
+            ("demo/Root", f"float64[{length}] x", "ros1msg", "absurd")
+            for length in (2**28, 2**31, 2**63, 2**64, 10**30)
+        ),
+        *(
+            ("demo/Root", with_inner(f"{kind}[-1] x"), "ros1msg", ".")
+            for kind in ("float64", "string", "Inner")
+        ),
+        *(
+            ("demo/Root", with_inner(f"{kind}[{length}] x", "string text"), "ros1msg", "absurd")
+            for kind in ("string", "Inner")
+            for length in (2**31, 10**30)
+        ),
+        ("demo/Root", "#" * 2_000_001, "ros1msg", "2000001 characters"),
+        ("demo/Root", levels(20, "a", "b"), "ros1msg", "fields"),
+        ("demo/Root", levels(40, "a"), "ros1msg", "too deep"),
+    ],
+    ids=lambda each: each[:30] if isinstance(each, str) else None,
+)
+def test_what_no_message_can_be_is_refused(name: str, text: str, encoding: str, why: str) -> None:
+    with pytest.raises(DefinitionError, match=why):
+        parse_definition(name, text, encoding)
+
+
+@given(
+    place=st.integers(0, 1500),
+    removed=st.integers(0, 30),
+    # No parentheses: rosbags' IDL parser takes 50 times longer for every level of them.
+    added=st.text("\n =[]<>{};:,#/@\"'-+*_aZ09é\0", max_size=8),
+)
+@settings(max_examples=75, deadline=None)
+def test_a_damaged_definition_is_parsed_or_refused_with_one_error(
+    place: int, removed: int, added: str
+) -> None:
+    for name, text, encoding in (
+        ("gazebo_msgs/ContactsState", CONTACTS_TEXT, "ros1msg"),
+        ("demo/msg/Stamped", STAMPED_IDL, "ros2idl"),
+    ):
+        start = place % len(text)
+        damaged = text[:start] + added + text[start + removed :]
+        try:
+            tree = parse_definition(name, damaged, encoding)
+        except DefinitionError:
+            continue
+        assert isinstance(tree, Struct)
+
+
+# What is read of plain definitions is what rosbags' parser says; the rest is left to it.
+
+TEXT: Final = f"""\
+  # a comment
+uint8 LEVEL=3 # not a field
+Header header
+pkg/Inner[] many   # some
+msg/Other[12] few
+float64 x
+\tstring[] names
+time t
+{SEPARATOR}
+MSG: pkg/Inner
+
+bool yes
+"""
+
+
+def spelt(types: Any) -> dict[str, list[tuple[str, str]]]:
+    return {
+        name: [(field, words(description)) for field, description in fields]
+        for name, fields in types.items()
+    }
+
+
+def words(description: Any) -> str:
+    kind, detail = description
+    if kind.name in {"ARRAY", "SEQUENCE"}:
+        return f"{kind.name} {detail[1]} {words(detail[0])}"
+    return f"{kind.name} {detail}"
+
+
+def of_rosbags(name: str, text: str) -> dict[str, Any] | None:
+    try:
+        return {name: fields for name, (_, fields) in get_types_from_msg(text, name).items()}
+    except (TypesysError, ValueError):
+        return None
+
+
+@pytest.mark.parametrize(
+    ("store", "version"), [(Stores.ROS1_NOETIC, 1), (Stores.ROS2_HUMBLE, 2), (Stores.ROS2_JAZZY, 2)]
+)
+def test_known_types_are_read_as_by_rosbags(store: Stores, version: int) -> None:
+    known, plain = get_typestore(store), 0
+    for name in known.fielddefs:
+        text, _ = known.generate_msgdef(name, ros_version=version)
+        found: Types | None = plain_types(name, text)
+        plain += found is not None
+        assert found is None or spelt(found) == spelt(of_rosbags(name, text)), name
+    assert plain > 0.8 * len(known.fielddefs)
+
+
+def test_text_is_read_as_by_rosbags() -> None:
+    found = plain_types("demo/Root", TEXT)
+    assert found is not None
+    assert spelt(found) == spelt(of_rosbags("demo/Root", TEXT))
+
+
+@given(
+    place=st.integers(0, len(TEXT)),
+    removed=st.integers(0, 5),
+    added=st.text("\n =[]<>/#@\"'-+_aZ09é\0\tm", max_size=6),
+    name=st.sampled_from(["demo/Root", "demo/msg/Root", "demo/action/Root", "Root", "a/b/Root"]),
+)
+def test_damaged_text_is_left_or_read_as_by_rosbags(
+    place: int, removed: int, added: str, name: str
+) -> None:
+    damaged = TEXT[:place] + added + TEXT[place + removed :]
+    found, expected = plain_types(name, damaged), of_rosbags(name, damaged)
+    assert found is None or (expected is not None and spelt(found) == spelt(expected))
+
+
+@pytest.mark.parametrize("line", ["float64 x 3", "string<=5 x", "int32[<=4] x", "int32 from", "x"])
+def test_what_is_not_plain_is_left(line: str) -> None:
+    assert plain_types("demo/Root", line) is None
