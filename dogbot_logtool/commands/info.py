@@ -8,7 +8,7 @@ from typing import Final
 from dogbot_logtool.conversion.findings import second_tf
 from dogbot_logtool.core.checks.frames import name_findings, stamp_findings
 from dogbot_logtool.core.known_frames import KnownFrames, known_frames
-from dogbot_logtool.core.quality.quality import mean_rate_hz
+from dogbot_logtool.core.quality import mean_rate_hz
 from dogbot_logtool.finding import Finding, by_severity, found
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.options import ConvertOptions, InfoOptions, RobotOptions
@@ -107,7 +107,8 @@ def _with_legs(
         return list(findings)
     model = read_model(log, options.urdf)
     if model.robot is None:
-        told = without_legs(model.why_none, model.call)
+        offered = any(each.command for each in findings)
+        told = without_legs(model.why_none, "" if offered else model.call)
         return [told if each.code == "NO_FEET" else each for each in findings]
     stand_in = {"NO_FEET": "CONTACT_ESTIMATED", "NO_BASE": "BASE_FROM_LEGS"}
     kept = [each for each in findings if each.code not in missing]

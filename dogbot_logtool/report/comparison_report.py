@@ -194,13 +194,5 @@ def gait_comparison_json(found: GaitComparison) -> dict[str, Any]:
 
 
 def _metric_difference(each: FigureDifference) -> dict[str, Any]:
-    return {
-        "foot": each.foot,
-        "metric": each.figure,
-        "strides": list(each.counts),
-        "medians": list(each.medians),
-        "difference": each.difference,
-        "interval": list(each.interval),
-        "effect": each.effect,
-        "differs": each.differs,
-    }
+    values = asdict(each)
+    return {"metric": values.pop("figure"), "strides": values.pop("counts"), **values}

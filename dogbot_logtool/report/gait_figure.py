@@ -7,6 +7,7 @@ time. All lengths are millimetres on paper.
 
 import io
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Final, Literal
 
 import numpy as np
@@ -40,26 +41,7 @@ _LEAST_WIDTH: Final = 20.0
 _GREY: Final = "#ececec"
 """Behind the load curves while the foot is down."""
 _UNKNOWN: Final = "#999999"
-_STYLE: Final[dict[str, Any]] = {
-    "font.family": "DejaVu Sans",  # the one that matplotlib brings along
-    "font.size": 7.0,
-    "axes.linewidth": 0.5,
-    "axes.unicode_minus": True,
-    "hatch.linewidth": 0.4,
-    "lines.linewidth": 0.9,
-    "lines.solid_joinstyle": "round",
-    "path.simplify": False,
-    "xtick.major.width": 0.5,
-    "xtick.major.size": 2.0,
-    "xtick.major.pad": 2.0,
-    "ytick.major.width": 0.5,
-    "ytick.major.size": 2.0,
-    "ytick.major.pad": 1.5,
-    # Text stays text, and nothing depends on the day or the machine.
-    "pdf.fonttype": 42,
-    "svg.fonttype": "none",
-    "svg.hashsalt": "dogbot-logtool",
-}
+_STYLE: Final[Sequence[str | Path]] = ["default", Path(__file__).with_suffix(".mplstyle")]
 _NO_METADATA: Final[dict[str, dict[str, Any]]] = {
     "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
     "png": {"Software": None},
@@ -109,7 +91,7 @@ def gait_figure(walk: Walk, window: Window) -> "Figure":
     left, right = max(_LEFT, letters + 1.5), _RIGHT + (letters if loaded else 0.0)
     width = max(ONE_COLUMN_MM, left + right + _LEAST_WIDTH)
     height = _TOP + _BOTTOM + sum(heights) + _BETWEEN * len(loaded)
-    with context(["default", _STYLE]):
+    with context(_STYLE):
         figure = Figure((width / _MM_PER_INCH, height / _MM_PER_INCH))
         parts = figure.add_gridspec(
             len(heights),
@@ -256,6 +238,6 @@ def write_figure(figure: "Figure", file: BinaryIO, form: str) -> None:
 
     # A file that cannot be written, on a full disk, would upset matplotlib.
     drawn = io.BytesIO()
-    with context(["default", _STYLE]):
+    with context(_STYLE):
         figure.savefig(drawn, format=form, dpi=_DOTS_PER_INCH, metadata=_NO_METADATA[form])
     file.write(drawn.getvalue())

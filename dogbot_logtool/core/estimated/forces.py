@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, median_of
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
 from dogbot_logtool.core.estimated.ground import Ground, held, runs_of, slopes
 from dogbot_logtool.core.frames.kinematics import LegMotion
 
@@ -89,21 +89,21 @@ def loaded_feet(seconds: Floats, vertical: Floats, weight_n: float, ground: Grou
     for foot in range(vertical.shape[1]):
         resting = ground.resting[:, foot]
         # A foot that bounces at touchdown, while it is there already.
-        begin, end = runs_of(~loaded[:, foot])
-        swings = runs_of(~resting)
-        usual = (
-            float(median_of(seconds[swings[1] - 1] - seconds[swings[0]])) if len(swings[0]) else 0.0
-        )
-        short = seconds[end - 1] - seconds[begin] < min(BOUNCE * usual, LONGEST_BOUNCE_S)
-        for first, behind in zip(begin[short].tolist(), end[short].tolist(), strict=True):
+        swings = _lasting_s(seconds, runs_of(~resting))
+        usual = float(median_of(swings)) if len(swings) else 0.0
+        aloft = runs_of(~loaded[:, foot])
+        short = _lasting_s(seconds, aloft) < min(BOUNCE * usual, LONGEST_BOUNCE_S)
+        for first, behind in aloft[short].tolist():
             loaded[first:behind, foot] = True
-        rested = np.concatenate([[0], np.cumsum(resting)])
-        for first, behind in zip(
-            *(each.tolist() for each in runs_of(loaded[:, foot])), strict=True
-        ):
-            if rested[behind] - rested[first] < RESTED * (behind - first):
+        for first, behind in runs_of(loaded[:, foot]).tolist():
+            if resting[first:behind].mean() < RESTED:
                 loaded[first:behind, foot] = False
     return loaded
+
+
+def _lasting_s(seconds: Floats, runs: Ints) -> Floats:
+    """(k,) s from the first row of each run to its last."""
+    return np.asarray(seconds[runs[:, 1] - 1] - seconds[runs[:, 0]])
 
 
 def effort_fault(vertical: Floats, weight_n: float | None) -> str:

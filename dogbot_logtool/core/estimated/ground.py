@@ -18,6 +18,7 @@ from dogbot_logtool.core.arrays import (
     median_of_known,
     percentiles_of,
 )
+from dogbot_logtool.core.timespans import covers, spans_where
 
 SLOPE_S: Final = 0.02
 """s over which velocities are differences of positions."""
@@ -48,10 +49,8 @@ EDGE: Final = 0.2
 class Ground:
     """What the feet tell of the ground below."""
 
-    implied: Floats
-    """(n, f, 3) m/s, how the base moves along its axes if each foot rests on the ground."""
     resting: Flags
-    """(n, f) whether each foot rests there."""
+    """(n, f) whether each foot rests on it."""
     agreeing: Flags
     """(n, f) whether each is slow against what all of them agree on."""
     fast: Flags
@@ -111,27 +110,19 @@ def resting_feet(
         limit = float(np.clip(SLOW * top, *SLOWEST_MPS))
         close = lift < np.maximum(LOW_AND_SLOW * usual, 2.0 * LEAST_LIFT_M)
         resting = held(close & (speed < limit), ~close | (speed > LOOSELY * limit))
-    return Ground(implied, resting, speed < AGREE * limit, speed > max(FAST * top, LOOSELY * limit))
+    return Ground(resting, speed < AGREE * limit, speed > max(FAST * top, LOOSELY * limit))
 
 
 def _lift(seconds: Floats, height: Floats) -> Floats:
     """(n, f) m, how high feet are above where each is lowest in the seconds around."""
     block = ((seconds - seconds[0]) / GROUND_S).astype(np.int64)
     _, first = np.unique(block, return_index=True)
-    edges = [*first.tolist(), len(seconds)]
-    middles, lowest = [], []
-    for row in range(len(first)):
-        begin, end = edges[max(row - 1, 0)], edges[min(row + 2, len(first))]
-        middles.append((seconds[edges[row]] + seconds[edges[row + 1] - 1]) / 2.0)
-        lowest.append(percentiles_of(height[begin:end], (10.0,), axis=0)[0])
-    ground = np.array(lowest)
-    return np.stack(
-        [
-            column - np.interp(seconds, middles, ground[:, foot])
-            for foot, column in enumerate(height.T)
-        ],
-        axis=1,
-    )
+    edges = np.array([*first.tolist(), len(seconds)])
+    middles = (seconds[edges[:-1]] + seconds[edges[1:] - 1]) / 2.0
+    around = zip([0, *edges[:-2]], [*edges[2:], edges[-1]], strict=True)
+    lowest = [percentiles_of(height[begin:end], (10.0,), axis=0)[0] for begin, end in around]
+    ground = [np.interp(seconds, middles, column) for column in np.array(lowest).T]
+    return np.asarray(height - np.stack(ground, axis=1))
 
 
 def _common(seconds: Floats, implied: Floats, resting: Flags) -> Floats:
@@ -149,21 +140,17 @@ def _common(seconds: Floats, implied: Floats, resting: Flags) -> Floats:
     return np.asarray((total[end] - total[begin]) / (end - begin)[:, None])
 
 
-def runs_of(flags: Flags) -> tuple[Ints, Ints]:
-    """Return the first row of each run of true flags, and the row behind it."""
-    change = np.diff(flags.astype(np.int8), prepend=0, append=0)
-    return np.flatnonzero(change > 0), np.flatnonzero(change < 0)
+def runs_of(flags: Flags) -> Ints:
+    """(k, 2) the first row of each run of true flags, and the row behind it."""
+    return spans_where(np.arange(len(flags) + 1), flags)
 
 
 def _middles(standing: Flags) -> Flags:
     """(n,) the rows of contacts that are away from their ends."""
-    begin, end = runs_of(standing)
-    edge = np.ceil(EDGE * (end - begin)).astype(np.int64)
-    inside = np.zeros(len(standing) + 1, np.int64)
-    some = end - begin > 2 * edge
-    np.add.at(inside, (begin + edge)[some], 1)
-    np.add.at(inside, (end - edge)[some], -1)
-    return np.asarray(np.cumsum(inside[:-1]) > 0)
+    runs = runs_of(standing)
+    edge = np.ceil(EDGE * (runs[:, 1] - runs[:, 0])).astype(np.int64)
+    inner = runs + edge[:, None] * [1, -1]
+    return covers(inner[inner[:, 0] < inner[:, 1]], np.arange(len(standing)))
 
 
 def held(on: Flags, off: Flags) -> Flags:

@@ -187,21 +187,20 @@ def _loads(walk: Walk, foot: FootSteps, row: int) -> list[Line]:
     """Return |F| and its vertical part, as far as they are known."""
     if not foot.record.has_force:
         return []
-    track, name, weight = foot.record.track, label(foot.name), walk.loads.weight_n
+    track, gaps, name = foot.record.track, foot.record.gaps, label(foot.name)
+    weight = walk.loads.weight_n
     hover = "%{y:.1f} N" + ("" if weight is None else " (%{customdata:.2f} BW)")
     # The page divides the forces by the weight.
     meta = {} if weight is None else {"meta": {"weight": weight}}
     # The whole force is drawn over its vertical part, but named before it.
+    styles = {"color": foot_colour(row)}, {"color": NEUTRAL, "width": 1.0, "dash": "dot"}
     lines = (
-        line_over_time(
-            walk, f"{name} |F|", (track.time, track.force), foot.record.gaps, hover,
-            foot_colour(row), more={"zorder": 1, **meta},
-        ),
-        line_over_time(
-            walk, f"{name} vertical", (track.time, track.vertical_force), foot.record.gaps, hover,
-            NEUTRAL, width=1.0, dash="dot", more=meta,
-        ),
-    )  # fmt: skip
+        line_over_time(walk, f"{name} {what}", (track.time, force), gaps, hover, style, more)
+        for what, force, style, more in (
+            ("|F|", track.force, styles[0], {"zorder": 1, **meta}),
+            ("vertical", track.vertical_force, styles[1], meta),
+        )
+    )
     return [each for each in lines if each is not None]
 
 

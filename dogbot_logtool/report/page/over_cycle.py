@@ -142,11 +142,9 @@ def _band(
             percent,
             middle,
             name,
-            colour,
-            width=2,
-            dash="dash" if side == "right" else "solid",
+            {"color": colour, "width": 2, "dash": "dash" if side == "right" else "solid"},
             # The page finds the foot's stride by the index.
-            more={
+            {
                 "meta": {"foot": foot},
                 "customdata": np.stack([lower, upper], axis=1),
                 "hovertemplate": f"{value} {unit} ({least} to {most})",

@@ -6,7 +6,7 @@ how they move is not known.
 """
 
 from collections.abc import Sequence
-from math import acos, atan2, dist, hypot
+from math import acos, atan2, hypot
 from typing import Final
 from xml.etree import ElementTree as ET
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from dogbot_logtool.core.rotations import roll_pitch_yaw
 from dogbot_logtool.core.scene.foot_style import colour_parts
-from dogbot_logtool.core.soles import FramePose, Point
+from dogbot_logtool.core.soles import Point
 from dogbot_logtool.robot.robot_model.skeleton import Skeleton, body_size_m
 
 _AXES: Final = {"+x": (1, 0), "-x": (-1, 0), "+y": (0, 1), "-y": (0, -1)}
@@ -52,7 +52,8 @@ def primitive_urdf(
     colours = {"body": _BODY, "limb": _LIMB, "nose": _NOSE}
     colours |= {f"foot {foot.name}": foot.colour for foot in frames.feet}
     for material, colour in colours.items():
-        _add_material(robot, material, colour)
+        element = ET.SubElement(robot, "material", name=material)
+        ET.SubElement(element, "color", rgba=_text([*colour_parts(colour), 1.0]))
     links = {
         frame: ET.SubElement(robot, "link", name=frame) for frame in (frames.base, *frames.frames)
     }
@@ -61,14 +62,19 @@ def primitive_urdf(
     _add_nose(links[frames.base], centre, size, forward_axis)
     radius = _limb_radius(frames)
     for frame, pose in frames.limbs:
-        _add_limb(links[pose.parent], (0.0, 0.0, 0.0), pose.translation, radius)
+        _add_limb(links[pose.parent], pose.translation, radius)
         _add_visual(links[frame], "limb", (0.0, 0.0, 0.0), "sphere", radius=_text([radius]))
     for foot in frames.feet:
-        _add_limb(links[foot.frame], (0.0, 0.0, 0.0), foot.point, radius)
+        _add_limb(links[foot.frame], foot.point, radius)
         material = f"foot {foot.name}"
         _add_visual(links[foot.frame], material, foot.point, "sphere", radius=_text([1.6 * radius]))
     for child, pose in frames.frames.items():
-        _add_joint(robot, child, pose)
+        kind = "fixed" if pose.static else "floating"
+        joint = ET.SubElement(robot, "joint", name=f"{pose.parent} to {child}", type=kind)
+        angles = roll_pitch_yaw(np.array([pose.rotation]))[0].tolist()
+        ET.SubElement(joint, "origin", xyz=_text(pose.translation), rpy=_text(angles))
+        ET.SubElement(joint, "parent", link=pose.parent)
+        ET.SubElement(joint, "child", link=child)
     ET.indent(robot)
     return ET.tostring(robot, encoding="unicode") + "\n"
 
@@ -119,16 +125,15 @@ def _add_nose(link: ET.Element, centre: Point, size: Point, forward_axis: str) -
     _add_visual(link, "nose", middle, "box", size=_text(nose))
 
 
-def _add_limb(link: ET.Element, start: Point, end: Point, radius: float) -> None:
-    """Add a cylinder between two points of a link, where it is long enough to be seen."""
-    length = dist(start, end)
+def _add_limb(link: ET.Element, end: Point, radius: float) -> None:
+    """Add a cylinder from a link's origin to a point, where it is long enough to be seen."""
+    length = hypot(*end)
     if length < _SHORTEST_LIMB_M:
         return
-    x, y, z = ((b - a) / length for a, b in zip(start, end, strict=True))
-    middle = tuple((a + b) / 2.0 for a, b in zip(start, end, strict=True))
-    turn = (0.0, acos(min(max(z, -1.0), 1.0)), atan2(y, x))
+    x, y, z = end
+    turn = (0.0, acos(min(max(z / length, -1.0), 1.0)), atan2(y, x))
     sizes = {"radius": _text([radius]), "length": _text([length])}
-    _add_visual(link, "limb", middle, "cylinder", turn, **sizes)
+    _add_visual(link, "limb", (x / 2.0, y / 2.0, z / 2.0), "cylinder", turn, **sizes)
 
 
 def _add_visual(
@@ -143,20 +148,6 @@ def _add_visual(
     ET.SubElement(visual, "origin", xyz=_text(centre), rpy=_text(turn))
     ET.SubElement(ET.SubElement(visual, "geometry"), shape, sizes)
     ET.SubElement(visual, "material", name=material)
-
-
-def _add_material(robot: ET.Element, name: str, colour: str) -> None:
-    material = ET.SubElement(robot, "material", name=name)
-    ET.SubElement(material, "color", rgba=_text([*colour_parts(colour), 1.0]))
-
-
-def _add_joint(robot: ET.Element, child: str, pose: FramePose) -> None:
-    kind = "fixed" if pose.static else "floating"
-    joint = ET.SubElement(robot, "joint", name=f"{pose.parent} to {child}", type=kind)
-    angles = roll_pitch_yaw(np.array([pose.rotation]))[0].tolist()
-    ET.SubElement(joint, "origin", xyz=_text(pose.translation), rpy=_text(angles))
-    ET.SubElement(joint, "parent", link=pose.parent)
-    ET.SubElement(joint, "child", link=child)
 
 
 def _text(numbers: Sequence[float]) -> str:
