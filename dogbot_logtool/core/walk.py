@@ -23,7 +23,7 @@ from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.loads import WalkLoads
 from dogbot_logtool.core.metrics import Base, Stability, WalkMetrics
 from dogbot_logtool.core.planned import PlannedFoot
-from dogbot_logtool.core.quality.quality import TopicQuality
+from dogbot_logtool.core.quality import TopicQuality
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.records import unknown
 from dogbot_logtool.core.settings import WalkSettings

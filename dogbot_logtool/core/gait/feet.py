@@ -19,8 +19,7 @@ from dogbot_logtool.core.base.foot_path import FootPath, places_on_path
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES, stride_lengths
 from dogbot_logtool.core.base.moving_ground import MovingGround
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.places import stance_places
+from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
 from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.gait.strides import Strides, strides_of, walked_stances
 from dogbot_logtool.core.gait.support import Standing

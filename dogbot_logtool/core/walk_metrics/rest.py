@@ -14,7 +14,7 @@ from dogbot_logtool.core.metrics import (
     Settings,
     TopicQuality,
 )
-from dogbot_logtool.core.quality.quality import TopicQuality as TopicTiming
+from dogbot_logtool.core.quality import TopicQuality as TopicTiming
 from dogbot_logtool.core.records import Count, unknown
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding

@@ -17,9 +17,9 @@ from dogbot_logtool.core.metrics import (
     TopicQuality,
     WalkMetrics,
 )
-from dogbot_logtool.core.quality.quality import LEAST_SHARE, MOST_DEVIATIONS, outliers
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.numbers import NOTHING, percent
+from dogbot_logtool.report.outliers import LEAST_SHARE, MOST_DEVIATIONS, outliers
 from dogbot_logtool.report.tables import Column, FootRow, foot_rows, stride_table
 
 MOST_STRIDES: Final = 200
