@@ -7,7 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import median_of, norms
-from dogbot_logtool.core.base.axes import WALKED_M
+from dogbot_logtool.core.base.axes import WALKED_M, ways_m
 from dogbot_logtool.core.consistency.worlds import Worlds
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.walk import Walk
@@ -130,18 +130,16 @@ def forward_axis(walk: Walk) -> Iterator[Finding]:
     axis, why = settings.forward_axis, settings.forward_axis_reason
     if why:
         yield found("FORWARD_AXIS", where="settings.forward_axis", axis=axis, why=why)
-    forward, left = base.forward_speed_mps, base.lateral_speed_mps
-    if forward is None or left is None or abs(left) * (base.duration_s or 0.0) < WALKED_M:
-        return
-    if abs(left) > 2.0 * abs(forward):
+    forward, left = ways_m(base)
+    if abs(left) > max(WALKED_M, 2.0 * abs(forward)):
         yield found(
             "FORWARD_AXIS",
             where="base.forward_speed_mps",
             say="sideways",
             side="left" if left > 0.0 else "right",
             axis=axis,
-            speed=abs(left),
-            forward=forward,
+            speed=abs(base.lateral_speed_mps or 0.0),
+            forward=base.forward_speed_mps,
         )
 
 
