@@ -15,6 +15,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.base.axes import has_heading
 from dogbot_logtool.core.base.falls import find_tipping
 from dogbot_logtool.core.base.ground import swapped_pairs
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
@@ -106,6 +107,7 @@ def _measured(walk: Walk, corrected: Corrected) -> Walk:
     forward_rad = FORWARD_ANGLES[settings.forward_axis]
     # In another world, contact points tell nothing of the body's sides.
     apart = walk.worlds_differ or walk.base_by_feet
+    apart |= walk.base is not None and not has_heading(walk.base)
     placed = walk.poses.without_poses() if apart else walk.placed_poses
     swapped, pairs = swapped_pairs(placed, records, positions, forward_rad)
     placed_at = None
