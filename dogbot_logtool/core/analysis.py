@@ -109,7 +109,7 @@ def _measured(walk: Walk, corrected: Corrected) -> Walk:
     placed = walk.poses.without_poses() if apart else walk.placed_poses
     swapped, pairs = swapped_pairs(placed, records, positions, forward_rad)
     placed_at = None
-    if walk.contacts_known and not walk.base_is_apart:
+    if walk.contacts_known and not (walk.base_is_apart or walk.base_by_feet):
         offset_m = settings.com_offset_m or (0.0, 0.0, 0.0)
         placed_at = instants(records, walk.placed_poses, settings.forward_axis, offset_m)
     walk = replace(walk, instants=placed_at)

@@ -45,18 +45,27 @@ def mass_unknown(walk: Walk) -> Iterator[Finding]:
 
 def impulse_is_not_weight(walk: Walk) -> Iterator[Finding]:
     """Yield that the feet's forces do not add up to the weight, and what that refutes."""
-    loads, code = walk.loads, "IMPULSE_IS_NOT_WEIGHT"
-    cases, ratio = loads.refuted, loads.vertical_impulse_over_weight
-    magnitude = loads.magnitude_over_weight
-    if magnitude is not None and "shares" in cases:
-        cause = _likely_cause(walk, magnitude)
-        yield found(code, *cases, where=_RATIO, say="magnitude", ratio=magnitude, cause=cause)
-    if ratio is None and (loads.mean_vertical_n or 0.0) < 0.0:
-        yield found(code, *cases, where=_RATIO, say="downwards", newtons=loads.mean_vertical_n)
+    loads = walk.loads
+    ratio, magnitude = loads.vertical_impulse_over_weight, loads.magnitude_over_weight
     tolerance = REFUTED if walk.settings.contact_from else WEIGHT_TOLERANCE
     missing = walk.settings.lacks_feet and (ratio or 0.0) < 1.0
+    told: list[tuple[str, float | None]] = []
+    if magnitude is not None and "shares" in loads.refuted:
+        told.append(("magnitude", magnitude))
+    if ratio is None and (loads.mean_vertical_n or 0.0) < 0.0:
+        told.append(("downwards", None))
     if ratio is not None and not missing and abs(ratio - 1.0) > tolerance:
-        yield found(code, *cases, where=_RATIO, ratio=ratio, cause=_likely_cause(walk, ratio))
+        told.append(("plain", ratio))
+    for say, each in told:
+        yield found(
+            "IMPULSE_IS_NOT_WEIGHT",
+            *loads.refuted,
+            where=_RATIO,
+            say=say,
+            ratio=each,
+            newtons=loads.mean_vertical_n,
+            cause="" if each is None else _likely_cause(walk, each),
+        )
 
 
 def forces_lean(walk: Walk) -> Iterator[Finding]:
