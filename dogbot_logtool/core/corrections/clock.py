@@ -248,9 +248,8 @@ def why_unusable(checks: Sequence[StampCheck]) -> str:
     for check in stamped:
         most = max(FEWEST, MOST_BAD_SHARE * check.messages)
         if not check.steps and check.bad > most:
-            what = "are zero" if check.zeros == check.bad else "are zero or go backwards"
-            if not check.zeros:
-                what = "go backwards"
+            kinds = ("are zero", check.zeros), ("go backwards", check.bad - check.zeros)
+            what = " or ".join(words for words, count in kinds if count)
             counted = f"{check.bad} of {check.messages}"
             return f"header stamps of {check.topic} {what} ({counted})"
     return _why_set(stamped)
