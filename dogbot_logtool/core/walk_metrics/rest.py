@@ -6,7 +6,6 @@ from dataclasses import replace
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.checks.questions import checks_of
 from dogbot_logtool.core.metrics import (
-    Check,
     Commands,
     FootQuality,
     FootSettings,
@@ -78,10 +77,7 @@ def quality_metrics(walk: Walk, findings: Sequence[Finding]) -> Quality:
         overlap_s=_overlap_s(walk),
         base_to_feet_m=None if worlds is None else worlds.distance_m,
         feet_spread_m=None if worlds is None else worlds.spread_m,
-        checks=tuple(
-            Check(each.name, each.outcome.value, each.reason or None)
-            for each in checks_of(walk, findings)
-        ),
+        checks=checks_of(walk, findings),
     )
 
 
