@@ -34,11 +34,11 @@ def run(options: Export) -> NoReturn:
     refuse_no_name(options.output or "")
     target = Path(options.output or "")
     refuse_bad_target(target, logs.paths, overwrite=options.overwrite)
-    with whole_file(
-        target, overwrite=options.overwrite, is_wanted=lambda: call.has_results
-    ) as file:
+    with whole_file(target, overwrite=options.overwrite) as file:
         table = TableFile(target.name, file)
         _write(call, logs, options, table)
+        if not call.has_results:
+            call.finish()  # which leaves the block, and no file
         table.finish()
     call.finish()
 

@@ -154,6 +154,11 @@ class FootSteps:
     propulsive_ns: Floats
 
     @property
+    def known(self) -> Ints:
+        """(k, 2) ns, the time about which its sensor says something; none of a dead one."""
+        return timespans.no_spans() if self.is_dead else self.record.known
+
+    @property
     def spikes(self) -> int:
         """Lone spikes of its force in whole stances; kept out of the peaks."""
         return int(self.stances.figures.spikes[self.has_spikes & self.stances.whole].sum())
