@@ -40,14 +40,14 @@ _METRICS_HEAD: Final = """# Metrics
 
 Everything that `stats --json` reports, and the columns of `export --table strides`. SI units; the
 unit stands in the key. A metric that cannot be known is `null`, and `null_because` says why: the
-code of a finding, what of *needs* the log lacks, or that it does not apply. In keys `*` stands for
-the name of a foot, pair, joint or topic, `[]` for the items of a list. Curves, lists of times and
-the touchdowns and lift-offs among the events are printed with `--json -v` only.
-This page is made of the records in `dogbot_logtool/core/metrics.py` by `make docs`.
+code of a finding, what of *needs* the log lacks, or that it does not apply. In keys `*` stands
+for the name of a foot, pair, joint or topic, `[]` for the items of a list. Curves, lists of times
+and the touchdowns and lift-offs among the events are printed with `--json -v` only. This page is
+made of the records in `dogbot_logtool/core/metrics.py` by `make docs`.
 
 An **aggregate** holds {statistics}; a **curve** quartiles over strides by percent of the gait
-cycle: `percent`, `lower`, `median`, `upper`. Of `base`, `gait`, `feet`, `forces` and `stability`
-all metrics are also those of each of `gait.segments[]`.
+cycle: `percent`, `lower`, `median`, `upper`. All metrics of `base`, `gait`, `feet`, `forces` and
+`stability` are those of each of `gait.segments[]`, too.
 
 | key | unit | kind | definition | needs |
 |---|---|---|---|---|

@@ -1,4 +1,4 @@
-"""The feet of messages that tell of all feet at once, and plans."""
+"""The feet of messages that tell of all feet at once, plans, and what contact messages lack."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace

@@ -11,12 +11,10 @@ from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.robot.score import FootCandidates, word_of
 from dogbot_logtool.robot.siblings import FootSet
-from dogbot_logtool.robot.words import ENDS, SIDES, words_of
+from dogbot_logtool.robot.words import ON_A_FOOT, words_of
 
 _ALTERNATIVES: Final = 3
 """Sets of topics that are offered beside the most likely one."""
-_IN_A_SOLE: Final = frozenset({*ENDS, *SIDES, "heel", "inner", "inside", "outer", "outside", "toe"})
-"""Words, beside numbers, that tell apart the sensors in a sole."""
 
 
 def topics_finding(sets: Sequence[FootSet], call: str) -> Finding:
@@ -65,7 +63,7 @@ def split_cells(found: Sequence[FootCandidates]) -> tuple[list[FootCandidates], 
 def _without_place(foot: Foot) -> tuple[str, ...]:
     """Return the words of a foot's field that do not tell where in the foot it is."""
     words = [word.text for word in words_of(foot.field.path if foot.field else "")]
-    return tuple(word for word in words if word not in _IN_A_SOLE and not word.isdigit())
+    return tuple(word for word in words if word not in ON_A_FOOT and not word.isdigit())
 
 
 def _cells_finding(group: Sequence[FootCandidates]) -> Finding:

@@ -4,7 +4,7 @@ Each thing that speaks for or against them is a mark: points, and a reason for p
 """
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -55,17 +55,6 @@ _ON: Final = 0.2
 
 
 @dataclass(frozen=True, slots=True)
-class Content:
-    """What the values of feet are: flags, forces, counts."""
-
-    marks: tuple[Mark, ...]
-    is_contact: bool
-    """Whether the values only tell contact, and no force."""
-    thresholds: tuple[float, ...] = ()
-    """Threshold of each foot; empty: values are near zero without load."""
-
-
-@dataclass(frozen=True, slots=True)
 class FootCandidates:
     """Fields that may be the feet of a robot."""
 
@@ -111,19 +100,15 @@ def name_marks(names: Collection[str], type_name: str) -> Iterator[Mark]:
     texts = {word.text for word in (*words, *words_of(type_name))}
     if any(word.is_leg for word in words):
         yield 2, "the names speak of feet or legs"
-    yield -cost_of({word.part for word in words}), ""
+    parts = {word.part for word in words}
+    if Part.NOT_A_FOOT in parts:
+        # Hands, wheels, tools ...
+        yield (-_OTHER_PART if parts & {Part.FOOT, Part.LEG} else -_NEVER), ""
     if not texts.isdisjoint(CONTACT_WORDS | FORCE_WORDS):
         yield 1, "of contact or force"
     merit = min((MERITS.get(text, 0) for text in texts), default=0)
     if merit < -1:
         yield merit, "they are named as planned or set, not measured"
-
-
-def cost_of(parts: Collection[Part | None]) -> int:
-    """Return the points that names cost which speak of hands, wheels, tools ..."""
-    if Part.NOT_A_FOOT not in parts:
-        return 0
-    return _NEVER if {Part.FOOT, Part.LEG}.isdisjoint(parts) else _OTHER_PART
 
 
 def rate_mark(rate_hz: float) -> Mark:
@@ -132,31 +117,40 @@ def rate_mark(rate_hz: float) -> Mark:
     return points, f"{rate_hz:.0f} messages a second"
 
 
-def judge_content(feet: Sequence[Samples]) -> Content | None:
-    """Judge values that were read as forces; None: too few were seen.
+def with_content(named: FootCandidates, feet: Sequence[Samples]) -> FootCandidates | None:
+    """Judge also by the values, which were read as forces; None: too few were seen.
 
     Args:
-        feet: samples of each foot, by log time.
+        named: fields, judged by their names.
+        feet: samples of the first fields by log time; messages do not have the others.
     """
     if min((len(each.log_time) for each in feet), default=0) < _FEWEST:
         return None
     signed = _side_by_side(feet)
     values = np.abs(signed)
-    is_contact = bool((values <= _LARGEST_STATE).all() and (values == np.round(values)).all())
+    are_states = bool((values <= _LARGEST_STATE).all() and (values == np.round(values)).all())
     low, high = percentiles_of(values, _TENTH, axis=0)
-    down = values > 0.0 if is_contact else values > low + _ON * (high - low)
+    down = values > 0.0 if are_states else values > low + _ON * (high - low)
     marks = [_on_and_off(np.count_nonzero(np.diff(down, axis=0), axis=0)), _in_turns(down)]
-    if not is_contact:
+    if not are_states:
         marks += [_together(values), _one_way(signed)]
-    thresholds: tuple[float, ...] = ()
-    is_number = not is_contact and not any(each.force[:, :2].any() for each in feet)
+    thresholds, is_contact = [0.0] * len(feet), are_states
+    is_number = not are_states and not any(each.force[:, :2].any() for each in feet)
     low, high = percentiles_of(values, _ENDS, axis=0)
     if is_number and bool((signed > 0.0).all()) and bool((low > _NOT_UNLOADED * high).all()):
-        thresholds = tuple((low + _ON * (high - low)).tolist())
+        thresholds, is_contact = (low + _ON * (high - low)).tolist(), True
         marks.append((0, "none reads near zero without load: they tell contact, not newtons"))
     if sum(points for points, _ in marks) <= 0:
         marks.append((-_NEVER, "no foot reads so"))
-    return Content((*marks, (1 if len(feet) in _USUAL_FEET else -1, "")), is_contact, thresholds)
+    marks.append((1 if len(feet) in _USUAL_FEET else -1, ""))
+    # It is said only where the type of the field would say something else.
+    kind = "" if is_contact == named.is_integer else "contact" if is_contact else "force"
+    told = tuple(
+        replace(foot, field=replace(foot.field, kind=kind, threshold=threshold))
+        for foot, threshold in zip(named.feet, thresholds, strict=False)
+        if foot.field
+    )
+    return replace(named, feet=told, marks=(*named.marks, *marks), is_contact=is_contact)
 
 
 def _side_by_side(feet: Sequence[Samples]) -> Floats:

@@ -27,9 +27,9 @@ from dogbot_logtool.robot.score import (
     CONTACT_WORDS,
     FORCE_WORDS,
     FootCandidates,
-    judge_content,
     name_marks,
     rate_mark,
+    with_content,
     word_of,
 )
 from dogbot_logtool.robot.topics import first_messages, has_field, message_count
@@ -60,7 +60,7 @@ def find_candidates(log: Log) -> list[FootCandidates]:
     """Find fields that may be feet, the most likely first."""
     named = sorted(_named_sets(log), key=lambda one: -one.points)[:_MOST_SETS]
     columns = _read_fields(log, named)
-    judged = (_judged(one, [columns[word] for word in one.words]) for one in named)
+    judged = (with_content(one, _present(one, columns)) for one in named)
     likely = [one for one in judged if one is not None and one.points >= _ENOUGH]
     kept: list[FootCandidates] = []
     for one in sorted(likely, key=lambda one: (-one.points, one.is_contact)):
@@ -253,33 +253,17 @@ def _read_fields(log: Log, sets: Sequence[FootCandidates]) -> Mapping[str, Sampl
     return {foot.name: samples for foot, samples in zip(feet, read.recording.feet, strict=True)}
 
 
-def _judged(named: FootCandidates, samples: Sequence[Samples]) -> FootCandidates | None:
-    """Add what the content says; None where it cannot be feet."""
-    count = _feet_there(named, samples) if named.is_numbered else len(samples)
-    content = judge_content(samples[:count])
-    if content is None:
-        return None
-    is_contact = content.is_contact or bool(content.thresholds)
-    # It is said only where the type of the field would say something else.
-    kind = "" if is_contact == named.is_integer else "contact" if is_contact else "force"
-    thresholds = content.thresholds or (0.0,) * count
-    feet = tuple(
-        replace(foot, field=replace(foot.field, kind=kind, threshold=threshold))
-        for foot, threshold in zip(named.feet[:count], thresholds, strict=True)
-        if foot.field
-    )
-    return replace(named, feet=feet, marks=(*named.marks, *content.marks), is_contact=is_contact)
-
-
-def _feet_there(named: FootCandidates, samples: Sequence[Samples]) -> int:
-    """Return how many feet all messages have, the first ones; 0: they are no feet of an array."""
+def _present(named: FootCandidates, columns: Mapping[str, Samples]) -> list[Samples]:
+    """Return the samples of the first fields, those that all messages have; none: they differ."""
+    samples = [columns[word] for word in named.words]
+    count = len(samples)
     if "&" in named.words[0]:
         changes = [np.count_nonzero(np.diff(each.in_contact)) for each in samples]
-        if max(changes) > _MOST_CHANGES * len(samples[0].in_contact):
-            return 0
         count = max((bit + 1 for bit, number in enumerate(changes) if number), default=0)
-    else:
+        if max(changes) > _MOST_CHANGES * len(samples[0].in_contact):
+            return []
+    elif named.is_numbered:
         told = [len(each.log_time) for each in samples]
         count = sum(number > 0 for number in told)
         count = count if len(set(told[:count])) == 1 else 0
-    return count if _FEWEST_FEET <= count <= _MOST_FEET else 0
+    return samples[:count] if _FEWEST_FEET <= count <= _MOST_FEET or not named.is_numbered else []

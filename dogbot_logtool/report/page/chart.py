@@ -16,9 +16,8 @@ from dogbot_logtool.io.printable import printable
 
 NEUTRAL: Final = "#808080"
 """Seen on white and on black."""
-LINE: Final = "#6f7680"
-"""Lines that are about no foot; also `SECOND`, for the second one of a figure."""
 SECOND: Final = "#8e6bbf"
+"""Of what is set apart in a figure."""
 BAD: Final = "#c8382e"
 """Gaps and damage."""
 _SYMBOLS: Final = ("triangle-up", "triangle-down", "square", "diamond", "circle", "cross")
@@ -138,25 +137,25 @@ def extent_of(
 
 
 def line(
-    x: Floats | Float32s,
-    y: Floats | Float32s,
-    name: str,
-    colour: str,
-    *,
-    width: float = 1.5,
-    dash: str = "solid",
-    more: Trace | None = None,
+    x: Floats | Float32s, y: Floats | Float32s, name: str, style: Trace, more: Trace | None = None
 ) -> Trace:
-    """Return a line; NaN breaks it."""
-    style = {"color": colour, "width": width, "dash": dash}
-    whole = {"type": "scatter", "mode": "lines", "x": x, "y": y, "name": name, "line": style}
-    return whole | (more or {})
+    """Return a line; NaN breaks it.
+
+    Args:
+        x: (n,).
+        y: (n,).
+        name: of the line.
+        style: its colour, width and dash, as Plotly names them.
+        more: of the trace.
+    """
+    points = {"x": x, "y": y, "name": name, "line": {"width": 1.5, **style}}
+    return {"type": "scatter", "mode": "lines", **points, **(more or {})}
 
 
 def area(x: Floats, y: Floats, name: str, colour: str, alpha: float) -> Trace:
     """Return a filled outline that says nothing to the mouse; NaN parts one from the next."""
     fill = {"fill": "toself", "fillcolor": translucent(colour, alpha), "hoverinfo": "skip"}
-    return line(x, y, name, colour, width=0, more=fill)
+    return line(x, y, name, {"width": 0}, fill)
 
 
 def note(text: str, **where: Any) -> dict[str, Any]:  # noqa: ANN401 - whatever Plotly documents

@@ -43,7 +43,7 @@ def gait_diagram(walk: Walk) -> Drawing | None:
     drawn = [_stances_drawn(walk, foot) for foot in walk.feet]
     whole = np.array([[walk.origin, walk.end]], np.int64)
     for row, (foot, spans) in enumerate(zip(walk.feet, drawn, strict=True)):
-        unknown = timespans.subtract(whole, _known(foot))
+        unknown = timespans.subtract(whole, foot.known)
         data.append(_bars(walk, foot, unknown, row, _HATCHED, "not known"))
         data.append(_bars(walk, foot, spans, row, _filling(walk, row), "down"))
         if len(spans) < len(foot.record.in_contact):
@@ -77,13 +77,9 @@ def gait_diagram(walk: Walk) -> Drawing | None:
     return Drawing("gait", "Gait diagram", alt, words, data, layout, over_time=True, feet=rows)
 
 
-def _known(foot: FootSteps) -> Ints:
-    return timespans.no_spans() if foot.is_dead else foot.record.known
-
-
 def _stances_drawn(walk: Walk, foot: FootSteps) -> Ints:
     """(s, 2) ns, the contacts around the typical strides, as many as can be drawn."""
-    spans = timespans.no_spans() if foot.is_dead else foot.record.in_contact
+    spans = foot.record.in_contact
     middle = walk.origin + round(sum(default_window(walk)) / 2.0 * 1e9)
     first = int(np.searchsorted(spans[:, 0], middle)) - MOST_STANCES // 2
     first = max(0, min(first, len(spans) - MOST_STANCES))
@@ -187,21 +183,20 @@ def _loads(walk: Walk, foot: FootSteps, row: int) -> list[Line]:
     """Return |F| and its vertical part, as far as they are known."""
     if not foot.record.has_force:
         return []
-    track, name, weight = foot.record.track, label(foot.name), walk.loads.weight_n
+    track, gaps, name = foot.record.track, foot.record.gaps, label(foot.name)
+    weight = walk.loads.weight_n
     hover = "%{y:.1f} N" + ("" if weight is None else " (%{customdata:.2f} BW)")
     # The page divides the forces by the weight.
     meta = {} if weight is None else {"meta": {"weight": weight}}
     # The whole force is drawn over its vertical part, but named before it.
+    styles = {"color": foot_colour(row)}, {"color": NEUTRAL, "width": 1.0, "dash": "dot"}
     lines = (
-        line_over_time(
-            walk, f"{name} |F|", (track.time, track.force), foot.record.gaps, hover,
-            foot_colour(row), more={"zorder": 1, **meta},
-        ),
-        line_over_time(
-            walk, f"{name} vertical", (track.time, track.vertical_force), foot.record.gaps, hover,
-            NEUTRAL, width=1.0, dash="dot", more=meta,
-        ),
-    )  # fmt: skip
+        line_over_time(walk, f"{name} {what}", (track.time, force), gaps, hover, style, more)
+        for what, force, style, more in (
+            ("|F|", track.force, styles[0], {"zorder": 1, **meta}),
+            ("vertical", track.vertical_force, styles[1], meta),
+        )
+    )
     return [each for each in lines if each is not None]
 
 

@@ -44,7 +44,7 @@ def walk_from_above(walk: Walk) -> Drawing | None:
         x, y = centre.pressure[rows].T
         at = seconds(walk, centre.time[rows])
         words = {"customdata": at, "hovertemplate": _AT}
-        data.append(line(x, y, "centre of pressure", SECOND, width=1.2, more=words))
+        data.append(line(x, y, "centre of pressure", {"color": SECOND, "width": 1.2}, words))
     for row, (foot, points) in enumerate(zip(walk.feet, prints, strict=True)):
         if len(points.time):
             rows = thinned(len(points.time), MOST_FOOTPRINTS)
@@ -81,7 +81,8 @@ def _path(walk: Walk) -> Trace:
         np.insert(each, breaks, np.nan)
         for each in (*base.position[rows, :2].T, seconds(walk, time))
     )
-    return line(x, y, "base", NEUTRAL, width=3, more={"customdata": at, "hovertemplate": _AT})
+    more = {"customdata": at, "hovertemplate": _AT}
+    return line(x, y, "base", {"color": NEUTRAL, "width": 3}, more)
 
 
 def _markers(point: Floats, at: Floats, name: str, **look: Any) -> Trace:  # noqa: ANN401 - Plotly's

@@ -16,7 +16,6 @@ from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.curves import Curve, curve_of
 from dogbot_logtool.report.page.chart import (
     BAD,
-    LINE,
     NEUTRAL,
     SECOND,
     Drawing,
@@ -33,6 +32,9 @@ from dogbot_logtool.report.page.chart import (
 from dogbot_logtool.report.text.gait_diagram import default_window
 
 ROW_PIXELS: Final = 105
+_FIRST: Final = {"color": "#6f7680"}
+_OTHER: Final = {"color": SECOND, "dash": "dash"}
+"""Styles of lines that are about no foot."""
 _BINS: Final = 600
 """Bins of a curve, each with its lowest and highest value: twice as many points."""
 _BESIDE_S: Final = 0.1
@@ -49,13 +51,10 @@ class Line(NamedTuple):
 def line_over_time(
     walk: Walk,
     name: str,
-    curve: tuple[Ints, Floats | Float32s],
+    points: tuple[Ints, Floats | Float32s],
     breaks: Ints,
     hover: str,
-    colour: str = LINE,
-    *,
-    width: float = 1.5,
-    dash: str = "solid",
+    style: Trace,
     more: Trace | None = None,
 ) -> Line | None:
     """Reduce a quantity: the typical strides have every sample; None where nothing is known.
@@ -63,21 +62,18 @@ def line_over_time(
     Args:
         walk: of the log.
         name: of the quantity.
-        curve: (n,) ns, strictly increasing, and (n,) values, NaN where not known.
+        points: (n,) ns, strictly increasing, and (n,) values, NaN where not known.
         breaks: (b, 2) ns, over which no line leads, beside unknown values.
         hover: how a value is written.
-        colour: see `line`, as all that follow.
-        width: px.
-        dash: as Plotly names it.
+        style: see `line`; also `more`.
         more: of the trace.
     """
-    typical = [walk.origin + round(each * 1e9) for each in default_window(walk)]
-    found = curve_of(*curve, breaks, _BINS, (typical[0], typical[1]))
-    if found is None:
+    first, last = (walk.origin + round(each * 1e9) for each in default_window(walk))
+    curve = curve_of(*points, breaks, _BINS, (first, last))
+    if curve is None:
         return None
-    words = {"hovertemplate": hover} | (more or {})
-    x = seconds(walk, found.time)
-    return Line(found, line(x, found.value, name, colour, width=width, dash=dash, more=words))
+    words = {"hovertemplate": hover, **(more or {})}
+    return Line(curve, line(seconds(walk, curve.time), curve.value, name, style, words))
 
 
 def _row(title: str, lines: Sequence[Line | None], least: float) -> Iterator[Row]:
@@ -118,14 +114,13 @@ def motion(walk: Walk) -> Drawing | None:
 def _motion_rows(walk: Walk) -> Iterator[Row]:
     base, feet = walk.base_history, [foot.record for foot in walk.feet]
 
-    def curve(name: str, value: Floats, hover: str, colour: str = LINE, dash: str = "solid") -> Any:  # noqa: ANN401
-        points = base.time, value
-        return line_over_time(walk, name, points, base.gaps, hover, colour, dash=dash)
+    def curve(name: str, value: Floats, hover: str, style: Trace = _FIRST) -> Line | None:
+        return line_over_time(walk, name, (base.time, value), base.gaps, hover, style)
 
     if walk.instants is not None:
         points = walk.instants.time, walk.instants.margin * 1e3
-        known = line_over_time(walk, "static margin", points, base.gaps, "%{y:.0f} mm")
-        yield from _row("margin (mm)", [known], 20.0)
+        shown = line_over_time(walk, "static margin", points, base.gaps, "%{y:.0f} mm", _FIRST)
+        yield from _row("margin (mm)", [shown], 20.0)
     yield from _row("speed (m/s)", [curve("speed forward", _speed(walk), "%{y:.3f} m/s")], 0.1)
     if feet and not walk.base_clock_is_apart:
         height = height_over_feet(base, feet)
@@ -133,7 +128,7 @@ def _motion_rows(walk: Walk) -> Iterator[Row]:
     roll, pitch = np.degrees(roll_and_pitch(base.angles, walk.settings.forward_axis))
     lines = (
         curve("roll", roll, "%{y:.1f} deg"),
-        curve("pitch", pitch, "%{y:.1f} deg", SECOND, "dash"),
+        curve("pitch", pitch, "%{y:.1f} deg", _OTHER),
     )
     yield from _row("attitude (deg)", lines, 2.0)
 
@@ -167,16 +162,14 @@ def tracked_commands(walk: Walk) -> Drawing | None:
         rms = track.errors(column)[3]
         if rms is None:
             continue
+        hover = f"%{{y:.3f}} {unit}"
         lines = [
-            line_over_time(
-                walk, name, (track.time, value[:, column]), track.breaks,
-                f"%{{y:.3f}} {unit}", colour, dash=dash,
+            line_over_time(walk, name, (track.time, value[:, column]), track.breaks, hover, style)
+            for name, value, style in (
+                ("measured", track.measured, _FIRST),
+                ("commanded", track.commanded, _OTHER),
             )
-            for name, value, colour, dash in (
-                ("measured", track.measured, LINE, "solid"),
-                ("commanded", track.commanded, SECOND, "dash"),
-            )
-        ]  # fmt: skip
+        ]
         rows += _row(f"{title} ({unit})", lines, 0.1)
         words.append(f"{title.capitalize()}: error {rms:.3f} {unit} (root mean square).")
     caption = (

@@ -1,7 +1,7 @@
 """The tables of the page, in text; numbers of the same kind stand under one heading."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, Final, NamedTuple, TypeVar
 
 import numpy as np
@@ -17,9 +17,9 @@ from dogbot_logtool.core.metrics import (
     TopicQuality,
     WalkMetrics,
 )
-from dogbot_logtool.core.quality.quality import LEAST_SHARE, MOST_DEVIATIONS, outliers
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.numbers import NOTHING, percent
+from dogbot_logtool.report.outliers import LEAST_SHARE, MOST_DEVIATIONS, outliers
 from dogbot_logtool.report.tables import Column, FootRow, foot_rows, stride_table
 
 MOST_STRIDES: Final = 200
@@ -97,60 +97,51 @@ class Cell(NamedTuple):
     """The reference that it is compared with."""
 
 
-@dataclass(frozen=True, slots=True)
-class Table:
+class Table(NamedTuple):
     """A table whose first column names the row."""
 
     columns: Sequence[str]
-    rows: Sequence[Sequence[Cell]]
+    rows: Sequence[tuple[int | None, Sequence[Cell]]]
+    """Each with the index of the foot that it is about, for its colour; None: it is about none."""
     caption: str
-    feet: Sequence[int | None]
-    """Index of the foot that a row is about, for its colour; None: it is about none."""
-
-    @property
-    def lines(self) -> list[tuple[int | None, Sequence[Cell]]]:
-        """The rows, each with its foot."""
-        return list(zip(self.feet, self.rows, strict=True))
 
 
 def _table(
-    of: str,
-    columns: Sequence[Column[S]],
-    sources: Mapping[str, S],
-    caption: str,
-    feet: Sequence[str] = (),
-) -> Table:
-    """Return a row for each of some sources, by name.
+    of: str, columns: Sequence[Column[S]], sources: Mapping[str, S], caption: str,
+    feet: Mapping[str, int] = MappingProxyType({}),
+) -> Table | None:  # fmt: skip
+    """Return a row for each of some sources, by name; None without any.
 
     Args:
         of: heading of the names.
         columns: of the values.
         sources: by name.
         caption: sentences about them.
-        feet: names of the robot's feet, where each source is one.
+        feet: index of the foot that a source is about, by the name of the source.
     """
     rows = [
-        [Cell(name), *(Cell(column.cell(each)) for column in columns)]
+        (feet.get(name), [Cell(name), *(Cell(column.cell(each)) for column in columns)])
         for name, each in sources.items()
     ]
-    coloured = [feet.index(name) if feet else None for name in sources]
-    return Table((of, *(column.heading for column in columns)), rows, caption, coloured)
+    return Table((of, *(column.heading for column in columns)), rows, caption) if rows else None
 
 
 def page_tables(walk: Walk) -> dict[str, Table | None]:
     """Return the tables of a page by the names that its template knows them by."""
     metrics = walk.metrics
-    feet, names = foot_rows(metrics), list(metrics.feet)
-    has_legs = walk.legs is not None and any(leg.frame for leg in walk.legs.feet)
-    symmetry = metrics.forces.symmetry_index_percent
+    forces, joints = metrics.forces, metrics.legs.joints
+    feet = foot_rows(metrics)
+    index = {name: row for row, name in enumerate(feet)}
+    legs = feet if walk.legs is not None and any(leg.frame for leg in walk.legs.feet) else {}
+    of_joint = {name: index[each.foot] for name, each in joints.items() if each.foot in index}
+    coloured = of_joint if len(of_joint) == len(joints) else {}
+    pairs = forces.symmetry_index_percent
     return {
-        "steps": _table("foot", _STEPS, feet, _STEP_WORDS, names),
-        "loads": _table("foot", _LOADS, feet, _load_words(walk.loads), names),
-        "symmetry": _table("pair", _SYMMETRY, symmetry, _symmetry_words(metrics.forces.load_share))
-        if symmetry
-        else None,
-        "legs": _table("foot", _LEGS, feet, _LEG_WORDS, names) if has_legs else None,
-        "joints": _joint_table(metrics),
+        "steps": _table("foot", _STEPS, feet, _STEP_WORDS, index),
+        "loads": _table("foot", _LOADS, feet, _load_words(walk.loads), index),
+        "symmetry": _table("pair", _SYMMETRY, pairs, _symmetry_words(forces.load_share)),
+        "legs": _table("foot", _LEGS, legs, _LEG_WORDS, index),
+        "joints": _table("joint", _JOINTS, joints, _joint_words(metrics.legs), coloured),
         "strides": _stride_table(walk),
         "topics": _table("topic", _TOPICS, metrics.quality.topics, _topic_words(metrics)),
     }
@@ -184,24 +175,10 @@ def _topic_words(metrics: WalkMetrics) -> str:
     return f"{metrics.log.messages:,} messages. Gap: over 5 usual intervals and 50 ms."
 
 
-def _joint_table(metrics: WalkMetrics) -> Table | None:
-    """Return the joints; None where the log tells of none."""
-    joints, feet = metrics.legs.joints, list(metrics.feet)
-    if not joints:
-        return None
-    words = (
-        f"rad and N m (m and N of those that slide) in the whole log.{_work_words(metrics.legs)}"
-    )
-    table = _table("joint", _JOINTS, joints, words)
-    coloured = [feet.index(each.foot) if each.foot in feet else None for each in joints.values()]
-    return table if None in coloured else Table(table.columns, table.rows, words, coloured)
-
-
-def _work_words(legs: Legs) -> str:
-    done, positive, cost = (
-        legs.absolute_work_j, legs.positive_work_j, legs.mechanical_cost_of_transport,
-    )  # fmt: skip
-    words = ""
+def _joint_words(legs: Legs) -> str:
+    words = "rad and N m (m and N of those that slide) in the whole log."
+    done, positive = legs.absolute_work_j, legs.positive_work_j
+    cost = legs.mechanical_cost_of_transport
     if done is not None:
         known = "?" if positive is None else f"{positive.median:.2f} J"
         words += f" Work of all joints in a stride: {done.median:.2f} J, {known} of it positive."
@@ -240,9 +217,8 @@ def _stride_table(walk: Walk) -> Table:
     shown = order if len(order) <= MOST_STRIDES else marked[:MOST_STRIDES]
     return Table(
         ("foot", "from s", *(column.heading for column in _STRIDES)),
-        [rows[row] for row in shown],
+        [(int(feet[row]), rows[row]) for row in shown],
         _stride_words(len(order), len(marked), len(shown)),
-        [int(feet[row]) for row in shown],
     )
 
 
@@ -257,11 +233,11 @@ def _stride_cells(column: Column[Stride], every: Stride, groups: Ints) -> list[C
     last_digit = 10.0 ** -int(column.form.strip(".f"))
     for group in distinct(groups[groups >= 0]).tolist():
         rows = np.flatnonzero(groups == group)
-        found = outliers(values[rows], last_digit)
-        why = f"the median is {text(found.median)}"
-        for flags, mark in ((found.high, "high"), (found.low, "low")):
-            for row in rows[flags].tolist():
-                cells[row] = Cell(cells[row].text, mark, why)
+        signs, median = outliers(values[rows], last_digit)
+        for row, sign in zip(rows.tolist(), signs.tolist(), strict=True):
+            if sign:
+                mark = "high" if sign > 0 else "low"
+                cells[row] = Cell(cells[row].text, mark, f"the median is {text(median)}")
     return cells
 
 
