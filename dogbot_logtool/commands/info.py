@@ -8,7 +8,7 @@ from typing import Final
 from dogbot_logtool.conversion.findings import second_tf
 from dogbot_logtool.core.checks.frames import name_findings, stamp_findings
 from dogbot_logtool.core.known_frames import KnownFrames, known_frames
-from dogbot_logtool.core.quality.quality import mean_rate_hz
+from dogbot_logtool.core.quality import mean_rate_hz
 from dogbot_logtool.finding import Finding, by_severity, found
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.options import ConvertOptions, InfoOptions, RobotOptions

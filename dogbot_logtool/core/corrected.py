@@ -33,7 +33,7 @@ from dogbot_logtool.core.known_frames import (
     known_frames,
     world_frames,
 )
-from dogbot_logtool.core.quality.quality import (
+from dogbot_logtool.core.quality import (
     TopicQuality,
     TopicTimes,
     topic_quality,

@@ -38,7 +38,8 @@ def are_some_of(leg_positions: Sequence[LegPosition | None]) -> bool:
     ends, sides = {end for end, _ in known}, {side for _, side in known}
     if len(known) < len(leg_positions) or not ends <= set(_ENDS) or not sides <= set(_SIDES):
         return False
-    return bool(known) and len(known) < 2 * len(ends | {"front", "back"})
+    # A biped's legs may be called middle ones.
+    return not ends <= {"middle"} and len(known) < 2 * len(ends | {"front", "back"})
 
 
 _ENDS: Final = ("front", "middle", "back")

@@ -24,7 +24,7 @@ from dogbot_logtool.core.corrections.clock import (
     offset_track,
     too_far_apart,
 )
-from dogbot_logtool.core.quality.quality import steady_gap_ns
+from dogbot_logtool.core.quality import steady_gap_ns
 
 RATE_HZ: Final = 100.0
 """A day at this rate is half a gigabyte."""

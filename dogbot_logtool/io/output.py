@@ -8,7 +8,7 @@ uploaded as one object, which is there when the store has all of it.
 import contextlib
 import os
 import stat
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Final
 
@@ -111,7 +111,6 @@ def whole_file(
     *,
     overwrite: bool,
     makes_folder: bool = False,
-    is_wanted: Callable[[], bool] = lambda: True,
 ) -> Iterator[BinaryIO]:
     """Open a file that becomes the target when the block ends without an error.
 
@@ -123,14 +122,13 @@ def whole_file(
         target: where the output is to be.
         overwrite: replace a file that is there.
         makes_folder: make its directory if it is missing.
-        is_wanted: called when the block has ended; where it returns false, nothing is kept.
 
     Raises:
         LogtoolError: the file cannot be written, a full disk for instance.
         CallError: the target has come to exist in the meantime and may not be overwritten.
     """
     if not isinstance(target, Path):
-        with _uploaded_object(target, overwrite=overwrite, is_wanted=is_wanted) as file:
+        with _uploaded_object(target, overwrite=overwrite) as file:
             yield file
         return
     try:
@@ -141,8 +139,6 @@ def whole_file(
             if replaced is not None:
                 _resemble(file, replaced)
             yield file
-            if not is_wanted():
-                return
             file.flush()
             # A power failure leaves a whole file, the one before, or none.
             os.fsync(file.fileno())
@@ -222,17 +218,12 @@ def _resemble(file: BinaryIO, replaced: os.stat_result) -> None:
 
 
 @contextlib.contextmanager
-def _uploaded_object(
-    target: "UPath", *, overwrite: bool, is_wanted: Callable[[], bool]
-) -> Iterator[BinaryIO]:
+def _uploaded_object(target: "UPath", *, overwrite: bool) -> Iterator[BinaryIO]:
     target.fs.invalidate_cache()
     try:
         file = target.fs.open(target.path, "wb", autocommit=False)
         try:
             yield file
-            if not is_wanted():
-                _discard(file)
-                return
             file.close()
             _refuse_object(target, (), overwrite=overwrite)
             file.commit()

@@ -6,13 +6,12 @@ from typing import Any, Final
 
 from rich.console import Console
 
-from dogbot_logtool import __version__
 from dogbot_logtool.comparison.outcome import Comparison, Difference, Tally
 from dogbot_logtool.comparison.walks import CONFIDENCE, FigureDifference, GaitComparison
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
-from dogbot_logtool.report.documents import damage_json
+from dogbot_logtool.report.documents import TOOL, damage_json
 from dogbot_logtool.report.junit import ERROR, FAILURE, Case, junit_xml
 from dogbot_logtool.report.text.console import print_losses, print_sentence
 from dogbot_logtool.report.text.text_layout import NameTable, Row
@@ -83,7 +82,7 @@ def comparison_document(comparison: Comparison) -> dict[str, Any]:
     """Return the comparison as JSON's own types."""
     return {
         "schema": SCHEMA,
-        "tool": {"name": "dogbot-logtool", "version": __version__},
+        "tool": TOOL,
         "expected": shown(comparison.expected),
         "actual": shown(comparison.actual),
         "same": comparison.same,

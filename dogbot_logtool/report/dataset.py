@@ -111,14 +111,16 @@ def _with_labels(rows: Any, labels: Labels) -> Any:  # noqa: ANN401 - pyarrow ha
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A log that is to be measured and written."""
+    """A log that was named."""
 
     location: Location
     log_hash: str
     """Names its files: of its real path, or its whole URL."""
-    state: str
-    """What its metrics depend on, as JSON; empty: there is no such log."""
     labels: Labels
+    state: str = ""
+    """What its metrics depend on, as JSON; empty: there is no such log."""
+    damaged: bool | None = None
+    """Of a log that is there already: whether it is damaged; None: it is to be measured."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,16 +155,16 @@ class Dataset:
         """
         with ThreadPoolExecutor(_ASKED_AT_ONCE) as pool:
             found = list(pool.map(self._look_at, log_set.paths))
-        missing = [damaged is None for _, damaged in found]
-        logs = tuple(log for log, lacks in zip(log_set.logs, missing, strict=True) if lacks)
+        pending = [each for each in found if each.damaged is None]
+        both = zip(log_set.logs, found, strict=True)
+        log_set = replace(log_set, logs=tuple(log for log, each in both if each.damaged is None))
         unchanged = [
-            (storage.shown(entry.location), DAMAGED if damaged else 0)
-            for entry, damaged in found
-            if damaged is not None
+            (storage.shown(each.location), DAMAGED if each.damaged else 0)
+            for each in found
+            if each.damaged is not None
         ]
-        pruned = self._prune({entry.log_hash for entry, _ in found}) if prune else ()
-        entries = tuple(entry for entry, damaged in found if damaged is None)
-        return Pending(entries, replace(log_set, logs=logs), tuple(unchanged), pruned)
+        pruned = self._prune({each.log_hash for each in found}) if prune else ()
+        return Pending(tuple(pending), log_set, tuple(unchanged), pruned)
 
     def write(self, entry: Entry, tables: Tables, *, damaged: bool) -> None:
         """Write the rows of a log, that of `logs` last.
@@ -190,25 +192,25 @@ class Dataset:
         if entry.state:
             self.write(replace(entry, state=""), _log_row({}, sentence), damaged=False)
 
-    def _look_at(self, location: Location) -> tuple[Entry, bool | None]:
-        """Return a log, and whether it is damaged; None: it is to be measured."""
+    def _look_at(self, location: Location) -> Entry:
         log_hash = hash_of(location)
         row, known = self._read_log(log_hash) or (None, {})
         old = {} if row is None else dict(row["labels"][0].as_py())
         given = {**old, **self.labels}
-        labels = {name: given[name] for name in sorted(given) if given[name]}
+        entry = Entry(
+            location, log_hash, {name: given[name] for name in sorted(given) if given[name]}
+        )
         try:
             size, version = storage.version(location)
         except (LogtoolError, OSError):
-            # Opening it reports what is wrong.
-            return Entry(location, log_hash, "", labels), None
+            return entry  # opening it reports what is wrong
         state = json.dumps([SCHEMA_VERSION, __version__, self.settings, size, version])
-        entry = Entry(location, log_hash, state, labels)
+        entry = replace(entry, state=state)
         if not version or known.get("state") != state:
-            return entry, None
-        if labels != old:
-            self._replace("logs", log_hash, _with_labels(row, labels), known)
-        return entry, bool(known["damaged"])
+            return entry
+        if entry.labels != old:
+            self._replace("logs", log_hash, _with_labels(row, entry.labels), known)
+        return replace(entry, damaged=bool(known["damaged"]))
 
     def _prune(self, named: set[str]) -> tuple[str, ...]:
         """Remove the files of logs that are gone, but for those named in the call."""

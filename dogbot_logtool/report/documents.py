@@ -16,6 +16,8 @@ from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.verdict import headline, quality_of
 from dogbot_logtool.results import Conversion, Measurement, Page
 
+TOOL: Final = {"name": "dogbot-logtool", "version": __version__}
+
 
 def damage_json(damage: Damage) -> dict[str, Any]:
     """Return damage as plain values.
@@ -98,7 +100,7 @@ _SKIPPED: Final = ("not_finite", "no_position", "no_direction", "overflow")
 def conversion_json(done: Conversion) -> dict[str, Any]:
     """Return what was done as plain values."""
     return {
-        "tool": {"name": "dogbot-logtool", "version": __version__},
+        "tool": TOOL,
         "input": shown(done.source),
         "output": shown(done.target),
         "container": done.container,
@@ -122,7 +124,7 @@ def page_json(done: Page) -> Json:
     """Return what was written of a page as plain values."""
     measured = done.measured
     return {
-        "tool": {"name": "dogbot-logtool", "version": __version__},
+        "tool": TOOL,
         "input": shown(done.source),
         "output": shown(done.target),
         "bytes": done.size,

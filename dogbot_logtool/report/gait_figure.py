@@ -8,7 +8,7 @@ time. All lengths are millimetres on paper.
 import io
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, Final, Literal
+from typing import TYPE_CHECKING, Any, BinaryIO, Final
 
 import numpy as np
 
@@ -106,7 +106,10 @@ def gait_figure(walk: Walk, window: Window) -> "Figure":
         _draw_rows(rows, walk, names, window)
         for axes, row in zip(panels, loaded, strict=True):
             _draw_load(axes, walk, row, window)
-            _name(axes, names[row], (1.0, 0.5), "axes fraction", 1)
+            axes.annotate(
+                names[row], (1.0, 0.5), (3.0, 0.0), xycoords="axes fraction",
+                textcoords="offset points", va="center_baseline", parse_math=False,
+            )  # fmt: skip
         _scale_loads(panels)
         _time_axis([rows, *panels], window)
         if panels:
@@ -118,37 +121,17 @@ def gait_figure(walk: Walk, window: Window) -> "Figure":
 
 def _draw_rows(axes: "Axes", walk: Walk, names: Sequence[str], window: Window) -> None:
     """Draw the gait diagram: a row a foot, from top to bottom."""
-    for row, (foot, name) in enumerate(zip(walk.feet, names, strict=True)):
-        middle = -row * _ROW
+    middles = [-row * _ROW for row in range(len(names))]
+    for row, (foot, middle) in enumerate(zip(walk.feet, middles, strict=True)):
         height: dict[str, Any] = {"yrange": (middle - _BAR / 2.0, _BAR)}
         axes.axhline(middle, color=_UNKNOWN, linewidth=0.3, zorder=0)
         _shade_unknown(axes, walk, foot, window, height)
         down = _bars(walk, foot.record.in_contact, window)
         bars = axes.broken_barh(down, **height, facecolor=foot_colour(row), linewidth=0.0)
         bars.set_gid(f"stance-{foot.name}")
-        _name(axes, name, (0.0, middle), ("axes fraction", "data"), -1)
     axes.set_ylim(-(len(names) - 0.5) * _ROW, 0.5 * _ROW)
-    axes.set_yticks([])
-
-
-def _name(
-    axes: "Axes",
-    name: str,
-    at: tuple[float, float],
-    measured_in: str | tuple[str, str],
-    side: Literal[-1, 1],
-) -> None:
-    """Write a foot's name to the left (-1) or the right (1) of a point."""
-    axes.annotate(
-        name,
-        at,
-        xycoords=measured_in,
-        xytext=(3.0 * side, 0.0),
-        textcoords="offset points",
-        ha="right" if side < 0 else "left",
-        va="center_baseline",
-        parse_math=False,
-    )
+    axes.set_yticks(middles, names, parse_math=False)
+    axes.tick_params("y", length=0.0, pad=3.0)
 
 
 def _draw_load(axes: "Axes", walk: Walk, row: int, window: Window) -> None:
@@ -177,9 +160,8 @@ def _shade_unknown(
 ) -> None:
     """Hatch the time of which the foot's sensor says nothing."""
     whole = np.array([_limits(walk, window)], np.int64)
-    known = timespans.no_spans() if foot.is_dead else foot.record.known
     axes.broken_barh(
-        _bars(walk, timespans.subtract(whole, known), window),
+        _bars(walk, timespans.subtract(whole, foot.known), window),
         **height,
         facecolor="white",
         edgecolor=_UNKNOWN,

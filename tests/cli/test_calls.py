@@ -57,6 +57,10 @@ stats TROT --figure x.svg/ | is a directory's name
 stats TROT --figure none/x.pdf | no such folder
 stats TROT --scheduler nonsense | must be an address such as tcp://host:8786
 report TROT --against WALK --join | --join and --against: choose one
+convert TROT -o x.BAG | of a ROS 1 bag, but an MCAP is written; name it x.mcap
+convert TROT TROUBLED -o x.html | of an HTML page, but an MCAP is written; name it x.mcap
+convert TROT -o x.mcap.zstd | of a compressed file, but an MCAP is written; name it x.mcap
+convert TROT -o memory://out/x.db3 | of a file of a ROS 2 bag, but an MCAP is written
 report TROT -o x.pdf | of a picture, but an HTML page is written
 check TROT | check needs one of --limits FILE.toml and --suggest
 check TROT --suggest --json | goes with none of the other outputs

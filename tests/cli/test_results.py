@@ -155,6 +155,8 @@ def test_a_bad_log_among_others_costs_its_own_rows_only(shell: Shell) -> None:
     rows = list(csv.DictReader(io.StringIO((shell.folder / "out.csv").read_text())))
     duty = np.array([float(row["duty_factor"]) for row in rows])
     assert duty.tobytes() == walk_of(TROT).strides["duty_factor"].tobytes()
+    assert shell("export", "bad.bag", "-o", "none.csv").code == 1
+    assert "none.csv" not in shell.files()
     (shell.folder / "kept.csv").write_text("kept")
     assert "exists already" in shell("export", TROT, "-o", "kept.csv").err
     assert (shell.folder / "kept.csv").read_text() == "kept"

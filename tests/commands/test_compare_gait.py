@@ -9,7 +9,7 @@ from tests.forked_cli import run
 from tests.paths import SAMPLE_LOGS
 from tests.truth import sensor_faults
 from tests.truth.log_file import write_log
-from tests.truth.recorders import recorder
+from tests.truth.recording import disturbed
 from tests.truth.walking import Walk
 
 TROT = SAMPLE_LOGS / "dogbot_trot.bag"
@@ -18,7 +18,9 @@ WALK = SAMPLE_LOGS / "dogbot_walk.mcap"
 
 def test_two_halves_of_a_run_walk_alike(tmp_path: Path) -> None:
     faults = (sensor_faults.as_force_sensors, sensor_faults.noise(1.0))
-    log = write_log(recorder(Walk(seconds=20.0), *faults)(), tmp_path / "log.mcap")
+    log = write_log(
+        disturbed(Walk(seconds=20.0).recorded(200.0, 100.0), *faults), tmp_path / "log.mcap"
+    )
     halves = [
         figures(log, options=MeasureOptions(mass=20.0, start=start, end=end))
         for start, end in ((0.0, 10.0), (10.0, 20.0))

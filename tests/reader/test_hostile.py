@@ -1,15 +1,12 @@
 """Files of up to 1 MB that claim too much: memory and time stay bounded, a sentence comes out."""
 
-import bz2
 import struct
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
-import lz4.frame
 import pytest
-import zstandard
 
 from tests.paths import ROOT
 from tests.reader import bag_bytes, mcap_bytes
@@ -219,10 +216,3 @@ def test_a_hostile_file_stays_within_bounds(tmp_path: Path, name: str) -> None:
     )
     assert done.returncode == 0, done.stderr
     assert int(done.stdout.splitlines()[-1]) < MOST_MEMORY_MB, done.stdout
-
-
-def test_the_codecs_are_those_that_bombs_are_made_of() -> None:
-    """The bombs above are bombs: a megabyte of them holds far more."""
-    assert len(bz2.compress(bytes(1 << 24))) < 1 << 10
-    assert len(zstandard.compress(bytes(1 << 24))) < 1 << 12
-    assert len(lz4.frame.compress(bytes(1 << 24))) < 1 << 17

@@ -46,7 +46,10 @@ MCAP_OPTIONS: Final[dict[str, dict[str, Any]]] = {
 }
 LZ4_FRAMES: Final[tuple[dict[str, Any], ...]] = (
     {"block_linked": True, "block_size": lz4.frame.BLOCKSIZE_MAX64KB},
+    {"block_linked": False, "block_size": lz4.frame.BLOCKSIZE_MAX64KB},
+    {"block_size": lz4.frame.BLOCKSIZE_MAX4MB, "content_checksum": True},
     {"store_size": True, "content_checksum": True},
+    {"store_size": False, "block_size": lz4.frame.BLOCKSIZE_MAX64KB},
     {"store_size": False, "block_checksum": True},
 )
 
@@ -74,7 +77,7 @@ def sound_logs() -> Iterator[Case]:
     for frame in LZ4_FRAMES:
         bag = small_bag("lz4", each=3000)
         bag.compress = lambda data, frame=frame: bytes(lz4.frame.compress(data, **frame))
-        yield Case(f"lz4 {[*frame]}", *built(bag))
+        yield Case(f"lz4 {frame}", *built(bag))
 
 
 def by_libraries(case: Case, path: Path) -> list[Read]:

@@ -6,7 +6,8 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
+import uuid
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -35,11 +36,11 @@ def wait_for(found: Any, *, what: str) -> Any:
 def process(
     *words: object, environment: Mapping[str, str] | None = None
 ) -> Iterator[subprocess.Popen[bytes]]:
-    """Run a Python module in the background."""
+    """Run Python in the background."""
     running = subprocess.Popen(  # noqa: S603
-        [sys.executable, "-m", *map(str, words)],
+        [sys.executable, *map(str, words)],
         cwd=ROOT,
-        env={**os.environ, **(environment or {})},
+        env={**os.environ, "PYTHONPATH": str(ROOT), **(environment or {})},
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )
@@ -101,7 +102,7 @@ class Store:
 @contextlib.contextmanager
 def store(folder: Path) -> Iterator[Store]:
     """Run an S3 server with one bucket."""
-    with process("tests.run.s3_server", folder):
+    with process("-m", "tests.run.s3_server", folder):
         port = wait_for((folder / "port").read_text, what="the store does not start")
         environment = {
             "AWS_ENDPOINT_URL": f"http://127.0.0.1:{port}",
@@ -115,35 +116,59 @@ def store(folder: Path) -> Iterator[Store]:
 
 
 @contextlib.contextmanager
-def dask_scheduler(port: int = 0, *, folder: Path) -> Iterator[str]:
+def dask(what: str, *words: object, first: str, environment: Mapping[str, str]) -> Iterator[int]:
+    """Run a scheduler or a worker that does something first; yields its process id."""
+    script = f"import sys; {first or 'pass'}\nfrom distributed.cli.dask_{what} import main; main()"
+    options = ("--host", "127.0.0.1", "--no-dashboard")
+    with process("-c", script, *words, *options, environment=environment) as running:
+        yield running.pid
+
+
+@contextlib.contextmanager
+def dask_scheduler(folder: Path, first: str = "") -> Iterator[str]:
     """Run a scheduler that gives up what has killed two workers; yields its address."""
     file = folder / "scheduler.json"
     file.unlink(missing_ok=True)
-    words = ["distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", port]
-    words += ["--no-dashboard", "--no-show", "--scheduler-file", file]
     settings = {"ALLOWED_FAILURES": "1", "WORKER_SATURATION": "1.0"}
     environment = {f"DASK_DISTRIBUTED__SCHEDULER__{key}": each for key, each in settings.items()}
-    with process(*words, environment=environment):
+    words = ("--port", 0, "--no-show", "--scheduler-file", file)
+    with dask("scheduler", *words, first=first, environment=environment):
         yield wait_for(lambda: json.loads(file.read_text())["address"], what="no scheduler")
 
 
 @contextlib.contextmanager
 def dask_workers(
-    address: str, environment: Mapping[str, str], *, folder: Path, count: int = 2
+    address: str,
+    count: int,
+    folder: Path,
+    first: str = "",
+    environment: Mapping[str, str] | None = None,
 ) -> Iterator[list[int]]:
     """Run workers of one thread each; yields their process ids."""
     from distributed import Client  # noqa: PLC0415 - takes long to load
 
-    words = ["distributed.cli.dask_worker", address, "--nthreads", 1, "--no-nanny"]
-    words += ["--no-dashboard", "--local-directory", folder, "--host", "127.0.0.1"]
-    environment = {**environment, "PYTHONPATH": str(ROOT)}
+    names = {uuid.uuid4().hex for _ in range(count)}
+    words = (address, "--nthreads", 1, "--no-nanny", "--local-directory", folder)
+
+    def wait_until(satisfied: Callable[[set[str]], bool], what: str) -> None:
+        with Client(address, set_as_default=False) as client:
+
+            def listed() -> bool:
+                workers = client.scheduler_info(n_workers=-1)["workers"].values()
+                return satisfied({each["name"] for each in workers})
+
+            wait_for(listed, what=what)
+
     with contextlib.ExitStack() as stack:
         workers = [
-            stack.enter_context(process(*words, environment=environment)) for _ in range(count)
+            stack.enter_context(
+                dask("worker", *words, "--name", name, first=first, environment=environment or {})
+            )
+            for name in names
         ]
-        with Client(address, set_as_default=False) as client:
-            client.wait_for_workers(count, timeout=_PATIENCE_S)
-        yield [worker.pid for worker in workers]
+        wait_until(names.issubset, "the workers do not come")
+        yield workers
+    wait_until(names.isdisjoint, "the workers do not leave")
 
 
 def small_logs(folder: Path) -> list[Path]:

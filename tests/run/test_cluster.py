@@ -1,13 +1,11 @@
 """Clusters that cannot do it are told within seconds; all of them are real ones on loopback."""
 
 import contextlib
-import json
 import os
 import subprocess
 import sys
 import time
-import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +15,8 @@ from distributed import Client
 from dogbot_logtool.run import cluster
 from dogbot_logtool.run.cluster import ClusterRunner
 from tests.paths import ROOT
+from tests.run.services import dask_scheduler as scheduler
+from tests.run.services import dask_workers as workers
 from tests.run.work import Progress, work
 
 TROT = ROOT / "sample_logs" / "dogbot_trot.bag"
@@ -32,67 +32,6 @@ main()
 """The program, but for how long it waits."""
 WITHIN_S = 60.0
 """Nothing here takes more than seconds, but machines may be slow."""
-
-
-@contextlib.contextmanager
-def dask(what: str, *words: object, first: str = "") -> Iterator[int]:
-    """Run a scheduler or a worker that does something first; yields its process id."""
-    script = f"import sys; {first or 'pass'}\nfrom distributed.cli.dask_{what} import main; main()"
-    options = ("--host", "127.0.0.1", "--no-dashboard")
-    running = subprocess.Popen(  # noqa: S603
-        [sys.executable, "-c", script, *map(str, words), *options],
-        env={
-            **os.environ,
-            "PYTHONPATH": str(ROOT),
-            "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1",
-        },
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
-    try:
-        yield running.pid
-    finally:
-        running.kill()
-        running.wait()
-
-
-@contextlib.contextmanager
-def scheduler(folder: Path, first: str = "") -> Iterator[str]:
-    """Run a scheduler; yields its address."""
-    file = folder / "scheduler.json"
-    file.unlink(missing_ok=True)
-    with dask("scheduler", "--port", 0, "--no-show", "--scheduler-file", file, first=first):
-        end = time.monotonic() + WITHIN_S
-        while time.monotonic() < end:
-            with contextlib.suppress(FileNotFoundError, ValueError):
-                yield json.loads(file.read_text())["address"]
-                return
-            time.sleep(0.05)
-        raise TimeoutError
-
-
-@contextlib.contextmanager
-def workers(address: str, count: int, folder: Path, first: str = "") -> Iterator[None]:
-    """Run workers of one thread each."""
-    words = (address, "--nthreads", 1, "--no-nanny", "--local-directory", folder)
-    names = {uuid.uuid4().hex for _ in range(count)}
-    with contextlib.ExitStack() as stack:
-        for name in names:
-            stack.enter_context(dask("worker", *words, "--name", name, first=first))
-        wait_until(address, names.issubset)
-        yield
-    wait_until(address, names.isdisjoint)
-
-
-def wait_until(address: str, satisfied: Callable[[set[str]], bool]) -> None:
-    """Wait until the names of the workers that the scheduler lists satisfy a condition."""
-    end = time.monotonic() + WITHIN_S
-    with Client(address, set_as_default=False) as client:
-        while not satisfied(
-            {worker["name"] for worker in client.scheduler_info(n_workers=-1)["workers"].values()}
-        ):
-            assert time.monotonic() < end, "the workers did not come or go"
-            time.sleep(0.05)
 
 
 @pytest.fixture(scope="module")

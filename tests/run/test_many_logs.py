@@ -63,8 +63,8 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
     logs = named(small_logs(folders[2]), LOGS, DAMAGED)
     with (
         store(folders[0]) as running,
-        dask_scheduler(folder=folders[1]) as address,
-        dask_workers(address, running.environment, folder=folders[1]) as workers,
+        dask_scheduler(folders[1]) as address,
+        dask_workers(address, 2, folders[1], environment=running.environment) as workers,
     ):
         content = {f"{BUCKET}/logs/{name}": path.read_bytes() for name, path in logs.items()}
         running.client.pipe(content)

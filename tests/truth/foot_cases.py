@@ -1,6 +1,7 @@
 """Logs of feet outside the usual; each right, or null with the cause named."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Final
 
 from tests.truth import foot_faults as foot
@@ -9,142 +10,107 @@ from tests.truth import pose_faults as pose
 from tests.truth import sensor_faults as sensor
 from tests.truth import time_faults as time
 from tests.truth.judging import Case, Tolerance
-from tests.truth.recorders import FORCE, recorder
-from tests.truth.robots import biped
+from tests.truth.recording import on
 from tests.truth.walking import Walk
+from tests.truth.walks import BIPED, FORCE, NO_MASS, QUIET, ROUGH, TROT, WALK, WAVE
 
-TROT: Final = Walk()
-WALK: Final = Walk(gait=gaits.WALK, period_s=1.0)
-NO_FORCE: Final = (
-    "peak force", "braking", "load share", "impulse", "slip", "height", "froude", "verdict",
-    "margin",
-)  # fmt: skip
+NO_FORCE: Final = "peak force, braking, load share, impulse, slip, height, froude, verdict, margin"
 
 
+# fmt: off
 def some() -> Iterator[Case]:
-    """Some of the robot's feet have sensors: their own metrics are right, those of all are not."""
+    """Some feet have sensors: their own metrics are right, those of all are not known."""
     walk = Walk(gait=gaits.WALK, period_s=1.1, shares=(0.3, 0.28, 0.22, 0.2))
-    others, fore = {"front_left", "front_right", "back_right"}, {"back_left", "back_right"}
-    of_all = "no other foot"
-    for name, sensors in (
-        ("bumpers", ()),
-        ("force sensors", (FORCE, sensor.noise(0.5))),
-        ("silent in swing", (time.silent_in_swing,)),
-    ):
+    one = foot.without("front_left", "front_right", "back_right")
+    of_all = "no other foot|NO_MESSAGES"
+    for name, sensors in (("bumpers", ()), ("force sensors", QUIET),
+                          ("silent in swing", (time.silent_in_swing,))):
         for of, gait in (("trot", TROT), ("walk", walk)):
-            yield Case(f"one foot, {of}, {name}", recorder(gait, *sensors, foot.without(*others)),
-                       of_all, of_all)  # fmt: skip
-    two = FORCE, sensor.noise(0.5), foot.without(*fore)
-    yield Case("fore feet, force sensors", recorder(walk, *two), of_all, of_all)
-    one = foot.without(*others)
-    yield Case("one foot, mass not given", recorder(walk, one, sensor.wrong_mass(None)),
-               f"{of_all}|mass", of_all)  # fmt: skip
+            yield Case(f"one foot, {of}, {name}", gait, (*sensors, one), of_all)
+    yield Case("fore feet, force sensors", walk, (*QUIET, foot.without("back_left", "back_right")),
+               of_all)
+    yield Case("one foot, mass not given", walk, (one, NO_MASS), of_all, f"{of_all}|mass")
+    for name, gait, feet in (
+        ("no topic of one foot", TROT, ("back_right",)),
+        ("no topics of the fore feet", TROT, ("front_left", "front_right")),
+        ("six feet, no topic of a middle one", replace(WAVE, seconds=16.0), ("middle_left",)),
+    ):
+        yield Case(name, gait, (foot.without(*feet), NO_MASS), "NO_MESSAGES")
+    yield Case("force sensors on the fore feet, bumpers on the hind feet", TROT,
+               (foot.fore_feet_feel_forces,), skip="slip, margin")
 
 
 def several() -> Iterator[Case]:
     """Each foot has several sensors, told by names or by frames, or by the links of collisions."""
-    two = Walk(gait=gaits.BIPED_WALK, robot=biped(), period_s=1.1, speed_mps=0.8)
-    four = Walk(gait=gaits.WALK, period_s=1.0)
     toe_heel = foot.several("/duo/{foot}_foot_heel", "/duo/{foot}_foot_toe")
     cells = foot.several(*(f"/duo/{{foot}}_foot/cell_{n}/force" for n in range(1, 5)))
     quad = foot.several("/quad/{foot}/heel", "/quad/{foot}/toe", reach_m=0.03)
     corners = foot.several("/duo/{foot}_back", "/duo/{foot}_front", share_frames=True)
-    noisy = FORCE, sensor.noise(0.5)
-    for name, walk, split, *sensors in (
-        ("toe and heel, bumpers", two, toe_heel),
-        ("toe and heel, force sensors", two, toe_heel, *noisy),
-        ("toe and heel, silent in swing", two, toe_heel, time.silent_in_swing),
-        ("four cells, bumpers", two, cells),
-        ("four cells, force sensors", two, cells, *noisy),
-        ("toe and heel of four feet, bumpers", four, quad),
-        ("front and back of each sole, one link, bumpers", two, corners),
-        ("front and back of each sole, one frame, force sensors", two, corners, *noisy),
+    for name, walk, faults in (
+        ("toe and heel, bumpers", BIPED, (toe_heel,)),
+        ("toe and heel, force sensors", BIPED, (*QUIET, toe_heel)),
+        ("toe and heel, silent in swing", BIPED, (time.silent_in_swing, toe_heel)),
+        ("four cells, bumpers", BIPED, (cells,)),
+        ("four cells, force sensors", BIPED, (*QUIET, cells)),
+        ("toe and heel of four feet, bumpers", WALK, (quad,)),
+        ("front and back of each sole, one link, bumpers", BIPED, (corners,)),
+        ("front and back of each sole, one frame, force sensors", BIPED, (*QUIET, corners)),
     ):
-        yield Case(name, recorder(walk, *sensors, split), skip=("margin", "slip", "verdict"))
+        yield Case(name, walk, faults, skip="margin, slip, verdict")
 
 
 def filters() -> Iterator[Case]:
     """Forces that went through a low-pass filter: contact is that of the forces before it."""
-    said = "FORCE_FILTERED"
-    two = Walk(gait=gaits.BIPED_WALK, robot=biped(), period_s=1.1, speed_mps=0.8)
     slow = Walk(gait=gaits.WALK, period_s=1.3, speed_mps=0.3, seconds=12.0)
-    flat = Walk(ramp=0.15, traction=0.0)
-    rough = Tolerance(event_s=0.04, duty=0.05, contact=0.05)
-    for name, walk, hertz, newtons in (
-        ("5 Hz, trot", TROT, 5.0, 0.5),
-        ("2 Hz, trot", TROT, 2.0, 0.5),
-        ("5 Hz, walk", slow, 5.0, 0.5),
-        ("4 Hz, two feet", two, 4.0, 2.0),
-        ("3 Hz, flat forces", flat, 3.0, 1.0),
-        ("8 Hz, no noise", WALK, 8.0, 0.0),
+    for name, walk, hertz, more in (
+        ("5 Hz, trot", TROT, 5.0, sensor.noise(0.5)),
+        ("2 Hz, trot", TROT, 2.0, sensor.noise(0.5)),
+        ("5 Hz, walk", slow, 5.0, sensor.noise(0.5)),
+        ("4 Hz, two feet", BIPED, 4.0, sensor.noise(2.0)),
+        ("3 Hz, flat forces", Walk(ramp=0.15, traction=0.0), 3.0, sensor.noise(1.0)),
+        ("8 Hz, no noise", WALK, 8.0, sensor.noise(0.0)),
+        ("5 Hz, offset -30 N", TROT, 5.0, sensor.offset((0.0, 0.0, -30.0))),
     ):
-        yield Case(
-            f"filtered at {name}",
-            recorder(walk, FORCE, foot.filtered(hertz), sensor.noise(newtons)), "", said, rough,
-            skip=("verdict", "peak force"),
-        )  # fmt: skip
-    yield Case(
-        "filtered at 5 Hz, offset -30 N",
-        recorder(TROT, FORCE, foot.filtered(5.0), sensor.noise(0.5), sensor.offset(-30.0)),
-        "offset", said, rough, skip=("verdict", "peak force"),
-    )  # fmt: skip
+        yield Case(f"filtered at {name}", walk, (FORCE, foot.filtered(hertz), more),
+                   "FORCE_FILTERED", "offset", ROUGH, "verdict, peak force")
 
 
 def flags() -> Iterator[Case]:
     """Contact without a force."""
     coarse = Tolerance(event_s=0.1, duty=0.1, contact=0.1, phase=0.1, period=0.1)
     hop = Walk(gait=gaits.PRONK, speed_mps=2.0, period_s=0.5)
+    flags, turned = foot.as_flags, foot.inverted()
     for name, walk in (("walk", WALK), ("trot", TROT), ("pronk", hop)):
-        yield Case(f"flags, {name}", recorder(walk, foot.as_flags), skip=NO_FORCE)
-    slow = "SAMPLED_SLOWLY"
+        yield Case(f"flags, {name}", walk, (flags,), skip=NO_FORCE)
     for rate, walk in ((10.0, TROT), (5.0, WALK)):
-        yield Case(
-            f"flags, {rate:g} Hz", recorder(walk, foot.as_flags, foot.sampled(rate)), slow, slow,
-            coarse, skip=(*NO_FORCE, "touchdowns", "lift-offs"),
-        )  # fmt: skip
-    said = "FLAGS_INVERTED"
-    for name, walk, only in (
-        ("walk", WALK, ()),
-        ("trot", TROT, ()),
-        ("walk, one foot", WALK, ("back_left",)),
+        yield Case(f"flags, {rate:g} Hz", walk, (flags, foot.sampled(rate)), "SAMPLED_SLOWLY",
+                   tolerance=coarse, skip=f"{NO_FORCE}, touchdowns, lift-offs")
+    for name, walk, faults in (
+        ("walk", WALK, (flags, turned)),
+        ("trot", TROT, (flags, turned)),
+        ("walk, one foot", WALK, (flags, on(turned, "back_left"))),
+        ("walk, places in the base", WALK, (pose.feet_in_base, turned)),
     ):
-        inverted = foot.as_flags, foot.inverted(*only)
-        yield Case(
-            f"inverted flags, {name}", recorder(walk, *inverted), said, said, skip=NO_FORCE
-        )  # fmt: skip
-    yield Case(
-        "inverted flags, walk, places in the base",
-        recorder(WALK, pose.feet_in_base, foot.inverted()), said, said, skip=NO_FORCE,
-    )  # fmt: skip
+        yield Case(f"inverted flags, {name}", walk, faults, "FLAGS_INVERTED", skip=NO_FORCE)
 
 
 def others() -> Iterator[Case]:
-    """Scuffs, filters, payloads, moving ground."""
-    hind = "back_left", "back_right"
-    rough = Tolerance(duty=0.05, contact=0.05)
-    for name, sensors in (("bumpers", ()), ("force sensors", (FORCE, sensor.noise(0.5)))):
-        scuff = foot.scuffs(12.0, 0.03, *hind)
+    """Scuffs, payloads, moving ground."""
+    scuff = on(foot.scuffs(12.0, 0.03), "back_left", "back_right")
+    for name, sensors in (("bumpers", ()), ("force sensors", QUIET)):
         for of, walk in (("walk", WALK), ("trot", TROT)):
-            yield Case(
-                f"hind feet scuff, {of}, {name}", recorder(walk, *sensors, scuff), "", "", rough,
-                skip=("verdict", "support"),
-            )  # fmt: skip
-    yield Case(
-        "a payload put down", recorder(TROT, foot.payload(4.0, 0.75)), "PAYLOAD|WEIGHT", "PAYLOAD",
-        skip=("peak force", "impulse", "braking"),
-    )  # fmt: skip
-    yield Case(
-        "a payload put on, force sensors",
-        recorder(WALK, FORCE, sensor.noise(0.5), foot.payload(3.0, 1.3), sensor.wrong_mass(None)),
-        "PAYLOAD|MASS", "PAYLOAD", rough, skip=("peak force", "impulse", "braking"),
-    )  # fmt: skip
-    said, tread = "TREADMILL", ("height", "froude", "slip", "margin", "verdict")
+            yield Case(f"hind feet scuff, {of}, {name}", walk, (*sensors, scuff),
+                       tolerance=ROUGH, skip="verdict, support", cause="")
+    skip = "peak force, impulse, braking"
+    yield Case("a payload put down", TROT, (foot.payload(4.0, 0.75),), "PAYLOAD",
+               "PAYLOAD|WEIGHT", skip=skip)
+    yield Case("a payload put on, force sensors", WALK,
+               (*QUIET, foot.payload(3.0, 1.3), NO_MASS), "PAYLOAD", "PAYLOAD|MASS", ROUGH, skip)
+    tread = "height, froude, slip, margin, verdict"
     for name, walk in (("trot", TROT), ("walk", WALK)):
-        yield Case(
-            f"treadmill, {name}, contact points", recorder(walk, foot.treadmill), "", said,
-            skip=tread,
-        )  # fmt: skip
-        yield Case(
-            f"treadmill, {name}, places in the base",
-            recorder(walk, pose.feet_in_base, foot.treadmill), "", said, skip=(*NO_FORCE, *tread),
-        )  # fmt: skip
+        yield Case(f"treadmill, {name}, contact points", walk, (foot.treadmill,), "TREADMILL", "",
+                   skip=tread)
+        yield Case(f"treadmill, {name}, places in the base", walk,
+                   (pose.feet_in_base, foot.treadmill), "TREADMILL", "",
+                   skip=f"{NO_FORCE}, {tread}")
+# fmt: on

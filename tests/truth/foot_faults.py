@@ -1,12 +1,10 @@
 """Feet outside the usual: slow or inverted flags, scuffs, filters, payloads, several sensors."""
 
-import itertools
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from tests.truth.recording import Disturbance, FootRecording, Recording, Sensor
+from tests.truth.recording import Disturbance, FootRecording, Recording, Sensor, of_feet
 
 
 def as_flags(recording: Recording) -> Recording:
@@ -14,63 +12,43 @@ def as_flags(recording: Recording) -> Recording:
     return replace(recording, kind="flags")
 
 
-def _feet(change: Callable[[int, FootRecording], FootRecording], *only: str) -> Disturbance:
-    return lambda recording: recording.each_foot(change, *only)
-
-
-def sampled(rate_hz: float) -> Disturbance:
+@of_feet
+def sampled(_: int, foot: FootRecording, rate_hz: float) -> FootRecording:
     """Let the feet's messages come less often."""
-
-    def change(_: int, foot: FootRecording) -> FootRecording:
-        ticks = np.floor(foot.time * rate_hz + 1e-9)
-        return foot.pick(np.flatnonzero(np.diff(ticks, prepend=-1.0) > 0.0))
-
-    return _feet(change)
+    return foot.pick(np.flatnonzero(np.diff(np.floor(foot.time * rate_hz + 1e-9), prepend=-1.0)))
 
 
-def inverted(*only: str) -> Disturbance:
+@of_feet
+def inverted(_: int, foot: FootRecording) -> FootRecording:
     """Let flags be true in the air and false on the ground."""
-    return _feet(lambda _, foot: replace(foot, touching=~foot.touching), *only)
+    return replace(foot, touching=~foot.touching)
 
 
-def scuffs(newtons: float, seconds: float, *only: str) -> Disturbance:
+@of_feet
+def scuffs(_: int, foot: FootRecording, newtons: float, seconds: float) -> FootRecording:
     """Let feet touch the ground lightly in the middle of each swing."""
-
-    def change(_: int, foot: FootRecording) -> FootRecording:
-        edges = np.flatnonzero(np.diff(foot.touching.astype(np.int8)))
-        force, touching = foot.force.copy(), foot.touching.copy()
-        for off, on in itertools.pairwise(edges):
-            if foot.touching[off + 1]:
-                continue
-            middle = (foot.time[off] + foot.time[on]) / 2.0
-            rows = np.abs(foot.time - middle) < seconds / 2.0
-            force[rows], touching[rows] = (0.0, 0.0, newtons), True
-        return replace(foot, force=force, touching=touching)
-
-    return _feet(change, *only)
+    edges = np.flatnonzero(np.diff(foot.touching.astype(np.int8)))
+    off, on = edges[:-1], edges[1:]
+    middle = ((foot.time[off] + foot.time[on]) / 2.0)[~foot.touching[off + 1]]
+    rows = np.asarray((np.abs(foot.time[:, None] - middle) < seconds / 2.0).any(axis=1))
+    force = np.where(rows[:, None], [0.0, 0.0, newtons], foot.force)
+    return replace(foot, force=force, touching=foot.touching | rows)
 
 
-def filtered(cutoff_hz: float) -> Disturbance:
+@of_feet
+def filtered(_: int, foot: FootRecording, cutoff_hz: float) -> FootRecording:
     """Let forces go through a low-pass filter of first order."""
-
-    def change(_: int, foot: FootRecording) -> FootRecording:
-        share = 1.0 - np.exp(-2.0 * np.pi * cutoff_hz * np.diff(foot.time, prepend=0.0))
-        force, last = foot.force.copy(), foot.force[0]
-        for row, part in enumerate(share.tolist()):
-            last = last + part * (foot.force[row] - last)
-            force[row] = last
-        return replace(foot, force=force)
-
-    return _feet(change)
+    share = 1.0 - np.exp(-2.0 * np.pi * cutoff_hz * np.diff(foot.time, prepend=0.0))
+    force, last = foot.force.copy(), foot.force[0]
+    for row, part in enumerate(share.tolist()):
+        force[row] = last = last + part * (foot.force[row] - last)
+    return replace(foot, force=force)
 
 
-def payload(from_s: float, share: float) -> Disturbance:
+@of_feet
+def payload(_: int, foot: FootRecording, from_s: float, share: float) -> FootRecording:
     """Let the weight be another from a time on."""
-
-    def change(_: int, foot: FootRecording) -> FootRecording:
-        return replace(foot, force=foot.force * np.where(foot.time < from_s, 1.0, share)[:, None])
-
-    return _feet(change)
+    return replace(foot, force=foot.force * np.where(foot.time < from_s, 1.0, share)[:, None])
 
 
 def treadmill(recording: Recording) -> Recording:
@@ -134,3 +112,8 @@ def several(*names: str, share_frames: bool = False, reach_m: float = 0.1) -> Di
         return replace(recording, sensors=tuple(sensors))
 
     return change
+
+
+def fore_feet_feel_forces(recording: Recording) -> Recording:
+    """Let the fore feet have force sensors, and the hind feet bumpers."""
+    return replace(recording, kinds=("wrench", "wrench", "contacts", "contacts"))

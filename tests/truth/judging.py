@@ -2,13 +2,21 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final, Literal
+from typing import Final, Literal, Protocol
 
 import numpy as np
 
 from tests.truth.events import matched
 from tests.truth.outcome import Outcome
-from tests.truth.recording import Floats, FootTruth, Recording, Truth
+from tests.truth.recording import (
+    Disturbance,
+    Floats,
+    FootTruth,
+    Recording,
+    Truth,
+    disturbed,
+)
+from tests.truth.walking import Walk
 
 Status = Literal["right", "null", "wrong", "unexplained", "missing"]
 """``null``: with a finding that names the cause; ``unexplained``: null without one; ``missing``:
@@ -39,17 +47,28 @@ class Tolerance:
     """Of the stride length."""
 
 
+class Recordable(Protocol):
+    """A walk, a scene, or several of them."""
+
+    def recorded(self, rate_hz: float) -> Recording:
+        """Return the messages of perfect sensors."""
+
+
 @dataclass(frozen=True, slots=True)
 class Case:
     """A kind of log, and what may be made of it."""
 
     name: str
-    record: Callable[[], Recording]
-    cause: str = ""
-    """Pattern of a finding that excuses a figure's being null; empty: nothing does."""
+    walk: Recordable
+    faults: tuple[Disturbance, ...] = ()
     says: str = ""
     """Pattern of a finding that there must be, even if all figures are right."""
+    cause: str | None = None
+    """Pattern of a finding that excuses nulls; empty: nothing does; None: as `says`."""
     tolerance: Tolerance = field(default_factory=Tolerance)
+    skip: str = ""
+    """Figures that are not judged, with commas: the truth of them is not known."""
+    rate_hz: float = 200.0
     classes: tuple[str | None, ...] | None = None
     """Classes that are right; None: the truth's only."""
     silence_s: tuple[float, float] | None = None
@@ -57,8 +76,24 @@ class Case:
     judged."""
     shifted: bool = False
     """Whether the feet's clock is another one: times of events may differ by a constant."""
-    skip: tuple[str, ...] = ()
-    """Figures that are not judged: the truth of them is not known."""
+
+    @property
+    def excuse(self) -> str:
+        """Pattern of the findings that excuse nulls."""
+        return self.says if self.cause is None else self.cause
+
+    @property
+    def skipped(self) -> frozenset[str]:
+        """Figures that are not judged."""
+        return frozenset(self.skip.split(", "))
+
+    def record(self) -> Recording:
+        """Return the messages; the odometry comes a hundred times a second at most."""
+        if isinstance(self.walk, Walk):
+            recording = self.walk.recorded(self.rate_hz, min(self.rate_hz, 100.0))
+        else:
+            recording = self.walk.recorded(self.rate_hz)
+        return disturbed(recording, *self.faults)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +118,7 @@ STRUCTURAL: Final = {
     "height": "height|no contact points",
     "froude": "height|no contact points",
     "slip": "foot_rolling_m|no contact points",
+    "slope": "no contact points|no plane|does not apply",
 }
 """Reasons that excuse a metric's being null in any log: what it needs was not recorded."""
 
@@ -94,8 +130,8 @@ def judge(case: Case, recording: Recording, found: Outcome) -> list[Judged]:
     walks = recording.truth.feet[0].stride_period_s is not None
     judged += _walk(case, recording, found) if walks else _no_steps(recording, found)
     judged += _whole(case, recording, found)
-    judged = [each for each in judged if each.figure not in case.skip]
-    return judged + [each for each in _unknown(judged, found) if each.figure not in case.skip]
+    judged = [each for each in judged if each.figure not in case.skipped]
+    return judged + [each for each in _unknown(judged, found) if each.figure not in case.skipped]
 
 
 def _measured_feet(recording: Recording, found: Outcome) -> Recording:
@@ -116,7 +152,7 @@ def faults(judged: Sequence[Judged]) -> list[Judged]:
 
 def _excused(case: Case, figure: str, found: Outcome) -> Status:
     """Judge that a figure is null."""
-    patterns = [case.cause, STRUCTURAL.get(figure, "")]
+    patterns = [case.excuse, STRUCTURAL.get(figure, "")]
     named = any(pattern and (found.says(pattern) or found.lacks(pattern)) for pattern in patterns)
     return "null" if named else "unexplained"
 
@@ -148,7 +184,7 @@ def _verdict(case: Case, truth: Truth, found: Outcome) -> Iterator[Judged]:
         said = found.says(case.says)
         status: Status = "right" if said else "wrong"
         yield Judged("finding", case.says, ", ".join(said) or f"none of [{codes}]", status)
-    if not case.says and not case.cause:
+    if not case.says and not case.excuse:
         yield Judged("verdict", "OK", f"{found.quality} [{codes}]", _right(found.quality == "OK"))
     fell = bool(found.says("the robot falls"))
     if truth.falls_s or fell:
@@ -222,6 +258,7 @@ def _whole(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]
         ("margin", "stability.static_margin_m.mean", truth.static_margin_m, allow.margin),
         ("energy margin", "stability.energy_margin_m.mean", truth.energy_margin_m, 0.001),
         ("froude", "base.froude", truth.froude, 0.05 * (truth.froude or 0.0)),
+        ("slope", "base.slope_rad", abs(truth.slope_rad), 0.01),
         ("pitch", "base.pitch_rad.mean", truth.pitch_rad, 0.01),
         ("climb", "base.climb_m", truth.climb_m, 0.05),
     )  # fmt: skip
@@ -252,7 +289,7 @@ def _numbers(
     status: Status = "right"
     if not all(abs(value - true) <= within for value, true in known):
         # The impulse is a check: where it fails and that is said, it is no wrong statement.
-        is_said = name == "impulse" and case.cause and found.says("IMPULSE_IS_NOT_WEIGHT")
+        is_said = name == "impulse" and case.excuse and found.says("IMPULSE_IS_NOT_WEIGHT")
         status = "null" if is_said else "wrong"
     elif None in values:
         status = _excused(case, name, found)

@@ -1,6 +1,6 @@
 """What estimators do to poses: freeze, repeat, count in other units, turn, step, forget a part."""
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +12,7 @@ from tests.truth.recording import (
     Recording,
     about_axis,
     inverse,
+    of_base,
     product,
     turned,
     vector_messages,
@@ -65,150 +66,115 @@ def places_unfilled(recording: Recording) -> Recording:
     return replace(recording, places=tuple(np.zeros_like(each) for each in recording.places))
 
 
-def _base(change: Callable[[BaseRecording], BaseRecording]) -> Disturbance:
-    return lambda recording: replace(recording, base=change(recording.base))
-
-
-def frozen(from_s: float = 0.0, *, until_s: float = np.inf, with_twist: bool = True) -> Disturbance:
+@of_base
+def frozen(
+    base: BaseRecording, from_s: float = 0.0, *, until_s: float = np.inf, with_twist: bool = True
+) -> BaseRecording:
     """Let every message from a time on repeat the pose of that time, and perhaps no twist."""
-
-    def change(base: BaseRecording) -> BaseRecording:
-        late = (base.time >= from_s) & (base.time < until_s)
-        first = int(np.argmax(late))
-        position, orientation = base.position.copy(), base.orientation.copy()
-        position[late], orientation[late] = position[first], orientation[first]
-        velocity = base.velocity if with_twist else np.zeros_like(base.velocity)
-        return replace(base, position=position, orientation=orientation, velocity=velocity)
-
-    return _base(change)
+    late = (base.time >= from_s) & (base.time < until_s)
+    rows = np.where(late, np.argmax(late), np.arange(len(late)))
+    held = replace(base, position=base.position[rows], orientation=base.orientation[rows])
+    return held if with_twist else replace(held, velocity=np.zeros_like(base.velocity))
 
 
-def zeros(base_orientation: tuple[float, ...] = (0.0, 0.0, 0.0, 1.0)) -> Disturbance:
+@of_base
+def zeros(
+    base: BaseRecording, orientation: tuple[float, ...] = (0.0, 0.0, 0.0, 1.0)
+) -> BaseRecording:
     """Let nothing be filled in."""
-    return _base(
-        lambda base: replace(
-            base,
-            position=np.zeros_like(base.position),
-            orientation=np.tile(base_orientation, (len(base.time), 1)),
-            velocity=np.zeros_like(base.velocity),
-        )
-    )
+    none, turn = np.zeros_like(base.position), np.tile(orientation, (len(base.time), 1))
+    return replace(base, position=none, orientation=turn, velocity=none)
 
 
-def repeated(rate_hz: float) -> Disturbance:
+@of_base
+def repeated(base: BaseRecording, rate_hz: float) -> BaseRecording:
     """Let messages repeat an estimate that is made less often."""
-
-    def change(base: BaseRecording) -> BaseRecording:
-        made = np.searchsorted(base.time, np.floor(base.time * rate_hz + 1e-9) / rate_hz - 1e-9)
-        position, orientation = base.position[made], base.orientation[made]
-        return replace(base, position=position, orientation=orientation)
-
-    return _base(change)
+    made = np.searchsorted(base.time, np.floor(base.time * rate_hz + 1e-9) / rate_hz - 1e-9)
+    return replace(base, position=base.position[made], orientation=base.orientation[made])
 
 
-def rarely(rate_hz: float) -> Disturbance:
+@of_base
+def rarely(base: BaseRecording, rate_hz: float) -> BaseRecording:
     """Let messages come less often."""
-
-    def change(base: BaseRecording) -> BaseRecording:
-        ticks = np.floor(base.time * rate_hz + 1e-9)
-        return base.pick(np.flatnonzero(np.diff(ticks, prepend=-1.0) > 0.0))
-
-    return _base(change)
+    return base.pick(np.flatnonzero(np.diff(np.floor(base.time * rate_hz + 1e-9), prepend=-1.0)))
 
 
-def scaled(factor: float, *, with_twist: bool = True) -> Disturbance:
+@of_base
+def scaled(base: BaseRecording, factor: float, *, with_twist: bool = True) -> BaseRecording:
     """Let positions be in another unit, the twist too unless it is a sensor of its own."""
-    return _base(
-        lambda base: replace(
-            base,
-            position=base.position * factor,
-            velocity=base.velocity * (factor if with_twist else 1.0),
-        )
-    )
+    velocity = base.velocity * (factor if with_twist else 1.0)
+    return replace(base, position=base.position * factor, velocity=velocity)
 
 
 def _about_z(base: BaseRecording, angle: Floats | float) -> Floats:
     return about_axis(2, np.broadcast_to(np.asarray(angle, np.float64), (len(base.time),)))
 
 
-def positions_turned(angle_rad: float) -> Disturbance:
+@of_base
+def positions_turned(base: BaseRecording, angle_rad: float) -> BaseRecording:
     """Let positions be of a frame that is turned against that of orientations."""
-    return _base(
-        lambda base: replace(
-            base,
-            position=turned(_about_z(base, angle_rad), base.position),
-            velocity=turned(_about_z(base, angle_rad), base.velocity),
-        )
-    )
+    turn = _about_z(base, angle_rad)
+    position, velocity = turned(turn, base.position), turned(turn, base.velocity)
+    return replace(base, position=position, velocity=velocity)
 
 
-def yaw_off(angle_rad: float) -> Disturbance:
+@of_base
+def yaw_off(base: BaseRecording, angle_rad: float) -> BaseRecording:
     """Let the body's axes be turned against the body."""
-    return _base(
-        lambda base: replace(base, orientation=product(base.orientation, _about_z(base, angle_rad)))
-    )
+    return replace(base, orientation=product(base.orientation, _about_z(base, angle_rad)))
 
 
-def started_anywhere(metres: tuple[float, float, float], angle_rad: float) -> Disturbance:
+@of_base
+def started_anywhere(
+    base: BaseRecording, metres: tuple[float, float, float], angle_rad: float
+) -> BaseRecording:
     """Let odometry begin at another place, with another heading: nothing is wrong with that."""
-    return _base(
-        lambda base: replace(
-            base,
-            position=turned(_about_z(base, angle_rad), base.position) + np.array(metres),
-            orientation=product(_about_z(base, angle_rad), base.orientation),
-            velocity=turned(_about_z(base, angle_rad), base.velocity),
-        )
+    return _turned(base, np.full(len(base.time), angle_rad), metres)
+
+
+def _turned(
+    base: BaseRecording, angle_rad: Floats, metres: Sequence[float] | Floats, about: int = 0
+) -> BaseRecording:
+    """Turn and move the world of poses about that of a row."""
+    turn, centre = _about_z(base, angle_rad), base.position[about]
+    return replace(
+        base,
+        position=turned(turn, base.position - centre) + centre + np.asarray(metres),
+        orientation=product(turn, base.orientation),
+        velocity=turned(turn, base.velocity),
     )
 
 
-def orientation_constant(recording: Recording) -> Recording:
+@of_base
+def orientation_constant(base: BaseRecording) -> BaseRecording:
     """Let the orientation be that of the first pose for ever."""
-    base = recording.base
-    orientation = np.tile(base.orientation[:1], (len(base.time), 1))
-    return replace(recording, base=replace(base, orientation=orientation))
+    return replace(base, orientation=np.tile(base.orientation[:1], (len(base.time), 1)))
 
 
+@of_base
 def relocalised(
-    at_s: float, angle_rad: float, metres: tuple[float, float] = (0.0, 0.0)
-) -> Disturbance:
+    base: BaseRecording, at_s: float, angle_rad: float, metres: tuple[float, float] = (0.0, 0.0)
+) -> BaseRecording:
     """Let a localisation turn and move the world about the base at once."""
-
-    def change(base: BaseRecording) -> BaseRecording:
-        late = base.time >= at_s
-        turn = _about_z(base, np.where(late, angle_rad, 0.0))
-        about = base.position[int(np.argmax(late))]
-        step = np.where(late[:, None], np.array([*metres, 0.0]), 0.0)
-        return replace(
-            base,
-            position=turned(turn, base.position - about) + about + step,
-            orientation=product(turn, base.orientation),
-            velocity=turned(turn, base.velocity),
-        )
-
-    return _base(change)
+    late = base.time >= at_s
+    moved = np.outer(late, (*metres, 0.0))
+    return _turned(base, np.where(late, angle_rad, 0.0), moved, int(np.argmax(late)))
 
 
-def yaw_steps(at_s: float, angle_rad: float) -> Disturbance:
+@of_base
+def yaw_steps(base: BaseRecording, at_s: float, angle_rad: float) -> BaseRecording:
     """Let the yaw alone step at once."""
-    return _base(
-        lambda base: replace(
-            base,
-            orientation=product(
-                base.orientation, _about_z(base, np.where(base.time >= at_s, angle_rad, 0.0))
-            ),
-        )
-    )
+    steps = np.where(base.time >= at_s, angle_rad, 0.0)
+    return replace(base, orientation=product(base.orientation, _about_z(base, steps)))
 
 
-def of_link(
-    metres: tuple[float, float, float], frame: str = "imu_link", *, told: bool = True
-) -> Disturbance:
-    """Let poses be those of another link, and perhaps a static transform tell where it is."""
+def of_link(metres: tuple[float, float, float], frame: str = "imu_link") -> Disturbance:
+    """Let poses be those of another link, and a static transform tell where it is."""
 
     def change(recording: Recording) -> Recording:
         base = recording.base
         arm = turned(base.orientation, np.tile(np.array(metres), (len(base.time), 1)))
-        statics = ((frame, (*metres, 0.0, 0.0, 0.0, 1.0)),) if told else ()
+        statics = ((frame, (*metres, 0.0, 0.0, 0.0, 1.0)),)
         return replace(
             recording,
             base=replace(base, position=base.position + arm),
@@ -242,10 +208,9 @@ def of_robot(name: str) -> Disturbance:
     return change
 
 
-def flat(recording: Recording) -> Recording:
+@of_base
+def flat(base: BaseRecording) -> BaseRecording:
     """Let poses be those of a plane: z, roll and pitch stay zero."""
-    base = recording.base
-    position = base.position * [1.0, 1.0, 0.0]
     ahead = turned(base.orientation, np.tile([1.0, 0.0, 0.0], (len(base.time), 1)))
     orientation = about_axis(2, np.arctan2(ahead[:, 1], ahead[:, 0]))
-    return replace(recording, base=replace(base, position=position, orientation=orientation))
+    return replace(base, position=base.position * [1.0, 1.0, 0.0], orientation=orientation)

@@ -2,7 +2,8 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from functools import wraps
+from typing import Any, Concatenate, Literal, ParamSpec
 
 import numpy as np
 from numpy.typing import NDArray
@@ -211,6 +212,43 @@ class Recording:
 
 
 Disturbance = Callable[[Recording], Recording]
+P = ParamSpec("P")
+
+
+def of_feet(
+    change: Callable[Concatenate[int, FootRecording, P], FootRecording],
+) -> Callable[P, Disturbance]:
+    """Make a fault of all feet out of a change of one, given its number and its messages."""
+
+    @wraps(change)
+    def fault(*words: P.args, **named: P.kwargs) -> Disturbance:
+        return lambda recording: recording.each_foot(
+            lambda row, foot: change(row, foot, *words, **named)
+        )
+
+    return fault
+
+
+def of_base(
+    change: Callable[Concatenate[BaseRecording, P], BaseRecording],
+) -> Callable[P, Disturbance]:
+    """Make a fault of the odometry out of a change of its messages."""
+
+    @wraps(change)
+    def fault(*words: P.args, **named: P.kwargs) -> Disturbance:
+        return lambda recording: replace(recording, base=change(recording.base, *words, **named))
+
+    return fault
+
+
+def on(fault: Disturbance, *feet: str) -> Disturbance:
+    """Let a fault be of some feet only."""
+
+    def change(recording: Recording) -> Recording:
+        changed = fault(recording).feet
+        return recording.each_foot(lambda row, _: changed[row], *feet)
+
+    return change
 
 
 def disturbed(recording: Recording, *disturbances: Disturbance) -> Recording:

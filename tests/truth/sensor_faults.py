@@ -14,9 +14,12 @@ from tests.truth.recording import (
     FootRecording,
     Recording,
     inverse,
+    of_feet,
     product,
     turned,
 )
+
+UP = np.array([0.0, 0.0, 1.0])
 
 
 def as_force_sensors(recording: Recording) -> Recording:
@@ -24,130 +27,104 @@ def as_force_sensors(recording: Recording) -> Recording:
     return replace(recording, kind="wrench")
 
 
-def offset(newtons: Sequence[float] | float, *only: str) -> Disturbance:
+def _plus(foot: FootRecording, newtons: Floats) -> FootRecording:
+    """Add newtons, (n,), along z."""
+    return replace(foot, force=foot.force + np.outer(newtons, UP))
+
+
+def _some(foot: FootRecording, row: int, seed: int, fraction: float) -> Floats:
+    """Choose messages at random."""
+    random = np.random.default_rng((seed, row))
+    return np.asarray(random.random(len(foot.force)) < fraction)
+
+
+@of_feet
+def offset(_: int, foot: FootRecording, newtons: Sequence[float] | float) -> FootRecording:
     """Add a constant: a vector, or a number along z."""
     vector = np.array(newtons if isinstance(newtons, Sequence) else (0.0, 0.0, newtons))
-    return lambda recording: recording.each_foot(
-        lambda _, foot: replace(foot, force=foot.force + vector), *only
-    )
+    return replace(foot, force=foot.force + vector)
 
 
-def rezeroed(at_s: float, newtons: float, *only: str) -> Disturbance:
+@of_feet
+def rezeroed(_: int, foot: FootRecording, at_s: float, newtons: float) -> FootRecording:
     """Add a constant along z until the sensors are zeroed."""
-
-    def change(_: int, foot: FootRecording) -> FootRecording:
-        before = np.outer(foot.time < at_s, (0.0, 0.0, newtons))
-        return replace(foot, force=foot.force + before)
-
-    return lambda recording: recording.each_foot(change, *only)
+    return _plus(foot, np.where(foot.time < at_s, newtons, 0.0))
 
 
-def warming(newtons: float, within_s: float) -> Disturbance:
+@of_feet
+def warming(_: int, foot: FootRecording, newtons: float, within_s: float) -> FootRecording:
     """Add what comes near a limit along z as a sensor warms up."""
-
-    def change(_: int, foot: FootRecording) -> FootRecording:
-        part = 1.0 - np.exp(-foot.time / within_s)
-        return replace(foot, force=foot.force + np.outer(part, (0.0, 0.0, newtons)))
-
-    return lambda recording: recording.each_foot(change)
+    return _plus(foot, newtons * (1.0 - np.exp(-foot.time / within_s)))
 
 
-def drift(newtons_per_minute: float, *only: str) -> Disturbance:
+@of_feet
+def drift(_: int, foot: FootRecording, newtons_per_minute: float) -> FootRecording:
     """Add a ramp along z that starts at zero."""
-
-    def change(_: int, foot: FootRecording) -> FootRecording:
-        ramp = np.outer(foot.time * newtons_per_minute / 60.0, (0.0, 0.0, 1.0))
-        return replace(foot, force=foot.force + ramp)
-
-    return lambda recording: recording.each_foot(change, *only)
+    return _plus(foot, foot.time * newtons_per_minute / 60.0)
 
 
-def noise(std_n: float, seed: int = 0) -> Disturbance:
+@of_feet
+def noise(row: int, foot: FootRecording, std_n: float, seed: int = 0) -> FootRecording:
     """Add white noise to each component."""
-
-    def change(row: int, foot: FootRecording) -> FootRecording:
-        random = np.random.default_rng((seed, row))
-        return replace(foot, force=foot.force + random.normal(0.0, std_n, foot.force.shape))
-
-    return lambda recording: recording.each_foot(change)
+    random = np.random.default_rng((seed, row))
+    return replace(foot, force=foot.force + random.normal(0.0, std_n, foot.force.shape))
 
 
-def spikes(newtons: float, every_s: float, seed: int = 0) -> Disturbance:
+@of_feet
+def spikes(
+    row: int, foot: FootRecording, newtons: float, every_s: float, seed: int = 0
+) -> FootRecording:
     """Add lone samples of much force along z, at random."""
-
-    def change(row: int, foot: FootRecording) -> FootRecording:
-        random = np.random.default_rng((seed, row))
-        count = max(1, int(foot.time[-1] / every_s))
-        force = foot.force.copy()
-        force[random.choice(len(force), count, replace=False), 2] += newtons
-        return replace(foot, force=force)
-
-    return lambda recording: recording.each_foot(change)
+    random = np.random.default_rng((seed, row))
+    count = max(1, int(foot.time[-1] / every_s))
+    extra = np.zeros(len(foot.time))
+    extra[random.choice(len(extra), count, replace=False)] = newtons
+    return _plus(foot, extra)
 
 
-def quantised(step_n: float) -> Disturbance:
+@of_feet
+def quantised(_: int, foot: FootRecording, step_n: float) -> FootRecording:
     """Round each component to whole steps."""
-    return lambda recording: recording.each_foot(
-        lambda _, foot: replace(foot, force=np.round(foot.force / step_n) * step_n)
-    )
+    return replace(foot, force=np.round(foot.force / step_n) * step_n)
 
 
-def saturated(limit_n: float) -> Disturbance:
+@of_feet
+def saturated(_: int, foot: FootRecording, limit_n: float) -> FootRecording:
     """Cut off the force along z at a limit."""
-
-    def change(_: int, foot: FootRecording) -> FootRecording:
-        force = foot.force.copy()
-        force[:, 2] = np.minimum(force[:, 2], limit_n)
-        return replace(foot, force=force)
-
-    return lambda recording: recording.each_foot(change)
+    return _plus(foot, np.minimum(limit_n - foot.force[:, 2], 0.0))
 
 
-def stuck(newtons: float, *only: str) -> Disturbance:
+@of_feet
+def stuck(_: int, foot: FootRecording, newtons: float) -> FootRecording:
     """Let sensors report one force for ever."""
-    return lambda recording: recording.each_foot(
-        lambda _, foot: replace(foot, force=np.tile((0.0, 0.0, newtons), (len(foot.time), 1))),
-        *only,
-    )
+    return replace(foot, force=np.tile(newtons * UP, (len(foot.time), 1)))
 
 
-def dead_from(at_s: float, *only: str) -> Disturbance:
+@of_feet
+def dead_from(_: int, foot: FootRecording, at_s: float) -> FootRecording:
     """Let sensors feel nothing more from some time on; put it before their noise."""
-
-    def change(_: int, foot: FootRecording) -> FootRecording:
-        alive = foot.time < at_s
-        return replace(foot, force=foot.force * alive[:, None], touching=foot.touching & alive)
-
-    return lambda recording: recording.each_foot(change, *only)
+    alive = foot.time < at_s
+    return replace(foot, force=foot.force * alive[:, None], touching=foot.touching & alive)
 
 
-def frozen_from(at_s: float, *only: str) -> Disturbance:
+@of_feet
+def frozen_from(_: int, foot: FootRecording, at_s: float) -> FootRecording:
     """Let sensors report for ever what they felt at some time."""
-
-    def change(_: int, foot: FootRecording) -> FootRecording:
-        row = int(np.searchsorted(foot.time, at_s))
-        force = foot.force.copy()
-        force[row:] = force[row]
-        return replace(foot, force=force)
-
-    return lambda recording: recording.each_foot(change, *only)
+    rows = np.minimum(np.arange(len(foot.time)), np.searchsorted(foot.time, at_s))
+    return replace(foot, force=foot.force[rows])
 
 
-def without_forces(recording: Recording) -> Recording:
+@of_feet
+def without_forces(_: int, foot: FootRecording) -> FootRecording:
     """Let contacts have no force, as some physics engines do."""
-    return recording.each_foot(lambda _, foot: replace(foot, force=np.zeros_like(foot.force)))
+    return replace(foot, force=np.zeros_like(foot.force))
 
 
-def not_finite(fraction: float, seed: int = 0) -> Disturbance:
+@of_feet
+def not_finite(row: int, foot: FootRecording, fraction: float, seed: int = 0) -> FootRecording:
     """Let some messages hold a force that is no number."""
-
-    def change(row: int, foot: FootRecording) -> FootRecording:
-        random = np.random.default_rng((seed, row))
-        force = foot.force.copy()
-        force[random.random(len(force)) < fraction] = np.nan
-        return replace(foot, force=force)
-
-    return lambda recording: recording.each_foot(change)
+    rows = _some(foot, row, seed, fraction)
+    return replace(foot, force=np.where(rows[:, None], np.nan, foot.force))
 
 
 def touching_itself(recording: Recording) -> Recording:
@@ -165,12 +142,10 @@ def in_link_frame(recording: Recording) -> Recording:
     return replace(recording.each_foot(change), has_tf=True)
 
 
-def stiff_legs(recording: Recording) -> Recording:
+@of_feet
+def stiff_legs(_: int, foot: FootRecording) -> FootRecording:
     """Let the transforms of the links be those of legs that never move."""
-    straight = np.array([0.0, 0.0, 0.0, 1.0])
-    return recording.each_foot(
-        lambda _, foot: replace(foot, link=np.tile(straight, (len(foot.time), 1)))
-    )
+    return replace(foot, link=np.tile([0.0, 0.0, 0.0, 1.0], (len(foot.time), 1)))
 
 
 def without_tf(recording: Recording) -> Recording:
@@ -178,38 +153,24 @@ def without_tf(recording: Recording) -> Recording:
     return replace(recording, has_tf=False)
 
 
-def scaled(factor: float, *only: str) -> Disturbance:
+@of_feet
+def scaled(_: int, foot: FootRecording, factor: float) -> FootRecording:
     """Let sensors report a multiple of the force."""
-    return lambda recording: recording.each_foot(
-        lambda _, foot: replace(foot, force=factor * foot.force), *only
-    )
+    return replace(foot, force=factor * foot.force)
 
 
-def inverted(recording: Recording) -> Recording:
-    """Mount the sensors the other way round."""
-    return recording.each_foot(lambda _, foot: replace(foot, force=-foot.force))
-
-
-def lone_zeros(fraction: float, seed: int = 0) -> Disturbance:
+@of_feet
+def lone_zeros(row: int, foot: FootRecording, fraction: float, seed: int = 0) -> FootRecording:
     """Let some messages hold zeros in place of a measurement."""
-
-    def change(row: int, foot: FootRecording) -> FootRecording:
-        random = np.random.default_rng((seed, row))
-        force = foot.force.copy()
-        force[random.random(len(force)) < fraction] = 0.0
-        return replace(foot, force=force)
-
-    return lambda recording: recording.each_foot(change)
+    rows = _some(foot, row, seed, fraction)
+    return replace(foot, force=np.where(rows[:, None], 0.0, foot.force))
 
 
-def inertia(newtons: float) -> Disturbance:
+@of_feet
+def inertia(row: int, foot: FootRecording, newtons: float) -> FootRecording:
     """Let feet in the air feel the inertia of moving legs."""
-
-    def change(row: int, foot: FootRecording) -> FootRecording:
-        swing = np.where(foot.touching, 0.0, newtons * np.sin(8.2 * foot.time + row))
-        return replace(foot, force=foot.force + np.outer(swing, (0.3, 0.0, 1.0)))
-
-    return lambda recording: recording.each_foot(change)
+    swing = np.where(foot.touching, 0.0, newtons * np.sin(8.2 * foot.time + row))
+    return replace(foot, force=foot.force + np.outer(swing, (0.3, 0.0, 1.0)))
 
 
 def wobble(newtons: float, turns: int = 2) -> Disturbance:
@@ -234,39 +195,32 @@ def wobble(newtons: float, turns: int = 2) -> Disturbance:
     )
 
 
-def spike_pairs(newtons: float, every_s: float, apart: int, seed: int = 0) -> Disturbance:
+@of_feet
+def spike_pairs(
+    row: int, foot: FootRecording, newtons: float, every_s: float, apart: int
+) -> FootRecording:
     """Add two lone samples of much force along z, some samples apart, at random."""
-
-    def change(row: int, foot: FootRecording) -> FootRecording:
-        random = np.random.default_rng((seed, row))
-        count = int(foot.time[-1] / every_s)
-        at = random.integers(5, len(foot.time) - 5 - apart, count)
-        force = foot.force.copy()
-        force[at, 2] += newtons
-        force[at + apart, 2] += newtons
-        return replace(foot, force=force)
-
-    return lambda recording: recording.each_foot(change)
+    random = np.random.default_rng((0, row))
+    at = random.integers(5, len(foot.time) - 5 - apart, int(foot.time[-1] / every_s))
+    extra = np.zeros(len(foot.time))
+    extra[at] += newtons
+    extra[at + apart] += newtons
+    return _plus(foot, extra)
 
 
-def hysteresis(part: float) -> Disturbance:
+@of_feet
+def hysteresis(_: int, foot: FootRecording, part: float) -> FootRecording:
     """Let the force along z stick within a band, so wide against its largest."""
-
-    def change(_: int, foot: FootRecording) -> FootRecording:
-        half, force, held = part * foot.force[:, 2].max() / 2.0, foot.force.copy(), 0.0
-        for row, true in enumerate(foot.force[:, 2].tolist()):
-            held = force[row, 2] = min(max(held, true - half), true + half)
-        return replace(foot, force=force)
-
-    return lambda recording: recording.each_foot(change)
+    half, force, held = part * foot.force[:, 2].max() / 2.0, foot.force.copy(), 0.0
+    for number, true in enumerate(foot.force[:, 2].tolist()):
+        held = force[number, 2] = min(max(held, true - half), true + half)
+    return replace(foot, force=force)
 
 
-def clipped(recording: Recording) -> Recording:
+@of_feet
+def clipped(_: int, foot: FootRecording) -> FootRecording:
     """Let sensors tell the force along z only, and none below zero."""
-    up = np.array([0.0, 0.0, 1.0])
-    return recording.each_foot(
-        lambda _, foot: replace(foot, force=np.maximum(foot.force * up, 0.0))
-    )
+    return replace(foot, force=np.maximum(foot.force * UP, 0.0))
 
 
 def wrong_mass(mass_kg: float | None) -> Disturbance:

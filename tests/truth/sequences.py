@@ -37,45 +37,29 @@ def then(first: Recording, second: Recording) -> Recording:
     )
     return replace(
         first,
-        feet=tuple(_joined_feet(*pair, later, moved) for pair in pairs),
-        base=_joined_bases(first.base, second.base, later, moved),
+        feet=tuple(_joined(*pair, later, moved) for pair in pairs),
+        base=_joined(first.base, second.base, later, moved),
         truth=_joined_truths(first.truth, second.truth, feet, seconds, later),
         seconds=later + second.seconds,
     )
 
 
-def _joined_feet(
-    first: FootRecording, second: FootRecording, later: float, moved: Floats
-) -> FootRecording:
+def _joined(first: _Columns, second: _Columns, later: float, moved: Floats) -> _Columns:
+    """Let messages follow others, later and elsewhere."""
     stamp = nanoseconds(second.time + later)
-    second = replace(
-        second,
-        time=second.time + later,
-        stamp=stamp,
-        log_time=stamp + (second.log_time - second.stamp),
-        point=second.point + moved,
-    )
-    return _concatenated(first, second)
-
-
-def _joined_bases(
-    first: BaseRecording, second: BaseRecording, later: float, moved: Floats
-) -> BaseRecording:
-    stamp = nanoseconds(second.time + later)
-    second = replace(
-        second,
-        time=second.time + later,
-        stamp=stamp,
-        log_time=stamp + (second.log_time - second.stamp),
-        position=second.position + moved,
-    )
-    return _concatenated(first, second)
-
-
-def _concatenated(first: _Columns, second: _Columns) -> _Columns:
+    place = "point" if isinstance(second, FootRecording) else "position"
+    changed = {
+        "time": second.time + later,
+        "stamp": stamp,
+        "log_time": stamp + (second.log_time - second.stamp),
+        place: getattr(second, place) + moved,
+    }
     columns = type(first).__slots__
     return type(first)(
-        *(np.concatenate([getattr(first, name), getattr(second, name)]) for name in columns)
+        *(
+            np.concatenate([getattr(first, name), changed.get(name, getattr(second, name))])
+            for name in columns
+        )
     )
 
 

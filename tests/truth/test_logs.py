@@ -5,10 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from mcap.reader import make_reader
 
 from tests.analysed import feet_of
-from tests.oracles.mcap_file import write_mcap
 from tests.truth import core_columns, sensor_faults, time_faults
 from tests.truth.cases import all_cases
 from tests.truth.log_file import write_log
@@ -33,31 +31,6 @@ def test_bags_and_mcaps_hold_the_same(record: Callable[[], Recording], tmp_path:
     assert bag["feet"] == mcap["feet"]
     assert bag["base"] == mcap["base"]
     assert bag["log"]["messages"] == mcap["log"]["messages"] > 5000
-
-
-@pytest.mark.parametrize("compression", ["", "zstd"])
-def test_the_library_of_mcap_reads_what_was_written(compression: str, tmp_path: Path) -> None:
-    entries = [
-        (
-            10**9 + 1_000 * (row // 2),
-            f"/{'ab'[row % 2]}",
-            f"std_msgs/msg/{'AB'[row % 2]}",
-            bytes([row] * row),
-        )
-        for row in range(100)
-    ]
-    path = write_mcap(tmp_path / "log.mcap", entries, str.lower, 500, compression)
-    with path.open("rb") as stream:
-        reader = make_reader(stream, validate_crcs=True)
-        read = list(reader.iter_messages(log_time_order=False))
-        summary = reader.get_summary()
-    assert [(m.log_time, c.topic, s and s.name, m.data) for s, c, m in read] == entries
-    assert {s.data for s, _, _ in read if s} == {b"std_msgs/msg/a", b"std_msgs/msg/b"}
-    assert summary is not None
-    assert summary.statistics is not None
-    assert summary.statistics.message_count == 100
-    assert summary.statistics.chunk_count == len(summary.chunk_indexes) > 5
-    assert sorted(summary.statistics.channel_message_counts.values()) == [50, 50]
 
 
 def test_columns_are_what_the_log_holds(tmp_path: Path) -> None:

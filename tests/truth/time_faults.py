@@ -1,6 +1,5 @@
 """What happens to messages on their way into a log: clocks, losses, stamps."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -8,19 +7,17 @@ import numpy as np
 from tests.truth.recording import (
     START_NS,
     Disturbance,
-    Flags,
     FootRecording,
     Ints,
     Recording,
+    of_feet,
 )
 
 
-def late_clock(seconds: float) -> Disturbance:
+@of_feet
+def late_clock(_: int, foot: FootRecording, seconds: float) -> FootRecording:
     """Let the feet's stamps be late against the odometry's, on another clock; log times stay."""
-    shift = round(seconds * 1e9)
-    return lambda recording: recording.each_foot(
-        lambda _, foot: replace(foot, stamp=foot.stamp + shift)
-    )
+    return replace(foot, stamp=foot.stamp + round(seconds * 1e9))
 
 
 def no_stamps(recording: Recording) -> Recording:
@@ -44,34 +41,28 @@ def slow_simulation(factor: float) -> Disturbance:
     return change
 
 
-def late_delivery(seconds: float, jitter_s: float = 0.0, seed: int = 0) -> Disturbance:
+@of_feet
+def late_delivery(
+    row: int, foot: FootRecording, seconds: float, jitter_s: float = 0.0, seed: int = 0
+) -> FootRecording:
     """Let the feet's messages be logged late, more or less, but in order; stamps stay."""
-
-    def change(row: int, foot: FootRecording) -> FootRecording:
-        random = np.random.default_rng((seed, row))
-        late = seconds + jitter_s * random.random(len(foot.time))
-        log_time = np.maximum.accumulate(foot.log_time + np.round(late * 1e9).astype(np.int64))
-        return replace(foot, log_time=log_time)
-
-    return lambda recording: recording.each_foot(change)
+    random = np.random.default_rng((seed, row))
+    late = seconds + jitter_s * random.random(len(foot.time))
+    log_time = np.maximum.accumulate(foot.log_time + np.round(late * 1e9).astype(np.int64))
+    return replace(foot, log_time=log_time)
 
 
-def in_bursts(every_s: float) -> Disturbance:
+@of_feet
+def in_bursts(_: int, foot: FootRecording, every_s: float) -> FootRecording:
     """Log the feet's messages in bursts; stamps stay."""
     tick = round(every_s * 1e9)
-    return lambda recording: recording.each_foot(
-        lambda _, foot: replace(foot, log_time=-(-foot.log_time // tick) * tick)
-    )
+    return replace(foot, log_time=-(-foot.log_time // tick) * tick)
 
 
-def lost(fraction: float, *only: str, seed: int = 0) -> Disturbance:
+@of_feet
+def lost(row: int, foot: FootRecording, fraction: float, seed: int = 0) -> FootRecording:
     """Lose messages of the feet at random."""
-
-    def keep(row: int, foot: FootRecording) -> Flags:
-        random = np.random.default_rng((seed, row))
-        return np.asarray(random.random(len(foot.time)) >= fraction)
-
-    return _kept(keep, *only)
+    return foot.pick(np.random.default_rng((seed, row)).random(len(foot.time)) >= fraction)
 
 
 def silent_in_swing(recording: Recording) -> Recording:
@@ -79,37 +70,24 @@ def silent_in_swing(recording: Recording) -> Recording:
     return replace(recording, kind="gz_contacts")
 
 
-def silent_between(start_s: float, end_s: float, *only: str) -> Disturbance:
-    """Let feet, all of them unless some are named, say nothing for a while."""
-    return _kept(lambda _, foot: (foot.time < start_s) | (foot.time >= end_s), *only)
+@of_feet
+def silent_between(_: int, foot: FootRecording, start_s: float, end_s: float) -> FootRecording:
+    """Let feet say nothing for a while."""
+    return foot.pick((foot.time < start_s) | (foot.time >= end_s))
 
 
-def _kept(keep: Callable[[int, FootRecording], Flags], *only: str) -> Disturbance:
-    return lambda recording: recording.each_foot(
-        lambda row, foot: foot.pick(keep(row, foot)), *only
-    )
-
-
-def zero_stamp(message: int, *only: str) -> Disturbance:
+@of_feet
+def zero_stamp(_: int, foot: FootRecording, message: int) -> FootRecording:
     """Let one message of a foot have no stamp."""
-
-    def change(_: int, foot: FootRecording) -> FootRecording:
-        stamp = foot.stamp.copy()
-        stamp[message] = 0
-        return replace(foot, stamp=stamp)
-
-    return lambda recording: recording.each_foot(change, *only)
+    return replace(foot, stamp=np.where(np.arange(len(foot.stamp)) == message, 0, foot.stamp))
 
 
-def swapped_messages(message: int, *only: str) -> Disturbance:
+@of_feet
+def swapped_messages(_: int, foot: FootRecording, message: int) -> FootRecording:
     """Log one message of a foot after the next one, stamps and all."""
-
-    def change(_: int, foot: FootRecording) -> FootRecording:
-        rows = np.arange(len(foot.time))
-        rows[[message, message + 1]] = rows[[message + 1, message]]
-        return replace(foot.pick(rows), log_time=foot.log_time)
-
-    return lambda recording: recording.each_foot(change, *only)
+    rows = np.arange(len(foot.time))
+    rows[[message, message + 1]] = rows[[message + 1, message]]
+    return replace(foot.pick(rows), log_time=foot.log_time)
 
 
 def reset(at_s: float) -> Disturbance:

@@ -12,18 +12,16 @@ import tempfile
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 import dogbot_logtool as dl
 from tests.paths import ROOT
 from tests.truth.cases import groups
-from tests.truth.judging import Case, Judged, faults, judge
+from tests.truth.judging import faults, judge
 from tests.truth.labelled import labelled_rows
-from tests.truth.outcome import Outcome, outcome
-from tests.truth.recording import Recording
-from tests.truth.sample_truth import sample_rows
+from tests.truth.outcome import outcome
 from tests.truth.test_without_sensors import ROBOTS, force_error_bw, no_efforts
 from tests.truth.without_sensors import write_log
 
@@ -50,42 +48,37 @@ is estimated of contact, base and forces, against what the engine did. Of a real
 trots, with 25 s of joints and its own foot forces, time in contact in a stride is 0.54 by the
 motion of its legs, and 0.64 by the forces, whose filter prolongs contact.
 """
-_COLUMNS: Final = (
-    "log",
-    "gait",
-    "duty factor",
-    "touchdowns",
-    "lift-offs",
-    "peak force",
-    "impulse / weight",
-    "speed, m/s",
-    "verdict: warnings",
-    "judged",
-)
+_COLUMNS: Final = ("subject", "log", "right", "null", "wrong", "data quality", "warnings")
 
 
 def main() -> None:
     """Write the page and the table."""
     subjects: list[str] = []
-    verdicts: Counter[str] = Counter()
+    logs = odd = 0
     with tempfile.TemporaryDirectory() as folder, TABLE.open("w", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
-        table.writerow(("subject", *_COLUMNS))
+        table.writerow(_COLUMNS)
         for subject, cases in groups().items():
             statuses: Counter[str] = Counter()
             for case in cases:
                 recording = case.record()
                 found = outcome(recording, Path(folder))
                 judged = judge(case, recording, found)
-                verdicts["wrong" if faults(judged) else "right or null with the cause named"] += 1
                 statuses.update(each.status for each in judged)
-                table.writerow((subject, *_row(case, recording, found, judged)))
-            subjects.append(_table_row(_of_subject(subject, len(cases), statuses)))
-        table.writerows(("Sample logs", *row) for row in sample_rows())
-    counts = f"Of {verdicts.total()} kinds of closed-form logs: {_counted(verdicts)}."
+                wrong = "; ".join(f"{each.figure} {each.status}" for each in faults(judged))
+                right = sum(each.status == "right" for each in judged)
+                null = ", ".join(each.figure for each in judged if each.status == "null")
+                warnings = ", ".join(sorted(set(found.warnings())))
+                row = subject, case.name, right, null, wrong, found.quality, warnings
+                table.writerow(row)
+                logs, odd = logs + 1, odd + bool(wrong)
+            counts = len(cases), statuses["right"], statuses["null"]
+            rest = statuses.total() - sum(counts[1:])
+            subjects.append(_table_row((subject, *map(str, counts), str(rest))))
+    counted = f"Of {logs} kinds of closed-form logs {logs - odd} are right, or null with the cause"
     head = _table_head(("subject", "logs", "figures right", "null, cause named", "wrong"))
-    parts = f"{_HEAD}\n{counts}\n\n{head}{''.join(subjects)}", without_sensors(), _real()
-    PAGE.write_text("".join(parts), "utf-8")
+    closed = f"{_HEAD}\n{counted} named.\n\n{head}{''.join(subjects)}"
+    PAGE.write_text(f"{closed}{without_sensors()}{_real()}", "utf-8")
 
 
 def without_sensors() -> str:
@@ -119,63 +112,6 @@ def without_sensors() -> str:
     return f"{_BARE}\n{_table_head(columns)}{''.join(rows)}"
 
 
-def _of_subject(subject: str, logs: int, statuses: Counter[str]) -> tuple[str, ...]:
-    """Count the figures of a subject's logs: right, null with the cause named, all others."""
-    wrong = statuses.total() - statuses["right"] - statuses["null"]
-    return subject, str(logs), str(statuses["right"]), str(statuses["null"]), str(wrong)
-
-
-def _row(
-    case: Case, recording: Recording, found: Outcome, judged: Sequence[Judged]
-) -> tuple[str, ...]:
-    of = {each.figure: each for each in judged}
-    foot = recording.truth.feet[0]
-    return (
-        case.name,
-        _against(recording.truth.gait_class, found.figure("gait.name")),
-        _foot_figure(recording, found, "duty_factor", foot.duty_factor, 3),
-        of["touchdowns"].result if "touchdowns" in of else "",
-        of["lift-offs"].result if "lift-offs" in of else "",
-        _foot_figure(recording, found, "peak_vertical_force_n", foot.peak_vertical_force_n, 1),
-        _number(found.figure("forces.vertical_impulse_over_weight"), 3),
-        _against(
-            _number(recording.truth.forward_speed_mps, 3),
-            _number(found.figure("base.forward_speed_mps"), 3),
-        ),
-        _verdict(found),
-        _judgement(judged),
-    )
-
-
-def _foot_figure(
-    recording: Recording, found: Outcome, key: str, truth: float | None, decimals: int
-) -> str:
-    """Say the truth and the mean over all feet, with the deviation over strides."""
-    if truth is None:
-        return ""
-    values: list[Any] = [found.figure(f"feet.{name}.{key}") for name in recording.robot.feet]
-    known = [value for value in values if value is not None]
-    if not known:
-        return _against(_number(truth, decimals), "null")
-    mean = float(np.mean([value["mean"] for value in known]))
-    spread = float(np.sqrt(np.mean([(value["std"] or 0.0) ** 2 for value in known])))
-    return f"{truth:.{decimals}f} → {mean:.{decimals}f} ± {spread:.{decimals}f}"
-
-
-def _verdict(found: Outcome) -> str:
-    counts = Counter(found.warnings())
-    codes = ", ".join(f"`{code}`" + (f" x{n}" if n > 1 else "") for code, n in counts.items())
-    return f"{found.quality}: {codes}" if codes else found.quality
-
-
-def _judgement(judged: Sequence[Judged]) -> str:
-    wrong = [f"{each.figure} {each.status}" for each in faults(judged)]
-    null = [each.figure for each in judged if each.status == "null"]
-    if wrong:
-        return f"**wrong**: {'; '.join(wrong)}"
-    return f"right; null: {', '.join(null)}" if null else "right"
-
-
 def _real() -> str:
     folder = os.environ.get("LOGTOOL_LABELLED")
     if not folder:
@@ -185,16 +121,6 @@ def _real() -> str:
     words = "\nWithout any option but the feet's topics; events but the first and the last.\n\n"
     rows = "".join(map(_table_row, labelled_rows(Path(folder))))
     return f"\n{REAL}{words}{_table_head(columns)}{rows}"
-
-
-def _counted(verdicts: Counter[str]) -> str:
-    return ", ".join(f"{count} {name}" for name, count in sorted(verdicts.items()))
-
-
-def _against(truth: object, result: object) -> str:
-    if truth == result:
-        return str(truth)
-    return f"{'none' if truth is None else truth} → {'null' if result is None else result}"
 
 
 def _number(value: float | None, decimals: int) -> str:

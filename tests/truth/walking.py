@@ -197,7 +197,7 @@ class Walk:
             sequence=self.gait.sequence,
             feet=tuple(self._foot_truth(foot) for foot in range(len(self.robot.feet))),
             forward_speed_mps=self._level * self.speed_mps,
-            path_length_m=self._level * self.speed_mps * self.seconds,
+            path_length_m=self._level * abs(self.speed_mps) * self.seconds,
             height_m=self.robot.height_m / self._level,
             slope_rad=self.slope_rad,
             froude=(self._level * self.speed_mps) ** 2
@@ -229,7 +229,7 @@ class Walk:
             swing_s=self.period_s - self.stance_s,
             duty_factor=duty,
             stride_period_s=self.period_s,
-            stride_length_m=self._level * self.speed_mps * self.period_s,
+            stride_length_m=self._level * abs(self.speed_mps) * self.period_s,
             peak_vertical_force_n=None if self.slope_rad else self.peak_vertical_n(foot),
             braking_impulse_ns=self._level
             * self.traction

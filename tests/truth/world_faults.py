@@ -6,83 +6,71 @@ from dataclasses import replace
 import numpy as np
 
 from tests.truth.recording import (
+    BaseRecording,
     Disturbance,
     Floats,
     Recording,
     about_axis,
     inverse,
+    of_base,
     product,
     turned,
 )
 from tests.truth.robots import GRAVITY_MPS2
 
 
-def _moved(recording: Recording, by: Floats) -> Recording:
-    base = recording.base
-    return replace(recording, base=replace(base, position=base.position + by))
-
-
-def displaced(metres: Sequence[float]) -> Disturbance:
+@of_base
+def displaced(base: BaseRecording, metres: Sequence[float]) -> BaseRecording:
     """Let the odometry count from another place than the contact points."""
-    return lambda recording: _moved(recording, np.array(metres, np.float64))
+    return _moved(base, np.array(metres, np.float64))
 
 
-def base_from_zero(recording: Recording) -> Recording:
+def _moved(base: BaseRecording, by: Floats) -> BaseRecording:
+    return replace(base, position=base.position + by)
+
+
+@of_base
+def from_zero(base: BaseRecording) -> BaseRecording:
     """Let the odometry begin at the origin, wherever the base is."""
-    return _moved(recording, -recording.base.position[0])
+    return _moved(base, -base.position[0])
 
 
-def drifting(metres_per_metre: float) -> Disturbance:
+@of_base
+def drifting(base: BaseRecording, metres_per_metre: float) -> BaseRecording:
     """Let the odometry overrate the way by a part of it, sideways."""
-
-    def change(recording: Recording) -> Recording:
-        position = recording.base.position
-        way = np.linalg.norm(position - position[0], axis=1)
-        return _moved(recording, np.outer(way * metres_per_metre, (0.0, 1.0, 0.0)))
-
-    return change
+    way = np.linalg.norm(base.position - base.position[0], axis=1)
+    return _moved(base, np.outer(way * metres_per_metre, (0.0, 1.0, 0.0)))
 
 
-def rising(metres_per_second: float) -> Disturbance:
+@of_base
+def rising(base: BaseRecording, metres_per_second: float) -> BaseRecording:
     """Let z of the odometry drift."""
-    return lambda recording: _moved(
-        recording, np.outer(recording.base.time * metres_per_second, (0.0, 0.0, 1.0))
-    )
+    return _moved(base, np.outer(base.time * metres_per_second, (0.0, 0.0, 1.0)))
 
 
-def leaning(at_s: float, metres: Sequence[float]) -> Disturbance:
+@of_base
+def leaning(base: BaseRecording, at_s: float, metres: Sequence[float]) -> BaseRecording:
     """Let the body lean elsewhere over its feet from some moment on, within a second."""
-
-    def change(recording: Recording) -> Recording:
-        part = np.clip(recording.base.time - at_s, 0.0, 1.0)
-        return _moved(recording, np.outer(part * part * (3.0 - 2.0 * part), metres))
-
-    return change
+    part = np.clip(base.time - at_s, 0.0, 1.0)
+    return _moved(base, np.outer(part * part * (3.0 - 2.0 * part), metres))
 
 
-def jump(at_s: float, metres: Sequence[float]) -> Disturbance:
+@of_base
+def jump(base: BaseRecording, at_s: float, metres: Sequence[float]) -> BaseRecording:
     """Let a localisation move the base at once."""
-    return lambda recording: _moved(
-        recording,
-        np.outer(np.where(recording.base.time >= at_s, 1.0, 0.0), np.array(metres, np.float64)),
-    )
+    return _moved(base, np.outer(base.time >= at_s, metres))
 
 
-def reset_height(at_s: float) -> Disturbance:
+@of_base
+def reset_height(base: BaseRecording, at_s: float) -> BaseRecording:
     """Let the odometry count z from the base's height on."""
-    return lambda recording: jump(at_s, (0.0, 0.0, -float(recording.base.position[0, 2])))(
-        recording
-    )
+    return _moved(base, np.outer(base.time >= at_s, (0.0, 0.0, -base.position[0, 2])))
 
 
-def pose_noise(std_m: float, seed: int = 0) -> Disturbance:
+@of_base
+def pose_noise(base: BaseRecording, std_m: float, seed: int = 0) -> BaseRecording:
     """Add white noise to the base's position."""
-
-    def change(recording: Recording) -> Recording:
-        random = np.random.default_rng(seed)
-        return _moved(recording, random.normal(0.0, std_m, recording.base.position.shape))
-
-    return change
+    return _moved(base, np.random.default_rng(seed).normal(0.0, std_m, base.position.shape))
 
 
 def driven(recording: Recording) -> Recording:
@@ -94,20 +82,15 @@ def driven(recording: Recording) -> Recording:
     way = np.cumsum(speed - np.polyval(np.polyfit(time, speed, 1), time)) * 0.001
     heave = way - np.polyval(np.polyfit(time, way, 1), time)
     above = np.interp(recording.base.time, time, heave)
-    return _moved(recording, np.outer(above, (0.0, 0.0, 1.0)))
+    base = _moved(recording.base, np.outer(above, (0.0, 0.0, 1.0)))
+    return replace(recording, base=base)
 
 
-def restamped(seconds: float) -> Disturbance:
+@of_base
+def restamped(base: BaseRecording, seconds: float) -> BaseRecording:
     """Let a recorder stamp the odometry anew, late: by stamps and log times alike."""
     late = round(seconds * 1e9)
-
-    def change(recording: Recording) -> Recording:
-        base = recording.base
-        return replace(
-            recording, base=replace(base, stamp=base.stamp + late, log_time=base.log_time + late)
-        )
-
-    return change
+    return replace(base, stamp=base.stamp + late, log_time=base.log_time + late)
 
 
 def z_down(recording: Recording) -> Recording:
@@ -139,23 +122,19 @@ def swapped(first: str, second: str) -> Disturbance:
     return change
 
 
-def y_up(*, body: bool) -> Disturbance:
+@of_base
+def y_up(base: BaseRecording, *, body: bool) -> BaseRecording:
     """Let motion capture count in a world whose y is up, and x forward.
 
     Args:
+        base: its poses.
         body: whether the body's y is up, too, as that of a rigid body that was defined in it.
     """
-
-    def change(recording: Recording) -> Recording:
-        base = recording.base
-        turn = about_axis(0, np.full(len(base.time), -np.pi / 2.0))
-        orientation = product(turn, base.orientation)
-        moved = replace(
-            base,
-            position=turned(turn, base.position),
-            orientation=product(orientation, inverse(turn)) if body else orientation,
-            velocity=turned(turn, base.velocity),
-        )
-        return replace(recording, base=moved)
-
-    return change
+    turn = about_axis(0, np.full(len(base.time), -np.pi / 2.0))
+    orientation = product(turn, base.orientation)
+    return replace(
+        base,
+        position=turned(turn, base.position),
+        orientation=product(orientation, inverse(turn)) if body else orientation,
+        velocity=turned(turn, base.velocity),
+    )

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints, median_of, norms
+from dogbot_logtool.core.arrays import Floats, Ints, median_of, median_of_known, norms
 from dogbot_logtool.core.integral import Integral, trapezoids
 from dogbot_logtool.core.rotations import conjugate, multiply, normalised, rotate
 
@@ -118,17 +118,19 @@ def turns_and_up(
         windows: (k, 2) ns, whole strides, in which its own accelerations cancel out.
 
     Returns:
-        (k,) rad and (k, 3) unit vectors of those windows that lie among the readings; none where
-        the accelerometer tells of no gravity.
+        (k,) rad and (k, 3) unit vectors; NaN outside the readings, and throughout where the
+        accelerometer tells of no gravity.
     """
-    first, last = time[:1].max(initial=0), time[-1:].max(initial=0)
-    begin, end = windows[(windows[:, 0] >= first) & (windows[:, 1] <= last)].T
     columns = np.concatenate([acceleration, turn_rate], axis=1)
-    added = Integral(time, trapezoids(np.diff(time) / 1e9, columns)).added(begin, end)
+    total = Integral(time, trapezoids(np.diff(time) / 1e9, columns))
+    added = total.added(*windows.T)
+    added[
+        (windows[:, 0] < time[:1].max(initial=0)) | (windows[:, 1] > time[-1:].max(initial=0))
+    ] = np.nan
     size = norms(added[:, :3])
-    usual = size / np.maximum((end - begin) / 1e9, np.finfo(float).tiny)
-    if not len(usual) or not GRAVITY_IS[0] <= float(median_of(usual)) <= GRAVITY_IS[1]:
-        return np.empty(0), np.empty((0, 3))
+    usual = median_of_known(size / ((windows[:, 1] - windows[:, 0]) / 1e9), axis=0)
+    if not GRAVITY_IS[0] <= float(usual) <= GRAVITY_IS[1]:
+        size[:] = np.nan
     up = added[:, :3] / size[:, None]
     return np.asarray((added[:, 3:] * up).sum(axis=1)), up
 

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Ints, median_of, norms
+from dogbot_logtool.core.arrays import Ints, median_of
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.base.witness import Witness, motion_in, stride_windows
 from dogbot_logtool.core.contact.foot_history import FootHistory
@@ -59,11 +59,17 @@ def find_frozen(
     spans = spans[np.array(stepping, np.bool_)] if len(spans) else spans
     if not len(spans):
         return None
-    speed, turn, by = _told(base, witness, spans, period_s)
-    if by and (speed or 0.0) < STAYS_MPS and (turn or 0.0) < STAYS_RADPS:
-        return None
+    motion = None
+    if witness is not None:
+        motion = motion_in(witness.poses, stride_windows(spans, period_s))
     left = without_frozen(base, spans)
-    return Frozen(spans, len(left.time) < 2, speed, turn, by)
+    if witness is None or motion is None or not motion.known.any():
+        return Frozen(spans, len(left.time) < 2, None, None, "")
+    ways, turns = np.hypot(*motion.way[motion.known].T), np.abs(motion.turn[motion.known])
+    speed, turn = (float(median_of(each)) / period_s for each in (ways, turns))
+    if speed < STAYS_MPS and turn < STAYS_RADPS:
+        return None
+    return Frozen(spans, len(left.time) < 2, speed, turn, witness.by)
 
 
 def without_frozen(base: BaseHistory, spans: Ints) -> BaseHistory:
@@ -82,7 +88,6 @@ def without_frozen(base: BaseHistory, spans: Ints) -> BaseHistory:
         position=base.position[rows],
         angles=base.angles[rows],
         velocity=base.velocity[rows],
-        turn_rate=base.turn_rate[rows],
         gaps=gaps,
     )
 
@@ -102,23 +107,3 @@ def _touchdowns(feet: Sequence[FootHistory], span: Ints) -> int:
         for each in feet
     ]
     return max(counts, default=0)
-
-
-def _told(
-    base: BaseHistory, witness: Witness | None, spans: Ints, period_s: float
-) -> tuple[float | None, float | None, str]:
-    """Return how fast the base moves and turns in some spans, and by what that is known."""
-    if witness is not None:
-        motion = motion_in(witness.poses, stride_windows(spans, period_s))
-        known = motion.known
-        if known.any():
-            speed = np.hypot(*motion.way[known].T) / period_s
-            turn = float(median_of(np.abs(motion.turn[known]))) / period_s
-            return float(median_of(speed)), turn, witness.by
-    rows = timespans.covers(spans, base.time)
-    speeds: Floats = norms(base.velocity[rows])
-    speed = float(median_of(speeds)) if rows.any() else 0.0
-    turned = float(median_of(np.abs(base.turn_rate[rows, 2]))) if rows.any() else 0.0
-    if speed > STAYS_MPS or turned > STAYS_RADPS:
-        return speed, turned, "the twist beside it"
-    return None, None, ""

@@ -53,62 +53,53 @@ def find_jumps(base: BaseHistory) -> PoseJumps:
     other turns around do.
     """
     step, turn = np.diff(base.position, axis=0), np.diff(base.angles[:, 2])
+    seconds = np.diff(base.time) / 1e9
     in_gap = np.isin(base.time[:-1], base.gaps[:, 0])
-    candidates = np.flatnonzero((norms(step) > SMALLEST_JUMP_M) & ~in_gap)
-    parts = [
-        _unexplained(base.time, step, in_gap, candidates[first : first + _CHUNK])
-        for first in range(0, len(candidates), _CHUNK)
-    ]
-    size = np.full_like(step, np.nan)
-    size[candidates] = np.concatenate(parts) if parts else np.empty((0, 3))
+    size, turned = np.zeros_like(step), np.zeros_like(turn)
+    far = np.flatnonzero((norms(step) > SMALLEST_JUMP_M) & ~in_gap)
+    for rows in np.split(far, range(_CHUNK, len(far), _CHUNK)):
+        unusual, third = _unusual(step, seconds, in_gap, rows)
+        change = np.minimum(GRAVITY_MPS2 * seconds[rows] ** 2 / 2.0, COARSE_M)
+        limit = np.maximum(np.maximum(SMALLEST_JUMP_M, change), UNUSUAL * third)
+        # What falls goes down by itself.
+        sinks = np.minimum(unusual[:, 2] + FALLS_AT_MPS * seconds[rows], 0.0)
+        jumps = unusual.copy()
+        jumps[:, 2] = np.where(unusual[:, 2] < 0.0, sinks, unusual[:, 2])
+        size[rows] = np.where((norms(jumps) > limit)[:, None], unusual, 0.0)
     turning = np.flatnonzero((np.abs(turn) > SMALLEST_TURN_RAD) & ~in_gap)
-    turns = np.zeros_like(turn)
-    for first in range(0, len(turning), _CHUNK):
-        chunk = turning[first : first + _CHUNK]
-        turns[chunk] = _turns(turn, in_gap, chunk)
-    rows = np.flatnonzero(np.isfinite(size[:, 0]) | (np.abs(turns) > SMALLEST_STEP_RAD))
-    spans = np.stack([base.time[rows], base.time[rows + 1]], axis=1)
-    return PoseJumps(rows, spans, np.nan_to_num(size[rows]), turns[rows])
+    for rows in np.split(turning, range(_CHUNK, len(turning), _CHUNK)):
+        unusual, third = _unusual(turn[:, None], seconds, in_gap, rows)
+        limit = np.maximum(SMALLEST_TURN_RAD, UNUSUAL * third)
+        turned[rows] = np.where(np.abs(unusual[:, 0]) > limit, unusual[:, 0], 0.0)
+    found = np.flatnonzero(size.any(axis=1) | (np.abs(turned) > SMALLEST_STEP_RAD))
+    spans = np.stack([base.time[found], base.time[found + 1]], axis=1)
+    return PoseJumps(found, spans, size[found], turned[found])
 
 
-def _turns(turn: Floats, in_gap: Flags, rows: Ints) -> Floats:
-    """(c,) rad, turns less the usual one of those around; 0 where others around are as large."""
+def _unusual(step: Floats, seconds: Floats, in_gap: Flags, rows: Ints) -> tuple[Floats, Floats]:
+    """Compare steps with those around them.
+
+    Args:
+        step: (n, k) from each pose to the next.
+        seconds: (n,) s, that each takes.
+        in_gap: (n,) whether a silence lies between.
+        rows: (c,) those that are compared.
+
+    Returns:
+        (c, k) what the usual velocity around does not explain, zero where too few are known; and
+        (c,) the third largest deviation from that velocity over as long a time.
+    """
     around = rows[:, None] + _AROUND
-    inside = (around >= 0) & (around < len(turn))
-    around = np.clip(around, 0, len(turn) - 1)
-    others = np.where(inside & ~in_gap[around], turn[around], np.nan)
-    others[np.isfinite(others).sum(axis=1) < _FEWEST] = 0.0
-    unexplained: Floats = turn[rows] - median_of_known(others, axis=1)
-    deviation = np.nan_to_num(np.abs(others - median_of_known(others, axis=1)[:, None]))
-    limit = np.maximum(SMALLEST_TURN_RAD, UNUSUAL * np.sort(deviation, axis=1)[:, -3])
-    return np.where(np.abs(unexplained) > limit, unexplained, 0.0)
-
-
-def _unexplained(time: Ints, step: Floats, in_gap: Flags, rows: Ints) -> Floats:
-    """(c, 3) m by which steps are no motion; NaN for those that are explained."""
-    seconds = np.diff(time) / 1e9
-    around = rows[:, None] + _AROUND
-    inside = (around >= 0) & (around < len(step))
+    outside = (around < 0) | (around >= len(step))
     around = np.clip(around, 0, len(step) - 1)
     velocity = step[around] / seconds[around][:, :, None]
-    velocity[~inside | in_gap[around]] = np.nan
-    enough = np.isfinite(velocity[:, :, 0]).sum(axis=1) >= _FEWEST
-    velocity[~enough] = 0.0
-    usual = median_of_known(velocity, axis=1)
-    duration = seconds[rows][:, None]
-    size: Floats = step[rows] - usual * duration
+    velocity[outside | in_gap[around]] = np.nan
+    few = np.isfinite(velocity[:, :, 0]).sum(axis=1) < _FEWEST
+    velocity[few] = 0.0
+    usual, duration = median_of_known(velocity, axis=1), seconds[rows][:, None]
     deviation = np.nan_to_num(np.linalg.norm(velocity - usual[:, None, :], axis=2)) * duration
-    third = np.sort(deviation, axis=1)[:, -3]
-    change = np.minimum(GRAVITY_MPS2 * seconds[rows] ** 2 / 2.0, COARSE_M)
-    unexplained = size.copy()
-    unexplained[:, 2] = np.where(
-        size[:, 2] < 0.0,
-        np.minimum(size[:, 2] + FALLS_AT_MPS * seconds[rows], 0.0),
-        size[:, 2],
-    )
-    limit = np.maximum(np.maximum(SMALLEST_JUMP_M, change), UNUSUAL * third)
-    size[~enough | (norms(unexplained) <= limit)] = np.nan
-    return size
+    unusual: Floats = np.where(few[:, None], 0.0, step[rows] - usual * duration)
+    return unusual, np.sort(deviation, axis=1)[:, -3]
 
 
 def without_jumps(base: BaseHistory, jumps: PoseJumps) -> BaseHistory:

@@ -22,7 +22,7 @@ from dogbot_logtool.core.corrections.clock import (
     advancing,
     first_at_each_tick,
 )
-from dogbot_logtool.core.quality.quality import steady_gap_ns
+from dogbot_logtool.core.quality import steady_gap_ns
 from dogbot_logtool.core.rotations import (
     from_roll_pitch_yaw,
     normalised,
@@ -166,8 +166,6 @@ class BaseHistory:
     """(g, 2) ns, silences: last pose before, first one after."""
     velocity: Floats = field(default_factory=lambda: np.empty((0, 3)))
     """(n, 3) m/s, the twist beside each pose, in the world or the body; empty: there is none."""
-    turn_rate: Floats = field(default_factory=lambda: np.empty((0, 3)))
-    """(n, 3) rad/s, likewise."""
     repeated: int = 0
     """Messages that repeat the pose before while the base moves; left out."""
     interval_s: float = 0.0
@@ -194,7 +192,6 @@ class BaseHistory:
             position=none,
             angles=none,
             velocity=none,
-            turn_rate=none,
             gaps=self.gaps[:0],
         )
 
@@ -281,7 +278,6 @@ def base_history(odometry: Odometry, clock: TimeSource, breaks: Ints | None = No
         angles=angles,
         gaps=_gaps(time, longest, timespans.no_spans() if breaks is None else breaks),
         velocity=kept.linear_velocity,
-        turn_rate=kept.angular_velocity,
         repeated=int((~fresh).sum()),
         interval_s=float(median_of(np.diff(time))) / 1e9 if len(time) > 1 else 0.0,
     )

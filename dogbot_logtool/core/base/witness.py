@@ -16,8 +16,7 @@ from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, distinct
 from dogbot_logtool.core.base.foot_path import RATE_HZ, FootPath
 from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.places import stance_places
+from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.rotations import along_heading

@@ -6,14 +6,13 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Ints, median_of
-from dogbot_logtool.core.base.falls import down_spans
+from dogbot_logtool.core.arrays import Floats, Ints, aggregate, median_of, median_of_known
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.loads import mean_impulses
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, found
 
 FEWEST_DOWN: Final = 1.2
 """Feet of four or more that must be down on average, unless the robot flies."""
@@ -52,164 +51,139 @@ def flags_inverted(walk: Walk) -> Iterator[Finding]:
     if not feet or walk.ground is not None or walk.frozen is not None:
         return
     why = _all_inverted(walk, feet)
-    names = tuple(foot.name for foot in feet)
     if not why:
-        odd = _odd_foot(walk)
-        if odd is None:
-            return
-        names, why = (odd.name,), "its flag is down when those of the other feet are up"
-    text = (
-        f"contact flags of {', '.join(names)} seem to be inverted, true in the air: {why}; in a "
-        'robot\'s file, sign = "-" beside field turns a flag round'
-    )
-    yield Finding("FLAGS_INVERTED", text, feet=names)
+        feet = list(_odd_feet(walk))[:1]
+        why = "its flag is down when those of the other feet are up"
+    if feet:
+        names = tuple(foot.name for foot in feet)
+        yield found("FLAGS_INVERTED", where="feet", feet=names, names=", ".join(names), why=why)
 
 
 def _all_inverted(walk: Walk, feet: list[FootSteps]) -> str:
     """Return why all flags seem to be inverted; empty if they do not."""
-    supported = walk.support
-    if len(feet) == len(walk.feet) >= 4 and supported is not None:
-        down = sum(number * share for number, share in enumerate(supported.feet_down))
-        if down < FEWEST_DOWN and supported.flight_fraction < MOST_FLIGHT:
-            return f"{down:.1f} of {len(feet)} feet would be down on average, without any flight"
-    travels = [_travel_share(foot) for foot in feet]
-    known = [each for each in travels if np.isfinite(each)]
-    if known and float(median_of(known)) > TRAVELS:
+    travels = np.array([_travel_share(foot) for foot in feet])
+    if np.isfinite(travels).any() and float(median_of_known(travels, axis=0)) > TRAVELS:
         return "the feet would travel on the ground, and rest in the air"
-    if supported is not None and _flies_slowly(walk, supported.flight_fraction):
-        share, speed = (
-            100.0 * supported.flight_fraction,
-            walk.base and walk.base.forward_speed_mps,
-        )
-        return f"the robot would fly for {share:.0f} % of the time at {speed or 0.0:.2f} m/s"
-    if supported is not None and (at := _dangles(walk, supported.in_flight)) is not None:
+    supported = walk.support
+    if supported is None:
+        return ""
+    flight, down = supported.flight_fraction, np.array(supported.feet_down)
+    mean = float(down @ np.arange(len(down)))
+    if len(feet) == len(walk.feet) >= 4 and mean < FEWEST_DOWN and flight < MOST_FLIGHT:
+        return f"{mean:.1f} of {len(feet)} feet would be down on average, without any flight"
+    speed = walk.base.forward_speed_mps if walk.base else None
+    if speed is not None and _flies_slowly(walk, flight, speed):
+        return f"the robot would fly for {100.0 * flight:.0f} % of the time at {speed:.2f} m/s"
+    at = _dangles(walk, supported.in_flight)
+    if at is not None:
         return f"no foot would be down from {walk.seconds(at)[0]:.1f} s on, while the base stands"
     return ""
 
 
-def _flies_slowly(walk: Walk, flight: float) -> bool:
+def _flies_slowly(walk: Walk, flight: float, speed_mps: float) -> bool:
     """Tell whether a robot would fly at a speed at which none does, by its size.
 
     Flags that are true for most of a stride would be less likely the other way round.
     """
-    speed = None if walk.base is None else walk.base.forward_speed_mps
-    fractions = [foot.record.contact_fraction() or 0.0 for foot in walk.feet]
-    if speed is None or flight < FLIES or float(median_of(np.array(fractions))) >= HALF:
-        return False
+    usual = float(median_of(np.array([foot.record.contact_fraction() for foot in walk.feet])))
     leg_m = LEG_M * (walk.settings.mass_kg or HEAVY_KG) ** (1.0 / 3.0)
-    froude = speed**2 / (GRAVITY_MPS2 * leg_m)
-    return bool(STANDS_FROUDE < froude < WALKS_FROUDE)
+    froude = speed_mps**2 / (GRAVITY_MPS2 * leg_m)
+    return flight >= FLIES and usual < HALF and STANDS_FROUDE < froude < WALKS_FROUDE
 
 
 def _travel_share(foot: FootSteps) -> float:
     """Return how far a foot travels in its stances, as a share of its stride; NaN: not known."""
-    travel = foot.stances.figures.contact_travel_m[foot.stances.whole]
-    both = travel[np.isfinite(travel)], foot.length_m[np.isfinite(foot.length_m)]
-    if not all(map(len, both)) or not (length := float(median_of(both[1]))) > STAYS_M:
+    travel = aggregate(foot.stances.figures.contact_travel_m[foot.stances.whole])
+    length = aggregate(foot.length_m)
+    if travel is None or length is None or length.median <= STAYS_M:
         return np.nan
-    return float(median_of(both[0])) / length
+    return travel.median / length.median
 
 
 def _dangles(walk: Walk, in_flight: Ints) -> Ints | None:
     """Return a long time without contact in which the base stands as high as in its steps."""
     poses = walk.poses
     steps = timespans.merge(any_strides(walk.records, walk.fallen, timespans.no_spans()))
-    walking = poses.position[timespans.covers(steps, poses.time), 2]
-    if not len(walking):
-        return None
-    long = in_flight[in_flight[:, 1] - in_flight[:, 0] > DANGLES_S * 1e9]
-    for start in range(len(long)):
-        span: Ints = long[start]
-        inside = poses.position[timespans.covers(span[None, :], poses.time)]
-        if len(inside) < 2 or float(np.ptp(inside[:, :2], axis=0).max()) > STAYS_M:
+    height = aggregate(poses.position[timespans.covers(steps, poses.time), 2])
+    for span in in_flight[in_flight[:, 1] - in_flight[:, 0] > DANGLES_S * 1e9]:
+        inside = poses.position[timespans.covers(span[None], poses.time)]
+        if height is None or len(inside) < 2 or np.ptp(inside[:, :2], axis=0).max() > STAYS_M:
             continue
-        if abs(float(median_of(inside[:, 2])) - float(median_of(walking))) < STAYS_M:
-            return span
+        if abs(float(median_of(inside[:, 2])) - height.median) < STAYS_M:
+            return np.asarray(span)
     return None
 
 
-def _odd_foot(walk: Walk) -> FootSteps | None:
-    """Return the one foot whose flag is up as long as those of all others are down."""
-    fractions = [foot.record.contact_fraction() for foot in walk.feet]
-    known = np.array([np.nan if each is None else each for each in fractions])
-    if len(known) < 3 or not np.isfinite(known).all():
-        return None
-    for row, own in enumerate(known.tolist()):
-        others = np.delete(known, row)
+def _odd_feet(walk: Walk) -> Iterator[FootSteps]:
+    """Yield feet whose flags are up as long as those of all others are down."""
+    known = [foot.record.contact_fraction() for foot in walk.feet]
+    fractions = np.array([each for each in known if each is not None])
+    if len(known) != len(fractions) or len(known) < 3:
+        return
+    for row, (foot, own) in enumerate(zip(walk.feet, fractions, strict=True)):
+        others = np.delete(fractions, row)
         usual = float(median_of(others))
         agree = float(np.ptp(others)) < ALIKE and abs(1.0 - own - usual) < ALIKE
-        if agree and abs(own - usual) > UNLIKE and not walk.feet[row].record.has_force:
-            return walk.feet[row]
-    return None
+        if agree and abs(own - usual) > UNLIKE and not foot.record.has_force:
+            yield foot
 
 
 def sampled_slowly(walk: Walk) -> Iterator[Finding]:
     """Yield feet of which contact is known too rarely in a stride."""
-    period_s = walk.period_s
-    slow = {}
-    for foot in walk.feet:
-        interval_s = foot.record.median_interval_s
-        if period_s and interval_s and len(foot.strides.stance):
-            slow[foot.name] = period_s / interval_s
-    slow = {name: number for name, number in slow.items() if number < 1.0 / UNCERTAIN}
-    if not slow:
-        return
-    least = min(slow.values())
-    text = (
-        f"contact of {', '.join(slow)} is told {least:.1f} times a stride: duty and phase are "
-        f"uncertain by {100.0 / least:.0f} % of a stride"
-    )
-    yield Finding("SAMPLED_SLOWLY", text, cases=("contact",), feet=tuple(slow))
+    told = {
+        foot.name: (walk.period_s or np.inf) / foot.record.median_interval_s
+        for foot in walk.feet
+        if foot.record.median_interval_s and len(foot.strides.stance)
+    }
+    slow = tuple(name for name, number in told.items() if number < 1.0 / UNCERTAIN)
+    if slow:
+        least = min(told.values())
+        yield found(
+            "SAMPLED_SLOWLY",
+            "contact",
+            where="feet",
+            feet=slow,
+            names=", ".join(slow),
+            least=least,
+            share=1.0 / least,
+        )
 
 
 def payload(walk: Walk) -> Iterator[Finding]:
     """Yield that the feet's sum changes lastingly: a load is put on, or taken off."""
-    found = _weights(walk)
-    if found is None:
+    time, weight = _weights(walk)
+    # The stride in which it changes belongs to neither part.
+    rows = range(FEWEST_WEIGHTS // 2 - 1, len(weight) - FEWEST_WEIGHTS // 2)
+    rests = [row * weight[:row].var() + weight[row + 1 :].var() * len(weight[row + 1 :])
+             for row in rows]  # fmt: skip
+    if not rests:
         return
-    time, weight = found
-    best: tuple[float, int] | None = None
-    for row in range(FEWEST_WEIGHTS // 2 - 1, len(weight) - FEWEST_WEIGHTS // 2 + 1):
-        # The stride in which it changes belongs to neither.
-        first, second = weight[:row], weight[row + 1 :]
-        rest = float(((first - first.mean()) ** 2).sum() + ((second - second.mean()) ** 2).sum())
-        if best is None or rest < best[0]:
-            best = rest, row
-    if best is None:
-        return
-    before, after = float(weight[: best[1]].mean()), float(weight[best[1] + 1 :].mean())
-    scatter = float(np.sqrt(best[0] / max(len(weight) - 2, 1)))
-    if abs(after - before) < max(CHANGES * max(before, after), OVER_NOISE * scatter):
-        return
-    verb = "taken off" if after < before else "put on"
-    since = walk.seconds(time[best[1] : best[1] + 1])[0]
-    text = (
-        f"the feet carry {before:.0f} N and, from {since:.1f} s on, {after:.0f} N: a load of "
-        f"{abs(after - before):.0f} N is {verb}, or sensors change"
-    )
-    yield Finding("PAYLOAD", text, "forces")
+    row = rows[int(np.argmin(rests))]
+    before, after = float(weight[:row].mean()), float(weight[row + 1 :].mean())
+    scatter = float(np.sqrt(min(rests) / max(len(weight) - 2, 1)))
+    if abs(after - before) >= max(CHANGES * max(before, after), OVER_NOISE * scatter):
+        yield found(
+            "PAYLOAD",
+            where="forces",
+            before=before,
+            after=after,
+            since=walk.seconds(time[row : row + 1])[0],
+            load=abs(after - before),
+            verb="taken off" if after < before else "put on",
+        )
 
 
-def _weights(walk: Walk) -> tuple[Ints, Floats] | None:
-    """Return the feet's mean load over each stride, (k,) N, and when; None: not known."""
-    period_s = walk.period_s
-    if (
-        not period_s
-        or walk.settings.lacks_feet
-        or not all(each.has_force for each in walk.records)
-        or walk.feet_clocks_are_apart
-    ):
-        return None
+def _weights(walk: Walk) -> tuple[Ints, Floats]:
+    """Return when, and the feet's mean load over each stride then, (k,) N; none: not known."""
     known = timespans.intersect([each.known for each in walk.records])
-    # The belly of a robot that lies carries it.
-    track = walk.track
-    down = down_spans(track.history, walk.records, track.height_m)
-    known = timespans.subtract(known, timespans.merge(np.concatenate([walk.fallen, down])))
-    half = round(period_s * 5e8)
+    forced = all(each.has_force for each in walk.records) and len(walk.records) > 0
+    if not walk.period_s or not forced or not walk.contacts_known:
+        known = timespans.no_spans()
+    half = round((walk.period_s or 1.0) * 5e8)
+    known = timespans.subtract(known, walk.fallen)
     time = timespans.ticks(known, 2 * half)
     time = time[timespans.hold_window(known, time, half, half)]
-    if len(time) < FEWEST_WEIGHTS:
-        return None
     kind = "vertical_impulse" if walk.vertical_known else "force_impulse"
-    weight = mean_impulses(walk.records, kind, time, half).sum(axis=1)
-    return time, np.asarray(weight)
+    if len(time) < FEWEST_WEIGHTS:
+        return time[:0], np.empty(0)
+    return time, np.asarray(mean_impulses(walk.records, kind, time, half).sum(axis=1))

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import Final
 
+from dogbot_logtool.core.gait.feet import net_push
 from dogbot_logtool.core.loads import REFUTED, WEIGHT_TOLERANCE, is_stuck
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.walk import Walk
@@ -45,18 +46,27 @@ def mass_unknown(walk: Walk) -> Iterator[Finding]:
 
 def impulse_is_not_weight(walk: Walk) -> Iterator[Finding]:
     """Yield that the feet's forces do not add up to the weight, and what that refutes."""
-    loads, code = walk.loads, "IMPULSE_IS_NOT_WEIGHT"
-    cases, ratio = loads.refuted, loads.vertical_impulse_over_weight
-    magnitude = loads.magnitude_over_weight
-    if magnitude is not None and "shares" in cases:
-        cause = _likely_cause(walk, magnitude)
-        yield found(code, *cases, where=_RATIO, say="magnitude", ratio=magnitude, cause=cause)
-    if ratio is None and (loads.mean_vertical_n or 0.0) < 0.0:
-        yield found(code, *cases, where=_RATIO, say="downwards", newtons=loads.mean_vertical_n)
+    loads = walk.loads
+    ratio, magnitude = loads.vertical_impulse_over_weight, loads.magnitude_over_weight
     tolerance = REFUTED if walk.settings.contact_from else WEIGHT_TOLERANCE
     missing = walk.settings.lacks_feet and (ratio or 0.0) < 1.0
+    told: list[tuple[str, float | None]] = []
+    if magnitude is not None and "shares" in loads.refuted:
+        told.append(("magnitude", magnitude))
+    if ratio is None and (loads.mean_vertical_n or 0.0) < 0.0:
+        told.append(("downwards", None))
     if ratio is not None and not missing and abs(ratio - 1.0) > tolerance:
-        yield found(code, *cases, where=_RATIO, ratio=ratio, cause=_likely_cause(walk, ratio))
+        told.append(("plain", ratio))
+    for say, each in told:
+        yield found(
+            "IMPULSE_IS_NOT_WEIGHT",
+            *loads.refuted,
+            where=_RATIO,
+            say=say,
+            ratio=each,
+            newtons=loads.mean_vertical_n,
+            cause="" if each is None else _likely_cause(walk, each),
+        )
 
 
 def forces_lean(walk: Walk) -> Iterator[Finding]:
@@ -87,7 +97,7 @@ def _may_lean(walk: Walk) -> bool:
 
 def _refuted_push(walk: Walk) -> float | None:
     """Return the share of the weight that the feet push on; None: no more than motion explains."""
-    push, base = walk.push, walk.base
+    push, base = net_push(walk.feet), walk.base
     if push is None or base is None or not base.duration_s:
         return None
     if "direction" in walk.loads.refuted or _may_lean(walk):

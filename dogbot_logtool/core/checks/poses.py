@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Ints, median_of, percentiles_of
+from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of, percentiles_of
 from dogbot_logtool.core.base.attitude import turns_and_up
 from dogbot_logtool.core.base.comparison import Comparison, compare, compare_twist, usual_way_m
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
@@ -22,6 +22,11 @@ UNITS: Final = {1e3: "millimetres", 1e2: "centimetres", 39.37: "inches", 3.281: 
 """Metres in what positions may be in."""
 ASIDE_RAD: Final = np.radians(10.0)
 """A way that is less off its witness's is as good as mountings are."""
+OTHER: Final = "another unit, or a clock that runs at another speed?"
+COURSE: Final = "its course"
+POINTS: Final = "contact points"
+LEAST_SLOPE_RAD: Final = ASIDE_RAD / 3.0
+"""Lean of the feet's plane that contact points tell surely."""
 FURTHEST_LEGS: Final = 5.0
 """Lengths of a leg that no robot goes in a stride."""
 LONGEST_LEG_M: Final = 0.25
@@ -45,13 +50,8 @@ CLIMBS_M: Final = 0.05
 
 def treadmill(walk: Walk) -> Iterator[Finding]:
     """Yield that the ground moves below a base that rests."""
-    if walk.ground is None:
-        return
-    text = (
-        f"feet that stand go back alike, at {walk.ground.speed_mps:.2f} m/s, while the base stays "
-        "where it is: a treadmill; path, speed and lengths are those against the ground"
-    )
-    yield Finding("TREADMILL", text, "base")
+    if walk.ground is not None:
+        yield found("TREADMILL", where="base", speed=walk.ground.speed_mps)
 
 
 def frozen(walk: Walk) -> Iterator[Finding]:
@@ -78,132 +78,95 @@ def frozen(walk: Walk) -> Iterator[Finding]:
 
 def scale(walk: Walk) -> Iterator[Finding]:
     """Yield that poses go further, or less far, than the feet walk or the twist tells."""
-    for compared in _comparisons(walk):
-        factor = compared.scale
-        if factor is None:
-            continue
-        if SCALES[0] <= factor <= SCALES[1]:
-            break
-        walked, told = compared.walked_m
+    told = [each for each in _comparisons(walk) if each.scale is not None]
+    way = usual_way_m(walk.track.history, _windows(walk))
+    longest = FURTHEST_LEGS * LONGEST_LEG_M * (walk.settings.mass_kg or HEAVIEST_KG) ** (1.0 / 3.0)
+    if told and not SCALES[0] <= (factor := told[0].scale or 0.0) <= SCALES[1]:
+        near = [each for number, each in UNITS.items() if 0.8 <= factor / number <= 1.25]
+        unit = f"positions in {near[0]}? --set odometry_scale={1.0 / factor:.3g}" if near else OTHER
+        walked, by_witness = told[0].walked_m
         yield _doubted(
             walk,
             "POSE_SCALE",
             factor=factor,
-            by=compared.by,
-            strides=len(compared.way),
+            by=told[0].by,
+            strides=len(told[0].way),
             walked=walked,
-            told=told,
-            unit=_unit(factor),
+            told=by_witness,
+            unit=unit,
         )
-        return
-    way = usual_way_m(walk.track.history, _windows(walk))
-    longest = FURTHEST_LEGS * LONGEST_LEG_M * (walk.settings.mass_kg or HEAVIEST_KG) ** (1.0 / 3.0)
-    if way is not None and way > longest:
+    elif way is not None and way > longest:
         yield _doubted(walk, "POSE_SCALE", say="stride", way=way, longest=longest)
-
-
-def _unit(factor: float) -> str:
-    near = [unit for number, unit in UNITS.items() if 0.8 <= factor / number <= 1.25]
-    if near:
-        return f": positions in {near[0]}? --set odometry_scale={1.0 / factor:.3g}"
-    return ": another unit, or a clock that runs at another speed?"
 
 
 def direction(walk: Walk) -> Iterator[Finding]:
     """Yield that positions go another way than the body's axes and the feet tell."""
-    for compared in _comparisons(walk):
-        angle = compared.direction_rad
-        if angle is None:
-            continue
-        if abs(angle) > ASIDE_RAD:
-            yield _doubted(
-                walk,
-                "POSE_DIRECTION",
-                degrees=abs(np.degrees(angle)),
-                side="left" if angle > 0.0 else "right",
-                by=compared.by,
-                strides=len(compared.way),
-            )
-        return
+    told = [each for each in _comparisons(walk) if each.direction_rad is not None]
+    angle = (told[0].direction_rad or 0.0) if told else 0.0
+    if abs(angle) > ASIDE_RAD:
+        yield _doubted(
+            walk,
+            "POSE_DIRECTION",
+            degrees=abs(np.degrees(angle)),
+            side="left" if angle > 0.0 else "right",
+            by=told[0].by,
+            strides=len(told[0].way),
+        )
 
 
 def orientation(walk: Walk) -> Iterator[Finding]:
     """Yield that the orientation does not turn although the robot does."""
-    windows = _windows(walk)
-    if not len(windows):
+    for own, told, by in _turns(walk):
+        least = 2.0 * TURNS_RAD if by == COURSE else TURNS_RAD
+        if abs(told) > least and own * np.sign(told) < TURNS_WITH * abs(told):
+            degrees = np.degrees([own, told]).tolist()
+            yield _doubted(walk, "POSE_ORIENTATION", own=degrees[0], told=degrees[1], by=by)
+            return
+
+
+def _turns(walk: Walk) -> Iterator[tuple[float, float, str]]:
+    """Yield by how much poses turn and by how much a witness says; only feet are asked, if any."""
+    feet = [each for each in _comparisons(walk) if each.turn is not None]
+    if feet and feet[0].turn is not None:
+        yield float(feet[0].turn.sum()), float(feet[0].told_turn.sum()), feet[0].by
         return
-    told: tuple[float, float, str] | None = None
-    for compared in _comparisons(walk):
-        if compared.turn is not None:
-            own, other = float(compared.turn.sum()), float(compared.told_turn.sum())
-            if abs(other) > TURNS_RAD and own * np.sign(other) < TURNS_WITH * abs(other):
-                told = own, other, compared.by
-            break
-    else:
-        told = _gyroscope_turns(walk, windows) or _course_turns(walk, windows)
-    if told is not None:
-        own, other, by = told
-        turned = np.degrees([own, other]).tolist()
-        yield _doubted(walk, "POSE_ORIENTATION", own=turned[0], told=turned[1], by=by)
-
-
-def _gyroscope_turns(walk: Walk, windows: Ints) -> tuple[float, float, str] | None:
-    """Return how far the orientation turns and how far the gyroscope says; None: they agree."""
-    turns, _ = _inertial(walk, windows)
-    own = motion_in(walk.poses, windows).turn
-    if not len(turns) or len(turns) != len(own):
-        return None
-    both = np.isfinite(turns) & np.isfinite(own)
-    turned, told = float(own[both].sum()), float(turns[both].sum())
-    if abs(told) > TURNS_RAD and turned * np.sign(told) < TURNS_WITH * abs(told):
-        return turned, told, "the gyroscope"
-    return None
+    poses, windows = walk.poses, _windows(walk)
+    own, (turns, _) = motion_in(poses, windows), _inertial(walk, windows)
+    both = np.isfinite(own.turn) & np.isfinite(turns)
+    yield float(own.turn[both].sum()), float(turns[both].sum()), "the gyroscope"
+    # An orientation that is one to the bit, beside a course that turns.
+    if len(windows) and len(poses.time) and not np.ptp(poses.angles, axis=0).any():
+        step = np.diff(poses.position_at(windows.ravel())[:, :2].reshape(-1, 2, 2), axis=1)[:, 0]
+        step = step[np.hypot(*step.T) > CLIMBS_M]
+        course = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
+        yield 0.0, float(course[-1] - course[0]) if len(course) > 1 else 0.0, COURSE
 
 
 def _inertial(walk: Walk, windows: Ints) -> tuple[Floats, Floats]:
-    """Return turns and directions of up in windows by the inertial unit; see `turns_and_up`."""
+    """(k,) rad turned and (k, 3) up by the inertial unit; NaN: not known. See `turns_and_up`."""
     topic = walk.settings.imu_topic
     for each in walk.beside:
-        if topic and each.topic == topic:
+        if topic and each.topic == topic and len(windows):
             return turns_and_up(each.time, each.vector, each.turn_rate, windows)
-    return np.empty(0), np.empty((0, 3))
+    return np.full(len(windows), np.nan), np.full((len(windows), 3), np.nan)
 
 
-def _leans_rad(walk: Walk, windows: Ints) -> float:
-    """Return how far the accelerometer leans in a quarter of the windows or more, rad.
+def _leans_rad(walk: Walk) -> float:
+    """Return how far the accelerometer leans in a quarter of the strides or more, rad.
 
     Where its mounting is known, from the base's upright; else from its own usual direction.
     """
-    _, up = _inertial(walk, windows)
-    if not len(up):
+    _, up = _inertial(walk, _windows(walk))
+    up, inertial = up[all_finite(up)], walk.recording.accelerations
+    if not len(up) or inertial is None:
         return 0.0
     usual, mounting = median_of(up, axis=0), walk.settings.imu_mounting
-    frames = () if walk.recording.accelerations is None else walk.recording.accelerations.frames
     if mounting is not None:
-        up, usual = rotate(np.array([mounting]), up), UPRIGHT
-    elif [name.lstrip("/") for name in frames] == [walk.frames.base]:
+        up = rotate(np.array([mounting]), up)
+    if mounting is not None or [f.lstrip("/") for f in inertial.frames] == [walk.frames.base]:
         usual = UPRIGHT
     cosine = np.clip(up @ usual / np.linalg.norm(usual), -1.0, 1.0)
     return float(percentiles_of(np.arccos(cosine), 75.0))
-
-
-def _course_turns(walk: Walk, windows: Ints) -> tuple[float, float, str] | None:
-    """Return how far a course turns beside an orientation that is one to the bit.
-
-    Returns:
-        None where the orientation changes, or the course does not turn.
-    """
-    poses = walk.poses
-    if len(poses.time) < 2 or float(np.ptp(poses.angles, axis=0).max()) > 0.0:
-        return None
-    at = poses.position_at(windows.ravel())[:, :2].reshape(-1, 2, 2)
-    step = at[:, 1] - at[:, 0]
-    step = step[np.hypot(*step.T) > CLIMBS_M]
-    if len(step) < 2:
-        return None
-    course = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
-    turned = float(course[-1] - course[0])
-    return (0.0, turned, "its course") if abs(turned) > 2.0 * TURNS_RAD else None
 
 
 def planar(walk: Walk) -> Iterator[Finding]:
@@ -214,21 +177,19 @@ def planar(walk: Walk) -> Iterator[Finding]:
     flat = np.column_stack([poses.position[:, 2], poses.angles[:, :2]])
     if float(np.ptp(flat, axis=0).max()) > 0.0:
         return
-    where = "base.climb_m"
-    climbed = [float(each.told_rise.sum()) for each in _comparisons(walk) if each.by != "legs"]
-    climbed = [each for each in climbed if np.isfinite(each)]
-    leans = walk.witness is not None and walk.base is not None and walk.base.slope_rad
-    if climbed and walk.witness is not None and abs(climbed[0]) > CLIMBS_M:
-        feet = f", while the feet go {climbed[0]:+.2f} m up"
-        yield found("POSE_PLANAR", "contradicted", where=where, while_feet=feet)
-    elif leans and leans > ASIDE_RAD / 3.0:
-        feet = f", while the feet's plane leans by {np.degrees(leans):.0f} degrees"
-        yield found("POSE_PLANAR", "contradicted", where=where, while_feet=feet)
-    elif (lean := _leans_rad(walk, _windows(walk))) > LEANS_RAD:
-        feet = f", while the accelerometer leans by {np.degrees(lean):.0f} degrees"
-        yield found("POSE_PLANAR", "contradicted", where=where, while_feet=feet)
-    elif walk.poses.position[0, 2] == 0.0:
-        yield found("POSE_PLANAR", where=where, while_feet="")
+    climbs = [float(each.told_rise.sum()) for each in _comparisons(walk) if each.by == POINTS]
+    slope = (walk.base and walk.base.slope_rad) or 0.0
+    while_feet = ""
+    if climbs and abs(climbs[0]) > CLIMBS_M:
+        while_feet = f", while the feet go {climbs[0]:+.2f} m up"
+    elif walk.witness is not None and slope > LEAST_SLOPE_RAD:
+        while_feet = f", while the feet's plane leans by {np.degrees(slope):.0f} degrees"
+    elif (lean := _leans_rad(walk)) > LEANS_RAD:
+        while_feet = f", while the accelerometer leans by {np.degrees(lean):.0f} degrees"
+    if while_feet or poses.position[0, 2] == 0.0:
+        cases = ("contradicted",) if while_feet else ()
+        where = "base.climb_m"
+        yield found("POSE_PLANAR", *cases, where=where, say="plain", while_feet=while_feet)
 
 
 def rate(walk: Walk) -> Iterator[Finding]:
@@ -242,12 +203,15 @@ def rate(walk: Walk) -> Iterator[Finding]:
     if interval_s > MOST_OF_LOG * float(np.ptp(poses.time)) / 1e9:
         # Where the base goes after the last pose is not known.
         cases = (*cases, "short")
-    rates = f"{1.0 / interval_s:.2g} distinct poses a second, {per_stride:.1f} a stride"
     if poses.repeated or cases:
-        say = "plain" if poses.repeated else "rare"
-        count, of = poses.repeated, poses.messages
         yield found(
-            "POSE_REPEATED", *cases, where="base", say=say, repeated=count, poses=of, rates=rates
+            "POSE_REPEATED",
+            *cases,
+            where="base",
+            say="plain" if poses.repeated else "rare",
+            repeated=poses.repeated,
+            poses=poses.messages,
+            rates=f"{1.0 / interval_s:.2g} distinct poses a second, {per_stride:.1f} a stride",
         )
 
 
@@ -267,16 +231,14 @@ def _comparisons(walk: Walk) -> Iterator[Comparison]:
         return
     forward_rad = FORWARD_ANGLES[walk.settings.forward_axis]
     if walk.witness is not None:
-        compared = compare(walk.poses, walk.witness, windows, forward_rad)
-        if compared is not None:
-            yield compared
-    compared = compare_twist(walk.poses, windows, forward_rad)
-    if compared is not None:
-        yield compared
+        by_feet = compare(walk.poses, walk.witness, windows, forward_rad)
+        yield from () if by_feet is None else (by_feet,)
+    by_twist = compare_twist(walk.poses, windows, forward_rad)
+    yield from () if by_twist is None else (by_twist,)
 
 
-def _doubted(walk: Walk, code: str, *cases: str, say: str = "", **values: object) -> Finding:
+def _doubted(walk: Walk, code: str, *cases: str, say: str = "plain", **values: object) -> Finding:
     """Return a finding about the poses, and about the feet whose places rest on them."""
     names = () if walk.base_by_feet else walk.feet_on_poses
     placed = ("placed",) if names else ()
-    return found(code, *cases, *placed, where="base", say=say or "plain", feet=names, **values)
+    return found(code, *cases, *placed, where="base", say=say, feet=names, **values)

@@ -14,7 +14,7 @@ from dogbot_logtool.core.arrays import Float32s, Floats, Ints, all_finite, norms
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource, advancing, first_at_each_tick
 from dogbot_logtool.core.integral import Integral, trapezoids
-from dogbot_logtool.core.quality.quality import steady_gap_ns
+from dogbot_logtool.core.quality import steady_gap_ns
 
 POINT_RATE_HZ: Final = 100.0
 """Contact points and vertical forces are compared with the base at this rate at most."""

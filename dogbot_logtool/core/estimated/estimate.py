@@ -10,8 +10,7 @@ from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, median_o
 from dogbot_logtool.core.base.attitude import LONG_S, Inertial, by_attitude, inertial_at, level
 from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import Odometry, base_history
-from dogbot_logtool.core.contact.contact_detection import find_stances
-from dogbot_logtool.core.contact.contact_rule import ContactRule
+from dogbot_logtool.core.contact.contact_rule import ContactRule, find_stances
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import advancing
 from dogbot_logtool.core.estimated.forces import effort_fault, ground_forces, loaded_feet

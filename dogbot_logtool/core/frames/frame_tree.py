@@ -18,7 +18,7 @@ from dogbot_logtool.core.arrays import (
 )
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.transforms import RecordedTransforms, frame_pairs
-from dogbot_logtool.core.quality.quality import TopicQuality, topic_quality, topic_times
+from dogbot_logtool.core.quality import TopicQuality, topic_quality, topic_times
 
 NORM_TOLERANCE: Final = 0.01
 """A quaternion whose squared norm is further from 1 is not normalised. tf2's tolerance: it

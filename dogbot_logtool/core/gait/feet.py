@@ -19,8 +19,7 @@ from dogbot_logtool.core.base.foot_path import FootPath, places_on_path
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES, stride_lengths
 from dogbot_logtool.core.base.moving_ground import MovingGround
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.places import stance_places
+from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
 from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.gait.strides import Strides, strides_of, walked_stances
 from dogbot_logtool.core.gait.support import Standing
@@ -153,6 +152,11 @@ class FootSteps:
     """(stances,) N s, see `fore_aft_impulses`; also `propulsive_ns`. NaN where a spike may be as
     large as all that brakes."""
     propulsive_ns: Floats
+
+    @property
+    def known(self) -> Ints:
+        """(k, 2) ns, the time about which its sensor says something; none of a dead one."""
+        return timespans.no_spans() if self.is_dead else self.record.known
 
     @property
     def spikes(self) -> int:

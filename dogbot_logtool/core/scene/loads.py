@@ -7,7 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, norms
 from dogbot_logtool.core.hulls import NEAR_NS
-from dogbot_logtool.core.quality.quality import steady_gap_ns
+from dogbot_logtool.core.quality import steady_gap_ns
 from dogbot_logtool.core.scene.feet import DrawnFoot, LoadState
 
 

@@ -43,7 +43,7 @@ def gait_diagram(walk: Walk) -> Drawing | None:
     drawn = [_stances_drawn(walk, foot) for foot in walk.feet]
     whole = np.array([[walk.origin, walk.end]], np.int64)
     for row, (foot, spans) in enumerate(zip(walk.feet, drawn, strict=True)):
-        unknown = timespans.subtract(whole, _known(foot))
+        unknown = timespans.subtract(whole, foot.known)
         data.append(_bars(walk, foot, unknown, row, _HATCHED, "not known"))
         data.append(_bars(walk, foot, spans, row, _filling(walk, row), "down"))
         if len(spans) < len(foot.record.in_contact):
@@ -77,13 +77,9 @@ def gait_diagram(walk: Walk) -> Drawing | None:
     return Drawing("gait", "Gait diagram", alt, words, data, layout, over_time=True, feet=rows)
 
 
-def _known(foot: FootSteps) -> Ints:
-    return timespans.no_spans() if foot.is_dead else foot.record.known
-
-
 def _stances_drawn(walk: Walk, foot: FootSteps) -> Ints:
     """(s, 2) ns, the contacts around the typical strides, as many as can be drawn."""
-    spans = timespans.no_spans() if foot.is_dead else foot.record.in_contact
+    spans = foot.record.in_contact
     middle = walk.origin + round(sum(default_window(walk)) / 2.0 * 1e9)
     first = int(np.searchsorted(spans[:, 0], middle)) - MOST_STANCES // 2
     first = max(0, min(first, len(spans) - MOST_STANCES))

@@ -4,7 +4,7 @@ import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Final
 from urllib.parse import quote
 
 import numpy as np
@@ -36,15 +36,6 @@ _WIDTH: Final = 120
 _ROW: Final = 8
 
 
-class Bar(NamedTuple):
-    """A stance in the miniature gait diagram, in pixels."""
-
-    x: float
-    y: float
-    width: float
-    colour: str
-
-
 @dataclass(frozen=True, slots=True)
 class IndexRow:
     """A log in the index of several."""
@@ -56,7 +47,8 @@ class IndexRow:
     cells: tuple[str, ...] = ()
     """Of the columns from ``falls`` on."""
     quality: Quality | None = None
-    bars: tuple[Bar, ...] = ()
+    bars: Sequence[tuple[float, float, float, str]] = ()
+    """x, y and width of each stance in the miniature gait diagram, pixels, and its colour."""
     feet: int = 0
     error: str = ""
 
@@ -81,14 +73,14 @@ def index_row(measured: Measurement, page_name: str) -> IndexRow:
     )
 
 
-def _bars(walk: Walk) -> Iterator[Bar]:
+def _bars(walk: Walk) -> Iterator[tuple[float, float, float, str]]:
     """Yield the stances of the typical strides."""
     start, end = (walk.origin + each * 1e9 for each in default_window(walk))
     for row, foot in enumerate(walk.feet):
-        if not foot.is_dead and end > start:
+        if end > start:
             share = np.clip((foot.record.in_contact - start) / (end - start), 0.0, 1.0) * _WIDTH
             for first, last in np.round(share[share[:, 1] > share[:, 0]], 1).tolist():
-                yield Bar(first, row * _ROW + 1, round(last - first, 1), foot_colour(row))
+                yield first, row * _ROW + 1, round(last - first, 1), foot_colour(row)
 
 
 def index(rows: Sequence[IndexRow]) -> bytes:

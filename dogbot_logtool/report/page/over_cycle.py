@@ -1,11 +1,12 @@
 """The figures over the gait cycle, each curve with its spread: forces, heights of feet, joints."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.legs.legs import LegFigures
+from dogbot_logtool.core.metrics import Foot
 from dogbot_logtool.core.records import Curve, Shape
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.walk import Walk
@@ -35,8 +36,8 @@ _FORCE_PIXELS: Final = 250
 _MOST_ROWS: Final = 8
 """Panels above each other."""
 _LEG_PIXELS: Final = 190
-_LEAST_RAD: Final = 0.05
-"""Span of a joint's row at least: what rests shows no noise."""
+_LEAST: Final = 0.05
+"""Span of a row at least: a joint that rests shows no noise."""
 _FORCES: Final = (
     "0 % is the foot's own touchdown. Line: median over whole strides, dashed for feet on the "
     "right; band: from the lower to the upper quartile."
@@ -49,123 +50,93 @@ _LEGS: Final = (
 
 def force_over_cycle(walk: Walk) -> Drawing | None:
     """Draw a panel a pair of legs; None where no force over a stride is known."""
-    vertical = [foot.vertical_over_stride for foot in walk.feet]
-    forward = [foot.forward_over_stride for foot in walk.feet]
-    rows = [
-        _row(walk, name, "N", ".1f", _known(curves), with_zero=True)
-        for name, curves in (("vertical", vertical), ("forward", forward))
-        if any(curves)
-    ]
+    curves = {
+        "vertical": _of_feet(walk, lambda foot: foot.vertical_over_stride_n),
+        "forward": _of_feet(walk, lambda foot: foot.forward_over_stride_n),
+    }
+    rows = [_row(walk, name, "N", each) for name, each in curves.items() if each]
     if not rows:
         return None
-    shown = vertical if any(vertical) else forward
-    highest = [
-        f"{foot.name} {max(curve.median):.0f} N"
-        for foot, curve in zip(walk.feet, shown, strict=True)
-        if curve
-    ]
-    alt = f"The usual force of each foot over its stride. Highest median: {', '.join(highest)}."
+    shown = curves["vertical"] or curves["forward"]
+    highest = ", ".join(f"{foot} {max(curve.median):.0f} N" for foot, curve in shown.items())
+    alt = f"The usual force of each foot over its stride. Highest median: {highest}."
     drawn = grid(rows, _AXIS, _FORCE_PIXELS, list(_columns(walk)))
     return Drawing("cycle", "Force over the gait cycle", alt, _FORCES, *drawn)
 
 
 def legs_over_cycle(walk: Walk) -> Drawing | None:
     """Draw a panel a pair of legs and kind of joint; None where no legs are known."""
-    legs = walk.legs
-    if legs is None:
+    if walk.legs is None:
         return None
-    heights = _known([leg.height for leg in legs.feet])
-    rows = [_row(walk, "foot", "mm", ".3g", heights, scale=1e3)] if heights else []
-    rows += [
-        _row(walk, kind, "rad", ".3g", curves, least=_LEAST_RAD)
-        for kind, curves in _joints(legs).items()
-    ]
+    heights = _of_feet(walk, lambda foot: foot.height_over_stride_m)
+    rows = [_row(walk, "foot", "mm", heights, 1e3)] if heights else []
+    rows += [_row(walk, kind, "rad", curves) for kind, curves in _joints(walk.legs).items()]
     if not rows:
         return None
     drawn = grid(rows[:_MOST_ROWS], _AXIS, _LEG_PIXELS, list(_columns(walk)))
     return Drawing("legs", "Legs over the gait cycle", _clearances(walk), _LEGS, *drawn)
 
 
-def _known(curves: Sequence[Shape]) -> dict[int, Curve]:
-    return {foot: curve for foot, curve in enumerate(curves) if curve}
+def _of_feet(walk: Walk, of: Callable[[Foot], Shape]) -> dict[str, Curve]:
+    curves = {name: of(foot) for name, foot in walk.metrics.feet.items()}
+    return {name: curve for name, curve in curves.items() if curve}
 
 
 def _columns(walk: Walk) -> dict[str, list[int]]:
     """Return the feet of each pair of legs by its heading, or all feet without one."""
-    pairs: dict[str, list[int]] = {title: [] for title in _ENDS.values()}
-    for foot, each in enumerate(walk.feet):
-        if each.leg_position is None or each.leg_position[0] not in _ENDS:
-            return {"": list(range(len(walk.feet)))}
-        pairs[_ENDS[each.leg_position[0]]].append(foot)
-    pairs = {title: feet for title, feet in pairs.items() if feet}
-    return pairs if len(pairs) > 1 else {"": list(range(len(walk.feet)))}
+    ends = [foot.leg_position and _ENDS.get(foot.leg_position[0]) for foot in walk.feet]
+    titles = [title for title in _ENDS.values() if title in ends]
+    if len(titles) < 2 or None in ends:
+        return {"": list(range(len(ends)))}
+    return {title: [foot for foot, end in enumerate(ends) if end == title] for title in titles}
 
 
-def _row(
-    walk: Walk,
-    title: str,
-    unit: str,
-    hover: str,
-    curves: Mapping[int, Curve],
-    *,
-    scale: float = 1.0,
-    least: float = 0.0,
-    with_zero: bool = False,
-) -> Row:
-    """Return the panels of one quantity, a curve a foot."""
+def _row(walk: Walk, title: str, unit: str, curves: Mapping[str, Curve], scale: float = 1.0) -> Row:
+    """Return the panels of one quantity, a curve a foot by its name."""
     traces = [
         (column, trace)
         for column, feet in enumerate(_columns(walk).values())
         for foot in feet
-        if foot in curves
-        for trace in _band(walk, foot, curves[foot], scale, hover, unit)
+        if walk.feet[foot].name in curves
+        for trace in _band(walk, foot, curves[walk.feet[foot].name], scale, unit)
     ]
     values = np.concatenate([[*each.lower, *each.upper] for each in curves.values()]) * scale
-    return Row(f"{title} ({unit})", traces, extent_of(values, least, with_zero=with_zero))
+    extent = extent_of(values, _LEAST, with_zero=unit != "rad")
+    return Row(f"{title} ({unit})", traces, extent)
 
 
-def _band(
-    walk: Walk, foot: int, curve: Curve, scale: float, hover: str, unit: str
-) -> tuple[Trace, Trace]:
+def _band(walk: Walk, foot: int, curve: Curve, scale: float, unit: str) -> tuple[Trace, Trace]:
     """Return the spread and the line of a foot, dashed on the right."""
     record, colour = walk.feet[foot], foot_colour(foot)
     name, side = label(record.name), (record.leg_position or ("", record.name))[1]
     percent = np.array(curve.percent).round(3)
-    lower, middle, upper = (
-        scale * np.array(each) for each in (curve.lower, curve.median, curve.upper)
-    )
-    outline = np.concatenate([percent, percent[::-1]]), np.concatenate([upper, lower[::-1]])
-    value, least, most = (f"%{{{of}:{hover}}}" for of in ("y", "customdata[0]", "customdata[1]"))
+    quartiles = scale * np.array([curve.lower, curve.median, curve.upper])
+    outline = np.append(quartiles[2], quartiles[0][::-1])
+    value, least, most = (f"%{{{of}:.4g}}" for of in ("y", "customdata[0]", "customdata[1]"))
+    more = {
+        "meta": {"foot": foot},  # the page finds the foot's stride by it
+        "customdata": quartiles[[0, 2]].T,
+        "hovertemplate": f"{value} {unit} ({least} to {most})",
+    }
+    style = {"color": colour, "width": 2, "dash": "dash" if side == "right" else "solid"}
     return (
-        area(*outline, f"{name} spread", colour, 0.2),
-        line(
-            percent,
-            middle,
-            name,
-            {"color": colour, "width": 2, "dash": "dash" if side == "right" else "solid"},
-            # The page finds the foot's stride by the index.
-            {
-                "meta": {"foot": foot},
-                "customdata": np.stack([lower, upper], axis=1),
-                "hovertemplate": f"{value} {unit} ({least} to {most})",
-            },
-        ),
+        area(np.append(percent, percent[::-1]), outline, f"{name} spread", colour, 0.2),
+        line(percent, quartiles[1], name, style, more),
     )
 
 
-def _joints(legs: LegFigures) -> dict[str, dict[int, Curve]]:
+def _joints(legs: LegFigures) -> dict[str, dict[str, Curve]]:
     """Return the curves of each kind of joint, by foot: joints of different legs that are alike."""
     kinds = {}
     for pair in legs.settings.pairs:
         end, _, rest = pair.name.partition("_")
         kind = rest if end in _ENDS and rest else pair.name
         kinds[pair.left] = kinds[pair.right] = kind.removesuffix("_joint").replace("_", " ")
-    numbers = {leg.name: row for row, leg in enumerate(legs.feet)}
-    found: dict[str, dict[int, Curve]] = {}
+    found: dict[str, dict[str, Curve]] = {}
     for name, joint in legs.metrics.joints.items():
         if joint.position_over_stride is not None and joint.foot is not None:
             curves = found.setdefault(kinds.get(name, name), {})
-            curves[numbers[joint.foot]] = joint.position_over_stride
+            curves[joint.foot] = joint.position_over_stride
     return found
 
 

@@ -9,6 +9,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, distinct, median_of
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.metrics import Event
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
@@ -128,7 +129,7 @@ def replay(
                 "colour": foot_colour(row),
                 "hind": is_hind(walk, row),
                 "point": packed((points[row] - origin).ravel(), FINE),
-                "state": packed(_states(foot.record, time, is_dead=foot.is_dead)),
+                "state": packed(_states(foot, time)),
                 "load": packed(_loads(foot.record, time), np.inf),
             }
             for row, foot in enumerate(walk.feet)
@@ -206,10 +207,9 @@ def _newtons_per_metre(walk: Walk, height: float) -> float:
     return max(weight, 1.0) / max(height, 0.05)
 
 
-def _states(record: FootHistory, time: Ints, *, is_dead: bool) -> Any:  # noqa: ANN401 - int8
-    state = np.where(timespans.covers(record.in_contact, time), _STANCE, _SWING)
-    known = timespans.covers(record.known, time)
-    return np.where(known & (not is_dead), state, _NOT_KNOWN).astype(np.int8)
+def _states(foot: FootSteps, time: Ints) -> Any:  # noqa: ANN401 - int8
+    state = np.where(timespans.covers(foot.record.in_contact, time), _STANCE, _SWING)
+    return np.where(timespans.covers(foot.known, time), state, _NOT_KNOWN).astype(np.int8)
 
 
 def _loads(record: FootHistory, time: Ints) -> Floats:

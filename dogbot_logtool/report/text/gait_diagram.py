@@ -67,9 +67,8 @@ def gait_diagram(
     cells = edges.astype(np.int64)
     lines = []
     for row, foot in enumerate(walk.feet):
-        known = timespans.no_spans() if foot.is_dead else foot.record.known
-        down, seen = _mostly(foot.record.in_contact, cells), _mostly(known, cells).any(axis=1)
-        shapes = np.where(seen, down @ [2, 1], 4).tolist()
+        down, seen = (_mostly(each, cells) for each in (foot.record.in_contact, foot.known))
+        shapes = np.where(seen.any(axis=1), down @ [2, 1], 4).tolist()
         bar = "".join(glyphs[shape] for shape in shapes)
         lines.append(Text.assemble(f"{names[row]:<{margin}}", (bar, foot_colour(row))))
     axis = (Text(line, style="dim") for line in _axis(start, end, margin, columns, glyphs))

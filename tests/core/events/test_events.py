@@ -13,7 +13,7 @@ from tests.analysed import with_learnt_sensors
 from tests.truth import gaits, planted, scenes, time_faults, world_faults
 from tests.truth import sensor_faults as sensor
 from tests.truth.core_columns import foot_samples, measure, stats_settings
-from tests.truth.recording import Disturbance, Recording, disturbed
+from tests.truth.recording import Disturbance, Recording, disturbed, on
 from tests.truth.robots import biped
 from tests.truth.scenes import Scene
 from tests.truth.sequences import then
@@ -206,7 +206,7 @@ def test_a_jump_of_the_pose_is_found() -> None:
 
 
 def test_a_gap_of_one_foot_is_found() -> None:
-    [(onset, gap)] = odd_events(walk(time_faults.silent_between(3.0, 5.0, "back_left")))
+    [(onset, gap)] = odd_events(walk(on(time_faults.silent_between(3.0, 5.0), "back_left")))
     assert gap.type is EventType.GAP
     assert gap.foot == 2
     assert onset == pytest.approx(3.0, abs=2.0 * SAMPLE_S)
@@ -223,7 +223,7 @@ def test_tipping_is_found_where_the_recording_ends() -> None:
 @pytest.mark.parametrize(
     ("fault", "code"),
     [
-        (sensor.stuck(60.0, "front_right"), "STUCK"),
+        (on(sensor.stuck(60.0), "front_right"), "STUCK"),
         (sensor.saturated(80.0), "SATURATED"),
         (sensor.spikes(2000.0, 3.0), "SPIKES"),
     ],

@@ -14,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dogbot_logtool.core.scene.arrows import classic_arrows
+from dogbot_logtool.core.scene.colour import wavelength_to_rgba
 from tests.core.scene.arrow_samples import (
     INF,
     NAN,
@@ -141,27 +142,35 @@ def test_classic_copies_a_position_that_is_not_finite() -> None:
     assert_as_the_script([Message(0, 1, 1, (State((0, 0, 50), ((NAN, INF, -INF),)),))])
 
 
-def test_classic_skips_and_counts_a_square_that_overflows() -> None:
-    largest = math.sqrt(1.7976931348623157e308)
-    forces = [(1e155, 0, 0), (0, -1e200, 0), (NAN, INF, 1.7e308), (largest * 1.001, 1, 1)]
-    messages = [pressed(force) for force in forces]
+LARGEST: Final = math.sqrt(1.7976931348623157e308)
+
+
+@pytest.mark.parametrize(
+    ("why", "messages"),
+    [
+        (
+            "overflow",
+            [
+                pressed(force)
+                for force in [(1e155, 0, 0), (NAN, INF, 1.7e308), (LARGEST * 1.001, 1, 1)]
+            ],
+        ),
+        (
+            "no_position",
+            [
+                Message(1, 10, 0, (State((0, 0, 5), ()),)),
+                Message(2, 20, 0, (State((0, 0, 5), ()), State((0, 0, 9), ((1, 2, 3),)))),
+            ],
+        ),
+    ],
+)
+def test_classic_skips_and_counts_what_the_script_raised_at(
+    why: str, messages: list[Message]
+) -> None:
     assert_as_the_script(messages)
 
     arrows, counts = classic_arrows(contacts_of(messages))
-    assert counts == Counter(overflow=4)
-    assert len(arrows.foot) == 0
-
-
-def test_classic_skips_and_counts_a_first_state_without_points() -> None:
-    other = State((0, 0, 9), ((1, 2, 3),))
-    messages = [
-        Message(1, 10, 0, (State((0, 0, 5), ()),)),
-        Message(2, 20, 0, (State((0, 0, 5), ()), other)),
-    ]
-    assert_as_the_script(messages)
-
-    arrows, counts = classic_arrows(contacts_of(messages))
-    assert counts == Counter(no_position=2)
+    assert counts == Counter({why: len(messages)})
     assert len(arrows.foot) == 0
 
 
@@ -173,6 +182,17 @@ def test_classic_draws_the_first_state_whatever_step_or_body_it_is_of() -> None:
     arrows, _ = classic_arrows(replace(contacts, newest=~contacts.newest, foot_side=sides))
     assert arrows.length.tolist() == [0.3, 0.7]
     assert arrows.position.tolist() == [[1, 1, 1], [2, 2, 2]]
+
+
+def test_colours_beside_a_rounding_boundary_of_float32_are_exact() -> None:
+    """Of wavelengths whose colour lies as near as can be halfway between two float32 numbers."""
+    stored = np.random.default_rng(4).uniform(0.05, 1, 5000).astype(np.float32)
+    halfway = (stored.astype(np.float64) + np.nextafter(stored, np.float32(2))) / 2
+    wavelengths = 510 + (580 - 510) * halfway**1.25
+    around = np.concatenate([wavelengths, np.nextafter(wavelengths, 0)])
+
+    expected = np.array([(*light(each), 1.0) for each in around.tolist()], np.float32)
+    assert wavelength_to_rgba(around).tobytes() == expected.tobytes()
 
 
 states: Final = st.builds(

@@ -1,6 +1,5 @@
 """The chunks, descriptions and other records of an MCAP file: by its summary, or by all records."""
 
-from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
@@ -12,7 +11,7 @@ from mcap.opcode import Opcode
 from dogbot_logtool.core.arrays import Bytes, distinct
 from dogbot_logtool.reader.containers.chunked_log import ChunkedLog, open_chunked
 from dogbot_logtool.reader.containers.compression import check_claimed_size
-from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra, time_range
+from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra
 from dogbot_logtool.reader.containers.loss import Loss, differing_counts, lost_messages
 from dogbot_logtool.reader.containers.mcap.chunk import chunk_at, parse_chunk
 from dogbot_logtool.reader.containers.mcap.descriptions import DESCRIBING, Descriptions, Trust
@@ -28,18 +27,16 @@ from dogbot_logtool.reader.containers.mcap.records import (
 )
 from dogbot_logtool.reader.containers.mcap.summary import (
     DATA_END_SIZE,
-    Section,
+    Summary,
     check_data,
-    damaged_summary,
     indexed_chunk,
-    read_section,
+    read_summary,
 )
 from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage
 from dogbot_logtool.reader.containers.salvage.scan import IndexEntry, Scan
 from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource, in_groups
 
-_LARGEST_TIME: Final = 2**63 - 1
 _LARGEST_HEADER: Final = 1 << 20
 _MOST_FIRST_CHUNKS: Final = 8
 _LARGEST_FIRST_CHUNK: Final = 16 << 20
@@ -77,31 +74,39 @@ class McapScan(Scan):
 
     def indexed(self) -> tuple[Contents | None, Loss | None]:
         """See `Scan.indexed`."""
-        section, problem = read_section(self.source)
-        if section is None:
+        summary, problem = read_summary(self.source, self.descriptions)
+        if summary is None or summary.statistics is None:
             return None, problem
-        chunks: list[Chunk] = []
-        extras: list[int] = []
-        for opcode, body in section.records:
-            if not self._summarised(opcode, body, chunks, extras):
-                return None, damaged_summary(section.offset)
-        chunks.sort(key=lambda chunk: chunk.offset)
-        if self._statistics is None or not self._is_complete(self._statistics, chunks, extras):
-            return None, None
-        if not self._is_true(self._statistics, chunks, extras, section):
-            return None, Loss(section.offset, _SUMMARY_CONTRADICTS)
+        statistics = self._statistics = summary.statistics
         channels = self._channels()
-        counts = {**dict.fromkeys(channels, 0), **self._statistics.channel_message_counts}
-        if self._chunks_contradict(_first_chunks(chunks, counts)):
+        missing = any(self.descriptions.without_schema())
+        if missing or not summary.is_complete(statistics, channels.keys()):
+            return None, None
+        counts = {**dict.fromkeys(channels, 0), **statistics.channel_message_counts}
+        if not (summary.agrees(statistics) and self._holds(summary)):
+            return None, Loss(summary.offset, _SUMMARY_CONTRADICTS)
+        if self._chunks_contradict(_first_chunks(summary.chunks, counts)):
             return None, Loss(0, _SUMMARY_CONTRADICTS)
-        times = _stated_times(chunks, self._statistics)
-        if not self._statistics.message_count:
-            times = None, None
         profile = self._profile()
-        if loss := check_data(self.source, section.offset - DATA_END_SIZE, thorough=False):
+        if loss := check_data(self.source, summary.offset - DATA_END_SIZE, thorough=False):
             self._losses.add(loss)
         losses = self._losses.all()
-        return Contents(channels, chunks, counts, *times, profile, self._extras, losses), None
+        times = summary.times(statistics) if statistics.message_count else (None, None)
+        found = channels, summary.chunks, counts, *times, profile, self._extras, losses
+        return Contents(*found), None
+
+    def _holds(self, summary: Summary) -> bool:
+        """Tell whether a summary agrees with the file.
+
+        A chunk whose own header is damaged is there nevertheless if a checksum vouches for the
+        summary.
+        """
+        return (
+            (summary.verified or _are_there(self.source, summary.chunks))
+            and self._fills(len(MCAP_MAGIC), summary.chunks, summary.offset)
+            and [extra.offset for extra in self._extras] == summary.extras
+            and not any(self.descriptions.contradictions())
+        )
 
     def _chunks_contradict(self, chunks: Sequence[Chunk]) -> bool:
         """Tell whether chunks describe channels otherwise than the summary, or describe others."""
@@ -117,67 +122,6 @@ class McapScan(Scan):
             if self.contradictions(content, target, chunk) or not self.ids.keys() >= {*numbers}:
                 return True
         return False
-
-    def _summarised(self, opcode: int, body: bytes, chunks: list[Chunk], extras: list[int]) -> bool:
-        """Take a record of the summary; tell whether it is well-formed.
-
-        Args:
-            opcode: its kind.
-            body: its content.
-            chunks: receives the one that it describes.
-            extras: receives the offset of the attachment or metadata record that it names.
-        """
-        match opcode:
-            case Opcode.SCHEMA | Opcode.CHANNEL:
-                return self.descriptions.add(opcode, body, 0, Trust.SUMMARY)
-            case Opcode.STATISTICS:
-                self._statistics = decode_record(records.Statistics, body)
-                return self._statistics is not None
-            case Opcode.CHUNK_INDEX:
-                index = decode_record(records.ChunkIndex, body)
-                chunks += [indexed_chunk(index)] if index else []
-                return index is not None
-            case Opcode.ATTACHMENT_INDEX | Opcode.METADATA_INDEX:
-                extras.append(int.from_bytes(body[:8], "little"))
-                return len(body) >= 16
-        return True
-
-    def _is_complete(
-        self, statistics: records.Statistics, chunks: Sequence[Chunk], extras: Sequence[int]
-    ) -> bool:
-        """Tell whether the summary has all the parts that opening a log needs."""
-        return (
-            statistics.chunk_count == len(chunks)
-            and (bool(chunks) or not statistics.message_count)
-            and statistics.channel_message_counts.keys() <= self.descriptions.channels.keys()
-            and not any(self.descriptions.without_schema())
-            and statistics.attachment_count + statistics.metadata_count == len(extras)
-            # Times that do not fit 64 bits with a sign are left to a look at the messages.
-            and max(statistics.message_start_time, statistics.message_end_time) <= _LARGEST_TIME
-        )
-
-    def _is_true(
-        self,
-        statistics: records.Statistics,
-        chunks: Sequence[Chunk],
-        extras: Sequence[int],
-        section: Section,
-    ) -> bool:
-        """Tell whether the parts of the summary agree with each other and with the file.
-
-        A chunk whose own header is damaged is there nevertheless if a checksum vouches for the
-        summary.
-        """
-        return (
-            sum(statistics.channel_message_counts.values()) == statistics.message_count
-            and _chunk_indexes_agree(chunks, statistics)
-            and all(each.data_offset + each.data_size <= each.end for each in chunks)
-            and all(each.end <= each.index_end for each in chunks)
-            and (section.verified or _are_there(self.source, chunks))
-            and self._fills(len(MCAP_MAGIC), chunks, section.offset)
-            and [extra.offset for extra in self._extras] == sorted(extras)
-            and not any(self.descriptions.contradictions())
-        )
 
     def _between(self, offset: int, stop: int) -> int | None:
         head = self.source.read(offset, RECORD_HEAD.size)
@@ -206,7 +150,7 @@ class McapScan(Scan):
         sound = end <= size and (
             self._mcap_format.has_sound_content(self.source, content, opcode, length)
             # Their channel may be described later, or in the summary.
-            or (opcode == Opcode.MESSAGE and self._begins_run(offset, end))
+            or (opcode == Opcode.MESSAGE and self._runs.begins(offset, end))
         )
         if not sound or (opcode == Opcode.MESSAGE and self._is_no_message(content, length)):
             return None
@@ -389,29 +333,6 @@ def _first_chunks(chunks: Sequence[Chunk], counts: Mapping[int, int]) -> list[Ch
             first.append(chunk)
         missing -= found
     return first
-
-
-def _chunk_indexes_agree(chunks: Sequence[Chunk], statistics: records.Statistics) -> bool:
-    """Tell whether the chunk indexes give the statistics, as far as they tell of messages."""
-    counts: Counter[int] = Counter()
-    for chunk in chunks:
-        if chunk.counts is None:
-            return True
-        counts.update(chunk.counts)
-    if counts != Counter(statistics.channel_message_counts):
-        return False
-    start, end = _stated_times(chunks, statistics)
-    # A time of 0 is left out of the statistics by a writer that takes it for none.
-    return start in {0, statistics.message_start_time} and end == statistics.message_end_time
-
-
-def _stated_times(
-    chunks: Sequence[Chunk], statistics: records.Statistics
-) -> tuple[int | None, int | None]:
-    """Return the log times of the first and the last message, by the chunk indexes if known."""
-    if chunks and all(chunk.messages for chunk in chunks):
-        return time_range(chunks)
-    return statistics.message_start_time, statistics.message_end_time
 
 
 def _are_there(source: ByteSource, chunks: Sequence[Chunk]) -> bool:

@@ -2,16 +2,19 @@
 
 import struct
 import sys
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterator
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass, field
 from typing import Final
 
 from mcap import records
 from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
-from dogbot_logtool.reader.containers.contents import Chunk
+from dogbot_logtool.reader.containers.contents import Chunk, time_range
 from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.mcap.descriptions import DESCRIBING, Descriptions, Trust
 from dogbot_logtool.reader.containers.mcap.records import CHUNK_HEAD, RECORD_HEAD, decode_record
 from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource
@@ -22,21 +25,91 @@ _LARGEST_SHARE: Final = 4
 """A larger summary than `_UNSUSPICIOUS_SIZE` must not be more than this part of the file."""
 DATA_END_SIZE: Final = RECORD_HEAD.size + 4
 _PIECE: Final = 1 << 20
+_LARGEST_TIME: Final = 2**63 - 1
 
 
-@dataclass(frozen=True, slots=True)
-class Section:
-    """A summary section."""
+@dataclass(slots=True)
+class Summary:
+    """What a summary section says, beside the descriptions in it."""
 
     offset: int
     verified: bool
     """Its checksum holds."""
-    records: Sequence[tuple[int, bytes]]
-    """Opcode and content of each."""
+    statistics: records.Statistics | None = None
+    chunks: list[Chunk] = field(default_factory=list)
+    """In the order of the file."""
+    extras: list[int] = field(default_factory=list)
+    """Offsets of attachments and metadata records, in the order of the file."""
+
+    def take(self, opcode: int, body: bytes) -> bool:
+        """Take a record that describes no channel; tell whether it is well-formed."""
+        match opcode:
+            case Opcode.STATISTICS:
+                self.statistics = decode_record(records.Statistics, body)
+                return self.statistics is not None
+            case Opcode.CHUNK_INDEX:
+                index = decode_record(records.ChunkIndex, body)
+                self.chunks += [indexed_chunk(index)] if index else []
+                return index is not None
+            case Opcode.ATTACHMENT_INDEX | Opcode.METADATA_INDEX:
+                self.extras.append(int.from_bytes(body[:8], "little"))
+                return len(body) >= 16
+        return True
+
+    def is_complete(self, statistics: records.Statistics, channels: AbstractSet[int]) -> bool:
+        """Tell whether it has all the parts that opening a log needs.
+
+        Args:
+            statistics: its own.
+            channels: those that it describes.
+        """
+        return (
+            statistics.chunk_count == len(self.chunks)
+            and (bool(self.chunks) or not statistics.message_count)
+            and statistics.channel_message_counts.keys() <= channels
+            and statistics.attachment_count + statistics.metadata_count == len(self.extras)
+            # Times that do not fit 64 bits with a sign are left to a look at the messages.
+            and max(statistics.message_start_time, statistics.message_end_time) <= _LARGEST_TIME
+        )
+
+    def agrees(self, statistics: records.Statistics) -> bool:
+        """Tell whether its parts agree with each other, its own statistics among them."""
+        return (
+            sum(statistics.channel_message_counts.values()) == statistics.message_count
+            and self._chunk_indexes_agree(statistics)
+            and all(each.data_offset + each.data_size <= each.end for each in self.chunks)
+            and all(each.end <= each.index_end for each in self.chunks)
+        )
+
+    def _chunk_indexes_agree(self, statistics: records.Statistics) -> bool:
+        """Tell whether the chunk indexes give the statistics, as far as they tell of messages."""
+        counts: Counter[int] = Counter()
+        for chunk in self.chunks:
+            if chunk.counts is None:
+                return True
+            counts.update(chunk.counts)
+        if counts != Counter(statistics.channel_message_counts):
+            return False
+        start, end = self.times(statistics)
+        # A time of 0 is left out of the statistics by a writer that takes it for none.
+        return start in {0, statistics.message_start_time} and end == statistics.message_end_time
+
+    def times(self, statistics: records.Statistics) -> tuple[int | None, int | None]:
+        """Return the log times of the first and the last message, by the chunks if they tell."""
+        if self.chunks and all(chunk.messages for chunk in self.chunks):
+            return time_range(self.chunks)
+        return statistics.message_start_time, statistics.message_end_time
 
 
-def read_section(source: ByteSource) -> tuple[Section | None, Loss | None]:
-    """Read the summary section; a loss says why there is none that can be trusted."""
+def read_summary(
+    source: ByteSource, descriptions: Descriptions
+) -> tuple[Summary | None, Loss | None]:
+    """Read the summary section; a loss says why there is none that can be trusted.
+
+    Args:
+        source: the file.
+        descriptions: receives the schemas and channels in it.
+    """
     footer_offset = source.size - len(MCAP_MAGIC) - _FOOTER_SIZE
     tail = source.read(footer_offset, _FOOTER_SIZE + len(MCAP_MAGIC))
     if len(tail) < _FOOTER_SIZE + len(MCAP_MAGIC) or not tail.endswith(MCAP_MAGIC):
@@ -49,28 +122,31 @@ def read_section(source: ByteSource) -> tuple[Section | None, Loss | None]:
     size = footer_offset - start if start else 0
     honest = 0 <= size <= max(_UNSUSPICIOUS_SIZE, source.size // _LARGEST_SHARE)
     data = source.read(start, size) if honest else b""
-    found = _split(data)
     crc = crc32(data + tail[: _FOOTER_SIZE - 4]) if footer.summary_crc else 0
-    if not honest or found is None or crc != footer.summary_crc:
-        return None, damaged_summary(start)
-    return (Section(start, bool(crc), found) if start else None), None
+    summary = Summary(start, bool(crc))
+    sound = honest and crc == footer.summary_crc
+    for opcode, body in _split(data) if sound else ():
+        if opcode in DESCRIBING:
+            sound &= descriptions.add(opcode, body, 0, Trust.SUMMARY)
+        else:
+            sound &= opcode > 0 and summary.take(opcode, body)
+    if not sound:
+        return None, Loss(start, "the summary is damaged; the log was read without it")
+    summary.chunks.sort(key=lambda chunk: chunk.offset)
+    summary.extras.sort()
+    return (summary if start else None), None
 
 
-def _split(data: bytes) -> list[tuple[int, bytes]] | None:
-    """Return opcode and content of the records in a section; None if they do not fill it."""
-    found: list[tuple[int, bytes]] = []
+def _split(data: bytes) -> Iterator[tuple[int, bytes]]:
+    """Yield opcode and content of the records in a section; the opcode 0 if they do not fill it."""
     offset = 0
     while offset + RECORD_HEAD.size <= len(data):
         opcode, length = RECORD_HEAD.unpack_from(data, offset)
         content = offset + RECORD_HEAD.size
         offset = content + length
-        found.append((opcode, data[content:offset]))
-    return found if offset == len(data) else None
-
-
-def damaged_summary(offset: int) -> Loss:
-    """Say that the summary at an offset cannot be read."""
-    return Loss(offset, "the summary is damaged; the log was read without it")
+        yield opcode, data[content:offset]
+    if offset != len(data):
+        yield 0, b""
 
 
 def indexed_chunk(index: records.ChunkIndex) -> Chunk:

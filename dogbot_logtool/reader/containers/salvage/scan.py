@@ -2,8 +2,8 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -17,22 +17,16 @@ from dogbot_logtool.reader.containers.salvage.content import (
     undescribed,
 )
 from dogbot_logtool.reader.containers.salvage.records import RecordFormat, next_sound
+from dogbot_logtool.reader.containers.salvage.runs import Runs
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
-_REGION_SIZE: Final = 1 << 20
-"""Messages outside chunks are read in runs of about this many bytes."""
-_REGION_RECORDS: Final = 1 << 16
-_FIRST_RECORDS: Final = 16
-_NO_ACCIDENT: Final = 4
-_READ_AT_ONCE: Final = 4 << 20
 _SHORTEST_HEAD: Final = 12
 """Fewer bytes at the end of the file are taken for a record that is cut off."""
 _LARGEST_PADDING: Final = 64
 
 
-@dataclass(frozen=True, slots=True)
-class IndexEntry:
-    """A chunk's entry in the log's index."""
+class IndexEntry(NamedTuple):
+    """What the log's index says of a chunk."""
 
     start_time: int | None
     """ns; also `end_time`."""
@@ -42,13 +36,10 @@ class IndexEntry:
 
     def added_to(self, chunk: Chunk) -> Chunk:
         """Return a chunk with what the entry says."""
-        return replace(
-            chunk, start_time=self.start_time, end_time=self.end_time, counts=self.counts
-        )
+        return replace(chunk, **self._asdict())
 
 
-@dataclass(frozen=True, slots=True)
-class ReadChunk:
+class ReadChunk(NamedTuple):
     """A chunk that was read, and the messages found in it."""
 
     chunk: Chunk
@@ -74,6 +65,7 @@ class Scan(ABC):
     def __init__(self, source: ByteSource, fmt: RecordFormat) -> None:
         self.source = source
         self._format = fmt
+        self._runs = Runs(source, fmt)
         self._losses = Losses()
         self._chunks: list[Chunk] = []
         self._extras: list[Extra] = []
@@ -83,8 +75,6 @@ class Scan(ABC):
         """By offset of the chunk."""
         self._searched = False
         """Damage was skipped, so that the next bare messages may belong to a damaged chunk."""
-        self._kept: tuple[int, bytes] = (0, b"")
-        """The last record outside of chunks, and its offset."""
         self._doubtful: set[int] = set()
         """Offsets of runs of messages that may be a damaged chunk's."""
 
@@ -198,7 +188,7 @@ class Scan(ABC):
         while offset < self.source.size:
             following = self._step(offset)
             offset = self._search(offset) if following is None else following
-        self._kept = 0, b""
+        self._runs.forget()
         chunks = self._read_chunks()
         counts = self._counts(chunks)
         self._conclude(counts)
@@ -284,8 +274,7 @@ class Scan(ABC):
             offset: where the first begins.
             end: where it ends.
         """
-        window = self._window(offset, end - offset)
-        count, bounds = self._messages_in(window)
+        window, count, bounds = self._runs.at(offset, end)
         if not count:
             return None
         stop = bounds[count]
@@ -304,41 +293,6 @@ class Scan(ABC):
                 self._doubtful.add(offset)
             self._chunks.append(Chunk(offset, offset, stop, behind, behind, "", stop))
         return behind if goes_on else self._search(behind)
-
-    def _begins_run(self, offset: int, end: int) -> bool:
-        """Tell whether so many messages follow each other that they are no accident.
-
-        Args:
-            offset: where the first begins.
-            end: where it ends.
-        """
-        return self._messages_in(self._window(offset, end - offset))[0] >= _NO_ACCIDENT
-
-    def _window(self, offset: int, least: int) -> Bytes:
-        """Return bytes of the file; runs that follow each other share what was read."""
-        size = max(_REGION_SIZE, least)
-        begin, kept = self._kept
-        if not (begin <= offset and min(offset + size, self.source.size) <= begin + len(kept)):
-            begin, kept = offset, self.source.read(offset, max(size, _READ_AT_ONCE))
-            self._kept = begin, kept
-        return np.frombuffer(memoryview(kept)[offset - begin :][:size], np.uint8)
-
-    def _messages_in(self, window: Bytes) -> tuple[int, list[int]]:
-        """Return how many messages a window begins with, and where its records begin and end.
-
-        More and more records are looked at: where runs of messages are short, looking at all that
-        follows each of them would take the square of the time.
-        """
-        limit = _FIRST_RECORDS
-        while True:
-            bounds = self._format.chain(window.data, 0, len(window), limit)
-            found = self._format.decode(window, np.array(bounds[:-1], np.int64))
-            others = np.flatnonzero(found.op != self._format.message)
-            if len(others):
-                return int(others[0]), bounds
-            if len(found) < limit or limit == _REGION_RECORDS:
-                return len(found), bounds
-            limit = min(limit * 8, _REGION_RECORDS)
 
     def _read_chunks(self) -> list[Chunk]:
         """Read every chunk for counts, times and descriptions; return those that can be used."""

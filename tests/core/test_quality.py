@@ -3,7 +3,7 @@ import pytest
 
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.quality.quality import (
+from dogbot_logtool.core.quality import (
     TopicQuality,
     mean_rate_hz,
     topic_quality,

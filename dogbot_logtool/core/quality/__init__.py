@@ -1,1 +1,0 @@
-"""Whether a recording can be trusted."""

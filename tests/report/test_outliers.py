@@ -1,0 +1,42 @@
+"""Which strides are marked as odd."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dogbot_logtool.report.outliers import outliers
+
+EVEN = [0.50, 0.51, 0.49, 0.50, 0.52, 0.48, 0.51, 0.49]
+
+
+@pytest.mark.parametrize(
+    ("usual", "others", "signs", "least"),
+    [
+        (EVEN, [0.8, 0.2], [1, -1], 0.0),
+        # Half of the values may be odd without hiding it.
+        ([1.0, 1.01, 0.99, 1.0, 1.02], [9.0, 9.5, 8.0], [1, 1, 1], 0.0),
+        # One sample more is no event in an even walk, whose durations have no spread.
+        ([0.300] * 20, [0.304], [0], 0.0),
+        ([0.0] * 20, [0.03], [1], 0.0),
+        # Differences that are too small to print are none.
+        ([0.0] * 20, [2e-4], [1], 0.0),
+        ([0.0] * 20, [2e-4], [0], 0.1),
+        ([1.0, 1.0, 1.0], [50.0], [0], 0.0),
+        ([], [], [], 0.0),
+    ],
+)
+def test_what_is_far_from_the_others_is_marked(
+    usual: list[float], others: list[float], signs: list[int], least: float
+) -> None:
+    found, _ = outliers(np.array([*usual, *others]), least)
+    assert found.tolist() == [0] * len(usual) + signs
+
+
+@given(st.lists(st.floats(0.1, 10.0) | st.just(float("nan")), max_size=30))
+def test_the_median_is_no_outlier_and_a_sign_turns_high_into_low(values: list[float]) -> None:
+    given_values = np.array(values, np.float64)
+    found, _ = outliers(given_values)
+    assert (found == -outliers(-given_values)[0]).all()
+    assert not found[np.isnan(given_values)].any()
+    assert (found > 0).sum() <= len(values) / 2

@@ -1,0 +1,31 @@
+"""Walks and robots that the tables of cases share, and how coarse a log may be."""
+
+from typing import Final
+
+from tests.truth import gaits
+from tests.truth.judging import Tolerance
+from tests.truth.robots import biped, hexapod, quadruped
+from tests.truth.sensor_faults import as_force_sensors, noise, wrong_mass
+from tests.truth.walking import Walk
+
+FORCE: Final = as_force_sensors
+NO_MASS: Final = wrong_mass(None)
+"""The user gives no mass."""
+SENSED: Final = FORCE, noise(1.0)
+QUIET: Final = FORCE, noise(0.5)
+
+TROT: Final = Walk()
+LONG: Final = Walk(seconds=16.0)
+WALK: Final = Walk(gait=gaits.WALK, period_s=1.0)
+SLOW: Final = Walk(gait=gaits.WALK, period_s=1.2, speed_mps=0.3, seconds=12.0)
+TALL: Final = Walk(gait=gaits.BIPED_WALK, robot=biped(80.0), period_s=1.2, seconds=40.0)
+BIPED: Final = Walk(gait=gaits.BIPED_WALK, robot=biped(), period_s=1.1, speed_mps=0.8)
+WAVE: Final = Walk(gait=gaits.WAVE, robot=hexapod(), period_s=2.0, speed_mps=0.05, seconds=24.0)
+LIGHT: Final = Walk(robot=quadruped(0.5))
+
+COARSE: Final = Tolerance(
+    event_s=0.08, duty=0.08, contact=0.06, force=0.15, impulse=0.06, phase=0.06, share=0.04,
+    margin=0.035,
+)  # fmt: skip
+"""Of robots with several faults at once, or hardly any samples."""
+ROUGH: Final = Tolerance(event_s=0.04, duty=0.05, contact=0.05)
