@@ -118,6 +118,7 @@ STRUCTURAL: Final = {
     "height": "height|no contact points",
     "froude": "height|no contact points",
     "slip": "foot_rolling_m|no contact points",
+    "slope": "no contact points|no plane|does not apply",
 }
 """Reasons that excuse a metric's being null in any log: what it needs was not recorded."""
 
@@ -257,6 +258,7 @@ def _whole(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]
         ("margin", "stability.static_margin_m.mean", truth.static_margin_m, allow.margin),
         ("energy margin", "stability.energy_margin_m.mean", truth.energy_margin_m, 0.001),
         ("froude", "base.froude", truth.froude, 0.05 * (truth.froude or 0.0)),
+        ("slope", "base.slope_rad", abs(truth.slope_rad), 0.01),
         ("pitch", "base.pitch_rad.mean", truth.pitch_rad, 0.01),
         ("climb", "base.climb_m", truth.climb_m, 0.05),
     )  # fmt: skip

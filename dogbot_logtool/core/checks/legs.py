@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator
+from itertools import permutations
 from typing import Final
 
 import numpy as np
@@ -13,7 +14,7 @@ from dogbot_logtool.core.leg_evaluation import paired
 from dogbot_logtool.core.legs.doubts import LegSigns, contradiction, leg_signs, shortfall
 from dogbot_logtool.core.legs.legs import LegFigures
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, found
 
 FEWEST_STATES: Final = 16
 """States of a joint in a stride; with fewer its work may be off by a tenth."""
@@ -24,32 +25,21 @@ _WORK: Final = "legs.absolute_work_j"
 
 
 def foot_frames(walk: Walk) -> Iterator[Finding]:
-    """Yield frames that move while their feet stand."""
-    for leg in walk.legs.feet if walk.legs else ():
+    """Yield frames that move while their feet stand, and what tells no touchdown velocities."""
+    legs = walk.legs.feet if walk.legs else ()
+    for leg in legs:
         if leg.moves:
-            text, where = f"{leg.name}: {leg.reason}", f"legs.feet.{leg.name}.clearance_m"
-            yield Finding("FOOT_FRAME", text, where, feet=(leg.name,))
-
-
-def sampled_slowly(walk: Walk) -> Iterator[Finding]:
-    """Yield what is sampled too slowly for touchdown velocities."""
-    slow = tuple(leg.name for leg in walk.legs.feet if leg.is_slow) if walk.legs else ()
-    if slow:
-        text = (
-            f"legs or contacts of {', '.join(slow)} are sampled below 100 Hz: "
-            "the velocity of their touchdowns is not known"
-        )
-        yield Finding("SAMPLED_SLOWLY", text, "legs.feet", cases=("touchdown",), feet=slow)
+            where = f"legs.feet.{leg.name}.clearance_m"
+            yield found("FOOT_FRAME", where=where, feet=(leg.name,), why=leg.reason)
+    if slow := [leg.name for leg in legs if leg.is_slow]:
+        names = ", ".join(slow)
+        yield found("SAMPLED_SLOWLY", "touchdown", where="legs.feet", feet=slow, names=names)
 
 
 def joint_clocks(walk: Walk) -> Iterator[Finding]:
     """Yield joint states on another clock than the feet."""
     for topic, clock in walk.legs.clocks_apart.items() if walk.legs else ():
-        text = (
-            f"the clock of {topic} differs by {1e3 * clock.most_s:.0f} ms from that of the feet: "
-            "joints over strides are not known"
-        )
-        yield Finding("CLOCK_OFFSET", text, topic, cases=("joints",))
+        yield found("CLOCK_OFFSET", "joints", topic=topic, milliseconds=1e3 * clock.most_s)
 
 
 def joint_work(walk: Walk) -> Iterator[Finding]:
@@ -58,22 +48,20 @@ def joint_work(walk: Walk) -> Iterator[Finding]:
     if legs is None or legs.clocks_apart:
         return
     if missing := _no_work(legs) or _lacking(walk, legs):
-        text = f"no work is known: {missing}"
-        yield Finding("JOINTS_MISSING", text, _WORK, cases=("work",))
+        yield found("JOINTS_MISSING", "work", where=_WORK, why=missing)
         return
     if slow := _too_slow(walk, legs):
-        yield Finding("SAMPLED_SLOWLY", f"no work is known: {slow}", _WORK, cases=("work",))
+        yield found("SAMPLED_SLOWLY", "work", where=_WORK, why=slow)
         return
     signs = _signs(walk, legs)
     odd = contradiction(legs.moving, legs.settings.foot_of_joint, walk.loads.weight_n)
     if odd := odd or _other_unit(walk, signs):
         cases = () if odd.startswith("velocities") else ("efforts",)
-        yield Finding("JOINT_VALUES", f"no work is known: {odd}", _WORK, cases=cases)
+        yield found("JOINT_VALUES", *cases, where=_WORK, say="plain", why=odd)
         return
     without = [joint.name for joint in legs.moving if not joint.has_effort]
     if without:
-        text = "joints that move without an effort, whose work is missing: "
-        yield Finding("JOINTS_MISSING", text + _named(without), _WORK)
+        yield found("JOINTS_MISSING", where=_WORK, names=_named(without))
     yield from _effort_signs(walk, legs, signs, judges_all=not without)
 
 
@@ -102,13 +90,10 @@ def _lacking(walk: Walk, legs: LegFigures) -> str:
     if legs.settings.untold:
         return f"joint states do not tell of {', '.join(legs.settings.untold)}"
     count = Counter(legs.settings.foot_of_joint.get(name) for name in legs.joints)
-    for row, foot in enumerate(walk.feet):
-        for other, beside in enumerate(walk.feet):
-            if 0 < count[row] < count[other] and paired(walk, row, other):
-                return (
-                    f"joint states tell of fewer joints of {foot.name} ({count[row]}) than of "
-                    f"{beside.name} ({count[other]})"
-                )
+    for row, other in permutations(range(len(walk.feet)), 2):
+        if 0 < count[row] < count[other] and paired(walk, row, other):
+            one, more = (f"{walk.feet[each].name} ({count[each]})" for each in (row, other))
+            return f"joint states tell of fewer joints of {one} than of {more}"
     return ""
 
 
@@ -127,17 +112,16 @@ def _signs(walk: Walk, legs: LegFigures) -> dict[str, LegSigns]:
     """Judge the efforts of each leg by the force on its foot, where both are known."""
     if not walk.feet or direction_is_doubtful(walk):
         return {}
-    base = walk.poses
-    found = {}
+    judged = {}
     for row, (foot, leg) in enumerate(zip(walk.feet, legs.feet, strict=True)):
         told = foot.vertical_over_stride is not None and foot.forward_over_stride is not None
         if leg.path is None or leg.reason or not told:
             continue
         moving = [joint for joint in legs.joints_of(row) if joint.moves]
-        signs = leg_signs(foot.record.track, foot.stances, leg.path, base, moving)
+        signs = leg_signs(foot.record.track, foot.stances, leg.path, walk.poses, moving)
         if signs is not None:
-            found[leg.name] = signs
-    return found
+            judged[leg.name] = signs
+    return judged
 
 
 def _other_unit(walk: Walk, judged: dict[str, LegSigns]) -> str:
@@ -155,30 +139,17 @@ def _effort_signs(
 ) -> Iterator[Finding]:
     """Yield efforts of the wrong sign: of legs, or else by energy of all joints together."""
     odd = {foot: signs.odd for foot, signs in judged.items() if not signs.agree}
+    sound = judged.keys() - odd.keys()
+    where, feet = "legs.positive_work_j", [foot.name for foot in walk.feet]
     if odd:
-        names = [name for each in odd.values() for name in each]
-        text = (
-            "motors do not do the work of the forces on the feet, but would with the other sign "
-            f"of some efforts ({_named(names)}); absolute work does not depend on signs"
-        )
-        where = f"legs.feet.{next(iter(odd))}.positive_work_j"
-        sound = judged.keys() - odd.keys()
-        doubted = tuple(foot.name for foot in walk.feet if foot.name not in sound)
-        yield Finding("EFFORT_SIGN", text, where, feet=doubted)
+        feet = [name for name in feet if name not in sound]
+        names = _named([name for each in odd.values() for name in each])
+        yield found("EFFORT_SIGN", where=where, feet=feet, names=names)
         return
-    weight = walk.loads.weight_n
-    astray = walk.base_clock_is_apart or walk.loses_way
+    weight, astray = walk.loads.weight_n, walk.base_clock_is_apart or walk.loses_way
     if weight is None or astray or not judges_all or len(judged) == len(legs.feet):
         return
     strides = walk.feet[walk.reference].strides
-    base = walk.poses
-    short = shortfall(legs.work, strides, base, weight)
+    short = shortfall(legs.work, strides, walk.poses, weight)
     if short is not None:
-        text = (
-            f"the joints' work is {short:.3g} J a stride short of what lifts and speeds up the "
-            "robot, before any losses: efforts have the wrong sign, or something else drives it "
-            "(it is pushed, or goes down a slope that the poses do not tell); absolute work does "
-            "not depend on signs"
-        )
-        feet = tuple(foot.name for foot in walk.feet)
-        yield Finding("EFFORT_SIGN", text, "legs.positive_work_j", feet=feet)
+        yield found("EFFORT_SIGN", where=where, say="energy", feet=feet, short=short)

@@ -3,42 +3,22 @@
 Which findings a question fails with stands in ``findings.toml``.
 """
 
-from collections.abc import Iterable
-from dataclasses import dataclass
-from enum import StrEnum
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from dogbot_logtool.core.imu import Reading
 from dogbot_logtool.core.loads import vertical_is_known
+from dogbot_logtool.core.metrics import Check
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Severity
 
 
-class Outcome(StrEnum):
-    """Outcome of a check."""
-
-    PASSED = "passed"
-    FAILED = "failed"
-    NOT_MADE = "not made"
-    """The log holds data of the kind that it needs, but too little."""
-    DOES_NOT_APPLY = "does not apply"
-    """The log holds no data of that kind."""
-
-
-@dataclass(frozen=True, slots=True)
-class Check:
-    """One thing that a metric rests on."""
-
-    name: str
-    """The condition in a few words."""
-    outcome: Outcome
-    reason: str = ""
-    """Why it failed, could not be made or does not apply."""
-
-
 def checks_of(walk: Walk, findings: Iterable[Finding]) -> tuple[Check, ...]:
-    """Return all checks with what came of them.
+    """Return all questions with their answers.
+
+    A question fails by a finding, does not apply where the log holds no data of its kind, and is
+    not made where it holds too little.
 
     Args:
         walk: all that is measured.
@@ -47,42 +27,31 @@ def checks_of(walk: Walk, findings: Iterable[Finding]) -> tuple[Check, ...]:
     said = [each for each in findings if each.severity is not Severity.NOTE]
     made = []
     for name, lack, obstacle in _questions(walk):
-        against = [each.text for each in said if name in each.fails]
-        outcome, reason = Outcome.PASSED, ""
-        if against:
-            outcome, reason = Outcome.FAILED, against[0]
-        elif lack:
-            outcome, reason = Outcome.DOES_NOT_APPLY, lack
-        elif obstacle:
-            outcome, reason = Outcome.NOT_MADE, obstacle
+        against = next((each.text for each in said if name in each.fails), "")
+        answers = ("failed", against), ("does not apply", lack), ("not made", obstacle)
+        outcome, reason = next((each for each in answers if each[1]), ("passed", None))
         made.append(Check(name, outcome, reason))
     return tuple(made)
 
 
-def _questions(walk: Walk) -> tuple[tuple[str, str, str], ...]:
+def _questions(walk: Walk) -> Sequence[tuple[str, str, str]]:
     """Return each question, what the log lacks for it, and why else it cannot be answered."""
     records = [foot.record for foot in walk.feet]
-    levels = [walk.settings.sensor(row).level for row in range(len(records))]
-    assumed = [
-        level.reason
-        for level, record in zip(levels, records, strict=True)
-        if record.has_force and level.reason
-    ]
+    forced = [row for row, each in enumerate(records) if each.has_force]
+    assumed = [walk.settings.sensor(row).level.reason for row in forced]
+    legs = walk.legs.feet if walk.legs else ()
     seen, posed = any(each.start is not None for each in records), len(walk.base_history.time)
     pointed = any(np.isfinite(each.track.point).any() for each in records)
     no_feet = "" if seen else "the log has no usable messages of feet"
     no_poses = "" if posed else "the log has no usable poses"
     no_points = "" if pointed else "the sensors report no contact points"
-    forced = any(each.has_force for each in records)
     no_forces = "" if forced else "the sensors report no forces"
-    far = "two feet are not seen to touch near poses for a second each"
-    no_worlds = "" if walk.worlds else far
+    no_worlds = "" if walk.worlds else "two feet are not seen to touch near poses for a second each"
     no_legs = "" if walk.legs else "nothing tells of the legs"
-    odd_legs = [leg.reason for leg in walk.legs.feet if leg.reason] if walk.legs else []
     no_stamps, one_clock, few_stamps = _clocks(walk)
     return (
         ("every foot's sensor works", no_feet, ""),
-        ("what sensors read without load is known", no_forces, "".join(assumed[:1])),
+        ("what sensors read without load is known", no_forces, _first(assumed)),
         ("the base's poses are sound", no_poses, ""),
         ("header stamps are sound", no_stamps, ""),
         ("all topics have one clock", one_clock, few_stamps),
@@ -91,8 +60,12 @@ def _questions(walk: Walk) -> tuple[tuple[str, str, str], ...]:
         ("the base moves as the feet step", no_feet or no_poses, ""),
         ("the feet carry the weight", no_forces, _weight_not_compared(walk)),
         ("nothing contradicts the accelerometer", *_accelerometer(walk, no_poses)),
-        ("the legs move as the feet step", no_legs, "".join(odd_legs[:1])),
+        ("the legs move as the feet step", no_legs, _first([leg.reason for leg in legs])),
     )
+
+
+def _first(reasons: Sequence[str]) -> str:
+    return next((each for each in reasons if each), "")
 
 
 def _clocks(walk: Walk) -> tuple[str, str, str]:

@@ -1,7 +1,8 @@
 """What was checked of a walk; what each finding voids is in `test_voids.py`."""
 
 from dogbot_logtool.core.checks.engine import findings_of
-from dogbot_logtool.core.checks.questions import Check, Outcome, checks_of
+from dogbot_logtool.core.checks.questions import checks_of
+from dogbot_logtool.core.metrics import Check
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Severity, finding_kinds
 from tests.core.checks.measured_walk import WALK, feet, late, measure
@@ -14,21 +15,21 @@ def checks(stats: Walk) -> tuple[Check, ...]:
 def test_a_sound_walk_passes_every_check() -> None:
     found = {check.name: check.outcome for check in checks(measure(feet(), WALK.odometry()))}
     for name in ("the legs move as the feet step", "nothing contradicts the accelerometer"):
-        assert found.pop(name) is Outcome.DOES_NOT_APPLY
-    assert set(found.values()) == {Outcome.PASSED}
+        assert found.pop(name) == "does not apply"
+    assert set(found.values()) == {"passed"}
 
 
 def test_a_failed_check_names_its_finding() -> None:
     stats = measure([late(each, 0.2) for each in feet()], WALK.odometry())
-    (failed,) = [check for check in checks(stats) if check.outcome is Outcome.FAILED]
+    (failed,) = [check for check in checks(stats) if check.outcome == "failed"]
     assert failed.name == "all topics have one clock"
-    assert "/odom" in failed.reason
+    assert "/odom" in (failed.reason or "")
 
 
 def test_too_short_a_log_leaves_clocks_unchecked() -> None:
     short = [each.pick(each.stamp < each.stamp[0] + 400_000_000) for each in feet()]
     made = {check.name: check.outcome for check in checks(measure(short, WALK.odometry()))}
-    assert made["all topics have one clock"] is Outcome.NOT_MADE
+    assert made["all topics have one clock"] == "not made"
 
 
 def test_every_warning_about_metrics_says_which_checks_fail_and_every_check_can_fail() -> None:
