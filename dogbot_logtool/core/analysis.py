@@ -15,14 +15,10 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.base.axes import has_heading
 from dogbot_logtool.core.base.falls import find_tipping
-from dogbot_logtool.core.base.ground import swapped_pairs
-from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.base.witness import by_legs
 from dogbot_logtool.core.checks.engine import consequence, findings_of
-from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected, correct
 from dogbot_logtool.core.gait.segments import (
@@ -103,13 +99,6 @@ def _measured(walk: Walk, corrected: Corrected) -> Walk:
     if feet and not walk.feet_clocks_are_apart:
         segments = find_segments(feet, walk.standing, supported)
     origin, end = _extent(records, walk.poses)
-    positions = [foot.leg_position for foot in settings.feet]
-    forward_rad = FORWARD_ANGLES[settings.forward_axis]
-    # In another world, contact points tell nothing of the body's sides.
-    apart = walk.worlds_differ or walk.base_by_feet
-    apart |= walk.base is not None and not has_heading(walk.base)
-    placed = walk.poses.without_poses() if apart else walk.placed_poses
-    swapped, pairs = swapped_pairs(placed, records, positions, forward_rad)
     placed_at = None
     if walk.contacts_known and not (walk.base_is_apart or walk.base_by_feet):
         offset_m = settings.com_offset_m or (0.0, 0.0, 0.0)
@@ -123,20 +112,13 @@ def _measured(walk: Walk, corrected: Corrected) -> Walk:
         origin=origin,
         end=end,
         reference=reference_foot(feet),
-        corners=quadruped(positions),
-        swapped=swapped,
-        pairs=pairs,
+        corners=quadruped([foot.leg_position for foot in settings.feet]),
         tipping=find_tipping(walk.base_history, settings.forward_axis),
         segments=segments,
         main=main_segment(segments),
         support=supported,
         loads=loads_in(walk),
         stability=stability_in(walk),
-        overlap_s=timespans.total(_overlap(records, walk.poses)) / 1e9,
-        contact_without_pose_s=tuple(
-            walk.poses.unplaced(record.in_contact) / 1e9 for record in records
-        ),
-        all_silent=all_silent(records, walk.poses),
         command_track=_command_track(walk, corrected.commands, stepping),
         imu=_imu(walk, corrected.inertial),
     )
@@ -152,14 +134,6 @@ def _with_plan(walk: Walk, planned: Walk) -> Walk:
         follow_plan(foot, plan[foot.name]) if foot.name in plan else None for foot in walk.feet
     )
     return replace(walk, planned=found)
-
-
-def _overlap(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
-    """Return the time known to all feet that have samples, and to the base if it has poses."""
-    known = [foot.known for foot in feet if foot.start is not None]
-    if len(base.time):
-        known.append(base.known)
-    return timespans.intersect(known)
 
 
 def _command_track(

@@ -22,7 +22,7 @@ from dogbot_logtool.core.consistency.worlds import placed_poses
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.corrections.clock import too_far_apart
-from dogbot_logtool.core.gait.feet import foot_steps, net_push
+from dogbot_logtool.core.gait.feet import foot_steps
 from dogbot_logtool.core.gait.strides import any_strides, typical_period_s
 from dogbot_logtool.core.gait.support import (
     Standing,
@@ -169,7 +169,6 @@ def mask_walk(corrected: Corrected) -> Walk:
         clocks_apart=apart,
         base_delay=delay,
         worlds=worlds,
-        push=net_push(feet),
         rise_m=rise_m,
         vertical_known=weighed.share_of == "vertical_impulse",
         loads=weighed,

@@ -3,7 +3,6 @@
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.falls import Tipping
 from dogbot_logtool.core.base.frozen import Frozen
@@ -92,9 +91,6 @@ class Walk:
     """By how much the base comes after the forces that drive it; None: not known, or little."""
     worlds: Worlds | None
     """Position of the base among the feet; None without contact points."""
-    push: float | None
-    """Share of the weight by which the feet push the robot on over whole stances; None: not
-    known."""
     rise_m: float
     """m, how far the base rises steadily over the contact points while it walks."""
     vertical_known: bool
@@ -110,9 +106,6 @@ class Walk:
     corners: tuple[int, int, int, int] | None = None
     """Which foot is front left, front right, back left, back right; None: no quadruped, or
     not known."""
-    swapped: tuple[tuple[int, int], ...] = ()
-    """Left and right feet of the pairs that touch on the other side each; `pairs` of how many."""
-    pairs: int = 0
     tipping: Tipping | None = None
     """The robot is tipping when the recording ends."""
     segments: tuple[Segment, ...] = ()
@@ -123,12 +116,6 @@ class Walk:
     instants: Instants | None = None
     """Where base and feet are; None where contacts are not known, or not on one clock with the
     base and in one world."""
-    overlap_s: float = 0.0
-    """s, time known to all feet that have messages and to the base."""
-    contact_without_pose_s: tuple[float, ...] = ()
-    """s a foot, time in contact further than 0.1 s from every pose."""
-    all_silent: Ints = field(default_factory=timespans.no_spans)
-    """(s, 2) ns, spans in which no foot's sensor sends anything, though the odometry does."""
     command_track: "CommandTrack | None" = None
     """Commanded and measured velocity; None without commands."""
     imu: "ImuComparison | None" = None

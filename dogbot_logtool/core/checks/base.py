@@ -7,7 +7,9 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import median_of, norms
-from dogbot_logtool.core.base.axes import WALKED_M, ways_m
+from dogbot_logtool.core.base.axes import WALKED_M, has_heading, ways_m
+from dogbot_logtool.core.base.ground import swapped_pairs
+from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.consistency.worlds import Worlds
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.walk import Walk
@@ -113,10 +115,17 @@ def height_drifts(walk: Walk) -> Iterator[Finding]:
 
 def sides_swapped(walk: Walk) -> Iterator[Finding]:
     """Yield where left feet touch on the right; where all do, the walk is a mirror image."""
-    if walk.swapped and len(walk.swapped) == walk.pairs:
+    # In another world, contact points tell nothing of the body's sides.
+    apart = walk.worlds_differ or walk.base_by_feet
+    apart |= walk.base is not None and not has_heading(walk.base)
+    poses = walk.poses.without_poses() if apart else walk.placed_poses
+    positions = [foot.leg_position for foot in walk.settings.feet]
+    forward_rad = FORWARD_ANGLES[walk.settings.forward_axis]
+    swapped, pairs = swapped_pairs(poses, walk.records, positions, forward_rad)
+    if swapped and len(swapped) == pairs:
         yield found("SIDES_SWAPPED", where="base.yaw_change_rad")
         return
-    for pair in walk.swapped:
+    for pair in swapped:
         left, right = (walk.feet[row].name for row in pair)
         where = f"feet.{left}.topic"
         yield found("SIDES_SWAPPED", "one_pair", where=where, left=left, right=right)

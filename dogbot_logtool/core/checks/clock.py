@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, found
@@ -73,7 +74,7 @@ def clocks_differ(walk: Walk) -> Iterator[Finding]:
 
 def feet_silent(walk: Walk) -> Iterator[Finding]:
     """Yield time in which no foot tells anything, though the odometry does."""
-    silent = walk.all_silent
+    silent = all_silent(walk.records, walk.poses)
     if len(silent):
         first, seconds = walk.seconds(silent[:, 0])[0], np.diff(silent).sum() / 1e9
         yield found(

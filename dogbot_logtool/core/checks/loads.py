@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import Final
 
+from dogbot_logtool.core.gait.feet import net_push
 from dogbot_logtool.core.loads import REFUTED, WEIGHT_TOLERANCE, is_stuck
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.walk import Walk
@@ -96,7 +97,7 @@ def _may_lean(walk: Walk) -> bool:
 
 def _refuted_push(walk: Walk) -> float | None:
     """Return the share of the weight that the feet push on; None: no more than motion explains."""
-    push, base = walk.push, walk.base
+    push, base = net_push(walk.feet), walk.base
     if push is None or base is None or not base.duration_s:
         return None
     if "direction" in walk.loads.refuted or _may_lean(walk):

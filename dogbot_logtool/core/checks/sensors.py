@@ -172,7 +172,7 @@ def samples_left_out(walk: Walk) -> Iterator[Finding]:
             yield found("NOT_FINITE", say="feet", foot=name, messages=count, what=what)
         if count := record.not_advancing:
             yield found("BAD_STAMPS", say="left_out", foot=name, messages=count)
-        seconds = walk.contact_without_pose_s[row]
+        seconds = walk.poses.unplaced(record.in_contact) / 1e9
         if len(walk.base_history.time) and seconds > SOME_S and not walk.base_by_feet:
             yield found("GAPS", say="no_pose", foot=name, seconds=seconds)
 

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+from dogbot_logtool.core import timespans
 from dogbot_logtool.core.checks.questions import checks_of
 from dogbot_logtool.core.metrics import (
     Commands,
@@ -73,11 +74,19 @@ def quality_metrics(walk: Walk, findings: Sequence[Finding]) -> Quality:
     return Quality(
         topics={topic.topic: _topic(topic) for topic in walk.topics},
         feet={foot.name: _foot_quality(walk, row) for row, foot in enumerate(walk.feet)},
-        overlap_s=walk.overlap_s,
+        overlap_s=_overlap_s(walk),
         base_to_feet_m=None if worlds is None else worlds.distance_m,
         feet_spread_m=None if worlds is None else worlds.spread_m,
         checks=checks_of(walk, findings),
     )
+
+
+def _overlap_s(walk: Walk) -> float:
+    """Return the time known to all feet that have samples, and to the base if it has poses."""
+    known = [each.known for each in walk.records if each.start is not None]
+    if len(walk.poses.time):
+        known.append(walk.poses.known)
+    return timespans.total(timespans.intersect(known)) / 1e9
 
 
 def _topic(topic: TopicTiming) -> TopicQuality:
