@@ -1,6 +1,7 @@
 """`export` on the command line."""
 
 import sys
+from collections import Counter
 from pathlib import Path
 from typing import NoReturn
 
@@ -80,13 +81,14 @@ def _dataset(call: Call, logs: LogSet, options: Export, name: str) -> NoReturn:
     from dogbot_logtool.commands.tasks import MeasuredEntry, measure_entry  # noqa: PLC0415
     from dogbot_logtool.report.dataset import dataset_at, parse_labels  # noqa: PLC0415 - loads pyarrow
     from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415
-    from dogbot_logtool.report.text.written_text import DatasetRun, print_dataset  # noqa: PLC0415
+    from dogbot_logtool.report.text.written_text import print_dataset  # noqa: PLC0415
 
     refuse_no_name(name)
     dataset = dataset_at(from_root(location(name)), options, parse_labels(options.label))
     pending = dataset.begin(logs, prune=options.prune)
     call.add_unchanged(pending.unchanged)
-    run = DatasetRun(pending.unchanged, pending.pruned)
+    damaged_before = sum(bool(code) for _, code in pending.unchanged)
+    counts = Counter(unchanged=len(pending.unchanged), damaged=damaged_before)
 
     def take(number: int, done: MeasuredEntry | None, sentence: str) -> None:
         entry = pending.entries[number]
@@ -95,13 +97,12 @@ def _dataset(call: Call, logs: LogSet, options: Export, name: str) -> NoReturn:
             return
         damaged = bool(done.damage.losses)
         dataset.write(entry, done.tables, damaged=damaged)
-        run.measured += 1
-        run.damaged += damaged
+        counts.update(measured=1, damaged=damaged)
 
     names = pending.log_set.names
     for _ in call.each(measure_entry, options, pending.entries, names, "stats", take):
         call.add({})
     if not options.quiet:
-        run.failed = len(call.failures)
-        print_dataset(diagnostics(), shown(dataset.root), run)
+        counts["failed"] = len(call.failures)
+        print_dataset(diagnostics(), shown(dataset.root), counts, pending.pruned)
     call.finish()

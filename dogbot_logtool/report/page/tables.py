@@ -233,11 +233,11 @@ def _stride_cells(column: Column[Stride], every: Stride, groups: Ints) -> list[C
     last_digit = 10.0 ** -int(column.form.strip(".f"))
     for group in distinct(groups[groups >= 0]).tolist():
         rows = np.flatnonzero(groups == group)
-        found = outliers(values[rows], last_digit)
-        why = f"the median is {text(found.median)}"
-        for flags, mark in ((found.high, "high"), (found.low, "low")):
-            for row in rows[flags].tolist():
-                cells[row] = Cell(cells[row].text, mark, why)
+        signs, median = outliers(values[rows], last_digit)
+        for row, sign in zip(rows.tolist(), signs.tolist(), strict=True):
+            if sign:
+                mark = "high" if sign > 0 else "low"
+                cells[row] = Cell(cells[row].text, mark, f"the median is {text(median)}")
     return cells
 
 

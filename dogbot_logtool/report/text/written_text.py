@@ -1,7 +1,6 @@
 """What `convert`, `report` and `export --dataset` wrote, for people."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from rich.console import Console
@@ -55,31 +54,22 @@ def print_comparison_page(console: Console, name: str, size: int, found: "GaitCo
     _print_written(console, name, f"{words} ({human_size(size)})")
 
 
-@dataclass(slots=True)
-class DatasetRun:
-    """Changes of a dataset."""
+def print_dataset(
+    console: Console, dataset: str, counts: Mapping[str, int], pruned: Sequence[str]
+) -> None:
+    """Print what was done to a dataset, and name the logs that were removed.
 
-    unchanged: Sequence[tuple[str, int]]
-    """Names and exit codes of the logs that were there already."""
-    pruned: Sequence[str]
-    """Names of logs that were removed, since they are gone."""
-    measured: int = 0
-    failed: int = 0
-    """Logs that could not be measured, and directories that could not be searched."""
-    damaged: int = 0
-    """Logs that were measured and are damaged; what was lost of each is said elsewhere."""
-
-
-def print_dataset(console: Console, dataset: str, run: DatasetRun) -> None:
-    """Print what was done to a dataset, and name the logs that were removed."""
-    damaged = run.damaged + sum(bool(code) for _, code in run.unchanged)
-    counts = {
-        "measured": run.measured,
-        "unchanged": len(run.unchanged),
-        "failed": run.failed,
-        "pruned": len(run.pruned),
-    }
-    words = [f"{count:,} {what}" for what, count in counts.items() if count or what == "measured"]
-    _print_written(console, dataset, f"{', '.join(words)}; {damaged:,} damaged")
-    for name in run.pruned:
+    Args:
+        console: where to.
+        dataset: its name.
+        counts: of logs that are measured, unchanged, failed or damaged.
+        pruned: names of logs that were removed, since they are gone.
+    """
+    every = {**counts, "pruned": len(pruned)}
+    words = [f"{every.get('measured', 0):,} measured"]
+    words += [
+        f"{every[what]:,} {what}" for what in ("unchanged", "failed", "pruned") if every[what]
+    ]
+    _print_written(console, dataset, f"{', '.join(words)}; {every['damaged']:,} damaged")
+    for name in pruned:
         print_sentence(console, f" pruned  {printable(name)}: is gone", indent=9)
