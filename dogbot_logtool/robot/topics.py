@@ -12,13 +12,13 @@ from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.fields import Fields
 from dogbot_logtool.reader.foot import Foot
+from dogbot_logtool.reader.losses import damage_of
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.messages import SERIALISATIONS, DecodedMessages, decode_channels
 from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES, TRANSFORM_TYPES
 from dogbot_logtool.reader.messages.source import Source, source_of
-from dogbot_logtool.reader.salvage.losses import damage_of
 
 _COMPARED: Final = 2000
 """Topics that a wrong name is compared with."""
