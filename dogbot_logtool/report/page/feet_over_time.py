@@ -204,7 +204,7 @@ def _what_is_left_out(bin_s: float) -> str:
     if not bin_s:
         return ""
     return (
-        f" Of every {bin_s * 1e3:.3g} ms the lowest and the highest sample are drawn, so every "
+        f" Of every {bin_s * 1e3:.0f} ms the lowest and the highest sample are drawn, so every "
         "peak is there; the typical strides are drawn in full, and so is a short part that --start "
         "and --end choose."
     )
