@@ -1,6 +1,7 @@
 """The result of `read`: a log as columns, as recorded."""
 
 from collections.abc import Mapping
+from contextlib import closing
 from dataclasses import dataclass
 
 from dogbot_logtool.core.base.poses import Odometry
@@ -46,12 +47,9 @@ def read_columns(path: Location, options: MeasureOptions) -> Recording:
         CallError: no such file, or a topic or time in the options that the log does not have.
         LogError: it is no log, or has nothing to measure.
     """
-    log = open_recorded(path, options.joined)
-    try:
+    with closing(open_recorded(path, options.joined)) as log:
         plan = make_plan(log, options)
         read = read_recording(log, plan.wanted, options.jobs).recording
-    finally:
-        log.close()
     names = [foot.name for foot in plan.selection.robot.feet]
     sides = (read.commands, read.accelerations)
     commands, accelerations = (None if each is None else each.samples for each in sides)

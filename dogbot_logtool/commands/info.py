@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from collections.abc import Set as AbstractSet
+from contextlib import closing
 from dataclasses import replace
 from typing import Final
 
@@ -50,8 +51,7 @@ def describe(
         CallError: no such file, or a topic in the options that the log does not have.
         LogError: it is no log.
     """
-    log = open_joined([path, *options.joined])
-    try:
+    with closing(open_joined([path, *options.joined])) as log:
         recorded = without_annotations(log)
         ours = frozenset(log.channels.keys() - recorded.channels.keys())
         selection = select_topics(recorded, options)
@@ -93,8 +93,6 @@ def describe(
             findings=tuple(sorted(findings, key=by_severity)),
             damage=damage_of(log, (*log.losses, *(frames.losses if frames else ()))),
         )
-    finally:
-        log.close()
 
 
 def _with_legs(

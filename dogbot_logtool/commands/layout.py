@@ -1,6 +1,7 @@
 """`dogbot-logtool layout`: the view of an annotated walk, set up for a viewer."""
 
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Final
@@ -42,8 +43,7 @@ def view_of(log: Path | None, options: RobotOptions) -> View:
         robot = assign_feet(robot, topics, frozenset(), guessed=guessed)
         robot = with_settings(robot, options.set).with_mass(options.mass)
         return _view(robot, robot.world_frame or DEFAULT_WORLD, robot.base_frame or DEFAULT_BASE)
-    opened = open_recorded(log)
-    try:
+    with closing(open_recorded(log)) as opened:
         given = {each.name: getattr(options, each.name) for each in fields(RobotOptions)}
         measured = measure_log(opened, MeasureOptions(**given))
         walk, selection = measured.measurement.walk, measured.selection
@@ -59,8 +59,6 @@ def view_of(log: Path | None, options: RobotOptions) -> View:
             has_stamps=not zero_stamps(recording, settings),
             damage=damage_of(opened, opened.losses),
         )
-    finally:
-        opened.close()
 
 
 def _view(robot: Robot, world: str, base: str) -> View:

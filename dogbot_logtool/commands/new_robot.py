@@ -1,5 +1,6 @@
 """`dogbot-logtool robots new`: a robot's file from a log, with the evidence for each line."""
 
+from contextlib import closing
 from dataclasses import dataclass, replace
 
 from dogbot_logtool.commands.stats import measure_log
@@ -41,8 +42,7 @@ def new_robot(
         CallError: no such file, or an option that does not fit it.
         LogError: it is no log, or has nothing that may be feet or a base.
     """
-    log = open_recorded(path, options.joined)
-    try:
+    with closing(open_recorded(path, options.joined)) as log:
         selection = select_topics(log, options)
         others = [*selection.possible_feet]
         because = ["Found by the types and names of their topics."]
@@ -54,8 +54,6 @@ def new_robot(
         if not selection.odometry and not selection.contacts:
             raise LogError(nothing_to_do(log, selection.findings))
         found = measure_log(log, options, progress)
-    finally:
-        log.close()
     selection, measured = found.selection, found.measurement
     walk = measured.walk
     evidence = RobotEvidence(

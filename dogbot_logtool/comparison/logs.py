@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dogbot_logtool.comparison.decoders import Undecodable, decoder_of
+from dogbot_logtool.comparison.decoders import Decoder, Undecodable, decoder_of
 from dogbot_logtool.comparison.descriptions import compare_descriptions, compare_records, kind_of
 from dogbot_logtool.comparison.fields import compare_fields
 from dogbot_logtool.comparison.outcome import (
@@ -124,6 +124,8 @@ class _MessageComparer:
         self._rules = [FieldRules(rules, tally.name) for tally in tallies]
         self._findings = findings
         self._channels = [log.channels for log in logs]
+        self._decoders: dict[tuple[int, int], Decoder | str] = {}
+        """By side and channel; a text says why there is none."""
         self._origin = logs[0].start_time or logs[1].start_time or 0
         self._seen = np.zeros((2, len(tallies)), np.int64)
         """Messages of each topic in the windows before."""
@@ -202,7 +204,10 @@ class _MessageComparer:
         if one == other:
             return found
         try:
-            trees = decoder_of(channels[0])(one), decoder_of(channels[1])(other)
+            trees = [
+                self._decoder(side, channel)(data)
+                for side, (channel, data) in enumerate(zip(channels, payloads, strict=True))
+            ]
             return compare_fields(trees[0], trees[1], rules, found)
         except Undecodable as undecodable:
             reason = str(undecodable)
@@ -210,6 +215,18 @@ class _MessageComparer:
             reason = "a message is nested too deeply"
         self._tallies[topic].note = f"compared as bytes: {reason}"
         return compare_fields(one, other, rules, Findings(self._findings.room), "payload")
+
+    def _decoder(self, side: int, channel: Channel) -> Decoder:
+        """Return a channel's decoder, made once; so is the error where there is none."""
+        if (side, channel.id) not in self._decoders:
+            try:
+                self._decoders[side, channel.id] = decoder_of(channel)
+            except Undecodable as error:
+                self._decoders[side, channel.id] = str(error)
+        found = self._decoders[side, channel.id]
+        if isinstance(found, str):
+            raise Undecodable(found)
+        return found
 
 
 _PAIR, _MISSING, _EXTRA = range(3)

@@ -68,7 +68,7 @@ def choose_base(
     found = list(base_candidates(log, robot, feet))
     found.sort(key=lambda each: (not each.is_sure, each.is_planned))
     own = [each for each in found if not is_of_another_robot(each.topic, feet)]
-    if foreign := [each.topic for each in found if each not in own]:
+    if foreign := [each.topic for each in found if is_of_another_robot(each.topic, feet)]:
         text = f"{listed(foreign)}: poses of another robot than that of the feet "
         text += f"({namespace(next(iter(feet)))}), not used; "
         names = listed([each.name for each in own])

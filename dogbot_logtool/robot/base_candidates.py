@@ -126,7 +126,8 @@ def base_candidates(log: Log, robot: Robot, feet: Collection[str]) -> Iterator[B
             sure = [] if anything and len(sure) > 1 else sure
         if type_name == ODOMETRY_TYPE:
             found.sort(key=lambda each: (-message_count(log, each.topic), len(each.topic)))
-        yield from (replace(each, is_sure=each.name in sure) for each in found)
+        surely = frozenset(sure)
+        yield from (replace(each, is_sure=each.name in surely) for each in found)
     yield from sorted(
         _in_unknown_messages(log), key=lambda each: topic_words(each.name).isdisjoint(_BASE_WORDS)
     )
@@ -219,7 +220,8 @@ def _of_same_robot(names: Sequence[str], feet: Collection[str]) -> list[str]:
     """
     shared = frozenset.intersection(*map(topic_words, feet)) if feet else frozenset()
     counts = [len(shared & topic_words(name)) for name in names]
-    return [name for name, count in zip(names, counts, strict=True) if count == max(counts)]
+    most = max(counts, default=0)
+    return [name for name, count in zip(names, counts, strict=True) if count == most]
 
 
 def is_of_another_robot(name: str, feet: Collection[str]) -> bool:

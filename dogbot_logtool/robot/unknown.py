@@ -33,7 +33,7 @@ from dogbot_logtool.robot.score import (
     word_of,
 )
 from dogbot_logtool.robot.topics import first_messages, has_field, message_count
-from dogbot_logtool.robot.words import texts_of, words_of
+from dogbot_logtool.robot.words import Word, texts_of, words_of
 
 _ENOUGH: Final = 5
 """Points from which fields are offered as feet."""
@@ -85,8 +85,12 @@ def _named_sets(log: Log) -> Iterator[FootCandidates]:
             continue
         named: dict[str, dict[str, Foot]] = {"vector": {}, "integer": {}, "number": {}}
         rows: list[tuple[str, _Set]] = []
+        fields = list(_readable(kinds))
         for topic in sorted({channel.topic for channel in channels}):
-            for path, is_a in _fields(topic, type_name, kinds):
+            around = words_of(f"{topic} {type_name}")
+            for path, is_a, own in fields:
+                if not _tells_of_feet(is_a, (*around, *own), own):
+                    continue
                 labels = _labels_beside(log, topic, path, kinds)
                 named[is_a].update(_single_fields(topic, path, labels))
                 if not labels:
@@ -110,25 +114,27 @@ def _field(name: str, topic: str, path: str) -> Foot:
     return Foot(name, topic, leg_position=leg_position(name), field=FootField(path))
 
 
-def _fields(
-    topic: str, type_name: str, kinds: Mapping[str, FieldType]
-) -> Iterator[tuple[str, str]]:
-    """Yield the fields whose names speak of forces or contacts, and of nothing that is no foot.
+def _readable(kinds: Mapping[str, FieldType]) -> Iterator[tuple[str, str, tuple[Word, ...]]]:
+    """Yield the fields whose names speak of nothing that is no foot: path, what it is, words.
 
-    Each comes with what it is. Of a vector, its components are no fields of their own.
+    Of a vector, its components are no fields of their own.
     """
     for path, kind in kinds.items():
-        words = words_of(f"{topic} {type_name} {path}")
-        own, said = texts_of(path), {word.text for word in words}
-        if is_vector(kind):
-            is_a, fits = "vector", bool(said & (FORCE_WORDS | {"grf"})) and "torque" not in own
-        elif isinstance(kind, Primitive) and not is_vector(kinds.get(path.rpartition(".")[0])):
-            is_a = "integer" if kind.dtype[0] in "iu" else "number"
-            fits = bool(said & (CONTACT_WORDS | FORCE_WORDS)) or any(word.is_leg for word in words)
-        else:
-            continue
-        if fits and own.isdisjoint(_OTHER):
-            yield path, is_a
+        is_number = isinstance(kind, Primitive) and not is_vector(
+            kinds.get(path.rpartition(".")[0])
+        )
+        words = words_of(path)
+        if (is_number or is_vector(kind)) and _OTHER.isdisjoint(word.text for word in words):
+            integer = isinstance(kind, Primitive) and kind.dtype[0] in "iu"
+            yield path, "vector" if not is_number else "integer" if integer else "number", words
+
+
+def _tells_of_feet(is_a: str, words: Sequence[Word], own: Sequence[Word]) -> bool:
+    """Tell whether the words of a field, its topic and type speak of forces or contacts."""
+    said = {word.text for word in words}
+    if is_a == "vector":
+        return bool(said & (FORCE_WORDS | {"grf"})) and "torque" not in {w.text for w in own}
+    return bool(said & (CONTACT_WORDS | FORCE_WORDS)) or any(word.is_leg for word in words)
 
 
 def _labels_beside(

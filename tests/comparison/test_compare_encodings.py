@@ -1,5 +1,6 @@
 """Messages compared by their definitions, in every encoding, and as bytes without."""
 
+import time
 from dataclasses import replace
 from typing import Any
 
@@ -52,6 +53,15 @@ def test_broken_definitions_mean_comparing_bytes(pair: Pair, encoding: str) -> N
     assert not pair.lines(expected, expected)
     assert len(pair.lines(expected, actual)) == 1
     assert tally(pair.compare(), "/a").note.startswith("compared as bytes: the definition of ")
+
+
+def test_a_broken_definition_is_parsed_once(pair: Pair) -> None:
+    kind = replace(ros_kind(1), schema=ros_kind(1).schema + b"\nMSG: a/B\n" + b"Unknown y\n" * 3000)
+    sides = [one_topic(kind, *(bytes([i % 256, by]) for i in range(3000))) for by in (1, 2)]
+    pair.write(*sides)
+    start = time.monotonic()
+    assert counts(tally(pair.compare(), "/a")) == (3000, 3000, 0, 0, 3000, 0, 0)
+    assert time.monotonic() - start < 10.0
 
 
 def test_what_a_protobuf_message_leaves_out_is_told_from_its_default(pair: Pair) -> None:

@@ -12,7 +12,7 @@ from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.reader.containers.log import Batch, Channel, Messages, Schema
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.reader.messages.bases import Base, joined_poses
+from dogbot_logtool.reader.messages.bases import Base
 from dogbot_logtool.reader.messages.contacts import read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.messages import malformed_in
@@ -190,7 +190,7 @@ def read(of: Channel, given: Batch) -> Outcome:
         base = Base(how, base_walks.ELEMENTS.get(of.type_name, ""))
         parts = base.read(given, [of])
         malformed = {number: lost for part in parts for number, lost in part.malformed.items()}
-        return Outcome(joined_poses(parts).log_time, malformed)
+        return Outcome(_times([part.poses.log_time for part in parts]), malformed)
     found = read_contacts(given, [of], feet(of.type_name))
     for each in found:
         assert each.links is not None

@@ -1,22 +1,11 @@
 """Definitions that name a known type with other fields: columns, or a sentence; never a crash."""
 
-import struct
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from dogbot_logtool.reader.decode.definition import (
-    FieldType,
-    FixedArray,
-    Primitive,
-    Struct,
-    Text,
-    VariableArray,
-    parse_definition,
-)
+from dogbot_logtool.reader.messages.source import Source
 from tests.reader import adapters
 from tests.reader.adapters import DECODED
 
@@ -39,6 +28,9 @@ KINDS = (
 SHAPES = ("", "[]", "[0]", "[2]", "[9]", "[<=3]")
 ODOMETRY = "nav_msgs/Odometry"
 CONTACTS = "gazebo_msgs/ContactsState"
+CHAMP, LOW = "champ_msgs/ContactsStamped", "unitree_go/LowState"
+TIME, POSE = "builtin_interfaces/Time", "geometry_msgs/PoseWithCovariance"
+V3, POINTS, FORCE = "geometry_msgs/Vector3", "contact_positions", "foot_force"
 
 
 def sections(type_name: str) -> list[list[str]]:
@@ -100,11 +92,17 @@ def test_other_definitions_give_columns_or_a_sentence(type_name: str, data: st.D
         return
     recorded = adapters.batch(adapters.payloads(type_name, 5))
     assert sum(adapters.read(channel, recorded).malformed.values()) <= 5
-    if not source.own_definition:
-        definition = parse_definition(type_name, text, "ros2msg")
-        message = b"\0\1\0\0" + b"".join(serialised(definition, 0))
-        outcome = adapters.read(channel, adapters.batch([message] * 5))
-        assert outcome.malformed == {}
+
+
+def source_of(type_name: str, text: str | None = None) -> Source:
+    """Return how messages of a definition are read."""
+    source = adapters.source(adapters.channel(type_name, text))
+    assert source
+    return source
+
+
+def fault(type_name: str, text: str | None = None) -> str:
+    return source_of(type_name, text).fault
 
 
 def assert_is_sentence(text: str) -> None:
@@ -113,72 +111,26 @@ def assert_is_sentence(text: str) -> None:
     assert "Error" not in text
 
 
-def serialised(definition: FieldType, position: int) -> Iterator[bytes]:
-    """Yield a message in CDR: arrays of two elements, texts of two letters, all numbers one."""
-    match definition:
-        case Primitive(dtype):
-            yield aligned(np.array(1, f"<{dtype}").tobytes(), position, definition.size)
-        case Text():
-            yield aligned(struct.pack("<I", 3) + b"ab\0", position, 4)
-        case VariableArray(element):
-            count = aligned(struct.pack("<I", 2), position, 4)
-            yield count
-            yield from in_order([element] * 2, position + len(count))
-        case FixedArray(element, length):
-            yield from in_order([element] * length, position)
-        case Struct(_, fields):
-            yield from in_order([inner for _, inner in fields], position)
-
-
-def in_order(parts: list[FieldType], position: int) -> Iterator[bytes]:
-    for part in parts:
-        for data in serialised(part, position):
-            position += len(data)
-            yield data
-
-
-def aligned(data: bytes, position: int, size: int) -> bytes:
-    return bytes(-position % size) + data
-
-
 @pytest.mark.parametrize(
     ("type_name", "old", "new", "path", "expected"),
     [
-        (
-            ODOMETRY,
-            "builtin_interfaces/Time stamp",
-            "builtin_interfaces/Time[3] stamp",
-            "header.stamp",
-            "a single time",
-        ),
+        (ODOMETRY, f"{TIME} stamp", f"{TIME}[3] stamp", "header.stamp", "a single time"),
         (ODOMETRY, "float64 x", "string x", "pose.pose.position.x", "a single number"),
         (ODOMETRY, "string frame_id", "uint8[] frame_id", "header.frame_id", "a single string"),
-        (
-            ODOMETRY,
-            "geometry_msgs/PoseWithCovariance pose",
-            "geometry_msgs/PoseWithCovariance[] pose",
-            "pose",
-            "a single message",
-        ),
+        (ODOMETRY, f"{POSE} pose", f"{POSE}[] pose", "pose", "a single message"),
         (
             CONTACTS,
-            "geometry_msgs/Vector3[] contact_positions",
-            "geometry_msgs/Vector3 contact_positions",
-            "states.contact_positions",
+            f"{V3}[] {POINTS}",
+            f"{V3} {POINTS}",
+            f"states.{POINTS}",
             "an array of messages",
         ),
+        (CHAMP, "bool[] contacts", "string contacts", "contacts", "a sequence of numbers"),
         (
-            "champ_msgs/ContactsStamped",
-            "bool[] contacts",
-            "string contacts",
-            "contacts",
-            "a sequence of numbers",
-        ),
-        (
-            "unitree_go/LowState",
-            "int16[4] foot_force\n",
-            "int16[2] foot_force\n",
-            "foot_force",
+            LOW,
+            f"int16[4] {FORCE}",
+            f"int16[2] {FORCE}",
+            FORCE,
             "a fixed array of at least 4 numbers",
         ),
     ],
@@ -188,36 +140,28 @@ def test_a_field_of_another_kind_is_named(
 ) -> None:
     text = adapters.definition(type_name)
     assert old in text
-    source = adapters.source(adapters.channel(type_name, text.replace(old, new)))
     found = new.split(" ", maxsplit=1)[0]
-    assert source
-    assert source.fault == (
+    assert fault(type_name, text.replace(old, new)) == (
         f"field '{path}' of {type_name} must be {expected}, but the log's definition has {found}"
     )
 
 
 def test_a_missing_field_is_named() -> None:
     text = adapters.definition(ODOMETRY).replace("string frame_id", "string frame")
-    source = adapters.source(adapters.channel(ODOMETRY, text))
-    assert source
-    assert "has no field 'header.frame_id', which" in source.fault
+    assert "has no field 'header.frame_id', which" in fault(ODOMETRY, text)
 
 
 def test_a_definition_with_a_field_twice_is_none() -> None:
     line = "string child_frame_id\n"
     text = adapters.definition(ODOMETRY).replace(line, line * 2)
-    source = adapters.source(adapters.channel(ODOMETRY, text))
-    assert source
-    assert source.own_definition == (
+    assert source_of(ODOMETRY, text).own_definition == (
         "the definition of nav_msgs/msg/Odometry has the field 'child_frame_id' twice"
     )
 
 
 @pytest.mark.parametrize("type_name", DECODED)
 def test_the_usual_definition_fits(type_name: str) -> None:
-    source = adapters.source(adapters.channel(type_name))
-    assert source
-    assert (source.fault, source.own_definition) == ("", "")
+    assert (fault(type_name), source_of(type_name).own_definition) == ("", "")
 
 
 @pytest.mark.parametrize(
@@ -236,15 +180,11 @@ def test_the_usual_definition_fits(type_name: str) -> None:
 def test_our_own_definition_reads_the_same(type_name: str, text: str) -> None:
     given = adapters.batch(adapters.payloads(type_name, 5))
     channel = adapters.channel(type_name, text)
-    source = adapters.source(channel)
-    assert source
-    assert source.own_definition
+    assert source_of(type_name, text).own_definition
     outcome, usual = (adapters.read(each, given) for each in (channel, adapters.channel(type_name)))
     assert outcome.malformed == {}
     np.testing.assert_array_equal(outcome.log_time, usual.log_time)
 
 
 def test_types_that_differ_from_version_to_version_need_the_log_s_definition() -> None:
-    source = adapters.source(adapters.channel("spot_msgs/FootStateArray", ""))
-    assert source
-    assert "the log has no definition of spot_msgs/" in source.fault
+    assert "the log has no definition of spot_msgs/" in fault("spot_msgs/FootStateArray", "")

@@ -117,10 +117,23 @@ def test_efforts_that_are_no_torques_give_no_forces(name: str, tmp_path: Path) -
         assert walk.stats["legs"]["positive_work_j"] is None
 
 
-def test_turns_are_told_by_the_feet_without_a_gyroscope(tmp_path: Path) -> None:
-    walk = measured(tmp_path, robot("turn"), with_imu=False)
-    turned = robot("turn").base_velocity[:, 2].mean()
+@pytest.mark.parametrize("command", [(0.3, 0.0, 0.5), (0.0, 0.0, 0.8)])
+@pytest.mark.parametrize("gyro", [None, 0.0, -1.0, 57.3])
+def test_turns_are_told_by_the_feet_where_no_gyroscope_does(
+    command: tuple[float, ...], gyro: float | None, tmp_path: Path
+) -> None:
+    truth = turning(command)
+    imu = {"with_imu": False} if gyro is None else {"gyro": gyro}
+    walk = measured(tmp_path, truth, **imu)
+    turned = truth.base_velocity[:, 2].mean()
     assert walk.stats["base"]["yaw_rate_radps"] == pytest.approx(turned, rel=0.05)
+    assert walk.gait.name == "trot"
+    assert ("contradict" in codes(walk)["BASE_FROM_LEGS"]) == (gyro is not None)
+
+
+@cache
+def turning(command: tuple[float, ...]) -> Walk:
+    return quadruped(command=command)
 
 
 def test_the_robot_walks_through_the_world_of_the_output(tmp_path: Path) -> None:

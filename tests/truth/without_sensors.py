@@ -90,6 +90,7 @@ def write_log(
     with_imu: bool = True,
     with_urdf: bool = True,
     imu_frame: str = "base_link",
+    gyro: float = 1.0,
     every: int = 5,
 ) -> Path:
     """Write what a robot without foot sensors and odometry records.
@@ -101,6 +102,7 @@ def write_log(
         with_imu: whether there is an inertial unit.
         with_urdf: whether there is a robot description.
         imu_frame: that of the base, or one that is turned by 90 degrees about its x axis.
+        gyro: what a gyroscope reads for a turn rate of 1 rad/s.
         every: rows between messages.
     """
     make, rows = physics.messages(), slice(0, None, every)
@@ -121,7 +123,7 @@ def write_log(
         back = inverse(walk.attitude)
         moved = np.gradient(walk.base_velocity[:, 3:], walk.time, axis=0)
         moved[:, 2] += GRAVITY
-        read = [turned(back, moved), turned(back, walk.base_velocity[:, :3])]
+        read = [turned(back, moved), gyro * turned(back, walk.base_velocity[:, :3])]
         if imu_frame != "base_link":
             read = [each[:, [0, 2, 1]] * [1.0, 1.0, -1.0] for each in read]
         numbers = np.concatenate(read, axis=1)[rows]

@@ -14,7 +14,7 @@ from dogbot_logtool.core.contact.contact_rule import ContactRule, find_stances
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import advancing
 from dogbot_logtool.core.estimated.forces import effort_fault, ground_forces, loaded_feet
-from dogbot_logtool.core.estimated.ground import resting_feet, slopes
+from dogbot_logtool.core.estimated.ground import low_feet, resting_feet, slopes
 from dogbot_logtool.core.estimated.leg_joints import FEWEST, SLOWEST_S, LegJoints
 from dogbot_logtool.core.frames.kinematics import Leg, LegMotion, leg_motion
 from dogbot_logtool.core.recording import Recording
@@ -24,6 +24,11 @@ from dogbot_logtool.core.timespans import covers
 
 SHORTEST_S: Final = 0.04
 """s: shorter swings and stances are none."""
+CONTRADICTS: Final = 0.5
+"""Share of the mean turn rate by which a gyroscope's differs from that of the feet if it is wrong;
+not less than `LEAST_TURN_RADPS`."""
+LEAST_TURN_RADPS: Final = 0.1
+_BY_FEET: Final = "the feet alone"
 TURNS_S: Final = 0.1
 """s before and after a time, over which turns by the feet are averaged."""
 
@@ -74,9 +79,18 @@ def estimate(
         ],
         axis=1,
     )
-    ground = resting_feet(seconds, points, velocity, inertial.turn, inertial.up)
+    low = low_feet(seconds, points, inertial.up)
+    by_feet = _turned_by_feet(joints.time, points, low, inertial)
+    turns = float(inertial.yaw_rate.mean()), float(by_feet.yaw_rate.mean())
     if not turns_from:
-        turns_from = "the feet alone"
+        turns_from = _BY_FEET
+    elif abs(turns[0] - turns[1]) > max(CONTRADICTS * max(map(abs, turns)), LEAST_TURN_RADPS):
+        says = f"{turns[0]:.2f} rad/s of {turns_from} contradict {turns[1]:.2f} of theirs"
+        turns_from = f"{_BY_FEET}, since {says}"
+    by_feet_alone = turns_from.startswith(_BY_FEET)
+    inertial = by_feet if by_feet_alone else inertial
+    ground = resting_feet(seconds, points, velocity, inertial.turn, inertial.up)
+    if by_feet_alone:
         inertial = _turned_by_feet(joints.time, points, ground.resting, inertial)
         ground = resting_feet(seconds, points, velocity, inertial.turn, inertial.up)
     force, why = _forces(joints, motions, points, inertial, mass_kg)

@@ -97,12 +97,8 @@ def resting_feet(
         up: (n, 3) unit vectors, against gravity, along the base's axes.
     """
     implied = -(velocity + np.cross(turn[:, None], feet))
-    lift = _lift(seconds, np.einsum("nfi,ni->nf", feet, up))
-    # When all rise together, it is the base that sinks.
-    lift -= lift.min(axis=1, keepdims=True)
-    usual = np.maximum(percentiles_of(lift, (95.0,), axis=0)[0], LEAST_LIFT_M)
-    low = lift < np.maximum(LOW * usual, LEAST_LIFT_M)
-    resting, top = low, 0.0
+    lift, usual = _lift(seconds, feet, up)
+    resting, top = low_feet(seconds, feet, up), 0.0
     for _ in range(4):
         base = _common(seconds, implied, resting)
         speed = np.linalg.norm(implied - base[:, None], axis=2)
@@ -113,8 +109,20 @@ def resting_feet(
     return Ground(resting, speed < AGREE * limit, speed > max(FAST * top, LOOSELY * limit))
 
 
-def _lift(seconds: Floats, height: Floats) -> Floats:
-    """(n, f) m, how high feet are above where each is lowest in the seconds around."""
+def low_feet(seconds: Floats, feet: Floats, up: Floats) -> Flags:
+    """(n, f) which feet are so low that they may stand; see `resting_feet`."""
+    lift, usual = _lift(seconds, feet, up)
+    return np.asarray(lift < np.maximum(LOW * usual, LEAST_LIFT_M))
+
+
+def _lift(seconds: Floats, feet: Floats, up: Floats) -> tuple[Floats, Floats]:
+    """Return how high feet are above where each is lowest in the seconds around, and usually lift.
+
+    Returns:
+        (n, f) m, less that of the lowest foot: when all rise together, it is the base that sinks;
+        and (f,) m.
+    """
+    height = np.einsum("nfi,ni->nf", feet, up)
     block = ((seconds - seconds[0]) / GROUND_S).astype(np.int64)
     _, first = np.unique(block, return_index=True)
     edges = np.array([*first.tolist(), len(seconds)])
@@ -122,7 +130,9 @@ def _lift(seconds: Floats, height: Floats) -> Floats:
     around = zip([0, *edges[:-2]], [*edges[2:], edges[-1]], strict=True)
     lowest = [percentiles_of(height[begin:end], (10.0,), axis=0)[0] for begin, end in around]
     ground = [np.interp(seconds, middles, column) for column in np.array(lowest).T]
-    return np.asarray(height - np.stack(ground, axis=1))
+    lift = height - np.stack(ground, axis=1)
+    lift -= lift.min(axis=1, keepdims=True)
+    return lift, np.maximum(percentiles_of(lift, (95.0,), axis=0)[0], LEAST_LIFT_M)
 
 
 def _common(seconds: Floats, implied: Floats, resting: Flags) -> Floats:

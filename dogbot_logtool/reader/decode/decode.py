@@ -155,16 +155,16 @@ class _Walk:
             count = self._counts(cursors, step.alignment)
         else:
             count = np.full(len(cursors.position), step.length, np.int64)
-        match step.element:
-            case (Run(size=size) as run,) if size:
-                return self._even_elements(run, count, cursors, wanted=step.wanted)
-        if step.length is None or step.smallest_element:
-            # Even counted elements of no size must not be more than the message's bytes.
-            self._limit(cursors, count, max(step.smallest_element, 1))
+        if not step.smallest_element:
+            # Elements without a byte hold nothing, and may be said to be any number.
+            self._limit(cursors, count, 1 if step.length is None else 0)
+            nothing = np.empty(0, np.int64)
+            return Nested(nothing, self._rows(step.element, cursors.pick(nothing)))
         match step.element:
             case (Run() as run,):
                 return self._even_elements(run, count, cursors, wanted=step.wanted)
             case _:
+                self._limit(cursors, count, step.smallest_element)
                 return self._uneven_elements(step.element, count, cursors)
 
     def _even_elements(self, run: Run, count: Ints, cursors: _Cursors, *, wanted: bool) -> Nested:

@@ -223,8 +223,8 @@ class _TreeBuilder:
         if kind == "SEQUENCE":
             return VariableArray(element)
         length = int(detail[1])
-        size = fixed_size(element)
-        if length < 0 or length * (1 if size is None else size) >= _MAX_FIXED_SIZE:
+        # Elements of no size are numbered, too.
+        if not 0 <= length * max(smallest_size(element), 1) < _MAX_FIXED_SIZE:
             raise DefinitionError(f"an array of {length} elements in {parents[-1]} is absurd")
         return FixedArray(element, length)
 
@@ -236,21 +236,6 @@ class _TreeBuilder:
         if name not in _DTYPES:
             raise DefinitionError(f"fields of type {name} are not read")
         return Primitive(_DTYPES[name], name)
-
-
-def fixed_size(field_type: FieldType) -> int | None:
-    """Return the bytes a field takes without any alignment, or None if that varies."""
-    match field_type:
-        case Primitive():
-            return field_type.size
-        case FixedArray(element, length):
-            size = fixed_size(element)
-            return None if size is None else size * length
-        case Struct(_, fields):
-            sizes = [fixed_size(inner) for _, inner in fields]
-            return None if None in sizes else sum(size for size in sizes if size is not None)
-        case _:
-            return None
 
 
 def smallest_size(field_type: FieldType) -> int:

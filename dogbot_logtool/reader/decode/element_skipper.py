@@ -77,4 +77,5 @@ def _move(step: Step) -> _Move:
         case ArrayStep(element=(Run(alignment, size),)):
             padding = -size % alignment
             return _Move(step.alignment, step.length, alignment, size + padding, padding, None)
-    return _Move(step.alignment, step.length, 1, 0, 0, [_move(each) for each in step.element])
+    inside = [_move(each) for each in step.element] if step.smallest_element else None
+    return _Move(step.alignment, step.length, 1, 0, 0, inside)

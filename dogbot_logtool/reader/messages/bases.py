@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.base.poses import Odometry, concatenate_odometry
+from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.batch import Batch
@@ -57,11 +57,6 @@ class Base:
         """Read the poses of a batch; one entry a definition, nearly always one."""
         decoded = decode_channels(batch, channels, self.source.fields)
         return [_read(self.source, messages, self.element) for messages in decoded]
-
-
-def joined_poses(parts: Sequence[BasePoses]) -> Odometry:
-    """Return all poses, in the order of the log."""
-    return concatenate_odometry([part.poses for part in parts])
 
 
 def _read(source: Source, messages: DecodedMessages, element: str) -> BasePoses:

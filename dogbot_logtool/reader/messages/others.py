@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints, concatenated, picked, stable_order
+from dogbot_logtool.core.arrays import Floats, Ints, concatenated
 from dogbot_logtool.core.frames.transforms import RecordedTransforms
 from dogbot_logtool.core.plausible import plausible_translations
 from dogbot_logtool.core.vectors import VectorSamples
@@ -139,7 +139,7 @@ class ReadVectors:
 
 
 def read_vectors(batch: Batch, channels: Sequence[Channel], part: Part) -> ReadVectors:
-    """Read the commands or accelerations of a batch, in the order of their log times.
+    """Read the commands or accelerations of a batch.
 
     Args:
         batch: the batch.
@@ -161,10 +161,8 @@ def read_vectors(batch: Batch, channels: Sequence[Channel], part: Part) -> ReadV
         parts.append(VectorSamples(messages.log_time, stamp, vectors, turn_rate))
         for path in source.paths.get("frame", ()):
             frames.update(path.texts(messages.table)[1].encode()[1])
-    samples = concatenated(parts)
-    if len(decoded) > 1:
-        samples = picked(samples, stable_order(samples.log_time))
-    return ReadVectors(samples, tuple(sorted(frames)), malformed_in(each for _, each in decoded))
+    malformed = malformed_in(each for _, each in decoded)
+    return ReadVectors(concatenated(parts), tuple(sorted(frames)), malformed)
 
 
 # Transforms

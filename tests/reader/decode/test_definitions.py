@@ -155,6 +155,7 @@ IN_A_RING: Final = f"demo/A a\n{SEPARATOR}\nMSG: demo/A\ndemo/B%s b\n{SEPARATOR}
             for kind in ("string", "Inner")
             for length in (2**31, 10**30)
         ),
+        ("demo/Root", with_inner("Inner[2147483648] x", ""), "ros1msg", "absurd"),
         ("demo/Root", "#" * 2_000_001, "ros1msg", "2000001 characters"),
         ("demo/Root", levels(20, "a", "b"), "ros1msg", "fields"),
         ("demo/Root", levels(40, "a"), "ros1msg", "too deep"),

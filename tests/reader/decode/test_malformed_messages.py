@@ -220,6 +220,19 @@ def test_an_array_of_empty_messages_cannot_claim_more_elements_than_bytes() -> N
     assert not decoded.sound.any()
 
 
+@pytest.mark.parametrize("array", ["[20000]", "[2000000000]", "[]"])
+def test_arrays_of_elements_without_a_byte_take_no_time_and_no_memory(array: str) -> None:
+    root = f"Inner{array} x\nEmpty{array} z\nuint8 y"
+    definition = define(1, root, Inner=f"Empty{array} z\nfloat64[0] n", Empty="")
+    counts = (0).to_bytes(8, "little") if array == "[]" else b""
+
+    decoded = decode_messages(definition.layout("ros1"), [counts + b"\x07"] * 1000)
+
+    assert decoded.sound.all()
+    assert decoded.table.numbers("y").tolist() == [7] * 1000
+    assert decoded.table.nested("z").table.rows == 0
+
+
 @pytest.mark.parametrize("header", [b"\0\2", b"\0\3", b"\0\6", b"\1\0", b"\xff\xff"])
 def test_other_encapsulations_than_plain_cdr_are_unsound(header: bytes) -> None:
     layout = define(2, "uint32 number").layout("cdr little-endian")
