@@ -26,7 +26,6 @@ from dogbot_logtool.robot.frames.frames import Frames, read_frames
 from dogbot_logtool.robot.measuring.plan import settings_of
 from dogbot_logtool.robot.measuring.side_topics import side_topics
 from dogbot_logtool.robot.message_feet import is_planned
-from dogbot_logtool.robot.robot_model.description import read_model, without_legs
 from dogbot_logtool.robot.robot_model.joints_of_log import joint_channels
 from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.run.runner import OnProgress
@@ -103,6 +102,11 @@ def _with_legs(
     missing = {code for code, lacks in lacking.items() if lacks}
     if not missing or not joint_channels(log):
         return list(findings)
+    from dogbot_logtool.robot.robot_model.description import (  # noqa: PLC0415
+        read_model,
+        without_legs,
+    )
+
     model = read_model(log, options.urdf)
     if model.robot is None:
         offered = any(each.command for each in findings)

@@ -13,7 +13,7 @@ from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.checks.frames import zero_stamps
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.known_frames import DEFAULT_BASE, DEFAULT_WORLD
-from dogbot_logtool.core.plausible import STRONGEST_N
+from dogbot_logtool.core.plausible import LARGEST
 from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.salvage.losses import damage_of
@@ -78,7 +78,7 @@ def _peak_n(feet: Sequence[Samples]) -> float | None:
     largest = 0.0
     for samples in feet:
         force = norms(samples.force)
-        force = force[np.isfinite(force) & (force < STRONGEST_N)]
+        force = force[np.isfinite(force) & (force < LARGEST)]
         if len(force):
             largest = max(largest, _ROOM * float(np.quantile(force, _NEARLY_ALL)))
     return upper_bound(largest) if largest > 0.0 else None

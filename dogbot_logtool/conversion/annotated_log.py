@@ -9,7 +9,7 @@ recorded messages.
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing
-from dataclasses import dataclass
+from functools import partial
 from typing import BinaryIO, Final
 
 import numpy as np
@@ -112,7 +112,7 @@ class AnnotatedLog:
             message = annotations.robot_description(plan.description.urdf, plan.opening)
             self._writer.add_chunk(finish_chunk(message, plan.options.compression or "zstd"))
         spans: list[TimeSpan | None] = [None, *time_spans(scene)]
-        work = SpanWriter(scene, annotations)
+        work = partial(annotate_span, scene, annotations)
         with closing(in_order(work, self._log, spans, plan.options.jobs, start)) as results:
             for number, (chunks, counts) in enumerate(results, 1):
                 for chunk in chunks:
@@ -158,29 +158,24 @@ def time_spans(scene: Scene) -> list[TimeSpan]:
     return list(zip([_TIMES.min, *cuts], [*cuts, _TIMES.max], strict=True))
 
 
-@dataclass(frozen=True, slots=True)
-class SpanWriter:
-    """Annotates spans of log time, in any process and in any order."""
+def annotate_span(
+    scene: Scene, annotations: Annotations, _log: Log, span: TimeSpan | None
+) -> tuple[list[FinishedChunk], Counter[str]]:
+    """Return the chunks of a span, and how many annotations lack something.
 
-    scene: Scene
-    annotations: Annotations
-
-    def __call__(
-        self, _log: Log, span: TimeSpan | None
-    ) -> tuple[list[FinishedChunk], Counter[str]]:
-        """Return the chunks of a span, and how many annotations lack something.
-
-        Args:
-            span: ns; None: events and gaits of the whole log.
-        """
-        counts = Counter[str]()
-        if span is None:
-            parts: Iterable[MessageRecords] = event_records(self.annotations, self.scene)
-        else:
-            columns, counts = annotations_between(self.scene, *span)
-            parts = self.annotations.messages(columns)
-        compression = self.scene.plan.options.compression or "zstd"
-        return [chunk for part in parts for chunk in finish_chunks(part, compression)], counts
+    Args:
+        scene: what is drawn.
+        annotations: as which messages.
+        span: ns; None: events and gaits of the whole log.
+    """
+    counts = Counter[str]()
+    if span is None:
+        parts: Iterable[MessageRecords] = event_records(annotations, scene)
+    else:
+        columns, counts = annotations_between(scene, *span)
+        parts = annotations.messages(columns)
+    compression = scene.plan.options.compression or "zstd"
+    return [chunk for part in parts for chunk in finish_chunks(part, compression)], counts
 
 
 def event_records(annotations: Annotations, scene: Scene) -> Iterator[MessageRecords]:
@@ -209,6 +204,16 @@ def _records(channel: int, payloads: Iterable[bytes], log_time: Ints) -> Message
     )
 
 
+def _free_topic(
+    taken: Mapping[str, tuple[str, str]], moved: dict[str, str], topic: str, kind: MessageType
+) -> str:
+    """Return a topic that carries no other type or encoding; note it where it is another one."""
+    name, ours = topic, (short_type_name(kind.name), kind.message_encoding)
+    while taken.get(name, ours) != ours:
+        name = moved[topic] = FALLBACK_PREFIX + name
+    return name
+
+
 def annotations_of(log: Log, plan: ConversionPlan) -> tuple[Annotations, Mapping[str, str]]:
     """Return the annotation channels of a log's output.
 
@@ -223,13 +228,6 @@ def annotations_of(log: Log, plan: ConversionPlan) -> tuple[Annotations, Mapping
         if channel.id not in plan.left_out
     }
     moved: dict[str, str] = {}
-
-    def free_topic(topic: str, kind: MessageType) -> str:
-        name, ours = topic, (short_type_name(kind.name), kind.message_encoding)
-        while taken.get(name, ours) != ours:
-            name = moved[topic] = FALLBACK_PREFIX + name
-        return name
-
     estimated = plan.selection.contact_from
     shaft_m = robot.shaft_diameter_m * (ESTIMATED_WIDTH if estimated else 1.0)
     # At a low rate, support lasts until the next message.
@@ -252,5 +250,5 @@ def annotations_of(log: Log, plan: ConversionPlan) -> tuple[Annotations, Mapping
     schema_ids = IdSource({channel.schema.id for channel in copied if channel.schema})
     channel_ids = IdSource({channel.id for channel in copied})
     notes = {"contact_from": estimated} if estimated else {}
-    added = AddedChannels(schema_ids, channel_ids, free_topic, notes)
+    added = AddedChannels(schema_ids, channel_ids, partial(_free_topic, taken, moved), notes)
     return Annotations(plan.encoding.load(), wanted, added), moved

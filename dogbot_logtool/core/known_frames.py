@@ -209,12 +209,9 @@ def _wrench_frame(
     if settings.promised_frame is not None:
         return WrenchFrameEvidence(settings.promised_frame)
     # Evenly spread, as many as the frame needs.
-    some = [
-        own.pick(np.arange(0, count, count // _ENOUGH_SAMPLES + 1))
-        for own in recording.feet
-        for count in (len(own.log_time),)
-    ]
-    link = None
+    counts = [len(own.log_time) for own in recording.feet]
+    rows = [np.arange(0, count, count // _ENOUGH_SAMPLES + 1) for count in counts]
+    some, link = [own.pick(each) for own, each in zip(recording.feet, rows, strict=True)], None
     if followed is not None and tracks is not None:
         turned, _ = followed.place(some, tracks)
         pairs = zip(turned, some, strict=True)
@@ -235,19 +232,10 @@ def _stances(
     recording: Recording, settings: WalkSettings, frames: KnownFrames
 ) -> Mapping[int, Point]:
     """Return where feet touch the ground in the frame of the base that odometry places."""
-    if not settings.odometry_topic:
+    nowhere = (None,) * len(settings.feet)
+    followed = frames.follow(settings, (frames.base,) * len(nowhere), nowhere)
+    if followed is None or not settings.odometry_topic:
         return {}
-    number = len(settings.feet)
-    followed = WorldFrames(
-        links=(frames.base,) * number,
-        points=(None,) * number,
-        world=frames.world,
-        base=frames.base,
-        odometry_places_base=True,
-        moving={},
-        statics=TransformBuffer(),
-        clock=settings.clock,
-    )
     in_base = {row for row, foot in enumerate(settings.feet) if foot.in_base}
     tracks = followed.tracks(recording.transforms, recording.base)
     return rounded(find_soles(recording.feet, followed, tracks, STANCE_SPREAD_M, in_base))

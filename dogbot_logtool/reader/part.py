@@ -12,7 +12,7 @@ from dogbot_logtool.core.base.poses import concatenate_odometry
 from dogbot_logtool.core.contact.contacts import Samples, samples_by_foot
 from dogbot_logtool.core.frames.transforms import RecordedTransforms
 from dogbot_logtool.core.legs.joints import MOST_JOINTS, JointSamples, JointTable
-from dogbot_logtool.core.plausible import plausible_odometry
+from dogbot_logtool.core.plausible import plausible
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss
 from dogbot_logtool.reader.messages.bases import BasePoses
 from dogbot_logtool.reader.messages.contacts import ReadContacts, read_contacts
@@ -104,7 +104,7 @@ def read_part(wanted: Wanted, log: Log, whole: Batch) -> Part:
 
 def _add_base(part: Part, wanted: Wanted, batch: Batch) -> list[BasePoses]:
     base = wanted.base.read(batch, wanted.base_channels) if wanted.base else []
-    poses, implausible = plausible_odometry(concatenate_odometry([each.poses for each in base]))
+    poses, implausible = plausible(concatenate_odometry([each.poses for each in base]))
     part.columns["base", ONLY].append(poses)
     part.counts["implausible", ONLY] += implausible
     for each in base:

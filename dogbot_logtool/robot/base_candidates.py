@@ -18,10 +18,9 @@ from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.others import is_static
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.messages.table import types_of
-from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.topics import first_messages, message_count, topic_words
+from dogbot_logtool.robot.topics import first_messages, message_count, read_wanted, topic_words
 from dogbot_logtool.robot.words import VOCABULARY
 
 _MOST_SEEN: Final = 20
@@ -258,11 +257,9 @@ def likely_base(log: Log, candidates: Sequence[BaseCandidate], feet: Collection[
 
 def _moves(log: Log, candidate: BaseCandidate) -> bool:
     """Tell whether a candidate's poses move."""
-    channels = log.channels_by_topic[candidate.topic]
     base = Base(candidate.source, candidate.element)
-    ids = {channel.id for channel in channels}
-    chunks = (c for c in log.chunks if c.counts is None or not ids.isdisjoint(c.counts))
+    channels = log.channels_by_topic[candidate.topic]
     wanted = Wanted((), FootChannels((), {}), base, channels)
-    position = read_recording(log, wanted, 1, spans=log.grouped(chunks)).recording.base.position
+    position = read_wanted(log, wanted).base.position
     position = position[all_finite(position)]
     return bool(len(position)) and bool(np.ptp(position, axis=0).max() > _MOVING_M)

@@ -5,6 +5,7 @@ from collections.abc import Collection, Container, Iterable, Iterator, Sequence
 from itertools import islice
 from typing import Final
 
+from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import MOST, listed, printable
@@ -18,7 +19,9 @@ from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.messages import SERIALISATIONS, DecodedMessages, decode_channels
 from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES, TRANSFORM_TYPES
 from dogbot_logtool.reader.messages.source import Source, source_of
+from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of
+from dogbot_logtool.reader.wanted import Wanted
 
 _COMPARED: Final = 2000
 """Topics that a wrong name is compared with."""
@@ -78,6 +81,13 @@ def has_field(channel: Channel, foot: Foot) -> bool:
         return named and foot_source(channel, [foot]) is not None
     except DefinitionError:
         return False
+
+
+def read_wanted(log: Log, wanted: Wanted) -> Recording:
+    """Read feet and base of a whole log, of the chunks that have messages of them."""
+    ids = {channel.id for channel in (*wanted.contacts, *wanted.base_channels)}
+    chunks = (c for c in log.chunks if c.counts is None or not ids.isdisjoint(c.counts))
+    return read_recording(log, wanted, 1, spans=log.grouped(chunks) if ids else ()).recording
 
 
 def split_topic(name: str, topics: Container[str]) -> tuple[str, str]:

@@ -20,7 +20,6 @@ from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.source import source_of
-from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.names import leg_position, name_feet
 from dogbot_logtool.robot.score import (
@@ -32,7 +31,7 @@ from dogbot_logtool.robot.score import (
     with_content,
     word_of,
 )
-from dogbot_logtool.robot.topics import first_messages, has_field, message_count
+from dogbot_logtool.robot.topics import first_messages, has_field, message_count, read_wanted
 from dogbot_logtool.robot.words import Word, texts_of, words_of
 
 _ENOUGH: Final = 5
@@ -253,10 +252,8 @@ def _read_fields(log: Log, sets: Sequence[FootCandidates]) -> Mapping[str, Sampl
         if told := tuple(n for n, foot in enumerate(feet) if has_field(channel, foot)):
             of_channel[channel.id] = told
     channels = tuple(log.channels[number] for number in of_channel)
-    chunks = (c for c in log.chunks if not (c.counts and of_channel.keys().isdisjoint(c.counts)))
-    wanted = Wanted(channels, FootChannels(feet, of_channel))
-    read = read_recording(log, wanted, 1, spans=log.grouped(chunks) if channels else ())
-    return {foot.name: samples for foot, samples in zip(feet, read.recording.feet, strict=True)}
+    read = read_wanted(log, Wanted(channels, FootChannels(feet, of_channel)))
+    return {foot.name: samples for foot, samples in zip(feet, read.feet, strict=True)}
 
 
 def _present(named: FootCandidates, columns: Mapping[str, Samples]) -> list[Samples]:

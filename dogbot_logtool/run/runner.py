@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Generic, Literal, Protocol, Self, TypeVar
 
-from dogbot_logtool.errors import LogtoolError, StoreError
+from dogbot_logtool.errors import LogtoolError
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -105,24 +105,16 @@ class SerialRunner(Runner[Result]):
 
 
 def attempt(work: Work[Result], item: object, on_progress: OnProgress | None) -> Result | Failure:
-    """Work on an item; every error becomes an outcome.
-
-    If a store still fails after several requests, the item is begun anew once.
-    """
-    for last in (False, True):
-        try:
-            return work(item, progress=on_progress)
-        except StoreError as error:
-            if last:
-                return Failure(str(error), error.exit_code)
-        except LogtoolError as error:
-            return Failure(str(error), error.exit_code)
-        except MemoryError:
-            return Failure("there was not enough memory for it", 1)
-        except Exception as error:  # noqa: BLE001 - one bad log never stops the rest
-            what = f"{type(error).__name__}: {error}"
-            return Failure(f"failed by a fault of dogbot-logtool, please report it ({what})", 1)
-    raise AssertionError
+    """Work on an item; every error becomes an outcome."""
+    try:
+        return work(item, progress=on_progress)
+    except LogtoolError as error:
+        return Failure(str(error), error.exit_code)
+    except MemoryError:
+        return Failure("there was not enough memory for it", 1)
+    except Exception as error:  # noqa: BLE001 - one bad log never stops the rest
+        what = f"{type(error).__name__}: {error}"
+        return Failure(f"failed by a fault of dogbot-logtool, please report it ({what})", 1)
 
 
 def _throttled(progress: Progress, number: int) -> OnProgress:

@@ -15,7 +15,7 @@ import dogbot_logtool as dl
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.core.plausible import FARTHEST_M
+from dogbot_logtool.core.plausible import LARGEST
 from dogbot_logtool.io.plain_json import only_finite, to_json
 from dogbot_logtool.option import part_of
 from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
@@ -34,7 +34,7 @@ TYPES = {
     "point": "gazebo_msgs/msg/ContactState",
     "normal": "gazebo_msgs/msg/ContactState",
 }
-IMPLAUSIBLE = (math.nextafter(FARTHEST_M, math.inf), 1e155, 1.7e308)
+IMPLAUSIBLE = (math.nextafter(LARGEST, math.inf), 1e155, 1.7e308)
 
 
 class Extreme(walks.Walk):
@@ -125,7 +125,7 @@ def test_no_number_is_too_large_or_too_small(
 ) -> None:
     path = write(tmp_path / "walk.mcap", Extreme(where, value, every), GAZEBO, usual)
     figures, converted = outputs(tmp_path, path)
-    is_said = where in {"position", "velocity", "force", "point"} and value > FARTHEST_M
+    is_said = where in {"position", "velocity", "force", "point"} and value > LARGEST
     for found in (texts(figures), converted):
         is_implausible = any("that no robot reaches" in text for text in found)
         assert is_implausible == (is_said and math.isfinite(value))

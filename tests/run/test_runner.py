@@ -13,10 +13,9 @@ from typing import Any
 
 import pytest
 
-from dogbot_logtool.errors import StoreError
 from dogbot_logtool.run import processes
 from dogbot_logtool.run.processes import ProcessRunner
-from dogbot_logtool.run.runner import Failure, OnProgress, Runner, attempt, runner_for
+from dogbot_logtool.run.runner import Failure, OnProgress, Runner, runner_for
 from tests.paths import ROOT
 from tests.run.work import Progress, wait_for_the_end_of, work
 
@@ -198,26 +197,6 @@ if __name__ == "__main__":
         "ForkProcess True, SpawnProcess False, SpawnProcess False",
         "SpawnProcess False",
     ]
-
-
-def test_a_store_that_fails_is_tried_once_more() -> None:
-    calls: list[int] = []
-
-    def fails(_item: object, progress: OnProgress | None) -> str:  # noqa: ARG001
-        calls.append(1)
-        if len(calls) == 1:
-            raise StoreError("the store fails")
-        return "done"
-
-    assert attempt(fails, None, lambda _done, _total: None) == "done"
-
-    def always_fails(_item: object, progress: OnProgress | None) -> str:  # noqa: ARG001
-        calls.append(1)
-        raise StoreError("the store fails")
-
-    calls.clear()
-    failed = attempt(always_fails, None, lambda _done, _total: None)
-    assert (failed, len(calls)) == (Failure("the store fails", 1), 2)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")

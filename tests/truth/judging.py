@@ -1,6 +1,6 @@
 """Is a result right, or null with its cause named? Every figure against the truth."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal, Protocol
 
@@ -11,7 +11,6 @@ from tests.truth.outcome import Outcome
 from tests.truth.recording import (
     Disturbance,
     Floats,
-    FootTruth,
     Recording,
     Truth,
     disturbed,
@@ -188,9 +187,8 @@ def _verdict(case: Case, truth: Truth, found: Outcome) -> Iterator[Judged]:
         yield Judged("verdict", "OK", f"{found.quality} [{codes}]", _right(found.quality == "OK"))
     fell = bool(found.says("the robot falls"))
     if truth.falls_s or fell:
-        yield Judged(
-            "fall", str(bool(truth.falls_s)), str(fell), _right(fell == bool(truth.falls_s))
-        )
+        falls = bool(truth.falls_s)
+        yield Judged("fall", str(falls), str(fell), _right(fell == falls))
     if truth.falls_s:
         reported = "fall" in found.headline.lower() or "fell" in found.headline.lower()
         yield Judged("headline", "fall", found.headline, _right(reported))
@@ -202,44 +200,40 @@ def _no_steps(recording: Recording, found: Outcome) -> Iterator[Judged]:
 
 
 def _walk(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
-    allow, first = case.tolerance, recording.truth.feet[0]
-    period = first.stride_period_s or 1.0
+    allow, truth, names = case.tolerance, recording.truth, recording.robot.feet
+    first = truth.feet[0]
     yield from _events(case, recording, found)
-    of_feet: tuple[tuple[str, str, Callable[[FootTruth], float | None], float], ...] = (
-        ("contact fraction", "contact_fraction", lambda t: t.contact_fraction, allow.contact),
-        ("duty factor", "duty_factor.mean", lambda t: t.duty_factor, allow.duty),
-        ("stride period", "stride_period_s.median", lambda t: t.stride_period_s,
-         allow.period * period),
-        ("stride length", "stride_length_m.mean", lambda t: t.stride_length_m,
+    # Name, key, field of the truth, and how far it may be off.
+    of_feet = (
+        ("contact fraction", "contact_fraction", "contact_fraction", allow.contact),
+        ("duty factor", "duty_factor.mean", "duty_factor", allow.duty),
+        ("stride period", "stride_period_s.median", "stride_period_s",
+         allow.period * (first.stride_period_s or 1.0)),
+        ("stride length", "stride_length_m.mean", "stride_length_m",
          allow.length * (first.stride_length_m or 1.0)),
-        ("peak force", "peak_vertical_force_n.mean", lambda t: t.peak_vertical_force_n,
+        ("peak force", "peak_vertical_force_n.mean", "peak_vertical_force_n",
          allow.force * (first.peak_vertical_force_n or 1.0)),
-        ("braking", "braking_impulse_ns.mean", lambda t: t.braking_impulse_ns,
+        ("braking", "braking_impulse_ns.mean", "braking_impulse_ns",
          0.1 * (first.braking_impulse_ns or 1.0)),
+        ("slip", "slip_m.median", "slip_m", 0.004),
     )  # fmt: skip
-    for name, key, true, within in of_feet:
-        wanted = [true(each) for each in recording.truth.feet]
-        keys = [f"feet.{foot}.{key}" for foot in recording.robot.feet]
-        if None not in wanted:
+    for name, key, field_of_truth, within in of_feet:
+        wanted = [getattr(each, field_of_truth) for each in truth.feet]
+        if None not in wanted and not (name == "slip" and recording.kind == "wrench"):
+            keys = [f"feet.{foot}.{key}" for foot in names]
             yield _numbers(case, found, name, keys, wanted, within)
-    shares = [each.load_share for each in recording.truth.feet]
-    keys = [f"forces.load_share.feet.{foot}" for foot in recording.robot.feet]
+    shares = [each.load_share for each in truth.feet]
+    keys = [f"forces.load_share.feet.{foot}" for foot in names]
     yield _numbers(case, found, "load share", keys, shares, allow.share)
-    if recording.kind != "wrench":
-        slips = [each.slip_m for each in recording.truth.feet]
-        keys = [f"feet.{foot}.slip_m.median" for foot in recording.robot.feet]
-        yield _numbers(case, found, "slip", keys, slips, 0.004)
     yield _phases(case, recording, found)
-    if recording.truth.support is not None:
-        parts = {str(count): part for count, part in recording.truth.support.items()}
-        keys = [f"gait.support.{count}" for count in parts]
-        yield _numbers(case, found, "support", keys, list(parts.values()), 3.5 * allow.contact)
-    if recording.truth.segments:
-        classes = [each["gait"]["name"] for each in found.figure("gait.segments")]
-        wanted_classes = list(recording.truth.segments)
-        yield Judged(
-            "segments", _joined(wanted_classes), _joined(classes), _right(classes == wanted_classes)
-        )
+    if truth.support is not None:
+        keys = [f"gait.support.{count}" for count in truth.support]
+        parts = list(truth.support.values())
+        yield _numbers(case, found, "support", keys, parts, 3.5 * allow.contact)
+    if truth.segments:
+        classes = tuple(each["gait"]["name"] for each in found.figure("gait.segments"))
+        status = _right(classes == truth.segments)
+        yield Judged("segments", _joined(truth.segments), _joined(classes), status)
 
 
 def _whole(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
@@ -333,11 +327,7 @@ def _events(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged
         if status == "right" and (missed or silent_feet):
             status = _excused(case, name, found)
         spread = f"{np.mean(errors) * 1e3:+.0f} ± {np.std(errors) * 1e3:.0f} ms" if errors else ""
-        counts = (
-            (missed, "missed"),
-            (invented, "invented"),
-            (silent_feet, "feet without any"),
-        )
+        counts = (missed, "missed"), (invented, "invented"), (silent_feet, "feet without any")
         also = [f"{count} {word}" for count, word in counts if count]
         result = ", ".join([spread, *also] if spread else also)
         yield Judged(name, "all", result, status)

@@ -15,6 +15,8 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.metrics import Base
 from dogbot_logtool.core.settings import WalkSettings
 
+STRAIGHT: Final = 0.9
+"""Net way over path of a base that goes straight."""
 WALKED_M: Final = 0.5
 """m, way to a side from which its direction means something."""
 
@@ -36,7 +38,8 @@ def with_forward_axis(
     if not settings.forward_axis_is_assumed:
         return settings
     positions = [foot.leg_position for foot in settings.feet]
-    measured = axis_by_legs(track.history, track.feet, positions) if in_one_world else None
+    tells = in_one_world and (motion is None or has_heading(motion))
+    measured = axis_by_legs(track.history, track.feet, positions) if tells else None
     because = "the fore feet are on that side of the hind feet"
     if measured is None:
         measured = axis_by_motion(motion, settings.forward_axis)
@@ -47,12 +50,25 @@ def with_forward_axis(
     return replace(settings, forward_axis=measured, forward_axis_reason=reason)
 
 
+def has_heading(motion: Base) -> bool:
+    """Tell whether the heading turns with the way: one that never turns beside a bend is none."""
+    net, path = motion.net_displacement_m or 0.0, motion.path_length_m or 0.0
+    return bool(motion.yaw_rate_radps) or net >= STRAIGHT * path
+
+
+def ways_m(motion: Base | None) -> tuple[float, float]:
+    """Return how far the base goes ahead and to the left, m; zeros where that is not known."""
+    if motion is None or not has_heading(motion):
+        return 0.0, 0.0
+    speeds = motion.forward_speed_mps or 0.0, motion.lateral_speed_mps or 0.0
+    seconds = motion.duration_s or 0.0
+    return speeds[0] * seconds, speeds[1] * seconds
+
+
 def axis_by_motion(motion: Base | None, forward_axis: str) -> str | None:
     """Return the body's axis that the motion follows, if it is to a side of the given one."""
-    if motion is None or motion.forward_speed_mps is None or motion.lateral_speed_mps is None:
-        return None
-    forward, left = motion.forward_speed_mps, motion.lateral_speed_mps
-    if abs(left) * (motion.duration_s or 0.0) < WALKED_M or abs(left) <= abs(forward):
+    forward, left = ways_m(motion)
+    if abs(left) < WALKED_M or abs(left) <= abs(forward):
         return None
     turn = FORWARD_ANGLES[forward_axis]
     along = np.array([forward * np.cos(turn), forward * np.sin(turn)])

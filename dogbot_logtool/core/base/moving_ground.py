@@ -79,25 +79,13 @@ def find_moving_ground(
 
 
 def _velocities(foot: FootHistory) -> tuple[Ints, Floats]:
-    """Return the middle of stances, ns, and the velocity of the contact point there, (k, 2) m/s."""
+    """Return the middle of stances, ns, and the velocity of the contact point in, (k, 2) m/s."""
     time, point = foot.track.contact_points
-    begin, end = foot.stances.touchdown, foot.stances.liftoff
-    if not len(begin) or not len(time):
-        return np.empty(0, np.int64), np.empty((0, 2))
-    stance = np.searchsorted(begin, time, side="right") - 1
-    inside = (stance >= 0) & (time < end[np.maximum(stance, 0)]) & foot.stances.whole[stance]
-    stance, time, point = stance[inside], time[inside], point[inside, :2]
-    count = np.bincount(stance, minlength=len(begin))
-    since = (time - begin[stance]) / 1e9
-
-    def sums(values: Floats) -> Floats:
-        return np.asarray(np.bincount(stance, values, len(begin)))
-
-    known = count > 2
-    number = np.maximum(count, 1)
-    away = since - (sums(since) / number)[stance]
-    spread = sums(away * away)
-    known &= spread > 0.0
-    slopes = [sums(away * axis) / np.where(known, spread, 1.0) for axis in point.T]
-    middle = begin + (end - begin) // 2
-    return middle[known], np.stack(slopes, axis=1)[known]
+    whole = foot.stances.whole
+    begin, end = foot.stances.touchdown[whole], foot.stances.liftoff[whole]
+    first, last = np.searchsorted(time, begin), np.searchsorted(time, end) - 1
+    told = last > first + 1
+    first, last = first[told], last[told]
+    seconds = (time[last] - time[first])[:, None] / 1e9
+    middle = (begin + (end - begin) // 2)[told]
+    return middle, (point[last, :2] - point[first, :2]).astype(np.float64) / seconds

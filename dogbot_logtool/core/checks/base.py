@@ -7,7 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import median_of, norms
-from dogbot_logtool.core.base.axes import WALKED_M
+from dogbot_logtool.core.base.axes import WALKED_M, has_heading, ways_m
 from dogbot_logtool.core.base.ground import swapped_pairs
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.consistency.worlds import Worlds
@@ -117,6 +117,7 @@ def sides_swapped(walk: Walk) -> Iterator[Finding]:
     """Yield where left feet touch on the right; where all do, the walk is a mirror image."""
     # In another world, contact points tell nothing of the body's sides.
     apart = walk.worlds_differ or walk.base_by_feet
+    apart |= walk.base is not None and not has_heading(walk.base)
     poses = walk.poses.without_poses() if apart else walk.placed_poses
     positions = [foot.leg_position for foot in walk.settings.feet]
     forward_rad = FORWARD_ANGLES[walk.settings.forward_axis]
@@ -138,18 +139,16 @@ def forward_axis(walk: Walk) -> Iterator[Finding]:
     axis, why = settings.forward_axis, settings.forward_axis_reason
     if why:
         yield found("FORWARD_AXIS", where="settings.forward_axis", axis=axis, why=why)
-    forward, left = base.forward_speed_mps, base.lateral_speed_mps
-    if forward is None or left is None or abs(left) * (base.duration_s or 0.0) < WALKED_M:
-        return
-    if abs(left) > 2.0 * abs(forward):
+    forward, left = ways_m(base)
+    if abs(left) > max(WALKED_M, 2.0 * abs(forward)):
         yield found(
             "FORWARD_AXIS",
             where="base.forward_speed_mps",
             say="sideways",
             side="left" if left > 0.0 else "right",
             axis=axis,
-            speed=abs(left),
-            forward=forward,
+            speed=abs(base.lateral_speed_mps or 0.0),
+            forward=base.forward_speed_mps,
         )
 
 

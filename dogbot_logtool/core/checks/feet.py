@@ -20,6 +20,8 @@ MOST_FLIGHT: Final = 0.02
 FLIES: Final = 0.05
 HALF: Final = 0.5
 """Duty factor of feet above which a stride is a walk's."""
+SHORT: Final = 0.4
+"""The same below which it is none, with or without flight."""
 STANDS_FROUDE: Final = 1e-3
 WALKS_FROUDE: Final = 0.06
 """Froude numbers between which robots walk and do not run; on the spot they may hop."""
@@ -73,7 +75,7 @@ def _all_inverted(walk: Walk, feet: list[FootSteps]) -> str:
         return f"{mean:.1f} of {len(feet)} feet would be down on average, without any flight"
     speed = walk.base.forward_speed_mps if walk.base else None
     if speed is not None and _flies_slowly(walk, flight, speed):
-        return f"the robot would fly for {100.0 * flight:.0f} % of the time at {speed:.2f} m/s"
+        return f"feet would be up so long, {flight:.0%} of the time all at once, at {speed:.2f} m/s"
     at = _dangles(walk, supported.in_flight)
     if at is not None:
         return f"no foot would be down from {walk.seconds(at)[0]:.1f} s on, while the base stands"
@@ -81,14 +83,15 @@ def _all_inverted(walk: Walk, feet: list[FootSteps]) -> str:
 
 
 def _flies_slowly(walk: Walk, flight: float, speed_mps: float) -> bool:
-    """Tell whether a robot would fly at a speed at which none does, by its size.
+    """Tell whether feet would be up for as long as in no walk, at a walk's speed by its size.
 
     Flags that are true for most of a stride would be less likely the other way round.
     """
     usual = float(median_of(np.array([foot.record.contact_fraction() for foot in walk.feet])))
     leg_m = LEG_M * (walk.settings.mass_kg or HEAVY_KG) ** (1.0 / 3.0)
     froude = speed_mps**2 / (GRAVITY_MPS2 * leg_m)
-    return flight >= FLIES and usual < HALF and STANDS_FROUDE < froude < WALKS_FROUDE
+    is_short = usual < SHORT or (usual < HALF and flight >= FLIES)
+    return is_short and STANDS_FROUDE < froude < WALKS_FROUDE
 
 
 def _travel_share(foot: FootSteps) -> float:
@@ -153,7 +156,7 @@ def payload(walk: Walk) -> Iterator[Finding]:
     """Yield that the feet's sum changes lastingly: a load is put on, or taken off."""
     time, weight = _weights(walk)
     # The stride in which it changes belongs to neither part.
-    rows = range(FEWEST_WEIGHTS // 2 - 1, len(weight) - FEWEST_WEIGHTS // 2)
+    rows = range(FEWEST_WEIGHTS // 2 - 1, len(weight) - FEWEST_WEIGHTS // 2 + 1)
     rests = [row * weight[:row].var() + weight[row + 1 :].var() * len(weight[row + 1 :])
              for row in rows]  # fmt: skip
     if not rests:

@@ -102,7 +102,7 @@ def against_plan(walk: Walk) -> Iterator[Finding]:
 
 def slips(walk: Walk) -> Iterator[Finding]:
     """Yield contact points that travel further in a stance than a foot is long."""
-    for foot in walk.feet:
+    for foot in walk.feet if walk.ground is None else ():
         reach = foot.stances.figures.contact_reach_m[foot.stances.whole]
         far = int((reach > LARGEST_FOOT_M).sum())
         if far and walk.settings.foot_rolling_m is None and foot.slip_from is None:

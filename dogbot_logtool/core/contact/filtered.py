@@ -6,6 +6,7 @@ stances end in one exponential tail. A force that nothing filters falls to nothi
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import Final
 
 import numpy as np
@@ -18,6 +19,8 @@ LEVELS: Final = (0.16, 0.08, 0.04)
 """Shares of a foot's usual load, each half of the one before, between which its fall is timed."""
 ALIKE: Final = 0.8
 """Least ratio of those times in an exponential fall; in a straight one it is a half."""
+QUICKER: Final = 0.9
+"""Most time that a filtered load takes to rise through these levels, as a share of its fall."""
 FEWEST_TAILS: Final = 3
 FEWEST_INTERVALS: Final = 1.5
 """Sampling intervals from which a time constant is told, and matters."""
@@ -36,49 +39,64 @@ def time_constants_s(feet: Sequence[Samples]) -> tuple[float | None, ...]:
     Args:
         feet: samples of each whose sensor tells a force all the time.
     """
-    told = [_tails_of(samples) for samples in feet]
-    common = _time_constant([tail for tails in told for tail in tails])
+    told = [_ends_of(samples) for samples in feet]
+    common = _time_constant(*(list(chain(*each)) for each in zip(*told, strict=True)))
     interval_s = [usual_interval_s(samples.log_time) or 0.0 for samples in feet]
     if common and np.ptp(interval_s) < ALIKE * min(interval_s):
         return tuple(common * each for each in interval_s)
-    alone = [_time_constant(tails) for tails in told]
+    alone = [_time_constant(*each) for each in told]
     known = [each for each in alone if each]
     if 2 * len(known) >= len(alone) > 0 and max(known) * ALIKE <= min(known):
         alone = [float(median_of(np.array(known)))] * len(alone)
     return tuple(each and each * seconds for each, seconds in zip(alone, interval_s, strict=True))
 
 
-def _time_constant(tails: Sequence[Floats]) -> float | None:
-    """Return the time constant in which tails end, in samples; None where they end otherwise."""
-    if len(tails) < FEWEST_TAILS:
+def _time_constant(falls: Sequence[Floats] = (), rises: Sequence[Floats] = ()) -> float | None:
+    """Return the time constant in which loads fall, in samples; None where they fall otherwise.
+
+    Args:
+        falls: loads until stances end; see `_tails`.
+        rises: the same of their beginnings, backwards.
+    """
+    if min(len(falls), len(rises)) < FEWEST_TAILS:
         return None
-    shortest = int(median_of(np.array([len(each) for each in tails])))
-    tail = np.mean([each[:shortest] for each in tails if len(each) >= shortest], axis=0)
-    end = float(np.mean(tail[-max(shortest // 5, 1) :]))
+    fall, rise = _mean(falls), _mean(rises)
+    length = len(fall)
+    end = float(fall[-max(length // 5, 1) :].mean())
     rest, tau = end, np.nan
     for _ in range(_ROUNDS):
-        around = 1 if np.isnan(tau) else max(2 * int(tau / 6.0) + 1, 1)
-        smooth = np.convolve(
-            np.pad(tail, around // 2, "edge"), np.full(around, 1.0 / around), "valid"
-        )
-        first, second, third = (_crossing(smooth, rest + level * (1.0 - rest)) for level in LEVELS)
+        half = 0 if np.isnan(tau) else int(tau / 6.0)
+        smooth = np.convolve(np.pad(fall, half, "edge"), np.full(2 * half + 1, 1.0), "valid")
+        smooth /= 2.0 * half + 1.0
+        levels = [rest + level * (1.0 - rest) for level in LEVELS]
+        first, second, third = (_crossing(smooth, level) for level in levels)
         if not second - first > 0.0 or not third - second >= ALIKE * (second - first):
             return None
         tau = (third - first) / (2.0 * np.log(2.0))
         # The force may not have fallen to nothing when the next stance begins.
-        rest = end - LEVELS[-1] * float(np.exp((third - 0.9 * shortest) / tau))
-    return tau if tau > FEWEST_INTERVALS else None
+        rest = end - LEVELS[-1] * float(np.exp((third - 0.9 * length) / tau))
+    rising = _crossing(rise, levels[2]) - _crossing(rise, levels[0])
+    return tau if tau > FEWEST_INTERVALS and not rising > QUICKER * (third - first) else None
 
 
-def _tails_of(samples: Samples) -> list[Floats]:
-    """Return the ends of a foot's stances, as shares of its load; none of a noisy one."""
+def _mean(tails: Sequence[Floats]) -> Floats:
+    """Return the mean of tails over their usual length."""
+    usual = int(median_of(np.array([len(each) for each in tails])))
+    return np.asarray(np.mean([each[:usual] for each in tails if len(each) >= usual], axis=0))
+
+
+def _ends_of(samples: Samples) -> tuple[list[Floats], list[Floats]]:
+    """Return how a foot's load falls and, backwards, how it rises; nothing of a noisy one."""
     force = samples.force[all_finite(samples.force)]
-    if len(force) < 2:
-        return []
+    if len(force) < 3:
+        return [], []
     load = _along_load(force)
     low, high = percentiles_of(load, (2.0, 90.0))
     noise = float(median_of(np.abs(np.diff(load, 2)))) / _SECOND_DIFFERENCE
-    return _tails((load - low) / (high - low)) if high - low > LOAD_OVER_NOISE * noise else []
+    if not high - low > LOAD_OVER_NOISE * noise:
+        return [], []
+    share = (load - low) / (high - low)
+    return _tails(share), _tails(share[::-1])
 
 
 def _along_load(force: Floats) -> Floats:
@@ -103,7 +121,9 @@ def _tails(share: Floats) -> list[Floats]:
         tail = share[first:last]
         start = int(np.argmax(tail <= LEVELS[0] + _MARGIN))
         if start:
-            found.append(tail[start : int(np.argmin(tail)) + 1])
+            around = len(tail) // 10 + 1
+            smooth = np.convolve(tail, np.full(around, 1.0 / around), "valid")
+            found.append(tail[start : int(np.argmin(smooth)) + around])
     return found
 
 

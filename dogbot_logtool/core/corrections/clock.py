@@ -6,7 +6,6 @@ One clock serves all feet and the base, since phases and support compare feet wi
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from itertools import pairwise
 from typing import Any, Final, Protocol
 
 import numpy as np
@@ -198,11 +197,14 @@ def _judged(stamp: Ints, log_time: Ints) -> tuple[Flags, Ints]:
     earliest, latest = (sliding_window_view(each, NEIGHBOURS)[:count] for each in (earlier, later))
     begins_anew = np.flatnonzero(latest.max(axis=1) < earliest.min(axis=1))
     begins_anew = begins_anew[(begins_anew >= bounds[0]) & (begins_anew <= bounds[1])]
-    for begin, end in pairwise([0, *begins_anew.tolist(), count]):
-        part = stamp[begin:end]
-        after = np.append(part[1:], np.full(NEIGHBOURS, limits.max))
-        lower = (sliding_window_view(after, NEIGHBOURS) < part[:, None]).sum(axis=1)
-        ahead[begin:end] = 2 * lower > np.arange(end - begin)[::-1].clip(max=NEIGHBOURS)
+    # A stamp is ahead of most of those after it, up to where the clock is set.
+    epoch = np.searchsorted(begins_anew, np.arange(count), side="right")
+    after, alike = (
+        sliding_window_view(np.append(each[1:], np.full(NEIGHBOURS, limits.min)), NEIGHBOURS)
+        for each in (stamp, epoch)
+    )
+    within = alike == epoch[:, None]
+    ahead = 2 * (within & (after < stamp[:, None])).sum(axis=1) > within.sum(axis=1)
     forward = _forward_steps(stamp, log_time, ahead, begins_anew)
     late = forward[forward > bounds[1]]
     if len(late):
@@ -246,9 +248,8 @@ def why_unusable(checks: Sequence[StampCheck]) -> str:
     for check in stamped:
         most = max(FEWEST, MOST_BAD_SHARE * check.messages)
         if not check.steps and check.bad > most:
-            what = "are zero" if check.zeros == check.bad else "are zero or go backwards"
-            if not check.zeros:
-                what = "go backwards"
+            kinds = ("are zero", check.zeros), ("go backwards", check.bad - check.zeros)
+            what = " or ".join(words for words, count in kinds if count)
             counted = f"{check.bad} of {check.messages}"
             return f"header stamps of {check.topic} {what} ({counted})"
     return _why_set(stamped)

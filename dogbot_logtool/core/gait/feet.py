@@ -272,11 +272,9 @@ def straight_lengths(base: BaseHistory, strides: Strides) -> Floats:
 def _seen(time: Ints, record: FootHistory, unseen: Cut, stances: Stances) -> Ints:
     """Leave out the events that the log's ends or a gap hide."""
     seen: Ints = time[(stances.cut != unseen) & ~np.isin(time, record.gaps[:, 1])]
-    # A stance may last from the log's first sample to its last.
-    outside = (record.start, record.end) if len(stances.cut) == 1 else ()
-    # Of so few, `np.isin` would load numpy's masked arrays.
-    for time_outside in outside:
-        seen = seen if time_outside is None else seen[seen != time_outside]
+    if len(stances.cut) == 1:
+        # A stance may last from the log's first sample to its last.
+        seen = seen[(seen != record.start) & (seen != record.end)]
     return seen
 
 

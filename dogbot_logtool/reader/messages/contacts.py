@@ -7,7 +7,7 @@ from functools import lru_cache
 from dogbot_logtool.core.arrays import distinct
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.plausible import plausible_samples
+from dogbot_logtool.core.plausible import plausible
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel
@@ -118,7 +118,7 @@ def _read(source: Source, messages: DecodedMessages, feet: FootChannels) -> Read
         links = pairs.links if source.row.axes is not WrenchFrame.WORLD else {}
     if source.row.axes is WrenchFrame.LINK:
         links = _sensor_frames(source, messages, feet)
-    return ReadContacts(source, messages, *plausible_samples(samples), links, pairs)
+    return ReadContacts(source, messages, *plausible(samples), links, pairs)
 
 
 def _sensor_frames(

@@ -69,11 +69,6 @@ class RobotOfUrdf:
         """The sum over all links; None where it has none."""
         return sum(link.mass_kg for link in self.links.values()) or None
 
-    @property
-    def below(self) -> dict[str, list[Joint]]:
-        """The joints that hang on each link."""
-        return _below(self.joints)
-
 
 @dataclass(frozen=True, slots=True)
 class Legs:
@@ -147,7 +142,7 @@ def find_legs(
     Raises:
         ValueError: it has none that can be used; the sentence goes on from its description.
     """
-    below = robot.below
+    below = _below(robot.joints)
     ends = [_end(robot, below, chain, posture) for chain in _chains(below, robot.base)]
     wheels = [end.leg.foot for end in ends if end.is_wheel]
     feet = _lowest([end for end in ends if not (end.is_wheel or _is_arm(end.leg))])[:_MOST_LEGS]
@@ -248,11 +243,10 @@ def _tip(link: Link) -> tuple[Triple, float]:
 def _rank(link: str) -> int:
     """Return how surely a link is named as what touches the ground, low first."""
     words = words_of(link)
-    if any(word.text in _SENSORS for word in words):
+    texts, parts = {word.text for word in words}, {word.part for word in words}
+    if texts & _SENSORS:
         return 3
-    if any(word.text in _SOLES for word in words):
-        return 0
-    return 1 if any(word.part is Part.FOOT for word in words) else 2
+    return 0 if texts & _SOLES else 1 if Part.FOOT in parts else 2
 
 
 def _at_rest(limits: JointLimits | None) -> float:
