@@ -13,12 +13,12 @@ from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Log, Loss
-from dogbot_logtool.reader.recording import Alongside
-from dogbot_logtool.reader.salvage.losses import (
+from dogbot_logtool.reader.losses import (
     damage_of,
     malformed_messages,
     wrong_statistics,
 )
+from dogbot_logtool.reader.recording import Alongside
 from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.robot.annotated import open_recorded

@@ -14,11 +14,11 @@ from dogbot_logtool.finding import Finding, by_severity, found
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.options import ConvertOptions, InfoOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
+from dogbot_logtool.reader.losses import damage_of
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES
 from dogbot_logtool.reader.opening import open_joined
 from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.results import LogInfo, TopicInfo
 from dogbot_logtool.robot.annotated import without_annotations
 from dogbot_logtool.robot.frames.frame_findings import frame_findings

@@ -10,12 +10,12 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log, Loss
-from dogbot_logtool.reader.recording import Alongside, ReadLog, read_recording
-from dogbot_logtool.reader.salvage.losses import (
+from dogbot_logtool.reader.losses import (
     damage_of,
     malformed_messages,
     wrong_statistics,
 )
+from dogbot_logtool.reader.recording import Alongside, ReadLog, read_recording
 from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.robot.annotated import open_recorded

@@ -1,6 +1,6 @@
 """Results of a comparison, and the words that all reports share."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from pathlib import Path
@@ -198,16 +198,8 @@ class Comparison:
     damage: Sequence[Damage] = ()
     """What was lost of which file; sound files are left out."""
 
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Sentences on a call that may not be what was meant; they change no exit code."""
-        return tuple(self._warnings())
-
-    def _warnings(self) -> Iterator[str]:
-        if self.expected.samefile(self.actual):
-            yield f"{self.expected} and {self.actual} are the same file, so nothing can differ"
-        if not any(t.expected or t.actual for t in self.tallies if t.name != RECORDS):
-            yield f"neither file has any {self.unit} to compare"
+    warnings: tuple[str, ...] = ()
+    """Sentences on a call that may not be what was meant; they change no exit code."""
 
     @property
     def same(self) -> bool:

@@ -28,7 +28,9 @@ def show_comparison(comparison: Comparison, console: Console) -> None:
     for damage in comparison.damage:
         print_sentence(console, (" damage  ", "red"), printable(damage.line))
         print_losses(console, damage)
-    shown = _shown(comparison.tallies)
+    shown = comparison.tallies
+    if len(shown) > _MOST_ROWS:
+        shown = [tally for tally in shown if not tally.same][:_MOST_ROWS]
     if shown:
         console.print(_table(comparison, shown), crop=False)
     if more := len(comparison.tallies) - len(shown):
@@ -42,13 +44,6 @@ def show_comparison(comparison: Comparison, console: Console) -> None:
         print_sentence(console, printable(difference.line))
     if more := comparison.difference_count - len(comparison.differences):
         print_sentence(console, f"... and {more} more")
-
-
-def _shown(tallies: Sequence[Tally]) -> Sequence[Tally]:
-    """Return the rows of the table: all, or of very many the first that differ."""
-    if len(tallies) <= _MOST_ROWS:
-        return tallies
-    return [tally for tally in tallies if not tally.same][:_MOST_ROWS]
 
 
 def _table(comparison: Comparison, shown: Sequence[Tally]) -> NameTable:

@@ -171,15 +171,10 @@ def _described(made: Json, field: Field, words: Mapping[str, str]) -> Json:
 
 
 def _field_schema(field: Field, defs: dict[str, Json]) -> Json:
-    made = _item_schema(field.inner, defs)
+    kind = field.inner
+    made = _reference(kind, defs) if is_dataclass(kind) else {"type": _PRIMITIVES[kind]}
     if field.kind == "map":
         made = {"type": "object", "additionalProperties": made}
     elif field.kind in {"list", "records"}:
         made = {"type": "array", "items": made}
     return {"anyOf": [made, {"type": "null"}]} if field.nullable else made
-
-
-def _item_schema(kind: Any, defs: dict[str, Json]) -> Json:  # noqa: ANN401 - any type
-    if is_dataclass(kind):
-        return _reference(kind, defs)
-    return {"type": _PRIMITIVES[kind]}

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import floor, log10, radians
 from pathlib import Path
 from string import Template
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.io.plain_json import to_json
@@ -182,12 +182,9 @@ def rviz_config(view: View) -> Json:
     return config
 
 
-@dataclass(frozen=True, slots=True)
-class Viewer:
+class Viewer(NamedTuple):
     """One viewer."""
 
-    name: str
-    summary: str
     suffix: str
     """Suffix of its files."""
     content: Callable[[View], Json]
@@ -197,9 +194,7 @@ class Viewer:
         return (to_json(self.content(view), indent=2) + "\n").encode()
 
 
-_VIEWERS: Final = (
-    Viewer("foxglove", "Foxglove and Lichtblick", ".json", foxglove_layout),
-    Viewer("rviz", "RViz, for logs converted with --encoding ros1", ".rviz", rviz_config),
-)
-VIEWERS: Final[Mapping[str, Viewer]] = {each.name: each for each in _VIEWERS}
-"""By name, in the order of ``--help``."""
+VIEWERS: Final[Mapping[str, Viewer]] = {
+    "foxglove": Viewer(".json", foxglove_layout),
+    "rviz": Viewer(".rviz", rviz_config),
+}

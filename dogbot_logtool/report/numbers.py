@@ -17,11 +17,6 @@ def decimal(value: float | None, decimals: int) -> str:
     return NOTHING if value is None else f"{value:z.{decimals}f}"
 
 
-def percent(value: float | None) -> str:
-    """Write a share as a percentage."""
-    return NOTHING if value is None else f"{value:.1%}"
-
-
 def recorded_at(time_s: float | None) -> str:
     """Write a log time, s since the epoch, as a date in UTC; clocks of simulators begin in 1970."""
     if time_s is None:

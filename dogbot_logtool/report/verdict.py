@@ -139,7 +139,7 @@ def gait_name(gait: Gait) -> str:
 
 def how_sure(gait: Gait) -> str:
     """Say how sure the name of a gait is; empty where there is none, and of a stand."""
-    if gait.name in UNNAMED or gait.name == "stand" or gait.confidence is None:
+    if confidence(gait) == NOTHING or gait.confidence is None:
         return ""
     strides = counted(gait.strides or 0, "stride")
     if (gait.strides or 0) < FEWEST_STRIDES:

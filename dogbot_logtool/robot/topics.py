@@ -13,6 +13,7 @@ from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.fields import Fields
 from dogbot_logtool.reader.foot import Foot
+from dogbot_logtool.reader.losses import damage_of
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.message_type import Part
@@ -20,7 +21,6 @@ from dogbot_logtool.reader.messages.messages import SERIALISATIONS, DecodedMessa
 from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES, TRANSFORM_TYPES
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.reader.wanted import Wanted
 
 _COMPARED: Final = 2000

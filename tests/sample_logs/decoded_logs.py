@@ -10,14 +10,13 @@ from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from mcap.reader import make_reader
-from rosbags.rosbag1 import Reader as BagReader
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from mcap_ros2.decoder import DecoderFactory
+from rosbags.highlevel import AnyReader
 
 from tests.paths import SAMPLE_LOGS
 
@@ -27,14 +26,6 @@ TROT, WALK, TROUBLED = "dogbot_trot.bag", "dogbot_walk.mcap", "dogbot_troubled.b
 LOGS = (TROT, WALK, TROUBLED)
 FEET = ("front_left", "front_right", "back_left", "back_right")
 ODOMETRY = "/dogbot/odom"
-
-
-@dataclass(frozen=True, slots=True)
-class RawMessage:
-    topic: str
-    message_type: str
-    log_time_ns: int
-    data: bytes
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,47 +49,21 @@ def contact_topic(foot: str) -> str:
     return f"/dogbot/{foot}_contactsensor_state"
 
 
-def read_bag(path: Path) -> tuple[list[RawMessage], dict[str, str]]:
-    """Messages in the order of their log times, and definitions by type."""
-    with BagReader(path) as reader:
-        definitions = {
-            connection.msgtype: connection.msgdef.data for connection in reader.connections
-        }
-        messages = [
-            RawMessage(connection.topic, connection.msgtype, log_time_ns, data)
-            for connection, log_time_ns, data in reader.messages()
-        ]
-    return messages, definitions
-
-
-def read_mcap(path: Path) -> tuple[list[RawMessage], dict[str, str]]:
-    """Messages in the order of their log times, and definitions by type."""
-    messages, definitions = [], {}
-    with path.open("rb") as stream:
-        for schema, channel, message in make_reader(stream, validate_crcs=True).iter_messages():
-            assert schema is not None
-            definitions[schema.name] = schema.data.decode()
-            messages.append(RawMessage(channel.topic, schema.name, message.log_time, message.data))
-    return messages, definitions
-
-
-def read_raw(path: Path) -> tuple[list[RawMessage], dict[str, str]]:
-    return read_bag(path) if path.suffix == ".bag" else read_mcap(path)
-
-
 @cache
 def read_log(name: str) -> Log:
     """Decode a committed log with the definitions that it holds."""
     path = SAMPLE_LOGS / name
-    messages, definitions = read_raw(path)
-    typestore = get_typestore(Stores.EMPTY)
-    for message_type, definition in definitions.items():
-        types = get_types_from_msg(definition, message_type)
-        typestore.register({k: v for k, v in types.items() if k not in typestore.fielddefs})
-    decode = typestore.deserialize_ros1 if path.suffix == ".bag" else typestore.deserialize_cdr
     topics: dict[str, list[tuple[int, Any]]] = defaultdict(list)
-    for raw in messages:
-        topics[raw.topic].append((raw.log_time_ns, decode(raw.data, raw.message_type)))
+    if path.suffix == ".bag":
+        with AnyReader([path]) as bag:
+            for connection, log_time_ns, data in bag.messages():
+                message = bag.deserialize(data, connection.msgtype)
+                topics[connection.topic].append((log_time_ns, message))
+    else:
+        with path.open("rb") as stream:
+            reader = make_reader(stream, validate_crcs=True, decoder_factories=[DecoderFactory()])
+            for _, channel, raw, message in reader.iter_decoded_messages():
+                topics[channel.topic].append((raw.log_time, message))
     truth = json.loads((SAMPLE_LOGS / f"{path.stem}.truth.json").read_text(encoding="utf-8"))
     return Log(truth, dict(topics))
 

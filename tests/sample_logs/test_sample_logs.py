@@ -23,7 +23,6 @@ from tests.sample_logs.decoded_logs import (
     newest_step,
     poses_in_world,
     read_log,
-    read_raw,
     seconds,
     stamp_ns,
     states_by_step,
@@ -48,12 +47,8 @@ def test_regenerating_gives_the_committed_bytes(tmp_path: Path, scenario: Scenar
     written = sorted(tmp_path.iterdir())
     assert [path.stem for path in written] == [scenario.name, f"{scenario.name}.truth"]
     for fresh in written:
-        path = SAMPLE_LOGS / fresh.name
-        if path.name in LOGS:
-            assert read_raw(fresh) == read_raw(path), f"{path.name}: other messages"
-        assert fresh.read_bytes() == path.read_bytes(), (
-            f"{path.name}: the same messages in other bytes, so a codec's version differs"
-        )
+        same = fresh.read_bytes() == (SAMPLE_LOGS / fresh.name).read_bytes()
+        assert same, f"{fresh.name}: other messages, or a codec of another version"
 
 
 @pytest.mark.parametrize("name", [TROT, WALK])

@@ -13,6 +13,7 @@ import numpy as np
 from dogbot_logtool.comparison.walks import CONFIDENCE, FigureDifference, GaitComparison
 from dogbot_logtool.core.arrays import Floats, median_of
 from dogbot_logtool.core.events.event import STEPS
+from dogbot_logtool.io.printable import listed
 from dogbot_logtool.report.numbers import NOTHING, nice_step
 from dogbot_logtool.report.page.assets import rendered
 from dogbot_logtool.report.page.chart import extent_of
@@ -61,11 +62,7 @@ def comparison_page(found: GaitComparison, sides: Sides) -> bytes:
 
 
 def _names(logs: Sequence[str]) -> str:
-    shown = ", ".join(logs[:MOST_NAMES])
-    if len(logs) == 1:
-        return shown
-    more = len(logs) - MOST_NAMES
-    return f"{len(logs)} logs: {shown}" + (f" and {more} more" if more > 0 else "")
+    return logs[0] if len(logs) == 1 else f"{len(logs)} logs: {listed(logs, MOST_NAMES)}"
 
 
 def _cells(each: FigureDifference) -> list[str]:

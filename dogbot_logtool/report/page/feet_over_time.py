@@ -10,7 +10,7 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.report.numbers import NOTHING, percent
+from dogbot_logtool.report.numbers import NOTHING
 from dogbot_logtool.report.page.chart import (
     MARGIN,
     NEUTRAL,
@@ -31,6 +31,10 @@ MOST_STANCES: Final = 200
 """Stances of a foot that are drawn one by one."""
 _SHARE_BINS: Final = 2000
 """Bins of the share of contact in the rest of a long log."""
+_LEFT_OUT: Final = (
+    " Of every {:.0f} ms the lowest and the highest sample are drawn, so every peak is there; the "
+    "typical strides are drawn in full, and so is a short part that --start and --end choose."
+)
 _BAR: Final = 0.7
 """Height of a bar, of the distance between two feet."""
 
@@ -67,7 +71,7 @@ def gait_diagram(walk: Walk) -> Drawing | None:
         },
     }
     down = ", ".join(
-        f"{foot.name} {percent(fraction)}"
+        f"{foot.name} {fraction:.1%}"
         for foot in walk.feet
         if (fraction := foot.record.contact_fraction()) is not None and foot.contact_known
     )
@@ -173,7 +177,8 @@ def load_curves(walk: Walk) -> Drawing | None:
     words = "The sensors tell contact, not force. Shaded: stance."
     if peaks:
         words = "Line: |F|; dotted: its vertical part, where known; shaded: stance."
-        words += _what_is_left_out(max(each.curve.bin_s for pair in lines for each in pair))
+        bin_s = max(each.curve.bin_s for pair in lines for each in pair)
+        words += _LEFT_OUT.format(bin_s * 1e3) if bin_s else ""
     feet = [{"yref": f"y{row + 1} domain", "y0": 0.0, "y1": 1.0} for row in range(len(rows))]
     drawn_rows = grid(rows, time_axis(walk), ROW_PIXELS)
     return Drawing("loads", "Loads", alt, words, *drawn_rows, over_time=True, feet=feet)
@@ -198,13 +203,3 @@ def _loads(walk: Walk, foot: FootSteps, row: int) -> list[Line]:
         )
     )
     return [each for each in lines if each is not None]
-
-
-def _what_is_left_out(bin_s: float) -> str:
-    if not bin_s:
-        return ""
-    return (
-        f" Of every {bin_s * 1e3:.3g} ms the lowest and the highest sample are drawn, so every "
-        "peak is there; the typical strides are drawn in full, and so is a short part that --start "
-        "and --end choose."
-    )

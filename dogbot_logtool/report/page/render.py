@@ -11,7 +11,6 @@ from dogbot_logtool import __version__
 from dogbot_logtool.core.metrics import Segment, Settings, WalkMetrics
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.report.numbers import NOTHING, decimal, recorded_at, span_of
 from dogbot_logtool.report.page.assets import json_in_html, page_script, policy_of, rendered
 from dogbot_logtool.report.page.chart import FINE, Drawing, foot_glyph, packed, seconds
@@ -103,8 +102,8 @@ def page(
         more_events=len(events[MOST_SHOWN:]),
         minor=MINOR,
         damage=damage.text,
-        losses=[loss.what for loss in damage.losses],
-        file_marks=_file_marks(damage.losses, file_size),
+        losses=damage.losses,
+        file_size=file_size,
         tables=page_tables(walk),
         settings=_settings(metrics.settings),
     )
@@ -144,18 +143,6 @@ def _about(metrics: WalkMetrics) -> list[tuple[str, str]]:
         ("log", f"{container}, {duration}, {log.messages:,} messages"),
         ("measured by", f"dogbot-logtool {__version__}"),
     ]
-
-
-def _file_marks(losses: Sequence[Loss], file_size: int) -> list[dict[str, Any]]:
-    """Return where damage lies along the file, in percent."""
-    if not file_size:
-        return []
-    marks = []
-    for loss in losses:
-        left = min(loss.offset / file_size, 1.0) * 100.0
-        width = min(loss.bytes / file_size * 100.0, 100.0 - left)
-        marks.append({"left": f"{left:.3f}", "width": f"{width:.3f}", "what": loss.what})
-    return marks
 
 
 def _settings(settings: Settings) -> str:

@@ -18,7 +18,7 @@ from dogbot_logtool.core.metrics import (
     WalkMetrics,
 )
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.report.numbers import NOTHING, percent
+from dogbot_logtool.report.numbers import NOTHING
 from dogbot_logtool.report.outliers import LEAST_SHARE, MOST_DEVIATIONS, outliers
 from dogbot_logtool.report.tables import Column, FootRow, foot_rows, stride_table
 
@@ -164,7 +164,7 @@ def _load_words(loads: WalkLoads) -> str:
 def _symmetry_words(share: LoadShare) -> str:
     words = "Right over left, percent of their mean (Robinson, Herzog and Nigg 1987): 0 is even."
     parts = [
-        f"{name} {percent(part)}, {other} {percent(1.0 - part)}"
+        f"{name} {part:.1%}, {other} {1.0 - part:.1%}"
         for name, other, part in (("fore", "hind", share.fore), ("left", "right", share.left))
         if part is not None
     ]

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from dogbot_logtool.core.frames.frame_tree import FrameEdge, RecordedFrames, recorded_frames
 from dogbot_logtool.reader.containers.log import Channel, Chunk, Log, Loss
 from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS
+from dogbot_logtool.reader.losses import malformed_messages
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES, is_static
 from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.reader.salvage.losses import malformed_messages
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.run.runner import OnProgress
 

