@@ -18,6 +18,8 @@ from tests.truth.walks import BIPED, QUIET, SLOW, TROT
 
 CIRCLE: Final = CurvedWalk(gait=gaits.WALK, period_s=1.0, seconds=10.0)
 ON_THE_SPOT: Final = CurvedWalk(gait=gaits.WALK, period_s=1.0, seconds=10.0, speed_mps=0.0)
+TO_THE_RIGHT: Final = CurvedWalk(period_s=0.7, seconds=9.0, turn_radps=-0.5)
+DOWNHILL: Final = Walk(gait=gaits.WALK, period_s=1.1, speed_mps=0.35, slope_rad=radians(-9.0))
 UPHILL: Final = Walk(slope_rad=radians(12.0))
 
 POINTS: Final = "contact points"
@@ -68,6 +70,8 @@ def faults() -> Iterator[Case]:
         ("another world, circle", CIRCLE, pose.started_anywhere((1.0, 2.0, 0.0), -2.0),
          "WORLDS_DIFFER", (POINTS,)),
         ("orientation constant", CIRCLE, pose.orientation_constant(), turned, tuple(WAYS)),
+        ("orientation constant, to the right", TO_THE_RIGHT, pose.orientation_constant(), turned,
+         (TF, GYRO)),
         ("orientation constant, on the spot", ON_THE_SPOT, pose.orientation_constant(),
          f"{still}|{turned}", EVERY),
         ("relocalised by 25 degrees", TROT, pose.relocalised(4.02, radians(25.0)), "POSE_JUMP",
@@ -83,6 +87,7 @@ def faults() -> Iterator[Case]:
          "CLOCK_SPEED", EVERY),
         ("another robot's poses", TROT, pose.of_robot("other"), "POSE_OTHER_ROBOT", EVERY[:2]),
         ("planar poses uphill", UPHILL, pose.flat(), "POSE_PLANAR", (POINTS, GYRO)),
+        ("planar poses downhill", DOWNHILL, pose.flat(), "POSE_PLANAR", (POINTS, GYRO)),
     )
     for name, walk, fault, says, ways in table:
         for way in ways:

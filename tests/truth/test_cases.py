@@ -39,6 +39,36 @@ def test_right_or_null_with_the_cause_named(case: Case, tmp_path: Path) -> None:
     )
 
 
+CASES = {case.name: case for case in all_cases()}
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["odometry displaced by 5 m", "odometry drifts by 8 %", "clock of the feet +0.2 s off",
+     "the base heaves, odometry restamped by +0.2 s"],
+)  # fmt: skip
+def test_lengths_of_feet_with_points_of_their_own_stay(name: str, tmp_path: Path) -> None:
+    recording = CASES[name].record()
+    foot = outcome(recording, tmp_path).json["feet"]["front_left"]
+    assert foot["stride_length_from"] == "points"
+    true = recording.truth.feet[0].stride_length_m
+    assert foot["stride_length_m"]["mean"] == pytest.approx(true, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["frozen, contact points", "frozen, slow walk, places in the base", "all zero, contact points",
+     "zero quaternions, places in the base", "frozen, on the spot in circles, contact points"],
+)  # fmt: skip
+def test_the_feet_stand_in_for_poses(name: str, tmp_path: Path) -> None:
+    recording = CASES[name].record()
+    found = outcome(recording, tmp_path)
+    assert found.figure("settings.base_from") == "legs"
+    speed = found.figure("base.forward_speed_mps")
+    assert speed == pytest.approx(recording.truth.forward_speed_mps, abs=0.01)
+    assert found.figure("base.roll_rad") is None
+
+
 def test_the_json_has_every_figure_that_there_is_truth_for(tmp_path: Path) -> None:
     case = all_cases()[0]
     recording = case.record()
