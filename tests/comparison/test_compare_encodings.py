@@ -14,6 +14,7 @@ from tests.comparison.recordings import (
     SCENE,
     WITH_NUMBER,
     Kind,
+    Recording,
     file_set,
     odometry,
     one_topic,
@@ -21,18 +22,112 @@ from tests.comparison.recordings import (
     scene,
 )
 
+KIND, AT = ros_kind(1), "/a[0] t=0.000 s"
+RENAMED = replace(KIND, schema=KIND.schema.replace(b"child_frame_id", b"other_frame_id"))
+COMMENTED = replace(KIND, schema=b"# a comment\n" + KIND.schema.replace(b"\n", b"\r\n"))
+TURNED = replace(SCENE, schema=file_set(SceneUpdate.DESCRIPTOR.file, last_first=True))
+UNKNOWN = bytes([(100 << 3) & 0x7F | 0x80, (100 << 3) >> 7, 7])
+"""A field of protobuf that the definition lacks."""
+NO_POSE = '{"position": null, "orientation": null}'
+SEVEN = '{"number": 100, "wire_type": 0, "data": 7}'
+DEFINITION = (
+    '/a schema.nav_msgs/msg/Odometry[1]: expected "string child_frame_id", '
+    'got "string other_frame_id"'
+)
 
-def test_unknown_encodings_are_compared_as_bytes(pair: Pair) -> None:
-    expected = one_topic(RAW, b"abc", b"abc", b"abc")
-    assert not pair.lines(expected, expected)
-    assert not tally(pair.compare(), "/a").note
-    assert pair.lines(expected, one_topic(RAW, b"abc", b"abx", b"ab")) == [
-        "/a[1] t=0.001 s payload[2]: expected 0x63, got 0x78",
-        "/a[2] t=0.002 s payload: expected 3 bytes, got 2 bytes",
-    ]
-    assert tally(pair.compare(), "/a").note == (
-        "compared as bytes: the encoding 'cbor' is not known"
-    )
+
+def update(*, with_pose: bool) -> bytes:
+    message: Any = SceneUpdate()
+    arrow = message.entities.add().arrows.add()
+    if with_pose:
+        arrow.pose.SetInParent()
+    data: bytes = message.SerializeToString()
+    return data
+
+
+def padded() -> bytes:
+    """The scene with a length in two bytes; the entity has become a byte longer."""
+    data = scene(entity="a").replace(b"\x1a\x01a", b"\x1a\x81\x00a", 1)
+    return data[:1] + bytes([len(data) - 2]) + data[2:]
+
+
+PAIRS: dict[str, tuple[Recording, Recording, list[str]]] = {
+    "an unknown encoding": (one_topic(RAW, b"abc", b"abc"), one_topic(RAW, b"abx", b"ab"), [
+        f"{AT} payload[2]: expected 0x63, got 0x78",
+        "/a[1] t=0.001 s payload: expected 3 bytes, got 2 bytes",
+    ]),
+    "a field that protobuf leaves out": (
+        one_topic(SCENE, update(with_pose=True)), one_topic(SCENE, update(with_pose=False)), [
+        f"{AT} entities[0].arrows[0].pose: expected {NO_POSE}, got null"
+    ]),
+    "a field that protobuf's definition lacks": (
+        one_topic(SCENE, scene()), one_topic(SCENE, scene() + UNKNOWN), [
+        f"{AT} (unknown fields): expected nothing, got [{SEVEN}]"
+    ]),
+    "protobuf in another way": (
+        one_topic(SCENE, scene(entity="a")), one_topic(SCENE, padded()), []
+    ),
+    "JSON": (
+        one_topic(JSON, b'{"a": [1, {"b": null}], "c": "x", "d": 1}'),
+        one_topic(JSON, b'{"c": "y", "a": [1.0, {"b": false}], "e": 1}'), [
+        f"{AT} a[1].b: expected null, got false",
+        f'{AT} c: expected "x", got "y"',
+        f"{AT} d: expected 1, got nothing",
+        f"{AT} e: expected nothing, got 1",
+    ]),
+    "a definition with comments": (
+        one_topic(KIND, odometry(1)), one_topic(COMMENTED, odometry(1)), []
+    ),
+    "a definition in another order": (
+        one_topic(SCENE, scene()), one_topic(TURNED, scene(sign=-1.0)), []
+    ),
+    "a JSON schema with spaces": (
+        one_topic(JSON, b"1"), one_topic(replace(JSON, schema=b'{ "type" : "object" }'), b"1"), []
+    ),
+    "no definition": (one_topic(Kind("json"), b"1"), one_topic(Kind("json"), b"1"), []),
+    # Named once.
+    "another definition": (
+        one_topic(KIND, *[odometry(1)] * 100), one_topic(RENAMED, *[odometry(1)] * 100), [
+        DEFINITION
+    ]),
+    "each by its own definition": (
+        one_topic(KIND, odometry(1)), one_topic(RENAMED, odometry(1, frame="w")), [
+        DEFINITION,
+        f'{AT} header.frame_id: expected "world", got "w"',
+        f'{AT} child_frame_id: expected "base_link", got nothing',
+        f'{AT} other_frame_id: expected nothing, got "base_link"',
+    ]),
+    "another JSON schema": (
+        one_topic(JSON, b"1"), one_topic(replace(JSON, schema=b'{"type": "array"}'), b"1"), [
+        '/a schema.type: expected "object", got "array"'
+    ]),
+    "another unknown definition": (
+        one_topic(RAW, b"1"), one_topic(replace(RAW, schema=b"thing = bool"), b"1"), [
+        "/a schema: expected 11 bytes, got 12 bytes"
+    ]),
+    "another type and encoding": (
+        one_topic(KIND, *[odometry(1)] * 100), one_topic(SCENE, *[scene()] * 100), [
+        "/a type: expected nav_msgs/Odometry, got foxglove.SceneUpdate",
+        "/a encoding: expected ros1, got protobuf",
+    ]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_what_differs(pair: Pair, name: str) -> None:
+    expected, actual, lines = PAIRS[name]
+    assert pair.lines(expected, actual) == lines
+
+
+def test_descriptions_are_counted_apart_from_messages(pair: Pair) -> None:
+    pair.write(*PAIRS["another definition"][:2])
+    one = tally(pair.compare(), "/a")
+    assert (counts(one), one.faults) == ((100, 100, 100, 0, 0, 0, 0), 1)
+    pair.write(*PAIRS["another type and encoding"][:2])
+    assert counts(tally(pair.compare(), "/a")) == (100, 100, 0, 0, 100, 0, 0)
+    pair.write(*PAIRS["an unknown encoding"][:2])
+    note = "compared as bytes: the encoding 'cbor' is not known"
+    assert tally(pair.compare(), "/a").note == note
 
 
 @pytest.mark.parametrize("encoding", WITH_NUMBER)
@@ -64,120 +159,9 @@ def test_a_broken_definition_is_parsed_once(pair: Pair) -> None:
     assert time.monotonic() - start < 10.0
 
 
-def test_what_a_protobuf_message_leaves_out_is_told_from_its_default(pair: Pair) -> None:
-    def update(*, with_pose: bool) -> bytes:
-        message: Any = SceneUpdate()
-        arrow = message.entities.add().arrows.add()
-        if with_pose:
-            arrow.pose.SetInParent()
-        data: bytes = message.SerializeToString()
-        return data
-
-    lines = pair.lines(
-        one_topic(SCENE, update(with_pose=True)), one_topic(SCENE, update(with_pose=False))
-    )
-    assert lines == [
-        (
-            '/a[0] t=0.000 s entities[0].arrows[0].pose: expected {"position": null, '
-            '"orientation": null}, got null'
-        )
-    ]
-
-
-def test_protobuf_fields_that_the_definition_lacks_count_too(pair: Pair) -> None:
-    unknown = bytes([(100 << 3) & 0x7F | 0x80, (100 << 3) >> 7, 7])
-    lines = pair.lines(one_topic(SCENE, scene()), one_topic(SCENE, scene() + unknown))
-    assert lines == [
-        (
-            "/a[0] t=0.000 s (unknown fields): expected nothing, got "
-            '[{"number": 100, "wire_type": 0, "data": 7}]'
-        )
-    ]
-
-
-def test_a_protobuf_message_written_in_another_way_is_equal(pair: Pair) -> None:
-    padded = scene(entity="a").replace(b"\x1a\x01a", b"\x1a\x81\x00a", 1)
-    assert padded != scene(entity="a")
-    # The entity has become a byte longer.
-    padded = padded[:1] + bytes([len(padded) - 2]) + padded[2:]
-    assert not pair.lines(one_topic(SCENE, scene(entity="a")), one_topic(SCENE, padded))
-    assert counts(tally(pair.compare(), "/a"))[2] == 1
-
-
-def test_json_fields(pair: Pair) -> None:
-    expected = one_topic(JSON, b'{"a": [1, {"b": null}], "c": "x", "d": 1}')
-    actual = one_topic(JSON, b'{"c": "y", "a": [1.0, {"b": false}], "e": 1}')
-    assert pair.lines(expected, actual) == [
-        "/a[0] t=0.000 s a[1].b: expected null, got false",
-        '/a[0] t=0.000 s c: expected "x", got "y"',
-        "/a[0] t=0.000 s d: expected 1, got nothing",
-        "/a[0] t=0.000 s e: expected nothing, got 1",
-    ]
-
-
 def test_json_that_is_nested_too_deeply_is_compared_as_bytes(pair: Pair) -> None:
     expected, actual = (b"[" * 990 + number + b"]" * 990 for number in (b"1", b"2"))
     assert pair.lines(one_topic(JSON, expected), one_topic(JSON, actual)) == [
         "/a[0] t=0.000 s payload[990]: expected 0x31, got 0x32"
     ]
     assert tally(pair.compare(), "/a").note.startswith("compared as bytes: ")
-
-
-def test_definitions_are_compared_by_what_they_say(pair: Pair) -> None:
-    kind = ros_kind(1)
-    commented = replace(kind, schema=b"# a comment\n" + kind.schema.replace(b"\n", b"\r\n"))
-    expected = one_topic(kind, odometry(1))
-    assert not pair.lines(expected, one_topic(commented, odometry(1)))
-
-    turned = replace(SCENE, schema=file_set(SceneUpdate.DESCRIPTOR.file, last_first=True))
-    assert turned.schema != SCENE.schema
-    assert not pair.lines(one_topic(SCENE, scene()), one_topic(turned, scene(sign=-1.0)))
-
-    spaced = replace(JSON, schema=b'{ "type" : "object" }')
-    assert not pair.lines(one_topic(JSON, b"1"), one_topic(spaced, b"1"))
-
-
-def test_another_definition_is_named_once(pair: Pair) -> None:
-    kind = ros_kind(1)
-    renamed = replace(kind, schema=kind.schema.replace(b"child_frame_id", b"other_frame_id"))
-    expected = one_topic(kind, *[odometry(1)] * 100)
-    assert pair.lines(expected, one_topic(renamed, *[odometry(1)] * 100)) == [
-        (
-            '/a schema.nav_msgs/msg/Odometry[1]: expected "string child_frame_id", '
-            'got "string other_frame_id"'
-        )
-    ]
-    assert counts(tally(pair.compare(), "/a")) == (100, 100, 100, 0, 0, 0, 0)
-    assert tally(pair.compare(), "/a").faults == 1
-
-    other = replace(JSON, schema=b'{"type": "array"}')
-    assert pair.lines(one_topic(JSON, b"1"), one_topic(other, b"1")) == [
-        '/a schema.type: expected "object", got "array"'
-    ]
-    other = replace(RAW, schema=b"thing = bool")
-    assert pair.lines(one_topic(RAW, b"1"), one_topic(other, b"1")) == [
-        "/a schema: expected 11 bytes, got 12 bytes"
-    ]
-    without = Kind("json")
-    assert pair.lines(one_topic(without, b"1"), one_topic(without, b"1")) == []
-
-
-def test_each_side_is_decoded_by_its_own_definition(pair: Pair) -> None:
-    kind = ros_kind(1)
-    renamed = replace(kind, schema=kind.schema.replace(b"child_frame_id", b"other_frame_id"))
-    lines = pair.lines(one_topic(kind, odometry(1)), one_topic(renamed, odometry(1, frame="w")))
-    assert lines[1:] == [
-        '/a[0] t=0.000 s header.frame_id: expected "world", got "w"',
-        '/a[0] t=0.000 s child_frame_id: expected "base_link", got nothing',
-        '/a[0] t=0.000 s other_frame_id: expected nothing, got "base_link"',
-    ]
-
-
-def test_another_type_or_encoding_is_named_once(pair: Pair) -> None:
-    expected = one_topic(ros_kind(1), *[odometry(1)] * 100)
-    actual = one_topic(SCENE, *[scene()] * 100)
-    assert pair.lines(expected, actual) == [
-        "/a type: expected nav_msgs/Odometry, got foxglove.SceneUpdate",
-        "/a encoding: expected ros1, got protobuf",
-    ]
-    assert counts(tally(pair.compare(), "/a")) == (100, 100, 0, 0, 100, 0, 0)

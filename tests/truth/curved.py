@@ -65,4 +65,4 @@ class CurvedWalk(Walk):
         x, y = self.robot.corners_m[foot]
         radius = float(np.hypot(x, self.speed_mps / self.turn_radps - y))
         chord = 2.0 * radius * np.sin(self.turn_radps * self.period_s / 2.0)
-        return replace(truth, stride_length_m=float(chord))
+        return replace(truth, stride_length_m=float(abs(chord)))
