@@ -17,7 +17,8 @@ from dogbot_logtool.run.runner import OnProgress
 if TYPE_CHECKING:
     from dogbot_logtool.options import Convert, ConvertOptions, MeasureOptions
     from dogbot_logtool.reader.containers.loss import Damage
-    from dogbot_logtool.report.dataset import Entry, Tables
+    from dogbot_logtool.report.dataset import Entry
+    from dogbot_logtool.report.dataset_tables import Tables
     from dogbot_logtool.results import Conversion
 
 _CHECKS_AT_ONCE: Final = 16
@@ -113,7 +114,7 @@ def measure_entry(
 ) -> MeasuredEntry:
     """Measure a log for a dataset."""
     from dogbot_logtool.commands.stats import measure  # noqa: PLC0415
-    from dogbot_logtool.report.dataset import log_tables  # noqa: PLC0415
+    from dogbot_logtool.report.dataset_tables import log_tables  # noqa: PLC0415
     from dogbot_logtool.report.tables import stride_table  # noqa: PLC0415
 
     measured = measure(entry.location, options, progress)

@@ -12,7 +12,7 @@ import io
 import json
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
@@ -20,16 +20,14 @@ from pathlib import Path
 from typing import Any, Final
 
 from dogbot_logtool import __version__
-from dogbot_logtool.core.metrics import SCHEMA_VERSION, WalkMetrics
-from dogbot_logtool.core.records import Field, fields_of, is_record, to_json
+from dogbot_logtool.core.metrics import SCHEMA_VERSION
 from dogbot_logtool.errors import DAMAGED, CallError, ExtraMissingError, LogtoolError
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.output import whole_file
 from dogbot_logtool.io.storage import Location, valid_unicode
 from dogbot_logtool.option import part_of
 from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.report.table_file import arrow_table
-from dogbot_logtool.results import StrideTable
+from dogbot_logtool.report.dataset_tables import TABLES, Labels, Tables, log_row, with_labels
 from dogbot_logtool.run.inputs import LogSet
 
 try:
@@ -39,14 +37,6 @@ except ImportError as error:
     raise ExtraMissingError("--dataset", "fleet") from error
 
 
-TABLES: Final = ("strides", "feet", "events", "findings", "logs")
-"""In the order in which they are written: a log that is in `logs` is in all of them."""
-_TYPES: Final[Mapping[Any, Any]] = {
-    float: pa.float64(),
-    int: pa.int64(),
-    str: pa.string(),
-    bool: pa.bool_(),
-}
 _STATE: Final = b"dogbot_logtool"
 """Key of a file's metadata: what became of the log, as JSON."""
 _MOST_BYTES: Final = 1 << 28
@@ -54,59 +44,6 @@ _MOST_BYTES: Final = 1 << 28
 _ASKED_AT_ONCE: Final = 16
 _ESCAPED: Final = re.compile(rb"\\x([89a-f][0-9a-f])")
 """How a byte of a name that is not UTF-8 is shown."""
-
-Tables = Mapping[str, Any]
-"""`pyarrow.Table` of each of `TABLES`."""
-Labels = Mapping[str, str]
-
-
-def log_tables(metrics: WalkMetrics, strides: StrideTable) -> Tables:
-    """Return the rows of a log that was measured."""
-    tables = {"strides": arrow_table(strides.columns).add_column(0, "foot", [strides.foot])}
-    for field in fields_of(WalkMetrics):
-        if field.name in TABLES:
-            tables[field.name] = _rows(field, getattr(metrics, field.name))
-    return {**tables, **_log_row(to_json(metrics), None)}
-
-
-def _log_row(row: Mapping[str, Any], sentence: str | None) -> Tables:
-    """Return the row of a log, and why it could not be measured; None: it could."""
-    schema = pa.schema([pa.field("error", pa.string()), *_columns(WalkMetrics)])
-    return {"logs": pa.Table.from_pylist([{"error": sentence, **row}], schema)}
-
-
-def _rows(field: Field, items: Any) -> Any:  # noqa: ANN401 - records, by name or in a list
-    """Return a row a record."""
-    columns = list(_columns(field.inner))
-    if field.kind != "map":
-        return pa.Table.from_pylist([to_json(each) for each in items], pa.schema(columns))
-    rows = [{"foot": name, **to_json(each)} for name, each in items.items()]
-    return pa.Table.from_pylist(rows, pa.schema([pa.field("foot", pa.string()), *columns]))
-
-
-def _columns(record: Any) -> Iterator[Any]:  # noqa: ANN401 - a class of records
-    """Yield the columns of the fields of a record; lists of records are tables of their own."""
-    for field in fields_of(record):
-        kind = _type(field)
-        if kind is not None:
-            yield pa.field(field.name, kind, metadata={"unit": field.of.unit})
-
-
-def _type(field: Field) -> Any:  # noqa: ANN401 - pyarrow has no types
-    if field.kind in {"record", "aggregate", "curve"}:
-        return pa.struct(list(_columns(field.inner)))
-    if field.kind in {"map", "records"}:
-        return None if is_record(field.inner) else pa.map_(pa.string(), _TYPES[field.inner])
-    one = _TYPES.get(field.inner, pa.string())
-    return pa.list_(one) if field.kind == "list" else one
-
-
-def _with_labels(rows: Any, labels: Labels) -> Any:  # noqa: ANN401 - pyarrow has no types
-    """Return the row of a log with these labels, in the place of those that it has."""
-    column = pa.array([list(labels.items())] * len(rows), pa.map_(pa.string(), pa.string()))
-    if "labels" in rows.column_names:
-        rows = rows.drop_columns("labels")
-    return rows.append_column("labels", column)
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,7 +118,7 @@ class Dataset:
             rows = tables[table]
             rows = rows.add_column(0, "log_hash", pa.array([entry.log_hash] * len(rows)))
             if table == "logs":
-                rows = _with_labels(rows.add_column(1, "path", [[path]]), entry.labels)
+                rows = with_labels(rows.add_column(1, "path", [[path]]), entry.labels)
             self._replace(table, entry.log_hash, rows, state)
 
     def write_failed(self, entry: Entry, sentence: str) -> None:
@@ -190,7 +127,7 @@ class Dataset:
         One that is not there at all leaves no row.
         """
         if entry.state:
-            self.write(replace(entry, state=""), _log_row({}, sentence), damaged=False)
+            self.write(replace(entry, state=""), log_row({}, sentence), damaged=False)
 
     def _look_at(self, location: Location) -> Entry:
         log_hash = hash_of(location)
@@ -209,7 +146,7 @@ class Dataset:
         if not version or known.get("state") != state:
             return entry
         if entry.labels != old:
-            self._replace("logs", log_hash, _with_labels(row, entry.labels), known)
+            self._replace("logs", log_hash, with_labels(row, entry.labels), known)
         return replace(entry, damaged=bool(known["damaged"]))
 
     def _prune(self, named: set[str]) -> tuple[str, ...]:

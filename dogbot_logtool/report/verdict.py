@@ -5,7 +5,7 @@ The same words stand on the terminal and on the page.
 
 import math
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import PurePath
 from typing import Final
@@ -90,6 +90,26 @@ def grouped(findings: Iterable[Finding]) -> tuple[tuple[Finding, ...], ...]:
 def _consequence(finding: Finding) -> tuple[int, int, bool, float]:
     rank = math.inf if finding.rank is None else finding.rank
     return finding.severity, finding.code != "FALL", not finding.voids, rank
+
+
+def in_words(patterns: Sequence[str]) -> str:
+    """Name the metrics that patterns stand for."""
+    words: dict[str, None] = {}
+    for pattern in patterns:
+        group, _, rest = pattern.partition(".")
+        if group == "feet":
+            foot, _, metric = rest.partition(".")
+            whose = "" if foot in {"*", ""} else f" of {foot}"
+            words[f"{_without_unit(metric) or ('all' if whose else 'feet')}{whose}"] = None
+        elif rest != "confidence":
+            words[group if rest in {"*", "name"} else _without_unit(rest)] = None
+    return ", ".join(words)
+
+
+def _without_unit(key: str) -> str:
+    for unit in ("_m", "_n", "_bw", "_s", "_mps", "_fraction"):
+        key = key.strip("*").rstrip("._").removesuffix(unit)
+    return key.replace("_", " ").replace(".*", "").replace(".", " ")
 
 
 def headline(metrics: WalkMetrics) -> str:

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dogbot_logtool.report.outliers import outliers
+from dogbot_logtool.report.page.tables import outliers
 
 EVEN = [0.50, 0.51, 0.49, 0.50, 0.52, 0.48, 0.51, 0.49]
 

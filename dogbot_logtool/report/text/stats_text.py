@@ -32,6 +32,7 @@ from dogbot_logtool.report.verdict import (
     fall_headline,
     gait_headline,
     gait_name,
+    in_words,
     main_part,
     quality_of,
 )
@@ -202,30 +203,10 @@ def _print_warnings(console: Console, quality: Quality, *, verbose: bool) -> Non
 def _print_finding(console: Console, finding: Finding, more: str) -> None:
     sentence = printable(finding.sentence + more), "yellow"
     print_sentence(console, "  - ", sentence, (f"  {finding.code}", "dim"), indent=4)
-    voids = f"Not given: {_in_words(finding.voids)}. " if finding.voids else ""
+    voids = f"Not given: {in_words(finding.voids)}. " if finding.voids else ""
     print_sentence(console, f"    {printable(voids)}{finding.remedy}", indent=4)
     if finding.command:
         print_command(console, finding.command, 4)
-
-
-def _in_words(patterns: Sequence[str]) -> str:
-    """Name the metrics that patterns stand for."""
-    words: dict[str, None] = {}
-    for pattern in patterns:
-        group, _, rest = pattern.partition(".")
-        if group == "feet":
-            foot, _, metric = rest.partition(".")
-            whose = "" if foot in {"*", ""} else f" of {foot}"
-            words[f"{_without_unit(metric) or ('all' if whose else 'feet')}{whose}"] = None
-        elif rest != "confidence":
-            words[group if rest in {"*", "name"} else _without_unit(rest)] = None
-    return ", ".join(words)
-
-
-def _without_unit(key: str) -> str:
-    for unit in ("_m", "_n", "_bw", "_s", "_mps", "_fraction"):
-        key = key.strip("*").rstrip("._").removesuffix(unit)
-    return key.replace("_", " ").replace(".*", "").replace(".", " ")
 
 
 def _feet(console: Console, metrics: WalkMetrics) -> NameTable:

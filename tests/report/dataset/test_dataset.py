@@ -22,7 +22,8 @@ from upath import UPath
 from dogbot_logtool.commands.tasks import measure_entry
 from dogbot_logtool.io import storage
 from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.report.dataset import TABLES, dataset_at, hash_of, is_gone
+from dogbot_logtool.report.dataset import dataset_at, hash_of, is_gone
+from dogbot_logtool.report.dataset_tables import TABLES
 from dogbot_logtool.run.inputs import Found, LogSet
 from tests.forked_cli import Ended, run
 from tests.oracles.small_logs import first_seconds
