@@ -6,7 +6,7 @@ from dogbot_logtool.comparison.walks import (
     GaitComparison,
     RunStrides,
     doubts,
-    figure_differences,
+    metric_differences,
     why_not_comparable,
 )
 from dogbot_logtool.errors import LogError
@@ -34,7 +34,7 @@ def compare_gait(first: Sequence[Figures], second: Sequence[Figures]) -> GaitCom
         damage=tuple(each.damage for each in (*first, *second) if each.damage.losses),
         reasons=tuple(reasons),
         doubts=tuple(doubts([*documents[0], *documents[1]])),
-        differences=() if reasons else tuple(figure_differences(*runs)),
+        differences=() if reasons else tuple(metric_differences(*runs)),
     )
 
 

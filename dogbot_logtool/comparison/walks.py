@@ -18,14 +18,14 @@ from dogbot_logtool.core.arrays import Floats, Ints, median_of
 from dogbot_logtool.reader.containers.loss import Damage
 
 CONFIDENCE: Final = 0.95
-"""That no interval misses its difference, over all figures."""
+"""That no interval misses its difference, over all metrics."""
 DRAWS: Final = 20_000
 BLOCK: Final = 3
 """Strides that are drawn together."""
 FEWEST_STRIDES: Final = 5
 """Strides of a foot on either side; fewer give no interval."""
 LEAST_SHARE: Final = 0.01
-"""Differences below this share of the figure are of no interest, however certain."""
+"""Differences below this share of the metric are of no interest, however certain."""
 MOST_SPEED_SHARE: Final = 0.2
 """Share by which speeds may differ: stance and stride follow the speed."""
 MOST_SPEED_MPS: Final = 0.05
@@ -53,18 +53,18 @@ class RunStrides:
 
 
 @dataclass(frozen=True, slots=True)
-class FigureDifference:
-    """How a figure of one foot differs between two sides."""
+class MetricDifference:
+    """How a metric of one foot differs between two sides."""
 
     foot: str
-    figure: str
-    counts: tuple[int, int]
+    metric: str
+    strides: tuple[int, int]
     """Strides on either side."""
     medians: tuple[float, float]
     difference: float
     """The second median minus the first."""
     interval: tuple[float, float]
-    """Interval of the difference, at the confidence that the number of figures asks for."""
+    """Interval of the difference, at the confidence that the number of metrics asks for."""
     effect: float
     """Difference over the spread of single strides (median absolute deviation, scaled)."""
     differs: bool
@@ -80,14 +80,14 @@ class GaitComparison:
     """Why they cannot be compared; empty: they can."""
     doubts: tuple[str, ...]
     """Recordings that are not to be relied on."""
-    differences: tuple[FigureDifference, ...]
-    """A difference for every figure that both have; empty where they cannot be compared."""
+    differences: tuple[MetricDifference, ...]
+    """A difference for every metric that both have; empty where they cannot be compared."""
     damage: tuple[Damage, ...] = ()
     """What was lost of which log; sound logs are left out."""
 
     @property
-    def differing(self) -> tuple[FigureDifference, ...]:
-        """The figures that differ."""
+    def differing(self) -> tuple[MetricDifference, ...]:
+        """The metrics that differ."""
         return tuple(each for each in self.differences if each.differs)
 
     @property
@@ -96,10 +96,10 @@ class GaitComparison:
         return 1 if self.reasons or self.differing else 0
 
 
-def figure_differences(
+def metric_differences(
     first: Sequence[RunStrides], second: Sequence[RunStrides]
-) -> list[FigureDifference]:
-    """Compare all figures of strides, foot by foot; those of the largest effect come first.
+) -> list[MetricDifference]:
+    """Compare all metrics of strides, foot by foot; those of the largest effect come first.
 
     Args:
         first: the runs of one side.
@@ -109,11 +109,11 @@ def figure_differences(
     pairs = []
     for foot in _common_feet(first, second):
         one, other = _values(first, foot), _values(second, foot)
-        for figure in one.keys() & other.keys():
-            if min(len(one[figure]), len(other[figure])) >= FEWEST_STRIDES:
-                resolution = _resolution(figure, interval_s, one)
-                pairs.append((foot, figure, one[figure], other[figure], resolution))
-    found = [_difference(*pair, figures=len(pairs)) for pair in sorted(pairs, key=lambda p: p[:2])]
+        for metric in one.keys() & other.keys():
+            if min(len(one[metric]), len(other[metric])) >= FEWEST_STRIDES:
+                resolution = _resolution(metric, interval_s, one)
+                pairs.append((foot, metric, one[metric], other[metric], resolution))
+    found = [_difference(*pair, metrics=len(pairs)) for pair in sorted(pairs, key=lambda p: p[:2])]
     return sorted(found, key=lambda each: (not each.differs, -abs(each.effect)))
 
 
@@ -123,7 +123,7 @@ def _common_feet(first: Sequence[RunStrides], second: Sequence[RunStrides]) -> l
 
 
 def _values(runs: Sequence[RunStrides], foot: str) -> Mapping[str, Floats]:
-    """Return the known values of each figure of a foot, run after run."""
+    """Return the known values of each metric of a foot, run after run."""
     parts: dict[str, list[Floats]] = {}
     for run in runs:
         rows = np.array([name == foot for name in run.foot], np.bool_)
@@ -137,17 +137,17 @@ def _values(runs: Sequence[RunStrides], foot: str) -> Mapping[str, Floats]:
 
 
 def _difference(
-    foot: str, figure: str, one: Floats, other: Floats, resolution: float, *, figures: int
-) -> FigureDifference:
-    """Compare the values of a figure.
+    foot: str, metric: str, one: Floats, other: Floats, resolution: float, *, metrics: int
+) -> MetricDifference:
+    """Compare the values of a metric.
 
     Args:
         foot: whose it is.
-        figure: its name.
+        metric: its name.
         one: (n,) of the first side. Also `other`, (m,) of the second.
         other: see `one`.
-        resolution: what the recording resolves, in the figure's unit.
-        figures: how many are compared in all.
+        resolution: what the recording resolves, in the metric's unit.
+        metrics: how many are compared in all.
     """
     medians = float(median_of(one)), float(median_of(other))
     difference = medians[1] - medians[0]
@@ -155,14 +155,14 @@ def _difference(
     drawn = _drawn_medians(other, random) - _drawn_medians(one, random)
     # Sampled times are off by up to half an interval, and those of one side often all alike.
     drawn += random.triangular(-resolution, 0.0, resolution, DRAWS) if resolution else 0.0
-    tail = (1.0 - CONFIDENCE) / max(figures, 1) / 2.0
+    tail = (1.0 - CONFIDENCE) / max(metrics, 1) / 2.0
     low, high = np.quantile(drawn, [tail, 1.0 - tail])
     least = max(LEAST_SHARE * abs(medians[0]), resolution)
     spread = np.hypot(_spread(one), _spread(other)) / np.sqrt(2.0)
-    return FigureDifference(
+    return MetricDifference(
         foot=foot,
-        figure=figure,
-        counts=(len(one), len(other)),
+        metric=metric,
+        strides=(len(one), len(other)),
         medians=medians,
         difference=difference,
         interval=(float(low), float(high)),
@@ -182,11 +182,11 @@ def _drawn_medians(values: Floats, random: np.random.Generator) -> Floats:
     return medians
 
 
-def _resolution(figure: str, interval_s: float, values: Mapping[str, Floats]) -> float:
-    """Return the difference that the recording resolves, in the figure's unit."""
-    if figure == "duty_factor":
+def _resolution(metric: str, interval_s: float, values: Mapping[str, Floats]) -> float:
+    """Return the difference that the recording resolves, in the metric's unit."""
+    if metric == "duty_factor":
         return interval_s / float(median_of(values["period_s"]))
-    return interval_s if figure in _TIMES else 0.0
+    return interval_s if metric in _TIMES else 0.0
 
 
 def _spread(values: Floats) -> float:

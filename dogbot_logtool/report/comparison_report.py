@@ -7,7 +7,7 @@ from typing import Any, Final
 from rich.console import Console
 
 from dogbot_logtool.comparison.outcome import Comparison, Difference, Tally
-from dogbot_logtool.comparison.walks import CONFIDENCE, FigureDifference, GaitComparison
+from dogbot_logtool.comparison.walks import CONFIDENCE, GaitComparison, MetricDifference
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
@@ -164,12 +164,12 @@ def print_gait_comparison(console: Console, found: GaitComparison, *, verbose: b
         console.print(NameTable(_HEADINGS, [_metric_row(each) for each in shown]), crop=False)
 
 
-def _metric_row(each: FigureDifference) -> Row:
+def _metric_row(each: MetricDifference) -> Row:
     low, high = each.interval
     cells = (*each.medians, each.difference, low, high)
     numbers = [f"{cell:.4g}" for cell in cells]
-    counts = f"{each.counts[0]} / {each.counts[1]}"
-    name = printable(f"{each.foot} {each.figure}")
+    counts = f"{each.strides[0]} / {each.strides[1]}"
+    name = printable(f"{each.foot} {each.metric}")
     return Row([name], [*numbers, f"{each.effect:.1f}", counts], "" if each.differs else "dim")
 
 
@@ -183,10 +183,5 @@ def gait_comparison_json(found: GaitComparison) -> dict[str, Any]:
         "reasons": list(found.reasons),
         "doubts": list(found.doubts),
         "confidence": CONFIDENCE,
-        "differences": [_metric_difference(each) for each in found.differences],
+        "differences": [asdict(each) for each in found.differences],
     }
-
-
-def _metric_difference(each: FigureDifference) -> dict[str, Any]:
-    values = asdict(each)
-    return {"metric": values.pop("figure"), "strides": values.pop("counts"), **values}

@@ -156,7 +156,7 @@ def test_frames_gaits_pages_and_figures(tmp_path: Path) -> None:
     assert dl.info(TROT, frames=True, jobs=2).frames is not None
     printed = json.loads(run("compare", TROT, WALK, "--gait", "--json").stdout)
     compared = dl.compare_gait(TROT, [WALK])
-    assert [each.figure for each in compared.differences] == [
+    assert [each.metric for each in compared.differences] == [
         each["metric"] for each in printed["differences"]
     ]
     run("report", TROT, "--no-replay", "-o", tmp_path / "words.html")

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.comparison.walks import (
-    FigureDifference,
+    MetricDifference,
     RunStrides,
-    figure_differences,
+    metric_differences,
 )
 
 STEP_S = 0.002
@@ -33,8 +33,8 @@ def run(
     )
 
 
-def differing(first: RunStrides, second: RunStrides) -> list[FigureDifference]:
-    return [each for each in figure_differences([first], [second]) if each.differs]
+def differing(first: RunStrides, second: RunStrides) -> list[MetricDifference]:
+    return [each for each in metric_differences([first], [second]) if each.differs]
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -45,14 +45,14 @@ def test_runs_of_one_kind_do_not_differ(seed: int) -> None:
 def test_a_duty_factor_changed_by_five_per_cent_is_found() -> None:
     found = differing(run(1), run(2, duty=0.63))
 
-    assert {each.figure for each in found} == {"duty_factor", "stance_s", "swing_s"}
-    duty = next(each for each in found if each.figure == "duty_factor")
+    assert {each.metric for each in found} == {"duty_factor", "stance_s", "swing_s"}
+    duty = next(each for each in found if each.metric == "duty_factor")
     assert duty.difference == pytest.approx(0.03, abs=0.003)
     assert duty.interval[0] < 0.03 < duty.interval[1]
 
 
 def test_the_largest_effect_comes_first() -> None:
-    found = figure_differences([run(1)], [run(2, duty=0.75, peak_n=165.0)])
+    found = metric_differences([run(1)], [run(2, duty=0.75, peak_n=165.0)])
     effects = [abs(each.effect) for each in found if each.differs]
     assert effects == sorted(effects, reverse=True)
     assert [each.differs for each in found] == sorted((e.differs for e in found), reverse=True)
@@ -69,24 +69,24 @@ def test_a_step_beyond_it_is_one() -> None:
     constant = {"stance_s": np.full(40, 0.5), "swing_s": np.full(40, 0.3)}
     later = {"stance_s": np.full(40, 0.52), "swing_s": np.full(40, 0.28)}
     sides = [RunStrides("", ("left",) * 40, columns, 0.004) for columns in (constant, later)]
-    assert {each.figure for each in differing(*sides)} == {"stance_s", "swing_s"}
+    assert {each.metric for each in differing(*sides)} == {"stance_s", "swing_s"}
 
 
 def test_too_few_strides_and_unknown_figures_are_not_compared() -> None:
-    assert figure_differences([run(1, strides=4)], [run(2)]) == []
-    assert "length_m" not in {each.figure for each in figure_differences([run(1)], [run(2)])}
+    assert metric_differences([run(1, strides=4)], [run(2)]) == []
+    assert "length_m" not in {each.metric for each in metric_differences([run(1)], [run(2)])}
 
 
 def test_feet_of_one_side_only_are_not_compared() -> None:
     other = RunStrides("", ("nose",) * 80, run(2).columns, STEP_S)
-    assert figure_differences([run(1)], [other]) == []
+    assert metric_differences([run(1)], [other]) == []
 
 
 def test_groups_are_as_their_strides_together() -> None:
     one, other = run(3, strides=20), run(4, strides=20)
-    (left, *_) = figure_differences([one, other], [run(5)])
-    assert left.counts == (40, 40)
+    (left, *_) = metric_differences([one, other], [run(5)])
+    assert left.strides == (40, 40)
 
 
 def test_it_is_the_same_every_time() -> None:
-    assert figure_differences([run(1)], [run(2)]) == figure_differences([run(1)], [run(2)])
+    assert metric_differences([run(1)], [run(2)]) == metric_differences([run(1)], [run(2)])

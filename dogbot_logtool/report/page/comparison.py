@@ -10,7 +10,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from dogbot_logtool.comparison.walks import CONFIDENCE, FigureDifference, GaitComparison
+from dogbot_logtool.comparison.walks import CONFIDENCE, GaitComparison, MetricDifference
 from dogbot_logtool.core.arrays import Floats, median_of
 from dogbot_logtool.core.events.event import STEPS
 from dogbot_logtool.io.printable import listed
@@ -65,14 +65,14 @@ def _names(logs: Sequence[str]) -> str:
     return logs[0] if len(logs) == 1 else f"{len(logs)} logs: {listed(logs, MOST_NAMES)}"
 
 
-def _cells(each: FigureDifference) -> list[str]:
+def _cells(each: MetricDifference) -> list[str]:
     share = each.difference / abs(each.medians[0]) if each.medians[0] else None
     return [
         *(f"{number:.4g}" for number in (*each.medians, each.difference)),
         NOTHING if share is None else f"{share * 100.0:+.1f}",
         *(f"{number:.4g}" for number in each.interval),
         f"{each.effect:+.1f}",
-        f"{each.counts[0]} / {each.counts[1]}",
+        f"{each.strides[0]} / {each.strides[1]}",
     ]
 
 

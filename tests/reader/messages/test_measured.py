@@ -19,6 +19,7 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.option import part_of
 from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
 from dogbot_logtool.report.documents import stats_json
+from tests.forked_cli import run
 from tests.oracles import state_walks, walks
 from tests.oracles.state_walks import StateWalk
 
@@ -223,6 +224,14 @@ def test_what_is_planned_is_called_planned(tmp_path: Path, kind: str) -> None:
     (use,) = [topic.use for topic in told.topics if topic.topic == "/feet"]
     is_said = "PLANNED" in {finding.code for finding in told.findings}
     assert (use.startswith("planned feet "), is_said) == ((kind in state_walks.PLANNED),) * 2
+
+
+@pytest.mark.parametrize("kind", state_walks.PLANNED)
+def test_a_plan_is_no_estimate_of_the_joints(tmp_path: Path, kind: str) -> None:
+    path = written(tmp_path, StateWalk(2), state_walks.messages(kind))
+    printed = run("stats", path).stdout
+    assert "as planned, not measured" in printed
+    assert "estimated" not in printed
 
 
 def test_two_feet_are_not_one_element(tmp_path: Path) -> None:

@@ -47,7 +47,7 @@ def test_it_says_what_differs_the_largest_effect_first(measured: dict[str, Figur
     found = compare_gait([measured["trot"]], [measured["<shorter>"]])
     assert f"{len(found.differing)} of {len(found.differences)} metrics differ" in html
     order = re.findall(r'<th scope="row">(\w+ \w+) <span role="img" aria-label="(\w+)"', html)
-    assert [name for name, _ in order] == [f"{e.foot} {e.figure}" for e in found.differing]
+    assert [name for name, _ in order] == [f"{e.foot} {e.metric}" for e in found.differing]
     assert ("front_left duty_factor", "less") in order
     assert "&lt;shorter&gt;.mcap" in html
     assert "<shorter>" not in html
