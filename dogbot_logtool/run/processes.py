@@ -70,7 +70,9 @@ class ProcessRunner(ExecutorRunner[Result]):
             try:
                 return self._pool.submit(_attempt, work, item)
             except (BrokenExecutor, ValueError):
-                # A pool that breaks just now closes the pipes of the process that it starts.
+                # A pool that breaks just now closes the pipes of the process that it starts, or
+                # waits for it without having ended it.
+                kill_processes(self._pool)
                 self._pool.shutdown()
                 self._looks = 0
                 self._pool = self._opened("spawn")
