@@ -7,6 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, aggregate, median_of, median_of_known
+from dogbot_logtool.core.base.falls import down_spans
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.loads import mean_impulses
@@ -183,7 +184,10 @@ def _weights(walk: Walk) -> tuple[Ints, Floats]:
     if not walk.period_s or not forced or not walk.contacts_known:
         known = timespans.no_spans()
     half = round((walk.period_s or 1.0) * 5e8)
-    known = timespans.subtract(known, walk.fallen)
+    # The belly of a robot that lies carries it.
+    track = walk.track
+    down = down_spans(track.history, walk.records, track.height_m)
+    known = timespans.subtract(known, timespans.merge(np.concatenate([walk.fallen, down])))
     time = timespans.ticks(known, 2 * half)
     time = time[timespans.hold_window(known, time, half, half)]
     kind = "vertical_impulse" if walk.vertical_known else "force_impulse"

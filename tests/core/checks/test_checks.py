@@ -6,6 +6,8 @@ from dogbot_logtool.core.metrics import Check
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Severity, finding_kinds
 from tests.core.checks.measured_walk import WALK, feet, late, measure
+from tests.truth import core_columns, scenes, walking
+from tests.truth.sequences import then
 
 
 def checks(stats: Walk) -> tuple[Check, ...]:
@@ -41,3 +43,9 @@ def test_every_warning_about_metrics_says_which_checks_fail_and_every_check_can_
         failing |= {*(kind.fails or ())}
         failing |= {name for case in kind.cases.values() for name in case.fails or ()}
     assert failing == {check.name for check in checks(measure(feet(), WALK.odometry()))}
+
+
+def test_the_weight_that_the_belly_of_a_robot_takes_is_no_load_taken_off() -> None:
+    walk, sits = walking.Walk(seconds=12.0).recorded(250.0), scenes.sitting_down().recorded(250.0)
+    found = findings_of(core_columns.measure(then(walk, sits)))
+    assert "PAYLOAD" not in {each.code for each in found}
