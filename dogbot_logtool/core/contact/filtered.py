@@ -209,6 +209,6 @@ def without_filter(samples: Samples, through: Filter) -> Samples:
     reach = through.reach
     weight = np.arange(reach, -reach - 1.0, -1.0)
     weight /= (weight @ weight) * interval_s
-    padded = np.pad(samples.force, ((reach, reach), (0, 0)), "edge")
+    padded = np.pad(samples.force, ((reach, reach), (0, 0)), "reflect", reflect_type="odd")
     slope = np.stack([np.convolve(axis, weight, "valid") for axis in padded.T], axis=1)
     return replace(samples, force=samples.force + through.tau_s * slope)
