@@ -275,5 +275,6 @@ def test_cells_of_a_foot_are_its_sensors(tmp_path: Path) -> None:
     for side in ("left", "right"):
         cells = " + ".join(f"/fsr:{cell}" for cell in sorted(CELLS) if cell[0] == side[0])
         assert f"{side} = {cells}" in told[0]
-        assert found["feet"][side]["stance_s"]["median"] == pytest.approx(0.6, abs=0.011)
-        assert found["feet"][side]["peak_force_n"]["median"] == pytest.approx(WEIGHT_N / 3, rel=0.01)
+        foot = found["feet"][side]
+        assert foot["stance_s"]["median"] == pytest.approx(DUTY * PERIOD_S, abs=0.011)
+        assert foot["peak_force_n"]["median"] == pytest.approx(WEIGHT_N / 3, rel=0.01)
