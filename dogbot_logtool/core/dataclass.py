@@ -7,6 +7,7 @@ takes. Here all of them share these methods.
 import dataclasses
 from collections.abc import Callable, Mapping
 from functools import cache
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Final
 
 _set: Final = object.__setattr__
@@ -51,28 +52,33 @@ def _fields_of(kind: Any) -> Mapping[str, dataclasses.Field[Any]]:  # noqa: ANN4
 
 def _init(self: Any, *args: object, **values: object) -> None:  # noqa: ANN401 - any record
     known = _fields(self)
-    given = dict(zip(known, args, strict=False)) | values
-    if len(args) + len(values) > len(given):
-        raise TypeError(f"{type(self).__qualname__}: too many values, or one of them twice")
-    if len(given) < len(known):
-        given = _defaults(known) | given
-    if given.keys() != known.keys():
-        wrong = ", ".join(sorted(given.keys() ^ known.keys()))
-        raise TypeError(f"{type(self).__qualname__}: missing or unknown: {wrong}")
+    given = dict(zip(known, args, strict=False)) | values if args else values
+    if given.keys() != known.keys() or len(args) + len(values) != len(known):
+        given = _completed(type(self), given, len(args) + len(values))
     for name, value in given.items():
         _set(self, name, value)
     if hasattr(self, "__post_init__"):
         self.__post_init__()
 
 
-def _defaults(known: Mapping[str, dataclasses.Field[Any]]) -> dict[str, Any]:
-    values = {name: each.default for name, each in known.items()}
-    values |= {
-        name: each.default_factory()
-        for name, each in known.items()
-        if each.default_factory is not dataclasses.MISSING
-    }
-    return {name: value for name, value in values.items() if value is not dataclasses.MISSING}
+def _completed(kind: Any, given: Mapping[str, object], count: int) -> dict[str, object]:  # noqa: ANN401
+    """Add the defaults of fields that are not given.
+
+    Raises:
+        TypeError: one is given twice or not known, or one without a default is not given.
+    """
+    known = _fields_of(kind)
+    values = dict(given)
+    for name in known.keys() - given.keys():
+        field = known[name]
+        if field.default is not dataclasses.MISSING:
+            values[name] = field.default
+        elif field.default_factory is not dataclasses.MISSING:
+            values[name] = field.default_factory()
+    if count != len(given) or values.keys() != known.keys():
+        wrong = ", ".join(sorted(values.keys() ^ known.keys())) or "one is there twice"
+        raise TypeError(f"{kind.__qualname__}: missing, unknown or too many: {wrong}")
+    return values
 
 
 def _values(self: object) -> list[Any]:
@@ -80,7 +86,16 @@ def _values(self: object) -> list[Any]:
 
 
 def _compared(self: object) -> tuple[Any, ...]:
-    return tuple(getattr(self, name) for name, each in _fields(self).items() if each.compare)
+    kind: Any = type(self)
+    return _compared_of(kind)(self)
+
+
+@cache
+def _compared_of(kind: Any) -> Callable[[object], tuple[Any, ...]]:  # noqa: ANN401 - a data class
+    names = [each.name for each in dataclasses.fields(kind) if each.compare]
+    if len(names) > 1:
+        return attrgetter(*names)
+    return lambda record: tuple(getattr(record, name) for name in names)
 
 
 def _equal(self: object, other: object) -> bool:
