@@ -189,6 +189,7 @@ def found(
     where: str = "",
     say: str = "",
     feet: Sequence[str] = (),
+    words: Mapping[str, object] | None = None,
     **values: object,
 ) -> Finding:
     """Return a finding with the sentence that `findings.toml` has for it.
@@ -200,13 +201,14 @@ def found(
             sentence names.
         say: which of its sentences; if not given, that of its first case, or the plain one.
         feet: names of the feet whose metrics it voids; the first is ``foot`` in its sentence.
-        values: what the sentence names.
+        words: what the sentence names.
+        values: more of that.
     """
     texts = _kind(code).texts
     named = [each for each in (say, *cases[:1], "plain") if each in texts]
-    words = {"foot": feet[0], **values} if feet else values
-    about = f"feet.{words['foot']}" if "foot" in words else str(words.get("topic", ""))
-    text = _WORDS.vformat(texts[named[0]], (), words)
+    told = {**({"foot": feet[0]} if feet else {}), **(words or {}), **values}
+    about = f"feet.{told['foot']}" if "foot" in told else str(told.get("topic", ""))
+    text = _WORDS.vformat(texts[named[0]], (), told)
     return Finding(code, text, where or about, cases=cases, feet=tuple(feet))
 
 

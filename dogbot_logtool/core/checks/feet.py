@@ -139,18 +139,10 @@ def sampled_slowly(walk: Walk) -> Iterator[Finding]:
         for foot in walk.feet
         if foot.record.median_interval_s and len(foot.strides.stance)
     }
-    slow = tuple(name for name, number in told.items() if number < 1.0 / UNCERTAIN)
-    if slow:
-        least = min(told.values())
-        yield found(
-            "SAMPLED_SLOWLY",
-            "contact",
-            where="feet",
-            feet=slow,
-            names=", ".join(slow),
-            least=least,
-            share=1.0 / least,
-        )
+    feet, least = tuple(n for n, number in told.items() if number < 1.0 / UNCERTAIN), told.values()
+    if feet:
+        words = {"names": ", ".join(feet), "least": min(least), "share": 1.0 / min(least)}
+        yield found("SAMPLED_SLOWLY", "contact", where="feet", feet=feet, words=words)
 
 
 def payload(walk: Walk) -> Iterator[Finding]:
@@ -166,15 +158,10 @@ def payload(walk: Walk) -> Iterator[Finding]:
     before, after = float(weight[:row].mean()), float(weight[row + 1 :].mean())
     scatter = float(np.sqrt(min(rests) / max(len(weight) - 2, 1)))
     if abs(after - before) >= max(CHANGES * max(before, after), OVER_NOISE * scatter):
-        yield found(
-            "PAYLOAD",
-            where="forces",
-            before=before,
-            after=after,
-            since=walk.seconds(time[row : row + 1])[0],
-            load=abs(after - before),
-            verb="taken off" if after < before else "put on",
-        )
+        since, load = walk.seconds(time[row : row + 1])[0], abs(after - before)
+        verb = "taken off" if after < before else "put on"
+        words = {"before": before, "after": after, "since": since, "load": load, "verb": verb}
+        yield found("PAYLOAD", where="forces", words=words)
 
 
 def _weights(walk: Walk) -> tuple[Ints, Floats]:
