@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
+from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.rotations import along_heading
 
@@ -146,12 +146,15 @@ def _ground_normal(feet: Sequence[FootHistory], within: Ints | None) -> Floats |
 
 
 def _standing_points(foot: FootHistory, within: Ints | None) -> Floats:
-    """(n, 3) m, where a foot stands, stance by stance."""
-    time, place = stance_places(foot)
-    known = all_finite(place)
+    """(n, 3) m, one contact point of each stance: the one nearest to its middle."""
+    time, point = foot.track.contact_points
+    row = np.searchsorted(time, foot.stances.middle)
+    inside = row < len(time)
+    row, end = row[inside], foot.stances.liftoff[inside]
+    hit = time[row] < end
     if within is not None:
-        known &= timespans.covers(within, time)
-    return place[known]
+        hit &= timespans.covers(within, time[row])
+    return np.asarray(point[row[hit]])
 
 
 def axis_by_legs(
