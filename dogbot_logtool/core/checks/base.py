@@ -1,16 +1,22 @@
 """Checks of the base's poses, among the contact points, and of what happens to the base."""
 
 from collections.abc import Iterator
+from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import norms
+from dogbot_logtool.core.arrays import median_of, norms
 from dogbot_logtool.core.base.axes import WALKED_M, has_heading, ways_m
 from dogbot_logtool.core.base.ground import swapped_pairs
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
+from dogbot_logtool.core.consistency.worlds import Worlds
+from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, found
+
+STANDS: Final = 0.5
+"""Share of a drift that the points of standing feet would go with it, if they drifted, too."""
 
 
 def worlds_differ(walk: Walk) -> Iterator[Finding]:
@@ -20,10 +26,32 @@ def worlds_differ(walk: Walk) -> Iterator[Finding]:
     """
     worlds = walk.worlds
     if worlds is not None and walk.worlds_differ:
-        cases, feet = ("loses_way",) if walk.loses_way else (), walk.feet_on_poses
+        cases, feet = ("loses_way",) if walk.loses_way else (), _feet_astray(walk, worlds)
         yield found("WORLDS_DIFFER", "aside", *cases, feet=feet, where="stability", worlds=worlds)
     elif worlds is not None and walk.base is not None and walk.base.height_m is None:
         yield found("WORLDS_DIFFER", "below", where="base.height_m")
+
+
+def _feet_astray(walk: Walk, worlds: Worlds) -> tuple[str, ...]:
+    """Return the feet whose lengths drift with the base: those whose points do, as they stand."""
+    path_m = 0.0 if walk.base is None else walk.base.path_length_m or 0.0
+    share = worlds.drift_m / path_m if path_m else 0.0
+    on_poses = walk.feet_on_poses
+    return tuple(
+        foot.name
+        for foot in walk.feet
+        if foot.name in on_poses or not _travels_less(foot, STANDS * share)
+    )
+
+
+def _travels_less(foot: FootSteps, share: float) -> bool:
+    """Tell whether a foot's contact point travels by less than a share of the base's way."""
+    travel = foot.stances.figures.contact_travel_m[foot.strides.stance]
+    way = foot.base_way_m * foot.strides.duty_factor
+    known = np.isfinite(travel) & np.isfinite(way)
+    return bool(known.any()) and float(median_of(travel[known])) < share * float(
+        median_of(way[known])
+    )
 
 
 def falls(walk: Walk) -> Iterator[Finding]:
