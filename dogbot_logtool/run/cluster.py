@@ -116,9 +116,10 @@ class ClusterRunner(ExecutorRunner[Result]):
         """See `ExecutorRunner.submit`."""
         call = pickle.dumps(_Call((__version__, work, item)))
         try:
-            return self._executor.submit(pickle.loads, call)
+            future: Future[Result | Failure] = self._executor.submit(pickle.loads, call)
         except (OSError, RuntimeError) as error:
             raise self._run_lost() from error
+        return future
 
     def look(self) -> None:
         """See `ExecutorRunner.look`."""
