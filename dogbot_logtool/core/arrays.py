@@ -212,7 +212,8 @@ def percentiles_of(
     rank = np.atleast_1d(percents) / 100.0 * (len(rows) - 1)
     before = np.floor(rank).astype(np.intp)
     after = np.minimum(before + 1, len(rows) - 1)
-    ordered = np.partition(rows, [*before.tolist(), *after.tolist(), -1], axis=0)
+    # Faster than `np.partition` for several of them.
+    ordered = np.sort(rows, axis=0)
     low, high = ordered[before], ordered[after]
     part = (rank - before).reshape(-1, *[1] * (rows.ndim - 1))
     step = high - low
@@ -317,6 +318,19 @@ def rows_of_runs(begin: Ints, end: Ints) -> tuple[Ints, Ints, Ints]:
     first = np.cumsum(length) - length
     run = np.repeat(np.arange(len(begin)), length)
     return np.arange(len(run)) + (begin - first)[run], run, first
+
+
+def sorted_runs(values: Floats, run: Ints) -> Floats:
+    """Sort the values of each run.
+
+    Args:
+        values: (n,) any unit.
+        run: (n,) ascending small numbers, not negative: the run of each value.
+    """
+    # A sort by value and a stable one by 16-bit runs: three times as fast as `np.lexsort`.
+    order = np.argsort(values)
+    ordered: Floats = values[order[stable_order(run[order])]]
+    return ordered
 
 
 def quantiles(ordered: Floats, begin: Ints, end: Ints, share: float) -> Floats:

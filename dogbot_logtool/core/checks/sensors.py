@@ -7,6 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import median_of
+from dogbot_logtool.core.contact.contact_rule import HEAVILY_FILTERED
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.loads import is_stuck
 from dogbot_logtool.core.walk import Walk
@@ -28,7 +29,8 @@ def unloaded_levels(walk: Walk) -> Iterator[Finding]:
     for row, foot in enumerate(walk.settings.feet):
         sensor, name = walk.settings.sensor(row), foot.name
         level, where = sensor.level, f"feet.{name}.force_offset_n"
-        if why := sensor.rule.unusable:
+        why = sensor.rule.unusable
+        if why and why != HEAVILY_FILTERED:
             unknown = f"feet.{name}.contact_fraction"
             yield found("CONTACT_UNKNOWN", where=unknown, feet=(name,), why=why)
         if level.reason:
@@ -45,11 +47,16 @@ def unloaded_levels(walk: Walk) -> Iterator[Finding]:
 
 def filtered(walk: Walk) -> Iterator[Finding]:
     """Yield which forces went through a low-pass filter."""
-    told = {foot.name: foot.filter_s for foot in walk.settings.feet if foot.filter_s}
-    if told:
-        names, tau_s = ", ".join(told), max(told.values())
-        words = {"milliseconds": 1e3 * tau_s, "hertz": 1.0 / (2.0 * np.pi * tau_s)}
-        yield found("FORCE_FILTERED", where="feet", names=names, words=words)
+    told = [(foot.name, foot.low_pass) for foot in walk.settings.feet if foot.low_pass]
+    for say, resolved in (("plain", True), ("heavy", False)):
+        some = {name: each.tau_s for name, each in told if each.resolved is resolved}
+        if some:
+            feet, tau_s, cases = tuple(some), max(some.values()), () if resolved else ("heavy",)
+            words = {"milliseconds": 1e3 * tau_s, "hertz": 1.0 / (2.0 * np.pi * tau_s)}
+            names, where = ", ".join(some), "feet"
+            yield found(
+                "FORCE_FILTERED", *cases, where=where, say=say, feet=feet, names=names, words=words
+            )
 
 
 def silent_feet(walk: Walk) -> Iterator[Finding]:

@@ -7,7 +7,15 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, dots, quantiles, rows_of_runs
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Floats,
+    Ints,
+    dots,
+    quantiles,
+    rows_of_runs,
+    sorted_runs,
+)
 from dogbot_logtool.core.contact.contact_way import contact_ways, ways_under_load
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.track import FootTrack
@@ -74,11 +82,6 @@ class StanceFigures(NamedTuple):
     """s after touchdown, the last time before half of that reach with at most a tenth of it."""
     reach_ends_s: Floats
     """s after touchdown, the first time with at least nine tenths of it."""
-    quick_way_m: Floats
-    """m, furthest that a single contact point of the loaded foot goes in `QUICK_S`."""
-    quick_begins_s: Floats
-    """s after touchdown, when it does so; also `quick_ends_s`."""
-    quick_ends_s: Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,7 +156,7 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
         np.add.reduceat(force, first) / count,
         np.add.reduceat(vertical, first),
     )
-    median = quantiles(force[np.lexsort((force, stance))], first, first + count, 0.5)
+    median = quantiles(sorted_runs(force, stance), first, first + count, 0.5)
     impact = np.maximum.reduceat(np.where(time <= IMPACT_S, force, -np.inf), first)
     spike = _spikes(track.force, rows, stance, first)
     highest = np.flatnonzero(spike)[np.argsort(force[spike], kind="stable")]
@@ -161,7 +164,7 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
     spike_phase[stance[highest]] = (time / ends_s[stance])[highest]
     impulse = track.impulse.total[:, 2]
     travel, reach = contact_ways(samples, track.time, begin, end)
-    loaded, quick = ways_under_load(samples, track, begin, end, mean)
+    loaded = ways_under_load(samples, track, begin, end, mean)
     found = StanceFigures(
         peak_force_n=peak,
         mean_force_n=mean,
@@ -180,9 +183,6 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
         loaded_reach_m=loaded.metres,
         reach_begins_s=loaded.begins_s,
         reach_ends_s=loaded.ends_s,
-        quick_way_m=quick.metres,
-        quick_begins_s=quick.begins_s,
-        quick_ends_s=quick.ends_s,
     )
     return np.stack(found)
 
@@ -220,7 +220,7 @@ def _friction_use(
     count = np.bincount(of, minlength=stance[-1] + 1)
     use, has = np.full(len(count), np.nan), count > 0
     end = np.cumsum(count)
-    ordered = friction[np.lexsort((friction, of))]
+    ordered = sorted_runs(friction, of)
     use[has] = quantiles(ordered, (end - count)[has], end[has], 0.95)
     return use
 
