@@ -109,12 +109,6 @@ def test_every_edge_is_what_rosbags_reads(path: Path) -> None:
         assert edge.timing.gaps == (steps > longest * 1.002).sum()
 
 
-def test_jobs_change_nothing() -> None:
-    for log in LOGS[:2]:
-        one, four = (describe(log, InfoOptions(frames=True, jobs=jobs)) for jobs in (1, 4))
-        assert info_json(one) == info_json(four)
-
-
 def test_our_own_output_has_the_base_in_the_world(tmp_path: Path) -> None:
     target = tmp_path / "trot.mcap"
     convert(LOGS[0], target, ConvertOptions())
