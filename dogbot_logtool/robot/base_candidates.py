@@ -129,7 +129,8 @@ def base_candidates(log: Log, robot: Robot, feet: Collection[str]) -> Iterator[B
 def settled(of_type: Sequence[BaseCandidate], feet: Collection[str]) -> list[BaseCandidate]:
     """Sort poses of one type; of two robots', or of two objects', none is surely the base's."""
     sure = [each for each in of_type if each.is_sure]
-    same = _of_same_robot([each.name for each in sure], feet)
+    several = any(each.robot or each.source.row.name == ODOMETRY_TYPE for each in sure)
+    same = _of_same_robot([each.name for each in sure], feet if several else ())
     is_clear = len({each.robot for each in sure if each.name in same}) == 1
     return [
         each if not each.is_sure or (is_clear and each.name in same)
@@ -222,12 +223,15 @@ def namespace(topic: str) -> str:
 
 
 def likely_base(candidates: Sequence[BaseCandidate], feet: Collection[str]) -> str:
-    """Return the name of the first candidate of the feet's robot that is named like a base."""
-    possible = [
+    """Return the name of the poses to offer; empty: there are none.
+
+    These are the only ones, or the first of the feet's robot that are named like a base.
+    """
+    measured = [
         each.name
         for each in candidates
-        if not each.is_planned
-        and topic_words(each.name).isdisjoint(_OTHER_WORDS)
-        and not topic_words(each.name).isdisjoint(_BASE_WORDS)
+        if not each.is_planned and topic_words(each.name).isdisjoint(_OTHER_WORDS)
     ]
-    return next(iter(_of_same_robot(possible, feet)), "")
+    named = [name for name in measured if not topic_words(name).isdisjoint(_BASE_WORDS)]
+    best = _of_same_robot(named, feet) or (measured if len(measured) == 1 else [])
+    return next(iter(best), "")

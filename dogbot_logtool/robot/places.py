@@ -1,15 +1,11 @@
 """Where feet are whose sensors tell forces but no contact points."""
 
-from collections.abc import Iterable, Mapping
-
 from dogbot_logtool.core.frames.transforms import chain_of_frames
 from dogbot_logtool.core.frames.wrench_frame import FramePoint
 from dogbot_logtool.core.known_frames import KnownFrames
-from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.settings import WalkSettings
-from dogbot_logtool.robot.names import name_feet
+from dogbot_logtool.robot.measuring.legs import named_frames
 from dogbot_logtool.robot.selection import Selection
-from dogbot_logtool.robot.words import Part
 
 
 def sensor_points(
@@ -23,7 +19,7 @@ def sensor_points(
     parents = {child: next(iter(each)) for child, each in frames.parents.items() if len(each) == 1}
     if selection.odometry:
         parents[frames.base] = frames.world
-    named = _foot_frames(parents)
+    named = named_frames(selection.robot.feet, parents)
     points: list[FramePoint | None] = []
     for foot, described in enumerate(selection.robot.feet):
         sources = selection.sources_of(foot)
@@ -36,14 +32,6 @@ def sensor_points(
         frame = described.frame or frames.links[foot]
         is_placed = frame and chain_of_frames(parents, frame, frames.world) is not None
         if described.frame is None and described.leg_position is not None and not is_placed:
-            frame = named.get(described.leg_position, frame)
+            frame = named.get(foot, frame)
         points.append(FramePoint(frame, described.contact_point_m) if frame else None)
     return points
-
-
-def _foot_frames(frames: Iterable[str]) -> Mapping[LegPosition, str]:
-    """Return the frames that are named like the feet of all legs, by where the leg is."""
-    found = name_feet(frames, contacts_only=False).chosen
-    if found is None or found.part is not Part.FOOT:
-        return {}
-    return {foot.leg_position: foot.topic for foot in found.feet if foot.leg_position}

@@ -18,7 +18,8 @@ from dogbot_logtool.core.rotations import multiply
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.robot.robot_model.description import Model, without_legs
-from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf, find_legs
+from dogbot_logtool.robot.robot_model.legs_of_urdf import find_legs
+from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 from dogbot_logtool.robot.selection import Selection
 
 _WORLD: Final = "odom"

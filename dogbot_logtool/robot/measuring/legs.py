@@ -18,9 +18,9 @@ from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.wanted import WantedJoints
 from dogbot_logtool.robot.names import name_feet
 from dogbot_logtool.robot.robot_model.joints_of_log import joint_channels, joint_names
-from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf, leg_of
-from dogbot_logtool.robot.robot_model.skeleton import link_of_foot
-from dogbot_logtool.robot.robot_model.urdf import said_of_left_out
+from dogbot_logtool.robot.robot_model.legs_of_urdf import leg_of
+from dogbot_logtool.robot.robot_model.skeleton import place_of_foot
+from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, said_of_left_out
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, Part, words_of
 
@@ -112,17 +112,14 @@ def _chains(
     Each does by its own frame, or by one that is named so.
     """
     feet, chains = selection.robot.feet, list[LegChain | None]()
-    named = _named_frames(feet, parents)
+    named = named_frames(feet, parents)
     for number, foot in enumerate(feet):
-        link, like = link_of_foot(selection, probe, number)
-        sole = probe.soles.get(number) or probe.soles.get(like)
-        if foot.frame is not None:
-            places = [(foot.frame, foot.contact_point_m, any(foot.contact_point_m))]
-        elif link is not None and sole is not None:
-            places = [(link, sole, True)]
-        else:
-            origin = (0.0, 0.0, 0.0)
-            places = [(frame, origin, False) for frame in (named.get(number), link) if frame]
+        place, origin = place_of_foot(selection, probe, number), (0.0, 0.0, 0.0)
+        is_told = foot.frame is not None or number in probe.soles
+        places = [(*place, foot.frame is None or any(place[1]))] if place and is_told else []
+        if not is_told:
+            frames_of = (named.get(number), place[0] if place else None)
+            places = [(frame, origin, False) for frame in frames_of if frame]
         found = (
             LegChain(frames, probe.base.lstrip("/"), point, touches)
             for frame, point, touches in places
@@ -132,7 +129,7 @@ def _chains(
     return chains
 
 
-def _named_frames(feet: Sequence[Foot], frames: Iterable[str]) -> dict[int, str]:
+def named_frames(feet: Sequence[Foot], frames: Iterable[str]) -> dict[int, str]:
     """Return the frame of each foot among frames that are named like the feet of all legs.
 
     A frame of the sole comes before others, which may as well be at the ankle or the knee.

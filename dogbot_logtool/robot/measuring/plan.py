@@ -30,7 +30,7 @@ from dogbot_logtool.robot.topics import nothing_to_do
 if TYPE_CHECKING:
     from dogbot_logtool.core.frames.transforms import TransformBuffer
     from dogbot_logtool.core.legs.paths import LegSettings
-    from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf
+    from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 
 _OF_ROBOT: Final = (
     *("mass_kg", "forward_axis", "com_offset_m", "foot_rolling_m", "contact_on_counts"),

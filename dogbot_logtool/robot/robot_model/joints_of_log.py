@@ -16,7 +16,7 @@ from dogbot_logtool.reader.decode.fields import Field, Kind
 from dogbot_logtool.reader.messages.messages import check_channel
 from dogbot_logtool.reader.messages.others import JOINT_TYPES, read_joints
 from dogbot_logtool.reader.messages.source import source_of
-from dogbot_logtool.robot.robot_model.urdf import parse_urdf, urdf_joints
+from dogbot_logtool.robot.robot_model.urdf import read_robot
 from dogbot_logtool.robot.topics import first_batches, first_messages
 
 _MOST_CHANNELS: Final = 16
@@ -69,18 +69,18 @@ def joint_motion(
         return None
     urdf = own_description(log) if description is None else description
     try:
-        joints, left_out = urdf_joints(parse_urdf(urdf or ""))
+        robot = read_robot(urdf or "")
     except ValueError:
         return None
     named = joint_names(log, channel)
     kept = tuple(
         joint
-        for joint in joints
+        for joint in robot.joints
         if joint.child not in {*probe.parents, base}
         and (joint.kind == "fixed" or joint.measured in named)
     )
     moves = any(joint.kind != "fixed" for joint in kept)
-    return JointMotion(channel.topic, kept, left_out) if moves else None
+    return JointMotion(channel.topic, kept, robot.left_out) if moves else None
 
 
 def description_channels(log: Log) -> Sequence[Channel]:

@@ -95,29 +95,25 @@ def model_feet(selection: Selection, probe: KnownFrames) -> Iterator[ModelFoot]:
     """Yield the feet whose frames are known, with the points where they touch the ground."""
     soles = rounded(probe.soles)
     for number, foot in enumerate(selection.robot.feet):
-        link, like = link_of_foot(selection, probe, number)
-        if foot.frame is not None:
-            frame, point = foot.frame.lstrip("/"), foot.contact_point_m
+        if place := place_of_foot(selection, probe, number):
+            frame, point = place
+            point = point if foot.frame is not None else soles.get(number, point)
             yield ModelFoot(foot.name, frame, point, foot_colour(number))
-        elif link is not None:
-            point = soles.get(number, soles.get(like, (0.0, 0.0, 0.0)))
-            yield ModelFoot(foot.name, link, point, foot_colour(number))
 
 
-def link_of_foot(selection: Selection, probe: KnownFrames, number: int) -> tuple[str | None, int]:
-    """Return the link of a foot, and the foot that is made like it.
+def place_of_foot(
+    selection: Selection, probe: KnownFrames, number: int
+) -> tuple[str, Point] | None:
+    """Return the frame of a foot and where it touches, m in that frame; None: not known.
 
-    A foot that reports no contact has a link that is named as another's, but for the foot's name.
+    By the robot's file, else by the link of its contacts.
     """
-    if (link := probe.links[number]) is not None:
-        return link.lstrip("/"), number
-    names = [foot.name for foot in selection.robot.feet]
-    for like, link in enumerate(probe.links):
-        if link is not None and names[like] in link:
-            named = link.lstrip("/").replace(names[like], names[number])
-            if named in probe.frame_poses:
-                return named, like
-    return None, number
+    foot, link = selection.robot.feet[number], probe.links[number]
+    if foot.frame is not None:
+        return foot.frame.lstrip("/"), foot.contact_point_m
+    if link is None:
+        return None
+    return link.lstrip("/"), probe.soles.get(number, (0.0, 0.0, 0.0))
 
 
 def robot_shape(selection: Selection, probe: KnownFrames) -> RobotShape:

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import pytest
 
-from dogbot_logtool.robot.robot_model.robot_of_urdf import Legs, find_legs, read_robot
+from dogbot_logtool.robot.robot_model.legs_of_urdf import Legs, find_legs
+from dogbot_logtool.robot.robot_model.urdf import read_robot
 
 Joint = tuple[str, str, str, str, str]
 """Type, parent, child, place and axis."""
