@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dogbot_logtool.robot.names import leg_position, name_feet
+from dogbot_logtool.robot.names import name_feet
 from dogbot_logtool.robot.siblings import FootSet
 
 TABLE = tomllib.loads(Path(__file__).with_name("names.toml").read_text(encoding="utf-8"))
@@ -116,26 +116,3 @@ def test_any_names_will_do(names: list[str], contacts_only: bool) -> None:  # no
 def test_many_names_come_to_an_end(pattern: str) -> None:
     """Comparing each name with each other one would take hours."""
     name_feet([pattern.format(number) for number in range(6_000)], contacts_only=True)
-
-
-@pytest.mark.parametrize(
-    ("name", "position"),
-    [
-        ("/lf_foot/contacts", ("front", "left")),
-        ("/RH", ("back", "right")),
-        ("/rr_bumper", ("back", "right")),
-        ("/frontLeftFoot", ("front", "left")),
-        ("/hind-right", ("back", "right")),
-        ("/fore/right", ("front", "right")),
-        ("/rear_left_toe", ("back", "left")),
-        ("/leg/middle_left", ("middle", "left")),
-        ("/ml/contact", ("middle", "left")),
-        ("/feedback/left", None),
-        ("/front_back_left", None),
-        ("/left_right_front", None),
-        ("/foot_1", None),
-        ("", None),
-    ],
-)
-def test_a_leg_s_position_by_its_name(name: str, position: tuple[str, str] | None) -> None:
-    assert leg_position(name) == position

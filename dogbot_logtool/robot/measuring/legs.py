@@ -1,4 +1,4 @@
-"""Which of a log's messages tell of its legs: joints and frames."""
+"""Which of a log's messages tell of its legs, joints and frames, and where feet are."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
@@ -6,6 +6,7 @@ from typing import Final
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.kinematics import Joint
 from dogbot_logtool.core.frames.transforms import TransformBuffer, chain_of_frames, moving_tracks
+from dogbot_logtool.core.frames.wrench_frame import FramePoint
 from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.legs.paths import (
     JointPair,
@@ -13,6 +14,7 @@ from dogbot_logtool.core.legs.paths import (
     LegSettings,
 )
 from dogbot_logtool.core.recording import Recording
+from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.wanted import WantedJoints
@@ -180,3 +182,32 @@ def _pairs(feet: Sequence[Foot], foot_of: Mapping[str, int]) -> tuple[JointPair,
         for name, sides in found.items()
         if sides.keys() >= {"left", "right"}
     )
+
+
+def sensor_points(
+    selection: Selection, frames: KnownFrames, settings: WalkSettings
+) -> list[FramePoint | None]:
+    """Return the position of each foot without contact points; None: it has some, or no force.
+
+    It is at the frame of the robot's file or of its messages; where the log's transforms do not
+    place that, at the frame that is named like the leg's foot.
+    """
+    parents = {child: next(iter(each)) for child, each in frames.parents.items() if len(each) == 1}
+    if selection.odometry:
+        parents[frames.base] = frames.world
+    named = named_frames(selection.robot.feet, parents)
+    points: list[FramePoint | None] = []
+    for foot, described in enumerate(selection.robot.feet):
+        sources = selection.sources_of(foot)
+        if any(source.in_base for source in sources):
+            points.append(FramePoint(frames.base, recorded=True))
+            continue
+        if not settings.feet[foot].has_force or any(source.has_points for source in sources):
+            points.append(None)
+            continue
+        frame = described.frame or frames.links[foot]
+        is_placed = frame and chain_of_frames(parents, frame, frames.world) is not None
+        if described.frame is None and described.leg_position is not None and not is_placed:
+            frame = named.get(foot, frame)
+        points.append(FramePoint(frame, described.contact_point_m) if frame else None)
+    return points

@@ -203,8 +203,10 @@ def prepare(
     recording, selection, whole = with_joined_sensors(recording, selection)
     model = None
     if recording.joints:
-        from dogbot_logtool.robot.measuring.array_feet import named_by_legs  # noqa: PLC0415
-        from dogbot_logtool.robot.measuring.by_legs import told_by_legs  # noqa: PLC0415
+        from dogbot_logtool.robot.measuring.by_legs import (  # noqa: PLC0415
+            named_by_legs,
+            told_by_legs,
+        )
         from dogbot_logtool.robot.robot_model.description import read_model  # noqa: PLC0415
 
         found = read_model(log, options.urdf)
