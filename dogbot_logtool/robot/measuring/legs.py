@@ -116,12 +116,12 @@ def _chains(
     feet, chains = selection.robot.feet, list[LegChain | None]()
     named = named_frames(feet, parents)
     for number, foot in enumerate(feet):
-        place, origin = place_of_foot(selection, probe, number), (0.0, 0.0, 0.0)
-        is_told = foot.frame is not None or number in probe.soles
-        places = [(*place, foot.frame is None or any(place[1]))] if place and is_told else []
-        if not is_told:
-            frames_of = (named.get(number), place[0] if place else None)
-            places = [(frame, origin, False) for frame in frames_of if frame]
+        frame, point = place_of_foot(selection, probe, number) or (None, None)
+        if frame and point:
+            places = [(frame, point, foot.frame is None or any(point))]
+        else:
+            origin = (0.0, 0.0, 0.0)
+            places = [(each, origin, False) for each in (named.get(number), frame) if each]
         found = (
             LegChain(frames, probe.base.lstrip("/"), point, touches)
             for frame, point, touches in places

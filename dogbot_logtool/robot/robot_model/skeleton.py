@@ -27,6 +27,7 @@ _INSIDE: Final = 0.75
 _DENSITY: Final = 500.0
 """kg/m3 of a body whose legs are not known; half of water's, as robots have."""
 _USUAL_MASS_KG: Final = 12.0
+_ORIGIN: Final = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,27 +100,31 @@ def skeleton(selection: Selection, probe: KnownFrames, base: str) -> Skeleton:
 
 def model_feet(selection: Selection, probe: KnownFrames) -> Iterator[ModelFoot]:
     """Yield the feet whose frames are known, with the points where they touch the ground."""
-    soles = rounded(probe.soles)
     for number, foot in enumerate(selection.robot.feet):
         if place := place_of_foot(selection, probe, number):
             frame, point = place
-            point = point if foot.frame is not None else soles.get(number, point)
-            yield ModelFoot(foot.name, frame, point, foot_colour(number))
+            if foot.frame is None:
+                point = rounded({number: point or _ORIGIN})[number]
+            yield ModelFoot(foot.name, frame, point or _ORIGIN, foot_colour(number))
 
 
 def place_of_foot(
     selection: Selection, probe: KnownFrames, number: int
-) -> tuple[str, Point] | None:
+) -> tuple[str, Point | None] | None:
     """Return the frame of a foot and where it touches, m in that frame; None: not known.
 
-    By the robot's file, else by the link of its contacts.
+    By the robot's file, else by the link of its contacts. A foot that reports no contact is on a
+    link that is named as another foot's, but for the foot's name, and is made like that one.
     """
-    foot, link = selection.robot.feet[number], probe.links[number]
+    foot, names = selection.robot.feet[number], [foot.name for foot in selection.robot.feet]
     if foot.frame is not None:
         return foot.frame.lstrip("/"), foot.contact_point_m
-    if link is None:
-        return None
-    return link.lstrip("/"), probe.soles.get(number, (0.0, 0.0, 0.0))
+    for like, link in sorted(enumerate(probe.links), key=lambda each: each[0] != number):
+        if link is not None and (like == number or names[like] in link):
+            named = link.lstrip("/").replace(names[like], foot.name)
+            if like == number or named in probe.frame_poses:
+                return named, probe.soles.get(number, probe.soles.get(like))
+    return None
 
 
 def robot_shape(selection: Selection, probe: KnownFrames) -> RobotShape:
