@@ -22,7 +22,8 @@ from tests.oracles.recorded import (
     contact_topic,
     load_topic,
 )
-from tests.oracles.ros1_logs import Entry, small_walk, transform, write_bag, write_ros1_mcap
+from tests.oracles.ros1_logs import small_walk, transform, write_bag, write_ros1_mcap
+from tests.oracles.walks import Entry
 
 
 def test_a_damaged_attachment_is_left_out_and_told(tmp_path: Path) -> None:
