@@ -68,14 +68,14 @@ def _compare_files(call: Call, options: Compare) -> NoReturn:
 
 def _compare_gait(call: Call, options: Compare) -> NoReturn:
     """Compare how the robot walks on either side; exit."""
-    from dogbot_logtool.commands.compare_gait import compare_gait  # noqa: PLC0415
+    from dogbot_logtool.comparison.walks import compare_walks  # noqa: PLC0415
 
     measuring = part_of(options, MeasureOptions)
     sides = [call.logs((word,)) for word in (options.expected, options.actual)]
     measured = [call.side(side, measuring) for side in sides]
     if not all(measured):
         call.finish()
-    found = compare_gait(*measured)
+    found = compare_walks(*measured)
     if options.json:
         click.echo(to_json(gait_comparison_json(found), indent=2))
     elif not options.quiet:

@@ -1,15 +1,15 @@
 """Tables of metrics: which column shows what, and how; and the table of strides."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Generic, NamedTuple, Self, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Aggregate, Floats
 from dogbot_logtool.core.checks.voids import void_columns, void_patterns
 from dogbot_logtool.core.metrics import Foot, Phase, Stride, WalkMetrics
-from dogbot_logtool.core.records import fields_of
+from dogbot_logtool.core.records import MetricPath, fields_of
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.numbers import NOTHING
 from dogbot_logtool.results import StrideTable
@@ -54,25 +54,6 @@ def foot_rows(metrics: WalkMetrics) -> dict[str, FootRow]:
         name: FootRow(foot, metrics.gait.phase[name], shares.get(name))
         for name, foot in metrics.feet.items()
     }
-
-
-class MetricPath:
-    """The path of a metric, written as its attribute: ``METRICS.gait.name`` is ``gait.name``."""
-
-    def __init__(self, *names: str) -> None:
-        self._names = names
-
-    def __getattr__(self, name: str) -> Self:
-        return type(self)(*self._names, name)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __str__(self) -> str:
-        return ".".join(self)
-
-
-METRICS: Final = MetricPath()
 
 
 def why_null(metrics: WalkMetrics, path: MetricPath) -> str:

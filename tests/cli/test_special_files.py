@@ -141,7 +141,7 @@ def test_hostile_tolerances_are_refused(tmp_path: Path, text: str, says: str) ->
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ('{"a": ' + "9" * 5000 + "}", "a number of too many digits"),
+        ('{"a": ' + "9" * 5000 + "}", "value has 5000 digits\n"),
         ("[" * 100_000, "nested too deeply"),
         ('{"a":' * 5000 + "1" + "}" * 5000, "nested too deeply"),
     ],
