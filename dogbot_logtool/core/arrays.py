@@ -318,6 +318,19 @@ def rows_of_runs(begin: Ints, end: Ints) -> tuple[Ints, Ints, Ints]:
     return np.arange(len(run)) + (begin - first)[run], run, first
 
 
+def sorted_runs(values: Floats, run: Ints) -> Floats:
+    """Sort the values of each run.
+
+    Args:
+        values: (n,) any unit.
+        run: (n,) ascending small numbers, not negative: the run of each value.
+    """
+    # A sort by value and a stable one by 16-bit runs: three times as fast as `np.lexsort`.
+    order = np.argsort(values)
+    ordered: Floats = values[order[stable_order(run[order])]]
+    return ordered
+
+
 def quantiles(ordered: Floats, begin: Ints, end: Ints, share: float) -> Floats:
     """Quantile of each run of sorted values, interpolated linearly between neighbours.
 

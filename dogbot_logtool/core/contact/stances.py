@@ -7,7 +7,15 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, dots, quantiles, rows_of_runs
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Floats,
+    Ints,
+    dots,
+    quantiles,
+    rows_of_runs,
+    sorted_runs,
+)
 from dogbot_logtool.core.contact.contact_way import contact_ways, ways_under_load
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.track import FootTrack
@@ -153,7 +161,7 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
         np.add.reduceat(force, first) / count,
         np.add.reduceat(vertical, first),
     )
-    median = quantiles(force[np.lexsort((force, stance))], first, first + count, 0.5)
+    median = quantiles(sorted_runs(force, stance), first, first + count, 0.5)
     impact = np.maximum.reduceat(np.where(time <= IMPACT_S, force, -np.inf), first)
     spike = _spikes(track.force, rows, stance, first)
     highest = np.flatnonzero(spike)[np.argsort(force[spike], kind="stable")]
@@ -220,7 +228,7 @@ def _friction_use(
     count = np.bincount(of, minlength=stance[-1] + 1)
     use, has = np.full(len(count), np.nan), count > 0
     end = np.cumsum(count)
-    ordered = friction[np.lexsort((friction, of))]
+    ordered = sorted_runs(friction, of)
     use[has] = quantiles(ordered, (end - count)[has], end[has], 0.95)
     return use
 

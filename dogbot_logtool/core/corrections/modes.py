@@ -9,7 +9,15 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, percentiles_of, rows_of_runs
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Floats,
+    Ints,
+    median_of,
+    percentiles_of,
+    rows_of_runs,
+    sorted_runs,
+)
 
 FEWEST_VISITS: Final = 2
 """Swings that must agree on a level."""
@@ -142,8 +150,7 @@ def judged(modes: Modes, other_width: float, step: float) -> Modes:
 def visit_quantiles(values: Floats, visits: Ints, *shares: float) -> Floats:
     """(v, len(shares)): quantiles of each visit's values, (n,); the nearest sample."""
     rows, run, first = rows_of_runs(*visits.T)
-    own = values[rows]
-    ordered = own[np.lexsort((own, run))]
+    ordered = sorted_runs(values[rows], run)
     within = np.round((np.diff(visits) - 1) * np.array(shares)).astype(np.int64)
     return np.asarray(ordered[first[:, None] + within])
 
