@@ -10,9 +10,8 @@ from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.robot_file import RobotEvidence, robot_file
 from dogbot_logtool.robot.annotated import open_recorded
-from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.score import FootCandidates
-from dogbot_logtool.robot.selection import Selection, select_topics
+from dogbot_logtool.robot.selection import select_topics
 from dogbot_logtool.robot.topics import nothing_to_do
 from dogbot_logtool.run.runner import OnProgress
 
@@ -54,27 +53,24 @@ def new_robot(
         if not selection.odometry and not selection.contacts:
             raise LogError(nothing_to_do(log, selection.findings))
         found = measure_log(log, options, progress)
-    selection, measured = found.selection, found.measurement
+    named, measured = selection.robot.feet, found.measurement
     walk = measured.walk
     evidence = RobotEvidence(
         log=file_name(path),
         world_frame=walk.frames.world,
         base_frame=walk.frames.base,
-        has_base=bool(selection.odometry),
+        has_base=bool(found.selection.odometry),
         feet_because=because,
         weight_n=walk.settings.estimated_weight_n,
         damage=measured.damage.text,
         metrics=measured.metrics,
     )
-    text = robot_file(_described(selection, name), evidence)
-    return NewRobot(text, tuple(others), measured.damage)
-
-
-def _described(selection: Selection, name: str) -> Robot:
-    """Return the robot under its new name, with the topics that are used."""
-    return replace(
-        selection.robot,
+    # The sensors of a foot are named one by one.
+    robot = replace(
+        found.selection.robot,
         name=name,
         description=f"{name}, from a log",
-        odometry_topic=selection.base_name,
+        odometry_topic=found.selection.base_name,
+        feet=named if any(foot.sensor_of for foot in named) else found.selection.robot.feet,
     )
+    return NewRobot(robot_file(robot, evidence), tuple(others), measured.damage)

@@ -83,5 +83,5 @@ class Foot:
     newtons_per_count: float | None = toml_field(TomlTable.positive)
     """Scale of a raw sensor; None: it was never measured."""
 
-    sensor_of: str = ""
+    sensor_of: str = toml_field(TomlTable.text, "")
     """The foot that this is one of several sensors of; empty: it is a foot of its own."""

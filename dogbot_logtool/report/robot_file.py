@@ -116,18 +116,19 @@ def _foot(foot: Foot, metrics: WalkMetrics) -> Iterator[str]:
     yield from (f"{key} = {text}" for key, text in values.items())
     if foot.leg_position is None:
         yield '# place = ["front", "left"]  # not known; gaits are named by it'
-    estimated = metrics.quality.feet[foot.name].force_offset_n
+    estimated = None if foot.sensor_of else metrics.quality.feet[foot.name].force_offset_n
     if foot.offset_n is None and estimated and any(estimated):
         rounded = ", ".join(f"{each:.4g}" for each in estimated)
         yield f"# offset_n = [{rounded}]  # estimated from this log, as from any other"
 
 
 def _seen(foot: Foot, metrics: WalkMetrics) -> str:
-    found, topic = metrics.feet[foot.name], metrics.quality.topics.get(foot.topic)
+    whole = metrics.feet[foot.sensor_of or foot.name]
+    topic = metrics.quality.topics.get(foot.topic)
     parts = ["no messages"] if topic is None else [f"{topic.messages:,} messages"]
     if topic is not None and topic.rate_hz:
         parts.append(f"{topic.rate_hz:.3g} a second")
-    if found.contact_fraction is not None:
-        parts.append(f"in contact {found.contact_fraction:.0%} of the time")
-    parts.append(f"{found.strides or 0} strides")
+    if whole.contact_fraction is not None:
+        parts.append(f"in contact {whole.contact_fraction:.0%} of the time")
+    parts.append(f"{whole.strides or 0} strides")
     return ", ".join(parts)

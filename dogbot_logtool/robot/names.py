@@ -24,8 +24,7 @@ from typing import Final
 
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.robot.readings import position_of, readings_of
-from dogbot_logtool.robot.siblings import FootSet, sibling_sets, with_several
+from dogbot_logtool.robot.siblings import FootSet, position_of, readings_of, sibling_sets
 from dogbot_logtool.robot.words import (
     ENDS,
     MERITS,
@@ -70,11 +69,11 @@ def name_feet(topics: Iterable[str], *, contacts_only: bool) -> FootNames:
             be a foot's. Else only those may be whose names say so.
     """
     names = {topic: words_of(topic) for topic in sorted(set(topics))[:_MOST_TOPICS]}
-    siblings = sorted(sibling_sets(names), key=lambda one: one.order)
-    sets = [one for one in with_several(siblings) if one.is_clear(contacts_only=contacts_only)]
-    for one in siblings:
+    sets: list[FootSet] = []
+    for one in sorted(sibling_sets(names), key=lambda one: one.order):
         # Parts of another set say nothing; of several of the same topics, the first one stands.
-        if not any(one.topics <= other.topics for other in sets):
+        is_whole = one.is_clear(contacts_only=contacts_only) or not one.feet[0].sensor_of
+        if is_whole and not any(one.topics <= other.topics for other in sets):
             sets.append(one)
     possible = [one for one in sets if _may_be_feet(one, contacts_only=contacts_only)]
     in_sets = {topic for one in sets for topic in one.topics}
@@ -116,7 +115,7 @@ def _alone(names: Mapping[str, Sequence[Word]], *, contacts_only: bool) -> Itera
         for topic, name in topics.items()
     ]
     if unique := tuple({foot.name: foot for foot in feet}.values())[:_MOST_LEGS]:
-        yield FootSet(unique, "alone", Part.UNKNOWN, frozenset())
+        yield FootSet(unique, "alone")
 
 
 def _may_be_foot(words: Sequence[Word], *, contacts_only: bool) -> bool:
@@ -148,7 +147,7 @@ def foot_name(label: str) -> str:
         return "_".join(position)
     sides = {SIDES[word.text] for word in words if word.text in SIDES}
     slots = [at for at, word in enumerate(words) if word.slot]
-    read = (each for at in slots for each in readings_of(words, frozenset({at})))
+    read = (each for at in slots for each in readings_of(words, (at,)))
     names = sides if len(sides) == 1 else {each.leg for each in read if each.kind == "numbers"}
     return names.pop() if len(names) == 1 else _sanitised(label)
 

@@ -5,13 +5,11 @@ from pathlib import PurePath
 from typing import Final
 
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.io.printable import listed, shell_joined, shell_quoted
+from dogbot_logtool.io.printable import shell_joined, shell_quoted
 from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.robot.score import FootCandidates, word_of
 from dogbot_logtool.robot.siblings import FootSet
-from dogbot_logtool.robot.words import ON_A_FOOT, words_of
 
 _ALTERNATIVES: Final = 3
 """Sets of topics that are offered beside the most likely one."""
@@ -45,41 +43,6 @@ def alternatives(sets: Sequence[FootSet]) -> str:
     )
 
 
-def split_cells(found: Sequence[FootCandidates]) -> tuple[list[FootCandidates], list[Finding]]:
-    """Leave out fields of which each foot has several, alike but for their place in it.
-
-    Returns:
-        the other fields, and a finding for each group that was left out: no single sensor in a
-        sole tells the foot's load.
-    """
-    groups: dict[object, list[FootCandidates]] = {}
-    for one in found:
-        feet = tuple((foot.name, foot.topic, _without_place(foot)) for foot in one.feet)
-        groups.setdefault((one.type_name, feet), []).append(one)
-    others = [group[0] for group in groups.values() if len(group) == 1]
-    return others, [_cells_finding(group) for group in groups.values() if len(group) > 1]
-
-
-def _without_place(foot: Foot) -> tuple[str, ...]:
-    """Return the words of a foot's field that do not tell where in the foot it is."""
-    words = [word.text for word in words_of(foot.field.path if foot.field else "")]
-    return tuple(word for word in words if word not in ON_A_FOOT and not word.isdigit())
-
-
-def _cells_finding(group: Sequence[FootCandidates]) -> Finding:
-    feet = []
-    for number, foot in enumerate(group[0].feet):
-        fields = dict.fromkeys(word_of(each.feet[number]) for each in group)
-        feet.append(f"{foot.name} = {' + '.join(fields)}")
-    text = (
-        f"fields of {group[0].type_name} look like several sensors in each foot: {listed(feet)}; a "
-        "single one tells neither the load nor the contact of its foot, and fields cannot be added "
-        "up here: record the sum of each foot's sensors on a topic of its own, such as "
-        "/foot/left of geometry_msgs/WrenchStamped"
-    )
-    return Finding("FEET_UNSURE", text, cases=("possible",))
-
-
 def candidates_finding(log: Log, found: Sequence[FootCandidates], call: str, base: str) -> Finding:
     """Return which fields may be feet, why, and the command that measures with them.
 
@@ -100,8 +63,8 @@ def candidates_finding(log: Log, found: Sequence[FootCandidates], call: str, bas
     file = f"{PurePath(log.words[0]).stem}.toml"
     chosen = ["--odom-topic", base] if base else []
     draft = shell_joined(["dogbot-logtool", "robots", "new", *log.words, *chosen, "-o", file])
-    if any(foot.field and foot.field.kind for foot in first.feet):
-        # What the fields are can only be said in a robot's file.
+    if any((foot.field and foot.field.kind) or foot.sensor_of for foot in first.feet):
+        # What the fields are, and of which foot, can only be said in a robot's file.
         text += f"; they are not used unasked. This writes a robot's file with them: {draft}"
         return Finding("FEET_UNSURE", text, command=draft, cases=("possible",))
     words = " ".join(f"--foot {foot.name}={shell_quoted(word_of(foot))}" for foot in first.feet)

@@ -25,7 +25,7 @@ from dogbot_logtool.robot.feet import (
     find_feet,
 )
 from dogbot_logtool.robot.message_feet import contact_findings
-from dogbot_logtool.robot.offers import call_of, candidates_finding, split_cells, topics_finding
+from dogbot_logtool.robot.offers import call_of, candidates_finding, topics_finding
 from dogbot_logtool.robot.robot import GENERIC, Robot, known_robots, load_robot, robot_toml
 from dogbot_logtool.robot.score import FootCandidates
 from dogbot_logtool.robot.settings import with_settings
@@ -150,8 +150,7 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
     robot, unsure = find_feet(log, named, of_feet)
     robot = with_settings(robot, options.set)
     feet_of = channels_of_feet(log, robot)
-    found = find_candidates(log) if not (feet_of or unsure) else []
-    possible, cells = split_cells(found)
+    possible = find_candidates(log) if not (feet_of or unsure) else []
     of_robot = {foot.topic for foot in (possible[0].feet if possible else robot.feet)}
     of_robot = {*unsure[0].topics} if unsure else of_robot
     chosen = choose_base(log, robot, findings, of_robot, is_asked=options.odom_topic is not None)
@@ -166,7 +165,7 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
     call = call_of(log, options, chosen.offered)
     if unsure:
         of_feet.append(topics_finding(unsure, call))
-    findings += [*of_feet, *cells]
+    findings += of_feet
     if possible:
         findings.append(candidates_finding(log, possible, call, chosen.offered))
     elif not unsure and chosen.offered:

@@ -1,30 +1,38 @@
-"""Topics whose names differ in nothing but the leg, or also in the place on each foot."""
+"""Names that differ in nothing but the leg, or also in the place on each foot.
+
+Every name is read in all the ways in which some of its words, the slots, name a leg. Names that
+are alike but for their slots are siblings.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import combinations, takewhile
+from dataclasses import dataclass
+from itertools import combinations, pairwise
 from typing import Final
 
+from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.robot.readings import Reading, readings_of
 from dogbot_logtool.robot.words import (
+    ENDS,
     LETTERS,
     MERITS,
     NEUTRAL,
     ON_A_FOOT,
     PARTS,
+    ROWS,
+    SIDES,
     USABLE,
     Part,
     Word,
-    words_of,
 )
 
 _MANY: Final = 3
 """Legs from which names that say no more than the leg are believed; a robot has four or six."""
 _NUMBERED: Final = 4
 """Legs from which numbers are believed; two may as well be two sensors of a foot."""
-_MOST_SLOTS: Final = 4
-"""Words of a name that may name its leg together."""
+_MOST_SLOTS: Final = 5
+"""Words of a name, from its end, that may name its leg."""
+_ORDER: Final = ("front", "middle", "back", "left", "right")
+_KINDS: Final = ("corners", "sides", "numbers")
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,8 +43,8 @@ class FootSet:
     """In the order front to back, left before right, or of their numbers."""
     kind: str
     """``corners``, ``sides`` or ``numbers``; ``alone``: they are no siblings."""
-    part: Part
-    words: frozenset[str]
+    part: Part = Part.UNKNOWN
+    words: frozenset[str] = frozenset()
     """Words that describe the leg, without those that name it."""
     letters_only: bool = False
     """Whether the legs are named by two letters, of which ``lf`` may also be a left foot."""
@@ -49,9 +57,10 @@ class FootSet:
         return frozenset(foot.topic for foot in self.feet)
 
     @property
-    def order(self) -> tuple[int, int]:
-        """What sorts sets of which one may be a part of another: large ones come first."""
-        return -len(self.feet), ("corners", "sides", "numbers").index(self.kind)
+    def order(self) -> tuple[int, bool, int]:
+        """What sorts sets of which one may be a part of another: the largest comes first."""
+        has_several = any(foot.sensor_of for foot in self.feet)
+        return -len(self.feet), has_several, _KINDS.index(self.kind)
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -95,67 +104,99 @@ class FootSet:
         return len(self.feet) >= _MANY or ((is_leg or contacts_only) and not fronts)
 
 
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """A name, understood as that of a leg."""
+
+    kind: str
+    """``corners``, ``sides`` or ``numbers``."""
+    leg: str
+    """Its name."""
+    order: tuple[int, int]
+    """Sorts legs front to back and left before right, or by number."""
+    position: LegPosition | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Named:
+    """A topic whose name is read as that of a leg."""
+
+    topic: str
+    reading: Reading
+    slots: tuple[int, ...]
+    place: tuple[str, ...] = ()
+    """Words that may tell where on the foot a sensor is."""
+
+
 def sibling_sets(names: Mapping[str, Sequence[Word]]) -> Iterator[FootSet]:
-    """Yield all sets of at least two siblings: their names differ in some words, and no others."""
-    alike: dict[object, list[str]] = {}
+    """Yield all sets of at least two siblings, and of feet of which each has several sensors."""
+    groups: dict[object, dict[str, list[_Named]]] = {}
     for topic, words in names.items():
-        shape = tuple((word.gap, word.slot or word.text) for word in words)
-        alike.setdefault(shape, []).append(topic)
-    for topics in alike.values():
-        columns = [
-            {word.text for word in each}
-            for each in zip(*map(names.__getitem__, topics), strict=True)
-        ]
-        varying = [at for at, texts in enumerate(columns) if len(texts) > 1]
-        for slots in _slots(varying[-_MOST_SLOTS:], names[topics[0]]):
-            found: dict[object, dict[str, list[tuple[Reading, str]]]] = {}
-            for topic in topics:
-                same = tuple(names[topic][at].text for at in varying if at not in slots)
-                for reading in readings_of(names[topic], slots):
-                    legs = found.setdefault((reading.kind, same), {})
-                    legs.setdefault(reading.leg, []).append((reading, topic))
-            for legs in found.values():
-                # Two topics of one leg whose names differ in letter case only: none is the leg's.
-                feet = [entries[0] for entries in legs.values() if len(entries) == 1]
-                if len(feet) > 1:
-                    feet.sort(key=lambda entry: entry[0].order)
-                    yield _foot_set(feet, names[feet[0][1]], slots)
+        for slots, readings in _readings(words):
+            places = tuple(at for at in range(len(words)) if _may_be_place(words, at, slots))
+            told = tuple(words[at].text for at in places)
+            for left_out in dict.fromkeys(((), places)):
+                if _names_one_foot(words, (*slots, *left_out)):
+                    continue
+                template = _template(words, slots, left_out)
+                for reading in readings:
+                    legs = groups.setdefault((reading.kind, template), {})
+                    legs.setdefault(reading.leg, []).append(_Named(topic, reading, slots, told))
+    for legs in groups.values():
+        rows = [sorted(row, key=lambda each: each.place) for row in legs.values()]
+        rows.sort(key=lambda row: row[0].reading.order)
+        if len(rows) > 1 and all(len(row) == 1 for row in rows):
+            yield from _siblings([row[0] for row in rows], names)
+        elif len(rows) > 1 and rows[0][0].reading.kind != "numbers":
+            yield from _several(rows, names)
 
 
-def _slots(varying: Sequence[int], words: Sequence[Word]) -> Iterator[frozenset[int]]:
-    """Yield the words that may name the leg together.
+def _template(words: Sequence[Word], slots: Sequence[int], places: Sequence[int]) -> object:
+    """Return what names have in common that differ only in some of their words."""
+    kept = (
+        word.slot if at in slots else "place" if at in places else word.text
+        for at, word in enumerate(words)
+    )
+    return tuple(zip((word.gap for word in words), kept, strict=True))
+
+
+def _may_be_place(words: Sequence[Word], at: int, slots: Sequence[int]) -> bool:
+    """Tell whether a word may be that of one of several sensors of a foot.
+
+    Words such as toe and heel may stand before the leg's, numbers, letters and ends only behind.
+    """
+    word = words[at]
+    return at not in slots and word.text in ON_A_FOOT and (at > slots[0] or word.text in PARTS)
+
+
+def _siblings(feet: Sequence[_Named], names: Mapping[str, Sequence[Word]]) -> Iterator[FootSet]:
+    """Yield feet as a set; the first one's words stand for all.
 
     If all legs have the same end or the same side, its word may be that of a robot or a controller:
     it is a leg's only beside the other one, as in ``front_left`` and ``front_right``.
     """
-    for count in range(1, len(varying) + 1):
-        yield from map(frozenset, combinations(varying, count))
-    for one, other in (pair for at in varying for pair in ((at, at - 1), (at, at + 1))):
-        if 0 <= other < len(words) and other not in varying:
-            told = {words[at].slot.replace("l or r", "side") for at in (one, other)}
-            named = told in ({"end", "side"}, {"number", "side"})
-            if named and words[one].segment == words[other].segment:
-                yield frozenset((one, other))
-
-
-def _foot_set(
-    feet: Sequence[tuple[Reading, str]], words: Sequence[Word], slots: frozenset[int]
-) -> FootSet:
-    """Return siblings as a set; the first one's words stand for all."""
-    first = words[min(slots)].segment
+    words, slots = names[feet[0].topic], feet[0].slots
+    for at in slots:
+        is_constant = len({names[each.topic][at].text for each in feet}) == 1
+        if is_constant and not any(
+            other in (at - 1, at + 1) and words[other].segment == words[at].segment
+            for other in slots
+        ):
+            return
+    first = words[slots[0]].segment
     before = [word for word in words if word.segment == first - 1]
     # A segment before the leg's describes it only if it says nothing else, as `/foot_sensors/`.
     telling = all(word.part is not None or word.text in NEUTRAL | MERITS.keys() for word in before)
     near = [w for at, w in enumerate(words) if at not in slots and w.segment >= first - telling]
     parts = [word.part for word in near if word.part is not None]
     doubtful = any(word.part is Part.NOT_A_FOOT for word in before)
-    if len(slots) > 1 and any(words[at].slot == "number" for at in slots):
+    if len(slots) > 1 and feet[0].reading.kind == "numbers":
         # The numbers in `foot_l1` may be those of the sensors of one foot.
         inside = {word.part for word in words if word.segment == first}
         doubtful = Part.FOOT in inside and Part.LEG not in inside
-    return FootSet(
-        tuple(Foot(each.leg, topic, leg_position=each.position) for each, topic in feet),
-        feet[0][0].kind,
+    yield FootSet(
+        tuple(Foot(e.reading.leg, e.topic, leg_position=e.reading.position) for e in feet),
+        feet[0].reading.kind,
         Part.FOOT if Part.FOOT in parts else min(parts, default=Part.UNKNOWN),
         frozenset(word.text for word in near),
         letters_only=all(words[at].text in LETTERS for at in slots),
@@ -163,43 +204,131 @@ def _foot_set(
     )
 
 
-def with_several(sets: Sequence[FootSet]) -> Iterator[FootSet]:
-    """Yield the feet of which each has the same sensors, as ``left_toe`` and ``left_heel``.
-
-    Their names differ in a place on the foot. Where all of them can be legs, they are.
-    """
-    alike: dict[tuple[str, tuple[str, ...], frozenset[str]], list[FootSet]] = {}
-    for one in sets:
-        legs, rest = tuple(foot.name for foot in one.feet), one.words - ON_A_FOOT
-        if one.kind != "numbers" and rest != one.words:
-            alike.setdefault((one.kind, legs, rest), []).append(one)
-    all_legs = [one.topics for one in sets]
-    corners = {topic for one in sets if one.kind == "corners" for topic in one.topics}
-    for (_, _, words), (first, *others) in alike.items():
-        feet = tuple(
-            replace(foot, name=f"{foot.name}_{number}", sensor_of=foot.name)
-            for number, one in enumerate((first, *others), start=1)
-            for foot in one.feet
+def _several(
+    rows: Sequence[Sequence[_Named]], names: Mapping[str, Sequence[Word]]
+) -> Iterator[FootSet]:
+    """Yield the feet of which each has the same sensors, as ``left_toe`` and ``left_heel``."""
+    places = [each.place for each in rows[0]]
+    if len(set(places)) < len(places) or any([e.place for e in row] != places for row in rows):
+        return
+    for first in _siblings([row[0] for row in rows], names):
+        feet = [
+            Foot(
+                f"{each.reading.leg}_{number}",
+                each.topic,
+                leg_position=each.reading.position,
+                sensor_of=each.reading.leg,
+            )
+            for number, sensors in enumerate(zip(*rows, strict=True), start=1)
+            for each in sensors
+        ]
+        words = first.words - ON_A_FOOT
+        yield FootSet(
+            tuple(feet), first.kind, first.part, words, first.letters_only, first.doubtful
         )
-        topics = frozenset(foot.topic for foot in feet)
-        is_grid = len(topics) == len(feet) and any(_on_one_foot(first, one) for one in others)
-        is_leg = first.kind == "corners" or corners.isdisjoint(topics)
-        if is_grid and is_leg and not any(topics <= other for other in all_legs):
-            yield replace(first, feet=feet, words=words)
 
 
-def _on_one_foot(one: FootSet, other: FootSet) -> bool:
-    """Tell whether names differ in a place on the foot, and not in the robot that it is of.
+# The ways in which the words of a name are those of a leg
 
-    Words such as toe and heel may stand before the leg's, numbers, letters and ends only behind.
+
+def _readings(words: Sequence[Word]) -> Iterator[tuple[tuple[int, ...], Sequence[Reading]]]:
+    """Yield words of a name that may name a leg, with the ways in which they do."""
+    possible = [at for at, word in enumerate(words) if word.slot][-_MOST_SLOTS:]
+    for count in (1, 2, 3):
+        for slots in combinations(possible, count):
+            if readings := tuple(readings_of(words, slots)):
+                yield slots, readings
+
+
+def readings_of(words: Sequence[Word], slots: Sequence[int]) -> Iterator[Reading]:
+    """Yield the ways in which some of a name's words can be read as the name of a leg."""
+    texts = [words[at].text for at in slots]
+    after = slots[0] + 1
+    # The name of a sensor of one of two feet, as in `left_foot_front`; but `left_foot_fl` is clear.
+    is_sensor = texts[0] in SIDES and after < len(words) and words[after].is_leg
+    is_sensor = is_sensor and LETTERS.keys().isdisjoint(texts)
+    # A number beside a position says nothing more, as in `foot_1_fl`.
+    told = [text for text in texts if not text.isdecimal()]
+    if not is_sensor and len(told) > len(texts) - 2 and (position := position_of(told)):
+        order = _ORDER.index(position[0]), _ORDER.index(position[1])
+        yield Reading("corners", "_".join(position), order, position)
+    sides = {SIDES.get(text, "") for text in texts}
+    if len(sides) == 1 and (side := sides.pop()):
+        yield Reading("sides", side, (_ORDER.index(side), 0))
+    if len(slots) == 1:
+        yield from _numbers(words, slots[0])
+    elif len(slots) == 2:
+        yield from _rows(words, *slots)
+
+
+def position_of(texts: Sequence[str]) -> LegPosition | None:
+    """Return the position that all of some words tell; None: they tell none, or several."""
+    pairs = [LETTERS[text] for text in texts if text in LETTERS]
+    ends = {ENDS[text] for text in texts if text in ENDS} | {end for end, _ in pairs}
+    sides = {SIDES[text] for text in texts if text in SIDES} | {side for _, side in pairs}
+    known = all(text in LETTERS or text in ENDS or text in SIDES for text in texts)
+    return (ends.pop(), sides.pop()) if known and len(ends) == len(sides) == 1 else None
+
+
+def _numbers(words: Sequence[Word], at: int) -> Iterator[Reading]:
+    """Read a word as the number of a leg, or its letter, or as its row and side: ``bl``."""
+    word = words[at]
+    if word.text in ROWS:
+        row, side = ROWS[word.text]
+        yield _of_row(side, row)
+    beside = [one for one in words if one.segment == word.segment and one is not word]
+    beside = beside or [one for one in words if one.segment == word.segment - 1][-1:]
+    parts = [one.text for one in beside if one.is_leg]
+    if parts and word.slot in {"number", "row"}:
+        order = _number(word.text), len(word.text)
+        yield Reading("numbers", f"{parts[-1]}_{word.text}", order)
+
+
+def _rows(words: Sequence[Word], one: int, other: int) -> Iterator[Reading]:
+    """Read two words as one of two rows of numbered legs: ``l1``, ``left_leg_1``, ``leg1_l``.
+
+    Which end the numbers begin at is not known, so such a leg has no position.
     """
-    if (one.words ^ other.words) & PARTS.keys():
-        return True
-    left, right, left_too = (foot.topic for foot in (*one.feet[:2], other.feet[0]))
-    return _words_alike(left, left_too) > _words_alike(left, right)
+    at, side = (one, other) if words[one].slot == "number" else (other, one)
+    between = words[one + 1 : other]
+    before = words[at - 1] if at else None
+    own = words[at].segment
+    if words[at].slot != "number" or words[side].text not in SIDES or own != words[side].segment:
+        return
+    if len(between) > 1 or any(word.part is not Part.LEG for word in between):
+        return
+    # The number of something else, as in `robot1_left_leg`.
+    if side > at and before and before.segment == own and not before.is_leg:
+        return
+    yield _of_row(SIDES[words[side].text], words[at].text)
 
 
-def _words_alike(one: str, other: str) -> int:
-    """Count the words with which two names begin alike."""
-    pairs = zip(words_of(one), words_of(other), strict=False)
-    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
+def _of_row(side: str, row: str) -> Reading:
+    return Reading("numbers", f"{side}_{row}", (_number(row), _ORDER.index(side)))
+
+
+def _number(text: str) -> int:
+    return int(text[:9]) if text.isdecimal() else ord(text) - ord("a")
+
+
+def _names_one_foot(words: Sequence[Word], slots: Sequence[int]) -> bool:
+    """Tell whether words outside the slots name one foot: siblings are its sensors.
+
+    A segment without a slot must say nothing else: ``left_leg_controller`` names no leg.
+    """
+    for segment in {word.segment for word in words}:
+        inside = [at for at, word in enumerate(words) if word.segment == segment]
+        others = [at for at in inside if at not in slots]
+        named = any(
+            b == a + 1
+            and (
+                (words[a].is_leg and words[b].is_position)
+                or (words[a].is_position and words[b].is_leg)
+            )
+            for a, b in pairwise(others)
+        )
+        said = [words[at] for at in others]
+        telling = all(w.is_leg or w.is_position or w.text in NEUTRAL for w in said)
+        if named and (len(others) < len(inside) or telling):
+            return True
+    return False

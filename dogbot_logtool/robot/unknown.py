@@ -207,7 +207,10 @@ def _siblings(fields: Mapping[str, Foot]) -> Iterator[_Set]:
     for one in sets:
         feet = [
             replace(
-                fields[n.topic], name=n.name, leg_position=n.leg_position or leg_position(n.name)
+                fields[n.topic],
+                name=n.name,
+                leg_position=n.leg_position or leg_position(n.name),
+                sensor_of=n.sensor_of,
             )
             for n in one.feet
         ]

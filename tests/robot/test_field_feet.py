@@ -264,14 +264,17 @@ def test_a_robot_of_two_files_that_are_one_recording(tmp_path: Path) -> None:
     check_steps(figures(*words[1:]))
 
 
-@pytest.mark.parametrize("words", ["info", "stats", "robots new"])
-def test_one_cell_of_four_is_not_offered_as_a_foot(tmp_path: Path, words: str) -> None:
+def test_cells_of_a_foot_are_its_sensors(tmp_path: Path) -> None:
+    """A file names each of them, and their forces add up."""
     log = four_cells_a_foot(tmp_path / "walk.mcap")
-    told = forked_cli.run(*words.split(), log)
-    text = " ".join((told.stdout + told.stderr).split())
-    cells = [
-        " + ".join(f"/fsr:{cell}" for cell in sorted(CELLS) if cell[0] == side) for side in "lr"
-    ]
-    assert f"several sensors in each foot: left = {cells[0]}, right = {cells[1]};" in text
-    assert "record the sum of each foot's sensors" in text
-    assert "--foot" not in text
+    words = command(forked_cli.run("info", log, folder=tmp_path).stdout)
+    written = forked_cli.run(*words, folder=tmp_path)
+    found = figures(*command(written.stderr)[1:], folder=tmp_path)
+    assert list(found["feet"]) == ["left", "right"]
+    told = [each["text"] for each in found["findings"] if "several sensors" in each["text"]]
+    for side in ("left", "right"):
+        cells = " + ".join(f"/fsr:{cell}" for cell in sorted(CELLS) if cell[0] == side[0])
+        assert f"{side} = {cells}" in told[0]
+        foot = found["feet"][side]
+        assert foot["stance_s"]["median"] == pytest.approx(DUTY * PERIOD_S, abs=0.011)
+        assert foot["peak_force_n"]["median"] == pytest.approx(WEIGHT_N / 3, rel=0.01)

@@ -17,6 +17,7 @@ from dogbot_logtool.core.recording import Recording, has_own_stamps
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.robot.names import foot_name, leg_position
+from dogbot_logtool.robot.score import word_of
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.words import SIDES, words_of
 
@@ -37,47 +38,37 @@ def with_joined_sensors(
     feet = selection.robot.feet
     named = [foot.sensor_of for foot in feet]
     frames = [_only(recording.links.get(row, frozenset())) for row in range(len(feet))]
-    groups = _groups(named)
+    groups, how = _groups(named), "names"
     if not groups and all(_is_of_leg(*each) for each in zip(feet, frames, strict=True)):
-        groups = _groups(frames)
+        groups, how = _groups(frames), "frames"
     if not groups:
         return recording, selection, ()
-    by_frame = not any(named)
-    names = [foot_name(name) if by_frame else name for name in groups]
-    joined = [
+    names = groups if any(named) else [foot_name(name) for name in groups]
+    joined = tuple(
         replace(feet[rows[0]], name=name, sensor_of="", leg_position=leg_position(name))
         for name, rows in zip(names, groups.values(), strict=True)
-    ]
+    )
     row_of = {row: number for number, rows in enumerate(groups.values()) for row in rows}
     of = {
         channel: tuple(dict.fromkeys(row_of[row] for row in rows))
         for channel, rows in selection.feet_of.items()
     }
-    silent = any(
-        source.row.silent_in_swing
-        for row in range(len(feet))
-        for source in selection.sources_of(row)
-    )
-    samples = tuple(
-        _joined([recording.feet[row] for row in rows], number, silent=silent)
-        for number, rows in enumerate(groups.values())
-    )
+    silent = any(source.row.silent_in_swing for source in selection.sources)
+    samples, links = [], {}
+    for number, rows in enumerate(groups.values()):
+        samples.append(_joined([recording.feet[row] for row in rows], number, silent=silent))
+        links[number] = frozenset(each for row in rows for each in recording.links.get(row, ()))
     # A sensor that is silent while another one of its foot speaks has no gap.
     silenced = {foot.topic for foot in feet if silent} - {foot.topic for foot in joined}
     topics = {t: times for t, times in recording.topics.items() if t not in silenced}
-    links = {
-        number: frozenset[str]().union(*(recording.links.get(row, frozenset()) for row in rows))
-        for number, rows in enumerate(groups.values())
-    }
     text = "; ".join(
-        f"{name} = {' + '.join(feet[row].topic for row in rows)}"
+        f"{name} = {' + '.join(word_of(feet[row]) for row in rows)}"
         for name, rows in zip(names, groups.values(), strict=True)
     )
-    how = "frames" if by_frame else "names"
     finding = Finding("TOPICS_CHOSEN", f"several sensors of one foot, by their {how}: {text}")
     return (
-        replace(recording, feet=samples, links=links, topics=topics),
-        replace(selection, robot=replace(selection.robot, feet=tuple(joined)), feet_of=of),
+        replace(recording, feet=tuple(samples), links=links, topics=topics),
+        replace(selection, robot=replace(selection.robot, feet=joined), feet_of=of),
         (finding,),
     )
 
@@ -114,24 +105,19 @@ def _joined(sensors: Sequence[Samples], foot: int, *, silent: bool) -> Samples:
         silent: whether sensors send no messages without contact.
     """
     stamped = all(has_own_stamps(each) for each in sensors if len(each.log_time))
-    times = [each.stamp if stamped else each.log_time for each in sensors]
     most = max(sensors, key=lambda each: len(each.log_time))
     interval_ns = (usual_interval_s(most.log_time) or 0.0) * 1e9
+    times = [each.stamp if stamped else each.log_time for each in sensors]
     if silent:
-        every = concatenated(sensors)
+        time = np.sort(np.concatenate(times), kind="stable")
         order = np.argsort(np.concatenate(times), kind="stable")
-        time = np.concatenate(times)[order]
         apart = np.diff(time, prepend=time[:1] - round(interval_ns)) > interval_ns / 2.0
-        most = every.pick(order[apart])
+        most = concatenated(sensors).pick(order[apart])
     at = most.stamp if stamped else most.log_time
     rows = [_nearest(time, at) for time in times]
     parts = [each.pick(row) for each, row in zip(sensors, rows, strict=True)]
-    near = np.stack(
-        [
-            np.abs(time[row] - at) <= NEAR * interval_ns
-            for time, row in zip(times, rows, strict=True)
-        ]
-    )
+    pairs = zip(times, rows, strict=True)
+    near = np.stack([np.abs(time[row] - at) <= NEAR * interval_ns for time, row in pairs])
     touching = near & np.stack([part.in_contact for part in parts])
     force = np.stack([part.force for part in parts])
     force[~near] = 0.0 if silent else np.nan
