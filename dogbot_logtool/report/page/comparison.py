@@ -15,9 +15,9 @@ from dogbot_logtool.core.arrays import Floats, median_of
 from dogbot_logtool.core.events.event import STEPS
 from dogbot_logtool.core.records import METRICS, MetricPath
 from dogbot_logtool.io.printable import listed
-from dogbot_logtool.report.numbers import NOTHING, nice_step
 from dogbot_logtool.report.page.assets import rendered
 from dogbot_logtool.report.page.chart import extent_of
+from dogbot_logtool.report.tables import NOTHING, nice_step
 
 Json = Mapping[str, Any]
 Sides = tuple[Sequence[Json], Sequence[Json]]

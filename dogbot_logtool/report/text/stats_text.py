@@ -18,12 +18,17 @@ from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.finding import Finding, Severity, counted
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.reader.containers.loss import Damage
-from dogbot_logtool.report.numbers import NOTHING, decimal
-from dogbot_logtool.report.tables import Column, FootRow, foot_rows, why_null
-from dogbot_logtool.report.text.console import print_command, print_damage, print_sentence
+from dogbot_logtool.report.tables import NOTHING, Column, FootRow, decimal, foot_rows, why_null
+from dogbot_logtool.report.text.console import (
+    HangingIndent,
+    NameTable,
+    Row,
+    print_command,
+    print_damage,
+    print_sentence,
+)
 from dogbot_logtool.report.text.gait_diagram import ASCII, UNICODE, gait_diagram
 from dogbot_logtool.report.text.subjects import SUBJECTS
-from dogbot_logtool.report.text.text_layout import HangingIndent, NameTable, Row
 from dogbot_logtool.report.verdict import (
     SUMMARY,
     Quality,

@@ -8,8 +8,7 @@ from dogbot_logtool.core.arrays import Aggregate
 from dogbot_logtool.core.events.event import STEPS
 from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.records import METRICS
-from dogbot_logtool.report.numbers import decimal
-from dogbot_logtool.report.tables import why_null
+from dogbot_logtool.report.tables import decimal, why_null
 
 _GRAVITY: Final = 9.80665
 """m/s^2."""

@@ -109,11 +109,3 @@ def test_what_is_not_known_is_left_out(measured: dict[str, Figures]) -> None:
     html = comparison_page(found, ([blind], [blind])).decode()
     assert "<rect" not in html
     assert "no curves" in html
-
-
-def test_a_side_of_several_logs_is_their_median(measured: dict[str, Figures]) -> None:
-    one, other = measured["trot"], measured["<shorter>"]
-    found = compare_walks([one, other], [one])
-    html = comparison_page(found, ([one.json, other.json], [one.json])).decode()
-    assert "2 logs: " in html
-    assert re.search(r"duty factor</th><td>0\.57\d</td><td>0\.60\d</td>", html)
