@@ -2,9 +2,9 @@
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.reader.containers.loss import SOUND, Damage
 
 # A command needs not load what only other commands' records are made of.
