@@ -6,7 +6,7 @@ from typing import Any, Final, NamedTuple
 from xml.etree import ElementTree as ET
 
 from dogbot_logtool import __version__
-from dogbot_logtool.core.events.event import STEPS
+from dogbot_logtool.core.events.event import with_steps
 from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.records import Field, definitions, fields_of, to_json, values
 from dogbot_logtool.finding import Finding
@@ -66,7 +66,8 @@ def stats_json(measured: Measurement, *, detail: bool = True) -> Json:
         measured: what was measured of it.
         detail: with curves, lists of times, and the events of every stride.
     """
-    walk = measured.metrics if detail else _without_detail(measured.metrics)
+    walk = measured.metrics
+    walk = replace(walk, events=with_steps(walk)) if detail else _without_detail(walk)
     document: Json = to_json(walk, detail=detail)
     finite: Json = only_finite(document)
     # Comparing is far quicker than looking for paths, of which there are nearly never any.
@@ -79,11 +80,10 @@ def stats_json(measured: Measurement, *, detail: bool = True) -> Json:
 
 
 def _without_detail(walk: WalkMetrics) -> WalkMetrics:
-    """Return metrics without the events of every stride, and without reasons of detail."""
+    """Return metrics without reasons of detail."""
     detailed = {".".join(path) for path, _, _ in values(walk, _is_detail)}
     return replace(
         walk,
-        events=tuple(each for each in walk.events if each.type not in STEPS),
         null_because={
             path: reason for path, reason in walk.null_because.items() if path not in detailed
         },

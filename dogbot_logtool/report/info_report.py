@@ -30,7 +30,7 @@ from dogbot_logtool.report.text.console import (
     print_sentence,
 )
 from dogbot_logtool.results import LogInfo
-from dogbot_logtool.robot.frames.frames import Frames
+from dogbot_logtool.robot.frames import Frames
 
 _DEEPER: Final = 6
 """Columns by which the second line of a frame is indented."""

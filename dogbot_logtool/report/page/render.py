@@ -19,7 +19,6 @@ from dogbot_logtool.report.page.over_cycle import force_over_cycle, legs_over_cy
 from dogbot_logtool.report.page.over_time import (
     MINOR,
     MOST_SHOWN,
-    listed_events,
     mark_events,
     motion,
     tracked_commands,
@@ -78,7 +77,7 @@ def page(
         beside: files beside the page.
     """
     walk, metrics, damage = measured.walk, measured.metrics, measured.damage
-    events = listed_events(metrics)
+    events = metrics.events
     drawn = {name: draw(walk) for name, draw in FIGURES.items()}
     drawings = [drawing for drawing in drawn.values() if drawing is not None]
     mark_events(events, drawings, list(metrics.feet))

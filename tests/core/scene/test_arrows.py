@@ -1,7 +1,4 @@
-"""`classic` arrows against the live script's formulas, message by message.
-
-They are compared, to the bit, with a plain-Python transcription of the script.
-"""
+"""Arrows: classic ones against the live script, to the bit, and the rotation of the others."""
 
 import math
 from collections import Counter
@@ -13,21 +10,82 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dogbot_logtool.core.scene.arrows import classic_arrows
+from dogbot_logtool.core.contact.contacts import FOOT_IS_COLLISION1, Contacts
+from dogbot_logtool.core.scene.arrows import classic_arrows, turn_x_to
 from dogbot_logtool.core.scene.colour import wavelength_to_rgba
-from tests.core.scene.arrow_samples import (
-    INF,
-    NAN,
-    Message,
-    State,
-    Vector,
-    components,
-    contacts_of,
-    generated,
-    points,
-    pressed,
-)
 from tests.oracles.conversion import light
+
+Vector = tuple[float, float, float]
+
+INF: Final = math.inf
+NAN: Final = math.nan
+
+generated = settings(max_examples=75, deadline=None)
+
+
+def vectors(rows: list[Vector]) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+    return np.array(rows, np.float64).reshape(len(rows), 3)
+
+
+@dataclass(frozen=True)
+class State:
+    total_force: Vector
+    points: tuple[Vector, ...]
+
+
+@dataclass(frozen=True)
+class Message:
+    foot: int
+    log_time: int
+    stamp: int
+    states: tuple[State, ...]
+
+
+def contacts_of(messages: list[Message]) -> Contacts:
+    """Columns of messages: all their first states, then all second ones, as the reader does."""
+    most = max((len(message.states) for message in messages), default=0)
+    states = [
+        (row, message.states[index])
+        for index in range(most)
+        for row, message in enumerate(messages)
+        if index < len(message.states)
+    ]
+    points = [(row, point) for row, (_, state) in enumerate(states) for point in state.points]
+    return Contacts(
+        foot=np.array([message.foot for message in messages], np.int64),
+        log_time=np.array([message.log_time for message in messages], np.int64),
+        stamp=np.array([message.stamp for message in messages], np.int64),
+        state_message=np.array([row for row, _ in states], np.int64),
+        foot_side=np.full(len(states), FOOT_IS_COLLISION1, np.int8),
+        newest=np.arange(len(states)) % 2 == 0,  # classic does not look
+        total_force=vectors([state.total_force for _, state in states]),
+        point_state=np.array([row for row, _ in points], np.int64),
+        point=vectors([point for _, point in points]),
+        wrench_state=np.empty(0, np.int64),
+        wrench_force=vectors([]),
+        normal_state=np.empty(0, np.int64),
+        normal=vectors([]),
+    )
+
+
+def pressed(force: Vector) -> Message:
+    return Message(0, 5, 7, (State(force, ((1.0, 2.0, 3.0),)),))
+
+
+components: Final = st.one_of(
+    st.floats(-250, 250),
+    st.floats(-30, 30),
+    st.floats(),
+    st.sampled_from([0.0, -0.0, NAN, INF, -INF, 1e154, 1.4e154, -1e200, 5e-324, 200.0]),
+)
+points: Final = st.tuples(*[st.floats(-9, 9) | st.sampled_from([NAN, INF])] * 3)
+
+
+def turned_x(quaternion: object) -> list[float]:
+    """Rotate (1, 0, 0) by a unit quaternion x, y, z, w: the first column of its matrix."""
+    x, y, z, w = np.asarray(quaternion).tolist()
+    return [w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)]
+
 
 BOUNDS_NM: Final = (380, 440, 490, 510, 580, 645, 750)
 BLACK: Final = [0.0, 0.0, 0.0, 1.0]
@@ -223,3 +281,45 @@ def test_classic_equals_the_script_for_thousands_of_loads(count: int) -> None:
     direction = random.normal(size=(count, 3))
     force = magnitude[:, None] * direction / np.linalg.norm(direction, axis=1)[:, None]
     assert_as_the_script([pressed((x, y, z)) for x, y, z in force.tolist()])
+
+
+def unit(vector: Vector) -> Vector:
+    length = math.hypot(*vector)
+    return (vector[0] / length, vector[1] / length, vector[2] / length)
+
+
+nearly_zero: Final = st.floats(1e-100, 1e-6) | st.floats(-1e-6, -1e-100)
+unit_vectors: Final = st.one_of(
+    st.tuples(*[st.floats(-1, 1).map(lambda x: round(x, 12))] * 3)
+    .filter(lambda v: math.hypot(*v) > 0.01)
+    .map(unit),
+    # The two ends of the x axis, and beside them; a test below goes nearer still.
+    st.tuples(
+        st.sampled_from([1.0, -1.0]),
+        *[st.just(0.0) | nearly_zero | st.sampled_from([1e-9, -1e-20, 1e-100])] * 2,
+    ).map(unit),
+    st.sampled_from([(0.0, 1.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]),
+)
+
+
+@settings(generated, max_examples=150)
+@given(unit_vectors)
+def test_the_rotation_is_the_shortest_that_turns_x_to_the_direction(direction: Vector) -> None:
+    (quaternion,) = turn_x_to(vectors([direction]))
+
+    assert math.hypot(*quaternion.tolist()) == pytest.approx(1, abs=1e-15)
+    assert turned_x(quaternion) == pytest.approx(list(direction), abs=2e-15)
+    # Its axis is at right angles to both, so it does not roll; its angle is the angle between.
+    assert quaternion[0] == 0
+    assert 2 * math.acos(min(1, abs(quaternion[3]))) == pytest.approx(
+        math.atan2(math.hypot(direction[1], direction[2]), direction[0]), abs=1e-7
+    )
+
+
+@pytest.mark.parametrize("beside", [1e-20, 1e-100, 1e-160, 1e-170, 1e-300, 5e-324])
+@pytest.mark.parametrize("end", [1.0, -1.0])
+def test_the_rotation_is_right_however_near_the_axis(end: float, beside: float) -> None:
+    quaternions = turn_x_to(vectors([(end, beside, 0), (end, 0, -beside), (end, beside, beside)]))
+
+    for quaternion in quaternions:
+        assert turned_x(quaternion) == pytest.approx([end, 0, 0], abs=1e-15)

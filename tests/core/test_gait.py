@@ -1,8 +1,10 @@
+"""Classes of gaits by their phases, and names and order of legs."""
+
 import numpy as np
 import pytest
 
 from dogbot_logtool.core.gait.classes import classify
-from dogbot_logtool.core.leg_position import legs_in_order, quadruped
+from dogbot_logtool.core.leg_position import leg_names, legs_in_order, quadruped
 
 SURE = (1.0,) * 6
 
@@ -35,30 +37,6 @@ SURE = (1.0,) * 6
 def test_textbook_gaits(phases: tuple[float, ...], name: str, sequence: str | None) -> None:
     gait = classify(phases, SURE)
     assert (gait.name, gait.sequence) == (name, sequence)
-
-
-@pytest.mark.parametrize("duty", [0.3, 0.45, 0.55, 0.7, 0.85])
-@pytest.mark.parametrize(
-    ("diagonality", "name", "sequence"),
-    [
-        (0.0, "pace", None),
-        (0.0625, "pace", None),
-        (0.125, "walk", "lateral"),
-        (0.25, "walk", "lateral"),
-        (0.375, "walk", "lateral"),
-        (0.4375, "trot", None),
-        (0.5, "trot", None),
-        (0.625, "walk", "diagonal"),
-        (0.75, "walk", "diagonal"),
-        (0.875, "walk", "diagonal"),
-        (0.9375, "pace", None),
-    ],
-)
-def test_hildebrands_grid(duty: float, diagonality: float, name: str, sequence: str | None) -> None:
-    expected = "amble" if name == "walk" and duty < 0.5 else name
-    phases = ((diagonality, diagonality + 0.5, 0.0, 0.5),)
-    gait = classify((np.array(phases[0]) % 1.0).tolist(), SURE, duty, 0.0)
-    assert (gait.name, gait.sequence) == (expected, sequence)
 
 
 GAITS = (
@@ -131,3 +109,24 @@ def test_two_and_six_feet_have_an_order_too() -> None:
     assert legs_in_order([("centre", "right"), ("centre", "left")]) == (1, 0)
     assert legs_in_order([("front", "left"), ("front", "right")]) is None
     assert legs_in_order([None] * 6) is None
+
+
+def test_four_feet_are_corners_in_any_order() -> None:
+    points = np.array([[-0.3, 0.2, 0], [0.3, 0.2, 0], [-0.3, -0.2, 0], [0.3, -0.2, 0]])
+    assert leg_names(points) == ("back_left", "front_left", "back_right", "front_right")
+
+
+def test_two_feet_are_sides_even_where_both_lie_on_one_side_of_the_base() -> None:
+    assert leg_names(np.array([[0.1, -0.4, 0], [-0.1, -0.1, 0]])) == ("right", "left")
+
+
+def test_six_feet_have_a_middle_pair() -> None:
+    points = [[x, y, 0] for x in (0.3, 0.0, -0.3) for y in (0.2, -0.2)]
+    ends = ("front", "middle", "back")
+    expected = tuple(f"{end}_{side}" for end in ends for side in ("left", "right"))
+    assert leg_names(np.array(points)) == expected
+
+
+@pytest.mark.parametrize("points", [np.zeros((0, 3)), np.zeros((4, 3)), np.ones((3, 3))])
+def test_other_feet_are_counted(points: np.ndarray) -> None:
+    assert leg_names(points) == tuple(f"foot_{n + 1}" for n in range(len(points)))
