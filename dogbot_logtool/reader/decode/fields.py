@@ -6,10 +6,10 @@ cannot fail.
 """
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from enum import Enum
 from typing import Final, assert_never
 
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.decode.definition import (
     FieldType,

@@ -1,12 +1,12 @@
 """Joints, transforms, and vectors that single messages hold, read by any row of the table."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, concatenated
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.core.frames.transforms import RecordedTransforms
 from dogbot_logtool.core.plausible import plausible_translations
 from dogbot_logtool.core.vectors import VectorSamples
