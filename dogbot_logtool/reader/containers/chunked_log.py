@@ -149,7 +149,7 @@ class ChunkedLog(Log):
                 chunk.is_record
                 and not found
                 and content.indexed == has_index
-                and not (self.hidden and described)
+                and (not self.hidden or self._are_kept(described))
             )
             copied = data if self.copies_chunks else memoryview(b"")
             loaded.append(LoadedChunk(chunk, copied, base, rows, whole, content.indexed))
@@ -158,6 +158,13 @@ class ChunkedLog(Log):
             base, row = base + chunk.size, rows.stop
         batch = Batch(buffer, concatenate_messages(parts), tuple(loaded), tuple(losses))
         return batch, damaged
+
+    def _are_kept(self, described: Sequence[bytes]) -> bool:
+        """Tell whether records describe no other channels than those that are not left out."""
+        kept = {("channel", number) for number in self.channels}
+        kept |= {("schema", each.schema.id) for each in self.channels.values() if each.schema}
+        found = map(self._scan.descriptions.decode, described)
+        return all(each and (each.kind, each.number) in kept for each in found)
 
     def _parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
         """See `Scan.parse`."""

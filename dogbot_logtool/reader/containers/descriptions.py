@@ -43,7 +43,7 @@ class Descriptions:
         Args:
             decode: returns what a record describes; None: it is malformed.
         """
-        self._decode = decode
+        self.decode = decode
         self.first: dict[_Key, Description] = {}
         self._agreeing: set[int] = set()
         """Hashes of the records that were met: most are repeated as they are."""
@@ -70,7 +70,7 @@ class Descriptions:
             digest = hash(record)
             if digest in self._agreeing or len(self._agreeing) > _MOST_RECORDS:
                 continue
-            found = self._decode(record)
+            found = self.decode(record)
             self._bytes += len(record) if adding else 0
             if found is None or self._bytes > _MOST_BYTES:
                 what = f"a description of a channel at byte {offset} is damaged"
