@@ -19,6 +19,7 @@ from dogbot_logtool.core.checks.voids import void_columns, void_patterns
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.corrected import usable_samples
+from dogbot_logtool.core.events.event import with_steps
 from dogbot_logtool.core.gait.feet import FIGURES
 from dogbot_logtool.core.metrics import (
     Event,
@@ -107,7 +108,7 @@ class Walk:
     @cached_property
     def events(self) -> Table:
         """Events in the order of time: the columns of `export --table events`."""
-        return _table(Event, self.metrics.events)
+        return _table(Event, with_steps(self.metrics))
 
     @cached_property
     def joints(self) -> Table:

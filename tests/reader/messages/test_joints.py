@@ -133,7 +133,7 @@ def test_ros_messages(tmp_path: Path, kind: str, ros_version: int) -> None:
         for s, message in enumerate(made)
     ]
     path = tmp_path / ("log.bag" if ros_version == 1 else "log.mcap")
-    (walks._write_bag if ros_version == 1 else walks.write_mcap)(path, walk, entries)
+    (walks.write_bag if ros_version == 1 else walks.write_mcap)(path, walk, entries)
     states = read(path)
     check(states, unknown_efforts=kind == ROS)
     assert states.stamp.any() == (kind == ROS)
