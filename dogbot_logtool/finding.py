@@ -173,6 +173,10 @@ class _Words(Formatter):
         return super().format_field(value, format_spec)
 
 
+Words = dict[str, Any]
+"""What a sentence names."""
+
+
 def counted(number: int, thing: str) -> str:
     """Return a number with its noun, in the plural where it is not one."""
     return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
@@ -187,7 +191,6 @@ def found(
     where: str = "",
     say: str = "",
     feet: Sequence[str] = (),
-    words: Mapping[str, object] | None = None,
     **values: object,
 ) -> Finding:
     """Return a finding with the sentence that `findings.toml` has for it.
@@ -199,14 +202,13 @@ def found(
             sentence names.
         say: which of its sentences; if not given, that of its first case, or the plain one.
         feet: names of the feet whose metrics it voids; the first is ``foot`` in its sentence.
-        words: what the sentence names.
-        values: more of that.
+        values: what the sentence names.
     """
     texts = _kind(code).texts
     named = [each for each in (say, *cases[:1], "plain") if each in texts]
-    told = {**({"foot": feet[0]} if feet else {}), **(words or {}), **values}
-    about = f"feet.{told['foot']}" if "foot" in told else str(told.get("topic", ""))
-    text = _WORDS.vformat(texts[named[0]], (), told)
+    words = {"foot": feet[0], **values} if feet else values
+    about = f"feet.{words['foot']}" if "foot" in words else str(words.get("topic", ""))
+    text = _WORDS.vformat(texts[named[0]], (), words)
     return Finding(code, text, where or about, cases=cases, feet=tuple(feet))
 
 

@@ -74,7 +74,7 @@ def choose_base(
         case, say = ((), "plain") if own else (("alone",), "alone")
         names, whose = listed([each.name for each in own]), namespace(next(iter(feet)))
         told = {"topics": listed(foreign), "whose": whose, "own": names}
-        findings.append(found("POSE_OTHER_ROBOT", *case, where=foreign[0], say=say, words=told))
+        findings.append(found("POSE_OTHER_ROBOT", *case, where=foreign[0], say=say, **told))
     best = own[0] if own and own[0].is_sure else None
     others = own[1:] if best else own
     if best is None:

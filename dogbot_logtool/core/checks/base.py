@@ -13,7 +13,7 @@ from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.consistency.worlds import Worlds
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.finding import Finding, found
+from dogbot_logtool.finding import Finding, Words, found
 
 STANDS: Final = 0.5
 """Share of a drift that the points of standing feet would go with it, if they drifted, too."""
@@ -128,8 +128,8 @@ def forward_axis(walk: Walk) -> Iterator[Finding]:
     if abs(left) > max(WALKED_M, 2.0 * abs(forward)):
         side = "left" if left > 0.0 else "right"
         where, speed = "base.forward_speed_mps", abs((base and base.lateral_speed_mps) or 0.0)
-        words = {"settings": settings, "base": base, "side": side, "speed": speed}
-        yield found("FORWARD_AXIS", where=where, say="sideways", words=words)
+        words: Words = {"settings": settings, "base": base, "side": side, "speed": speed}
+        yield found("FORWARD_AXIS", where=where, say="sideways", **words)
 
 
 def pose_jumps(walk: Walk) -> Iterator[Finding]:

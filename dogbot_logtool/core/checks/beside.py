@@ -10,7 +10,7 @@ from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.imu import ForceComparison, Reading
 from dogbot_logtool.core.loads import WEIGHT_TOLERANCE
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.finding import Finding, found
+from dogbot_logtool.finding import Finding, Words, found
 
 _NAMES: Final = {"forward": "forward speed", "lateral": "sideways speed", "yaw": "yaw rate"}
 
@@ -85,6 +85,6 @@ def _odd_forces(walk: Walk, forces: ForceComparison) -> Finding:
         return found("FOOT_SCALE", feet=(walk.feet[row].name,), forces=forces, share=1.0 / factor)
     if forces.is_common:
         where, mass, origin = "settings.mass_kg", walk.settings.mass_kg or 0.0, origin_of_mass(walk)
-        words = {"mass": mass, "right": mass * forces.ratio, "origin": origin}
-        return found(code, case, where=where, say="mass", forces=forces, words=words)
+        words: Words = {"mass": mass, "right": mass * forces.ratio, "origin": origin}
+        return found(code, case, where=where, say="mass", forces=forces, **words)
     return found(code, case, where="imu.forces.over_accelerometer", forces=forces)

@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.finding import Finding, found
+from dogbot_logtool.finding import Finding, Words, found
 
 FAR_S: Final = 10.0
 """s: stamps further from log time are on another clock, not only delayed."""
@@ -50,12 +50,12 @@ def clocks_differ(walk: Walk) -> Iterator[Finding]:
         drifts = f", drifting by {each.drift_s:+.3f} s over the log"
         drifts = drifts if abs(each.drift_s) > steady_s else ""
         seconds, way = abs(each.behind_s), "behind" if each.behind_s > 0.0 else "ahead of"
-        words = {"topic": each.topic, "seconds": seconds, "way": way, "drifts": drifts}
-        yield found("CLOCK_OFFSET", case, feet=feet, clock=each, words=words)
+        words: Words = {"topic": each.topic, "seconds": seconds, "way": way, "drifts": drifts}
+        yield found("CLOCK_OFFSET", case, feet=feet, clock=each, **words)
     if delay is not None:
         seconds, way = abs(delay.delay_s), "after" if delay.delay_s > 0.0 else "before"
         words = {"topic": base_topic, "seconds": seconds, "way": way}
-        yield found("CLOCK_OFFSET", "base", say="heave", feet=feet, delay=delay, words=words)
+        yield found("CLOCK_OFFSET", "base", say="heave", feet=feet, delay=delay, **words)
 
 
 def feet_silent(walk: Walk) -> Iterator[Finding]:
@@ -63,8 +63,8 @@ def feet_silent(walk: Walk) -> Iterator[Finding]:
     silent = all_silent(walk.records, walk.poses)
     if len(silent):
         first, seconds = walk.seconds(silent[:, 0])[0], np.diff(silent).sum() / 1e9
-        words = {"times": len(silent), "first": first, "seconds": seconds}
-        yield found("ALL_FEET_SILENT", where="feet", words=words)
+        words: Words = {"times": len(silent), "first": first, "seconds": seconds}
+        yield found("ALL_FEET_SILENT", where="feet", **words)
 
 
 def topics_timed(walk: Walk) -> Iterator[Finding]:

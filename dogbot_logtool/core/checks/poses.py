@@ -1,7 +1,7 @@
 """Checks of the base's poses against second witnesses: feet, twist. A pose is a sensor, too."""
 
 from collections.abc import Iterator, Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -229,8 +229,14 @@ def rate(walk: Walk) -> Iterator[Finding]:
         yield found("POSE_REPEATED", *cases, where="base", say=say, poses=poses, rates=rates)
 
 
-def _doubted(walk: Walk, code: str, *cases: str, say: str = "plain", **values: object) -> Finding:
+def _doubted(
+    walk: Walk,
+    code: str,
+    *cases: str,
+    say: str = "plain",
+    **values: Any,  # noqa: ANN401 - as `found` has it
+) -> Finding:
     """Return a finding about the poses, and about the feet whose places rest on them."""
     names = () if walk.base_by_feet else walk.feet_on_poses
     placed = ("placed",) if names else ()
-    return found(code, *cases, *placed, where="base", say=say, feet=names, words=values)
+    return found(code, *cases, *placed, where="base", say=say, feet=names, **values)

@@ -11,7 +11,7 @@ from dogbot_logtool.core.contact.contact_rule import HEAVILY_FILTERED
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.loads import is_stuck
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.finding import Finding, found
+from dogbot_logtool.finding import Finding, Words, found
 
 PLAIN: Final = 0.02
 """Share of the weight from which an offset is worth a finding."""
@@ -41,8 +41,8 @@ def unloaded_levels(walk: Walk) -> Iterator[Finding]:
         newtons, scale_n = float(np.linalg.norm(level.offset_n)), weight_n or level.loaded_n
         if scale_n and newtons > PLAIN * scale_n:
             share, of = newtons / scale_n, "weight" if weight_n else "usual load"
-            words = {"newtons": newtons, "share": share, "scale": of, "origin": level.origin}
-            yield found("SENSOR_OFFSET", where=where, foot=name, words=words)
+            words: Words = {"newtons": newtons, "share": share, "scale": of, "origin": level.origin}
+            yield found("SENSOR_OFFSET", where=where, foot=name, **words)
 
 
 def filtered(walk: Walk) -> Iterator[Finding]:
@@ -52,10 +52,10 @@ def filtered(walk: Walk) -> Iterator[Finding]:
         some = {name: each.tau_s for name, each in told if each.resolved is resolved}
         if some:
             feet, tau_s, cases = tuple(some), max(some.values()), () if resolved else ("heavy",)
-            words = {"milliseconds": 1e3 * tau_s, "hertz": 1.0 / (2.0 * np.pi * tau_s)}
+            words: Words = {"milliseconds": 1e3 * tau_s, "hertz": 1.0 / (2.0 * np.pi * tau_s)}
             names, where = ", ".join(some), "feet"
             yield found(
-                "FORCE_FILTERED", *cases, where=where, say=say, feet=feet, names=names, words=words
+                "FORCE_FILTERED", *cases, where=where, say=say, feet=feet, names=names, **words
             )
 
 
