@@ -162,14 +162,14 @@ FOOT [feet.right] topic = "/left" | element
 
 
 @pytest.mark.parametrize("row", WRONG.strip().splitlines())
-def test_an_error_names_the_file_the_key_and_the_line(row: str) -> None:
+def test_an_error_names_the_file_and_the_key(row: str) -> None:
     text, _, key = row.rpartition(" | ")
     text = text.replace("FIELD ", f'{FOOT}field = "data"\n').replace("FOOT ", FOOT)
     text = text.replace("[feet.right] ", "[feet.right]\n").replace(" field", "\nfield")
     tomllib.loads(text)  # the fault is not one of TOML
     message = refused(text)
     assert re.search(rf"(?<![\w.]){re.escape(key)}(?![\w.])", message)
-    assert message.startswith("mine.toml, line ")
+    assert message.startswith("mine.toml: ")
 
 
 PROFILE = """\
@@ -206,26 +206,25 @@ element = 1
 
 
 @pytest.mark.parametrize(
-    ("spoilt", "by", "key", "line"),
+    ("spoilt", "by", "key"),
     [
-        ("mass_kg = 12.0", "mass_kg = -12.0", "mass_kg", 6),
-        ("mass_kg = 12.0", "mass_kg = = 3", "line 6", 6),
-        ('base = "trunk"', 'base = "/trunk"', "frames.base", 9),
-        ("[frames]", "[frame]", "frame", 8),
-        ("off_n = 10.0", "off_n = 30.0", "contact.off_n", 13),
-        ('    "front",', '    "up",', "feet.left.place", 17),
-        ('topic = "/left"', "topics = 1", "feet.left.topic", 15),
-        ('topic = "/left"', "topic = 1", "feet.left.topic", 16),
-        ("element = 1", "element = 0", "/both", 29),
-        ("element = 1", "", "/both", 28),
-        ("element = 1", "elements = 1\nelement = 1", "feet.third.elements", 29),
-        ("element = 1", 'element = 1\nframe = ""', "feet.third.frame", 30),
-        ("element = 1", "element = 1\ncontact_point_m = [0, 0]", "feet.third.contact_point_m", 30),
-        ("[frames]", "[[frames]]", "frames", 8),
-        ("mass_kg = 12.0", "frames.world = 3\nmass_kg = 12.0", "frames", 9),
+        ("mass_kg = 12.0", "mass_kg = -12.0", "mass_kg"),
+        ("mass_kg = 12.0", "mass_kg = = 3", "line 6"),
+        ('base = "trunk"', 'base = "/trunk"', "frames.base"),
+        ("[frames]", "[frame]", "frame"),
+        ("off_n = 10.0", "off_n = 30.0", "contact.off_n"),
+        ('    "front",', '    "up",', "feet.left.place"),
+        ('topic = "/left"', "topics = 1", "feet.left.topic"),
+        ('topic = "/left"', "topic = 1", "feet.left.topic"),
+        ("element = 1", "element = 0", "/both"),
+        ("element = 1", "", "/both"),
+        ("element = 1", "elements = 1\nelement = 1", "feet.third.elements"),
+        ("element = 1", 'element = 1\nframe = ""', "feet.third.frame"),
+        ("element = 1", "element = 1\ncontact_point_m = [0, 0]", "feet.third.contact_point_m"),
+        ("[frames]", "[[frames]]", "frames"),
+        ("mass_kg = 12.0", "frames.world = 3\nmass_kg = 12.0", "frames"),
     ],
 )
-def test_a_fault_is_told_by_its_line(spoilt: str, by: str, key: str, line: int) -> None:
+def test_a_fault_names_its_key(spoilt: str, by: str, key: str) -> None:
     message = refused(PROFILE.replace(spoilt, by, 1))
     assert key in message
-    assert f"line {line}" in message
