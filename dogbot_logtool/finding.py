@@ -60,8 +60,6 @@ class FindingKind:
     cases: Mapping[str, FindingCase] = field(default_factory=dict)
     texts: Mapping[str, str] = field(default_factory=dict)
     """Its sentences, by what is found; ``plain`` is the usual one."""
-    was: Sequence[str] = ()
-    """Codes of before that are now this one, without their prefix."""
 
 
 @cache
@@ -173,6 +171,10 @@ class _Words(Formatter):
         if format_spec.replace(" ", "").isalpha():
             return counted(value, format_spec)
         return super().format_field(value, format_spec)
+
+
+Words = dict[str, Any]
+"""What a sentence names."""
 
 
 def counted(number: int, thing: str) -> str:

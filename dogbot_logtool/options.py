@@ -5,10 +5,10 @@ A command's record inherits the groups that it shares with others; its docstring
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.option import LONGEST_S, As, Range
 
 if TYPE_CHECKING:

@@ -2,9 +2,9 @@
 
 from collections import Counter
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.reader.containers.loss import SOUND, Damage
 
 # A command needs not load what only other commands' records are made of.
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.walk import Walk
     from dogbot_logtool.finding import Finding
     from dogbot_logtool.io.storage import Location
-    from dogbot_logtool.robot.frames.frames import Frames
+    from dogbot_logtool.robot.frames import Frames
     from dogbot_logtool.robot.robot import Robot
 
 

@@ -15,10 +15,11 @@ from dogbot_logtool.api.keywords import PathOrName
 from dogbot_logtool.api.table import POINTS, Curves, Table, curves_of, texts
 from dogbot_logtool.commands.stats import measure_log
 from dogbot_logtool.core.arrays import Floats, Ints, norms
-from dogbot_logtool.core.checks.voids import void_columns, void_patterns
+from dogbot_logtool.core.checks.engine import void_columns
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.corrected import usable_samples
+from dogbot_logtool.core.events.event import with_steps
 from dogbot_logtool.core.gait.feet import FIGURES
 from dogbot_logtool.core.metrics import (
     Event,
@@ -89,7 +90,7 @@ class Walk:
 
         What a cut stance shows is there as well: a metric of whole stances leaves it out.
         """
-        feet, void = self._walk.feet, void_patterns(self._measured.findings)
+        feet, void = self._walk.feet, self._measured.findings
         rows = [foot.stances for foot in feet]
         cuts = [_CUTS[Cut(cut)] for each in rows for cut in each.cut.tolist()]
         known = [
@@ -107,7 +108,7 @@ class Walk:
     @cached_property
     def events(self) -> Table:
         """Events in the order of time: the columns of `export --table events`."""
-        return _table(Event, self.metrics.events)
+        return _table(Event, with_steps(self.metrics))
 
     @cached_property
     def joints(self) -> Table:

@@ -12,12 +12,11 @@ from dogbot_logtool.io.targets import Output, targets
 from dogbot_logtool.options import Report
 from dogbot_logtool.report.page.assets import page_script, shared_name
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
-from dogbot_logtool.report.page.over_time import listed_events
 from dogbot_logtool.report.page.render import ALONE, Beside, page
 from dogbot_logtool.report.page.replay import frame_times, replay
 from dogbot_logtool.results import Page
 from dogbot_logtool.robot.annotated import open_recorded
-from dogbot_logtool.robot.robot_model.limbs import find_limbs
+from dogbot_logtool.robot.robot_model.skeleton import find_limbs
 from dogbot_logtool.run.runner import OnProgress
 
 
@@ -100,6 +99,6 @@ def replay_of(found: MeasuredLog) -> dict[str, Any] | None:
     walk = found.measurement.walk
     if not len(walk.base_history.time):
         return None
-    events = listed_events(found.measurement.metrics)
+    events = found.measurement.metrics.events
     time = frame_times(walk, events)
     return replay(walk, events, time, find_limbs(walk, found.selection, time))

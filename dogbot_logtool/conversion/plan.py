@@ -18,7 +18,7 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.robot.places import sensor_points
+from dogbot_logtool.robot.measuring.legs import sensor_points
 from dogbot_logtool.robot.robot_model.description import RobotDescription, robot_description
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.time_span import time_limits

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 Floats = NDArray[np.float64]
 """float64; the docstring of the field gives shape and unit."""
 Float32s = NDArray[np.float32]
+Complexes = NDArray[np.complex128]
 Ints = NDArray[np.int64]
 """int64: times in nanoseconds, or row numbers."""
 Flags = NDArray[np.bool_]
@@ -211,7 +212,8 @@ def percentiles_of(
     rank = np.atleast_1d(percents) / 100.0 * (len(rows) - 1)
     before = np.floor(rank).astype(np.intp)
     after = np.minimum(before + 1, len(rows) - 1)
-    ordered = np.partition(rows, [*before.tolist(), *after.tolist(), -1], axis=0)
+    # Faster than `np.partition` for several of them.
+    ordered = np.sort(rows, axis=0)
     low, high = ordered[before], ordered[after]
     part = (rank - before).reshape(-1, *[1] * (rows.ndim - 1))
     step = high - low

@@ -7,9 +7,9 @@ for each segment.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Annotated, Final
 
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.core.records import Count, Number, Numbers, Of, Shape, Spread, Text
 
 SCHEMA_VERSION: Final = 3

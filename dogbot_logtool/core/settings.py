@@ -1,13 +1,12 @@
 """Settings of the figures: thresholds, mass, frames, clock."""
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Final
 
 from dogbot_logtool.core.contact.contact_rule import FootSensor, Thresholds, contact_rule
 from dogbot_logtool.core.contact.filtered import Filter
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.leg_position import LegPosition, are_some_of
 

@@ -1,6 +1,6 @@
 """All that is known of a walk: what it is measured by, its metrics, and what is found of it."""
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from dogbot_logtool.core.arrays import Ints
@@ -14,7 +14,6 @@ from dogbot_logtool.core.base.witness import Witness
 from dogbot_logtool.core.consistency.worlds import Worlds
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import ClockDifference
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.gait.strides import typical_period_s

@@ -1,9 +1,8 @@
 """A foot of a robot, and where messages tell of it."""
 
-from dataclasses import MISSING
+from dataclasses import MISSING, dataclass
 from typing import Final
 
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.io.toml_table import TomlTable, one_of, toml_field
 
 NEWTONS: Final = {"N": 1.0, "kN": 1e3, "kg": 9.80665, "g": 9.80665e-3, "lbf": 4.4482216152605}

@@ -1,7 +1,7 @@
 """Read a log whole: every chunk is decoded once, in any process, and joined by log time."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import zip_longest
 from typing import Any, Final, Protocol, TypeVar
@@ -18,7 +18,6 @@ from dogbot_logtool.core.arrays import (
 )
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contacts import Samples, no_samples, without_contact
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.core.frames.transforms import concatenate_transforms, no_transforms
 from dogbot_logtool.core.legs.joints import MOST_JOINTS, JointSamples, JointTable
 from dogbot_logtool.core.recording import Recording, Times, VectorTopic

@@ -1,6 +1,7 @@
 """What is read of a log, and as what."""
 
-from dogbot_logtool.core.dataclass import dataclass
+from dataclasses import dataclass
+
 from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.messages.bases import Base
 from dogbot_logtool.reader.messages.feet import FootChannels

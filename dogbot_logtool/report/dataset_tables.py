@@ -3,10 +3,11 @@
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
+from dogbot_logtool.core.events.event import with_steps
 from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.records import Field, fields_of, is_record, to_json
 from dogbot_logtool.errors import ExtraMissingError
-from dogbot_logtool.report.table_file import arrow_table
+from dogbot_logtool.report.tables import arrow_table
 from dogbot_logtool.results import StrideTable
 
 try:
@@ -32,7 +33,9 @@ def log_tables(metrics: WalkMetrics, strides: StrideTable) -> Tables:
     tables = {"strides": arrow_table(strides.columns).add_column(0, "foot", [strides.foot])}
     for field in fields_of(WalkMetrics):
         if field.name in TABLES:
-            tables[field.name] = _rows(field, getattr(metrics, field.name))
+            is_events = field.name == "events"
+            items = with_steps(metrics) if is_events else getattr(metrics, field.name)
+            tables[field.name] = _rows(field, items)
     return {**tables, **log_row(to_json(metrics), None)}
 
 

@@ -1,14 +1,27 @@
+"""Columns, summaries, medians."""
+
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import (
+    aggregate,
     all_finite,
+    circular_mean,
+    distinct,
     dots,
+    median_of,
+    median_of_known,
     nearest_rows,
+    percentiles_of,
     rows_by_group,
     stable_order,
+    wrapped,
 )
 
 
@@ -52,3 +65,90 @@ def test_the_nearest_row_is_found_between_and_beyond_all_rows() -> None:
     at = np.array([-11, 4, 5, 6, 19, 21, 29, 41], np.int64)
     assert nearest_rows(time, at).tolist() == [0, 0, 0, 1, 1, 2, 2, 2]
     assert set(nearest_rows(time[:1], at).tolist()) == {0}
+
+
+def test_an_aggregate_of_known_values() -> None:
+    result = aggregate(np.array([1.0, 2.0, np.nan, 6.0]))
+    assert result is not None
+    assert (result.n, result.mean, result.median, result.min, result.max) == (3, 3.0, 2.0, 1.0, 6.0)
+    assert result.std == pytest.approx(7.0**0.5)  # ((2^2 + 1^2 + 3^2) / 2)
+
+
+def test_nothing_known_gives_nothing() -> None:
+    assert aggregate(np.array([np.nan, np.inf])) is None
+    assert circular_mean(np.array([np.nan])) is None
+
+
+def test_a_single_value_has_no_spread() -> None:
+    result = aggregate(np.array([4.0]))
+    assert result is not None
+    assert result.std is None
+
+
+def test_phases_that_straddle_zero_average_to_zero_not_to_half() -> None:
+    mean = circular_mean(np.array([0.99, 0.01, 0.98, 0.02]))
+    assert mean is not None
+    assert abs((mean.mean + 0.5) % 1.0 - 0.5) < 1e-12
+    assert mean.consistency > 0.99
+
+
+def test_phases_spread_evenly_have_no_consistency() -> None:
+    mean = circular_mean(np.arange(8) / 8.0)
+    assert mean is not None
+    assert mean.consistency < 1e-12
+
+
+def test_wrapped_differences_lie_around_zero() -> None:
+    assert wrapped(np.array([0.75, -0.75, 0.25])).tolist() == [-0.25, 0.25, 0.25]
+
+
+TABLES = st.one_of(
+    arrays.arrays(np.float64, arrays.array_shapes(min_dims=2, max_dims=2, max_side=9)),
+    arrays.arrays(np.int64, arrays.array_shapes(min_dims=2, max_dims=2, max_side=9)),
+)
+"""With NaN, infinities and numbers that overflow."""
+
+
+def same(ours: Any, numpys: Any) -> bool:
+    return bool(
+        np.array_equal(ours, numpys, equal_nan=True)
+        and np.asarray(ours).dtype == np.asarray(numpys).dtype
+    )
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@given(TABLES, st.sampled_from([None, 0, 1]))
+def test_median_is_numpys(values: NDArray[Any], axis: int | None) -> None:
+    assert same(median_of(values, axis=axis), np.median(values, axis=axis))
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@given(
+    arrays.arrays(np.float64, arrays.array_shapes(min_dims=2, max_dims=3, max_side=9)),
+    st.sampled_from([0, 1]),
+)
+def test_median_of_what_is_known_is_numpys(values: NDArray[Any], axis: int) -> None:
+    assert same(median_of_known(values, axis), np.nanmedian(values, axis=axis))
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@given(
+    TABLES,
+    st.sampled_from([None, 0, 1]),
+    st.one_of(st.floats(0.0, 100.0), st.lists(st.floats(0.0, 100.0), min_size=1, max_size=4)),
+)
+def test_percentiles_are_numpys(
+    values: NDArray[Any], axis: int | None, percents: float | list[float]
+) -> None:
+    expected = np.percentile(values, percents, axis=axis)
+    assert same(percentiles_of(values, percents, axis=axis), expected)
+
+
+@given(TABLES)
+def test_distinct_values_are_numpys(values: NDArray[Any]) -> None:
+    assert same(distinct(values), np.unique(values))
+
+
+def test_nothing_has_no_median() -> None:
+    assert np.isnan(median_of([]))
+    assert np.isnan(median_of(np.empty((0, 3)), axis=0)).tolist() == [True] * 3

@@ -6,8 +6,7 @@ from typing import Final, Literal, Protocol
 
 import numpy as np
 
-from tests.truth.events import matched
-from tests.truth.outcome import Outcome
+from tests.truth.outcome import Outcome, matched
 from tests.truth.recording import (
     Disturbance,
     Floats,

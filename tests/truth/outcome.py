@@ -6,12 +6,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.verdict import headline, quality_of
 from tests.truth.log_file import write_log
-from tests.truth.recording import Recording
+from tests.truth.recording import Floats, Recording
 
 _MISSING = object()
 
@@ -97,3 +99,11 @@ def measured_log(path: Path, topics: MeasureOptions | None = None) -> Outcome:
         quality.word,
         quality.line,
     )
+
+
+def matched(true: Floats, reported: Floats, reach_s: float) -> list[float]:
+    """Return how late the nearest reported event is after each true one, where one is in reach."""
+    if not len(reported):
+        return []
+    late = [float(reported[np.abs(reported - each).argmin()] - each) for each in true]
+    return [each for each in late if abs(each) <= reach_s]

@@ -15,7 +15,16 @@ import mujoco
 import numpy as np
 
 from tests.oracles.mcap_file import Entry, write_mcap
-from tests.truth.messages import CONTACTS, ODOMETRY, TF, TWIST, WRENCH, Messages, Template
+from tests.truth.messages import (
+    CONTACTS,
+    JOINT_STATE,
+    ODOMETRY,
+    STRING,
+    TF,
+    TWIST,
+    WRENCH,
+    Messages,
+)
 from tests.truth.recording import Floats, Ints, inverse, product, turned
 
 STEP_S: Final = 0.001
@@ -34,8 +43,6 @@ SPEED_MPS, PERIOD_S, DUTY, LIFT_M = 0.4, 0.5, 0.6, 0.05
 SINK_M: Final = 0.01
 """The plan treads below the ground, so that feet meet it on their way down."""
 PHASES: Final = {"FL": 0.0, "RR": 0.0, "FR": 0.5, "RL": 0.5}
-JOINT_STATE: Final = "sensor_msgs/msg/JointState"
-STRING: Final = "std_msgs/msg/String"
 ORIGIN_NS: Final = 50_000_000_000
 _TRUNK: Final = 1
 """Number of its body; 0 is the world."""
@@ -294,29 +301,10 @@ def _ball(link: str) -> str:
     return shape if link.endswith("foot") else ""
 
 
-class _Messages(Messages):
-    def joint_states(self, names: tuple[str, ...]) -> Template:
-        """Fill with positions, velocities and efforts: 3 numbers a joint."""
-        blank = (np.arange(3 * len(names)) + 1.0) * 1.0e200
-        position, velocity, effort = np.split(blank, 3)
-        message = self._make(
-            JOINT_STATE,
-            header=self._header(""),
-            name=list(names),
-            position=position,
-            velocity=velocity,
-            effort=effort,
-        )
-        return self._template(JOINT_STATE, message, len(blank))
-
-    def description(self, text: str = "") -> bytes:
-        return bytes(self.store.serialize_cdr(self._make(STRING, data=text or urdf()), STRING))
-
-
 @cache
-def messages() -> _Messages:
+def messages() -> Messages:
     """Return what makes messages."""
-    return _Messages(2)
+    return Messages(2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -373,7 +361,7 @@ def write_log(
         )
 
     if not by_transforms:
-        entries.append((ORIGIN_NS, "/robot_description", STRING, make.description()))
+        entries.append((ORIGIN_NS, "/robot_description", STRING, make.text(urdf())))
     if commands is not None:
         sent = ORIGIN_NS + np.rint(commands.time * 1e9).astype(np.int64)
         add("/cmd_vel", TWIST, sent, make.twist().all_filled(sent, commands.velocity))

@@ -9,11 +9,10 @@ from tests.truth import gaits
 from tests.truth import pose_faults as pose
 from tests.truth import sensor_faults as sensor
 from tests.truth import world_faults as world
-from tests.truth.curved import CurvedWalk
 from tests.truth.judging import Case
 from tests.truth.recording import Disturbance, Recording
 from tests.truth.robots import biped, quadruped
-from tests.truth.walking import Walk
+from tests.truth.walking import CurvedWalk, Walk
 from tests.truth.walks import BIPED, QUIET, SLOW, TROT
 
 CIRCLE: Final = CurvedWalk(gait=gaits.WALK, period_s=1.0, seconds=10.0)

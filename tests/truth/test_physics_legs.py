@@ -177,39 +177,8 @@ def test_a_stride_with_a_silence_has_no_figures(measured: Callable[..., dl.Walk]
             assert known[kept] == pytest.approx(expected[kept], rel=1e-3)
 
 
-def without_effort(*states: Floats) -> tuple[Floats, ...]:
-    return states[0], states[1], np.zeros_like(states[2])
-
-
-def in_degrees(*states: Floats) -> tuple[Floats, ...]:
-    return states[0], np.degrees(states[1]), states[2]
-
-
 def without_velocity(*states: Floats) -> tuple[Floats, ...]:
     return states[0], np.zeros_like(states[1]), states[2]
-
-
-def in_milliamperes(*states: Floats) -> tuple[Floats, ...]:
-    return states[0], states[1], 1e3 * states[2]
-
-
-@pytest.mark.parametrize(
-    ("change", "code"),
-    [
-        (without_effort, "JOINTS_MISSING"),
-        (in_degrees, "JOINT_VALUES"),
-        (in_milliamperes, "JOINT_VALUES"),
-    ],
-)
-def test_work_is_null_where_it_cannot_be_known(
-    measured: Callable[..., dl.Walk], change: Any, code: str
-) -> None:
-    walk = measured(by_transforms=False, change=change)
-    assert code in {each["code"] for each in walk.stats["findings"]}
-    assert walk.stats["legs"]["absolute_work_j"] is None
-    assert walk.stats["legs"]["mechanical_cost_of_transport"] is None
-    assert np.isnan(walk.strides["absolute_work_j"]).all()
-    assert np.isfinite(walk.strides["clearance_m"]).sum() >= 16
 
 
 def test_positions_are_differenced_where_no_velocity_is_told(
@@ -220,13 +189,6 @@ def test_positions_are_differenced_where_no_velocity_is_told(
     assert found.strides["absolute_work_j"] == pytest.approx(
         told.strides["absolute_work_j"], rel=0.02
     )
-
-
-def test_figures_do_not_depend_on_jobs(measured: Callable[..., dl.Walk]) -> None:
-    path = str(measured(by_transforms=True).path)
-    for jobs in (1, 3):
-        again = dl.measure(path, mass=physics.trot().mass_kg, jobs=jobs)
-        assert again.stats["legs"] == measured(by_transforms=True).stats["legs"]
 
 
 def test_swings_are_not_known_where_the_odometry_loses_its_way(

@@ -15,10 +15,10 @@ import numpy as np
 
 from tests.oracles.mcap_file import Entry, write_mcap
 from tests.truth import free_walker, physics
-from tests.truth.physics import JOINT_STATE, ORIGIN_NS, STRING, Physics
+from tests.truth.messages import IMU, JOINT_STATE, STRING
+from tests.truth.physics import ORIGIN_NS, Physics
 from tests.truth.recording import Floats, inverse, turned
 
-IMU: Final = "sensor_msgs/msg/Imu"
 HEAVY_KG: Final = (1.2, 1.5, 0.45, 0.15)
 """Of the parts of a leg."""
 GRAVITY: Final = 9.81
@@ -110,7 +110,7 @@ def write_log(
     time = ORIGIN_NS + np.rint(walk.time[rows] * 1e9).astype(np.int64)
     entries: list[Entry] = []
     if with_urdf:
-        entries.append((ORIGIN_NS, "/robot_description", STRING, make.description(walk.urdf)))
+        entries.append((ORIGIN_NS, "/robot_description", STRING, make.text(walk.urdf)))
     told = np.concatenate(
         [np.asarray(each)[rows] for each in (change(*states) if change else states)], axis=1
     )

@@ -5,18 +5,12 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, rows_of_runs
+from dogbot_logtool.core.arrays import Floats, Ints, rows_of_runs
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.track import FootTrack
 
 LOADED: Final = 0.5
 """Share of a stance's mean force from which its foot is loaded."""
-QUICK_S: Final = 0.06
-"""s in which a slip goes most of its way."""
-LEAST_M: Final = 0.005
-"""m: a shorter quick way is none."""
-FASTEST_MPS: Final = 2.0
-"""m/s: a contact point that goes faster has jumped to another part of the foot."""
 
 Complexes = NDArray[np.complex128]
 """Horizontal places or ways, m, x + i y."""
@@ -75,7 +69,7 @@ def _points(samples: Samples, rows: Ints) -> Complexes:
 
 def ways_under_load(
     samples: Samples, track: FootTrack, begin: Ints, end: Ints, mean: Floats
-) -> tuple[Ways, Ways]:
+) -> Ways:
     """Find how far contact points go from 10 % to 90 % of a stance, while loaded.
 
     Args:
@@ -87,11 +81,9 @@ def ways_under_load(
 
     Returns:
         the largest distance from where the point began, by steps between neighbouring loaded
-        samples; and the furthest way within `QUICK_S` of a single contact point, 0 where it is
-        shorter than `LEAST_M`. A foot that rolls moves its contact point, too, but slowly; one
-        that slips does so at once.
+        samples.
     """
-    found = np.full((2, len(Ways._fields), len(mean)), np.nan)
+    found = np.full((len(Ways._fields), len(mean)), np.nan)
     rows, stance, _ = rows_of_runs(begin, end)
     since = track.time[rows] - track.time[begin][stance]
     phase = since / (track.time[end] - track.time[begin])[stance]
@@ -100,77 +92,32 @@ def ways_under_load(
     if inside.any():
         rows, stance, time, point = rows[inside], stance[inside], since[inside] / 1e9, point[inside]
         of, first, own = np.unique(stance, return_index=True, return_inverse=True)
-        last = np.append(first[1:], len(rows)) - 1
         step = np.diff(point, prepend=point[0])
         loaded = track.force[rows] >= (LOADED * mean)[stance]
-        path = _path(step, _follows(loaded, own), first, own)
-        found[0][:, of] = _ways(time, path, own, first, first, last)
-        single = _follows(loaded & (samples.points[rows] == 1), own)
-        single &= np.abs(step) <= FASTEST_MPS * np.diff(time, prepend=time[0])
-        path = _path(step, single, first, own)
-        quick = _quick_ways(time, path, own, first, last)
-        quick[:, np.bincount(own, single) == 0] = np.nan
-        found[1][:, of] = quick
-    return Ways(*found[0]), Ways(*found[1])
+        # A step counts between two loaded rows of one stance.
+        counts = loaded & np.roll(loaded, 1)
+        counts[first] = False
+        total = np.cumsum(np.where(counts, step, 0.0))
+        found[:, of] = _ways(time, total - total[first][own], own, first)
+    return Ways(*found)
 
 
-def _follows(counts: Flags, own: Ints) -> Flags:
-    """(n,) tell which rows count, and follow one of their stance that does."""
-    follows = counts.copy()
-    follows[0] = False
-    follows[1:] &= counts[:-1] & (own[1:] == own[:-1])
-    return follows
-
-
-def _path(step: Complexes, counts: Flags, first: Ints, own: Ints) -> Complexes:
-    """(n,) m: how far the contact point has gone since the stance's first row.
-
-    Args:
-        step: (n,) m, from the row before.
-        counts: (n,) whether the step to each row counts.
-        first: (m,) first row of each stance.
-        own: (n,) which of these each row belongs to.
-    """
-    total = np.cumsum(np.where(counts, step, 0.0))
-    return np.asarray(total - total[first][own])
-
-
-def _quick_ways(time: Floats, path: Complexes, own: Ints, first: Ints, last: Ints) -> Floats:
-    """Find the furthest way of each stance within `QUICK_S`; arguments as for `_ways`."""
-    # Times of one stance after those of the one before, more than a window apart.
-    begun = np.cumsum(np.append(0.0, time[last] - time[first] + 2.0 * QUICK_S))[:-1]
-    at = time - time[first][own] + begun[own]
-    after = np.searchsorted(at, at + QUICK_S * (1.0 + 1e-9), side="right") - 1
-    quick, rows = np.abs(path[after] - path), np.arange(len(path))
-    furthest = np.maximum.reduceat(quick, first)
-    start = np.minimum.reduceat(np.where(quick == furthest[own], rows, len(rows) - 1), first)
-    found = _ways(time, path, own, first, start, after[start])
-    short = found[0] < LEAST_M
-    found[:, short] = [[0.0], [np.nan], [np.nan]]
-    return found
-
-
-def _ways(time: Floats, path: Complexes, own: Ints, first: Ints, start: Ints, last: Ints) -> Floats:
-    """(3, m): how far contact points go between two rows of each of m stances; see `Ways`.
+def _ways(time: Floats, path: Complexes, own: Ints, first: Ints) -> Floats:
+    """(3, m): how far contact points go in each of m stances; see `Ways`.
 
     Args:
         time: (n,) s after touchdown.
-        path: (n,) m; see `_path`.
+        path: (n,) m, way of the contact point since the stance's first row.
         own: (n,) ascending, the stance of each row.
         first: (m,) first row of each stance.
-        start: (m,) the row that each way is counted from.
-        last: (m,) the last row that counts.
     """
-    rows = np.arange(len(path))
-    inside = (rows >= start[own]) & (rows <= last[own])
-    way = np.where(inside, np.abs(path - path[start][own]), 0.0)
+    rows, way = np.arange(len(path)), np.abs(path)
     reach = np.maximum.reduceat(way, first)
     share = way / np.where(reach > 0.0, reach, 1.0)[own]
     half, ends = (
-        np.minimum.reduceat(np.where(inside & (share >= part), rows, len(rows)), first)
-        for part in (0.5, 0.9)
+        np.minimum.reduceat(np.where(share >= part, rows, len(rows)), first) for part in (0.5, 0.9)
     )
-    rests = inside & (share <= 0.1) & (rows < half[own])
+    rests = (share <= 0.1) & (rows < half[own])
     begins = np.maximum.reduceat(np.where(rests, rows, -1), first)
     # Where samples are too far apart, it is not seen when it begins.
     goes = (reach > 0.0) & (begins >= 0) & (ends < len(rows))

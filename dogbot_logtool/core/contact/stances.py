@@ -82,11 +82,6 @@ class StanceFigures(NamedTuple):
     """s after touchdown, the last time before half of that reach with at most a tenth of it."""
     reach_ends_s: Floats
     """s after touchdown, the first time with at least nine tenths of it."""
-    quick_way_m: Floats
-    """m, furthest that a single contact point of the loaded foot goes in `QUICK_S`."""
-    quick_begins_s: Floats
-    """s after touchdown, when it does so; also `quick_ends_s`."""
-    quick_ends_s: Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +164,7 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
     spike_phase[stance[highest]] = (time / ends_s[stance])[highest]
     impulse = track.impulse.total[:, 2]
     travel, reach = contact_ways(samples, track.time, begin, end)
-    loaded, quick = ways_under_load(samples, track, begin, end, mean)
+    loaded = ways_under_load(samples, track, begin, end, mean)
     found = StanceFigures(
         peak_force_n=peak,
         mean_force_n=mean,
@@ -188,9 +183,6 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
         loaded_reach_m=loaded.metres,
         reach_begins_s=loaded.begins_s,
         reach_ends_s=loaded.ends_s,
-        quick_way_m=quick.metres,
-        quick_begins_s=quick.begins_s,
-        quick_ends_s=quick.ends_s,
     )
     return np.stack(found)
 

@@ -4,7 +4,7 @@ One clock serves all feet and the base, since phases and support compare feet wi
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any, Final, Protocol
 
@@ -13,7 +13,6 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import AnyColumns, Flags, Floats, Ints, distinct, median_of
-from dogbot_logtool.core.dataclass import dataclass
 
 SILENCE_NS: Final = 50_000_000
 """ns: a shorter interval between messages is never a gap."""

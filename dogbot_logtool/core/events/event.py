@@ -1,9 +1,11 @@
-"""One event, and what annotated logs say of events and gaits."""
+"""Types of events, their order, and what annotated logs say of events and gaits."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum, StrEnum
-from typing import Final, NamedTuple
+from typing import Final
+
+from dogbot_logtool.core.metrics import Event, Foot, WalkMetrics
 
 
 class EventType(StrEnum):
@@ -20,8 +22,7 @@ class EventType(StrEnum):
     """a foot in mid-swing touches something and swings on (value: part of the swing before it)"""
     SLIP = "slip"
     """the contact point of a loaded foot goes three times as far as in the foot's other stances and
-    5 mm more, or three times as far as `settings.foot_rolling_m`; or, within 60 ms and on a single
-    contact point, twice as far as in those and 5 mm more (value: how much further)"""
+    5 mm more, or three times as far as `settings.foot_rolling_m` (value: how much further)"""
     EARLY_CONTACT = "early_contact"
     """a swing ends before 0.7 of the foot's usual swing and the foot stays down (value: how much
     too early)"""
@@ -45,23 +46,27 @@ class EventType(StrEnum):
 
 STEPS = frozenset({EventType.TOUCHDOWN, EventType.LIFT_OFF})
 """Events of every stride, which call for no look."""
+_RANK: Final = {kind.value: rank for rank, kind in enumerate(EventType)}
 
 
-class Event(NamedTuple):
-    """Something that happened, to one foot or to the robot."""
+def in_order(events: Iterable[Event], feet: Iterable[str]) -> tuple[Event, ...]:
+    """Return events in the order of time, then of types, then of feet."""
+    order = {None: -1} | {name: row for row, name in enumerate(feet)}
+    return tuple(
+        sorted(events, key=lambda each: (each.onset_s, _RANK[each.type], order[each.foot]))
+    )
 
-    onset: int
-    """ns."""
-    duration: int
-    """ns; 0 for an instant."""
-    type: EventType
-    foot: int | None = None
-    """Index of the foot; None: of the whole robot."""
-    value: float | None = None
-    """How much, in `unit`; None: nothing is measured of it."""
-    unit: str = ""
-    code: str = ""
-    """Code of the finding about it; for a change of the gait both classes, ``trot>walk``."""
+
+def with_steps(metrics: WalkMetrics) -> tuple[Event, ...]:
+    """Return all events of a walk: those of its metrics, and touchdowns and lift-offs."""
+    steps = [each for name, foot in metrics.feet.items() for each in _steps(name, foot)]
+    return in_order([*metrics.events, *steps], metrics.feet)
+
+
+def _steps(name: str, foot: Foot) -> Iterable[Event]:
+    columns = (EventType.TOUCHDOWN, foot.touchdown_s), (EventType.LIFT_OFF, foot.lift_off_s)
+    for kind, times in columns:
+        yield from (Event(time, 0.0, kind.value, name, None, None, None) for time in times or ())
 
 
 UNKNOWN: Final = "unknown"

@@ -1,7 +1,7 @@
-"""The table of all events of a log."""
+"""The events of a log, but for the touchdowns and lift-offs of every stride."""
 
 from collections.abc import Iterator, Sequence
-from itertools import compress, pairwise
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -19,11 +19,11 @@ from dogbot_logtool.core.arrays import (
 from dogbot_logtool.core.base.jumps import SMALLEST_JUMP_M
 from dogbot_logtool.core.checks.sensors import foot_is_saturated
 from dogbot_logtool.core.contact.stances import Cut, Stances
-from dogbot_logtool.core.events.event import Event, EventType
+from dogbot_logtool.core.events.event import EventType, in_order
 from dogbot_logtool.core.gait.classes import IRREGULAR, STAND
-from dogbot_logtool.core.gait.feet import FootSteps
-from dogbot_logtool.core.gait.segments import LASTING, PERIOD_CHANGE, Segment
+from dogbot_logtool.core.gait.segments import PERIOD_CHANGE, Segment
 from dogbot_logtool.core.loads import LARGEST_FOOT_M, is_stuck
+from dogbot_logtool.core.metrics import Event
 from dogbot_logtool.core.walk import Walk
 
 MARGIN_M: Final = 0.01
@@ -45,10 +45,6 @@ FEWEST: Final = 5
 FAR_OUT: Final = 8.0
 """Times the distance from the lower quartile to the median that a slip is above the median: the
 lower half of the ways has no slips in it."""
-AT_ONCE: Final = 0.7
-"""Share of a slip that is in its quick way, if it is over at once."""
-QUICK_TIMES: Final = 1.0
-"""Times the usual quick way that a quick slip is longer than that."""
 EARLY: Final = 0.7
 """Share of the usual swing below which a swing ends early."""
 BOUNCE: Final = 0.2
@@ -63,28 +59,43 @@ SAMPLES: Final = 2.0
 NEIGHBOURS: Final = 5
 """Swings before, and after, that say what is usual."""
 FEWEST_SWINGS: Final = 3
-_RANK: Final = {kind: rank for rank, kind in enumerate(EventType)}
 
 
 def find_events(walk: Walk) -> tuple[Event, ...]:
-    """Return all events of a log, in the order of time."""
-    found = [*_spans(walk), *_carried(walk), *gait_changes(walk.segments), *_margins(walk)]
-    walks = [segment for segment in walk.segments if segment.strides]
-    for row, foot in enumerate(walk.feet):
-        found += scuffs(row, foot, walks)
-        early = list(early_touchdowns(row, foot, walks))
-        stumbles = [each.onset for each in early if each.type is EventType.STUMBLE]
-        found += early
-        if not walk.settings.base_from_legs:  # by which no foot slips
-            found += slips(row, foot, walks, walk.settings.foot_rolling_m, stumbles)
+    """Return the events of a log, in the order of time; see `with_steps` for all of them."""
+    found = [*_spans(walk), *_carried(walk), *_gait_changes(walk), *_margins(walk)]
+    for row in range(len(walk.feet)):
+        early = list(_early_touchdowns(walk, row))
+        stumbles = [each.onset_s for each in early if each.type == EventType.STUMBLE]
+        found += [*early, *_scuffs(walk, row), *_slips(walk, row, stumbles)]
         found += _sensor_faults(walk, row)
-        found += (Event(time, 0, EventType.TOUCHDOWN, row) for time in foot.touchdown.tolist())
-        found += (Event(time, 0, EventType.LIFT_OFF, row) for time in foot.liftoff.tolist())
-    return tuple(sorted(found, key=_order))
+    return in_order(found, [foot.name for foot in walk.feet])
 
 
-def _order(event: Event) -> tuple[int, int, int]:
-    return event.onset, _RANK[event.type], -1 if event.foot is None else event.foot
+def _event(
+    walk: Walk,
+    kind: EventType,
+    span: tuple[int, int],
+    foot: int | None = None,
+    value: float | None = None,
+    unit: str | None = None,
+    code: str | None = None,
+) -> Event:
+    """Return an event.
+
+    Args:
+        walk: that it is of.
+        kind: its type.
+        span: ns, from and to; twice the same for an instant.
+        foot: its index; None: of the whole robot.
+        value: its size; None: nothing is measured of it.
+        unit: of the value.
+        code: of the finding about it; of a change of the gait both classes, ``trot>walk``.
+    """
+    onset, end = span
+    name = None if foot is None else walk.feet[foot].name
+    onset_s, lasts_s = (onset - walk.origin) / 1e9, (end - onset) / 1e9
+    return Event(onset_s, lasts_s, kind.value, name, value, unit, code)
 
 
 def _spans(walk: Walk) -> Iterator[Event]:
@@ -93,23 +104,22 @@ def _spans(walk: Walk) -> Iterator[Event]:
     A fall lasts from the beginning of the descent until the robot lies no more; a jump from the
     pose before it to the one after.
     """
-    for start, end in walk.fallen.tolist():
-        yield Event(start, end - start, EventType.FALL, code="FALL")
+    for span in walk.fallen.tolist():
+        yield _event(walk, EventType.FALL, span, code="FALL")
     found, poses = walk.tipping, walk.base_history
     if found is not None and not len(walk.fallen):
-        lasts = int(poses.time[-1]) - found.since
-        yield Event(found.since, lasts, EventType.TIPPING, None, found.last_rad, "rad", "FALL")
+        span = found.since, int(poses.time[-1])
+        yield _event(walk, EventType.TIPPING, span, None, found.last_rad, "rad", "FALL")
     sizes, turns = norms(walk.jumps.size_m).tolist(), walk.jumps.turn_rad.tolist()
-    for (start, end), size, turn in zip(walk.jumps.spans.tolist(), sizes, turns, strict=True):
+    for span, size, turn in zip(walk.jumps.spans.tolist(), sizes, turns, strict=True):
         value, unit = (size, "m") if size > SMALLEST_JUMP_M else (abs(turn), "rad")
-        yield Event(start, end - start, EventType.POSE_JUMP, None, value, unit, "POSE_JUMP")
+        yield _event(walk, EventType.POSE_JUMP, span, None, value, unit, "POSE_JUMP")
     gaps: list[tuple[int | None, Ints]] = [(None, poses.gaps)]
     for row, foot in enumerate(walk.feet):
         gaps.append((row, timespans.subtract(foot.record.gaps, foot.record.stopped)))
     for who, silent in gaps:
         for start, end in silent.tolist():
-            seconds = (end - start) / 1e9
-            yield Event(start, end - start, EventType.GAP, who, seconds, "s", "GAPS")
+            yield _event(walk, EventType.GAP, (start, end), who, (end - start) / 1e9, "s", "GAPS")
 
 
 def _carried(walk: Walk) -> Iterator[Event]:
@@ -129,16 +139,17 @@ def _carried(walk: Walk) -> Iterator[Event]:
             continue
         rises_m = float(median_of(z[inside]) - median_of(z[beside]))
         if rises_m > -LOWER_M:
-            yield Event(start, end - start, EventType.CARRIED, None, rises_m, "m")
+            yield _event(walk, EventType.CARRIED, (start, end), None, rises_m, "m")
 
 
-def gait_changes(segments: Sequence[Segment]) -> Iterator[Event]:
+def _gait_changes(walk: Walk) -> Iterator[Event]:
     """Yield each change from one gait to another, also between gaits and stands.
 
     It happens half-way between the last stride of the gait before and the first of the next, or
     where the stand begins or ends. Irregular strides between two gaits are no gait of their own.
     """
-    for before, after in pairwise(_gaits(segments)):
+    gaits = [each for each in walk.segments if each.gait.name not in {None, IRREGULAR}]
+    for before, after in pairwise(gaits):
         if before.gait.name == after.gait.name and not _faster_or_slower(before, after):
             continue
         onset = (before.end + after.start) // 2
@@ -147,32 +158,9 @@ def gait_changes(segments: Sequence[Segment]) -> Iterator[Event]:
         elif before.gait.name == STAND:
             onset = before.end
         frequency = after.stride_frequency_hz
-        unit = "" if frequency is None else "Hz"
+        unit = None if frequency is None else "Hz"
         code = f"{before.gait.name}>{after.gait.name}"
-        yield Event(onset, 0, EventType.GAIT_CHANGE, None, frequency, unit, code)
-
-
-def _gaits(segments: Sequence[Segment]) -> list[Segment]:
-    """Return stands and gaits, without what is too irregular or too short to be one."""
-    known = [each for each in segments if each.gait.name is not None]
-    names = [STAND, *(each.gait.name for each in known), STAND]
-    beside = zip(names[:-2], names[2:], strict=True)
-    gaits = [
-        each
-        for each, around in zip(known, beside, strict=True)
-        if each.gait.name != IRREGULAR or {STAND, IRREGULAR}.issuperset(around)
-    ]
-    lasting = [not _is_passing(*three) for three in zip(gaits, gaits[1:], gaits[2:], strict=False)]
-    return list(compress(gaits, [True, *lasting, True]))
-
-
-def _is_passing(before: Segment, segment: Segment, after: Segment) -> bool:
-    """Tell whether a gait goes on as it was, before it could be said to have changed."""
-    frequency = before.stride_frequency_hz
-    if segment.gait.name == STAND or frequency is None or before.gait.name != after.gait.name:
-        return False
-    lasts_s = (segment.end - segment.start) / 1e9
-    return lasts_s * frequency <= LASTING and not _faster_or_slower(before, after)
+        yield _event(walk, EventType.GAIT_CHANGE, (onset, onset), None, frequency, unit, code)
 
 
 def _faster_or_slower(before: Segment, after: Segment) -> bool:
@@ -194,16 +182,16 @@ def _margins(walk: Walk) -> Iterator[Event]:
     below, least = walk.instants.unstable()
     counts = (below[:, 1] - below[:, 0] >= LASTING_S * 1e9) & (least < -MARGIN_M)
     counts &= (below[:, 0] < jump) & ~timespans.covers(walk.fallen, below[:, 0])
-    for (start, end), value in zip(below[counts].tolist(), least[counts].tolist(), strict=True):
-        yield Event(start, end - start, EventType.MARGIN_BELOW_ZERO, None, value, "m")
+    for span, value in zip(below[counts].tolist(), least[counts].tolist(), strict=True):
+        yield _event(walk, EventType.MARGIN_BELOW_ZERO, span, None, value, "m")
 
 
 def _sensor_faults(walk: Walk, row: int) -> Iterator[Event]:
     """Yield what findings call a fault of a foot's sensor, with the time that shows it."""
 
     def fault(start: int, end: int, code: str, newtons: float | None = None) -> Event:
-        unit = "" if newtons is None else "N"
-        return Event(start, end - start, EventType.SENSOR_FAULT, row, newtons, unit, code)
+        unit = None if newtons is None else "N"
+        return _event(walk, EventType.SENSOR_FAULT, (start, end), row, newtons, unit, code)
 
     foot = walk.feet[row]
     record, stances, figures = foot.record, foot.record.stances, foot.record.stances.figures
@@ -223,57 +211,47 @@ def _sensor_faults(walk: Walk, row: int) -> Iterator[Event]:
         yield fault(at, at, "SPIKES", float(figures.peak_force_n[stance]))
 
 
-def slips(
-    foot: int,
-    steps: FootSteps,
-    walks: Sequence[Segment],
-    rolling_m: float | None,
-    stumbles: Sequence[int],
-) -> Iterator[Event]:
-    """Yield the stances in which a foot slips.
+def _slips(walk: Walk, row: int, stumbles: Sequence[float]) -> Iterator[Event]:
+    """Yield the stances in which a foot slips: none of a base that is known by its feet.
 
     Args:
-        foot: its index.
-        steps: its stances.
-        walks: segments with strides.
-        rolling_m: m, way of the contact point of a foot that does not slip; None: not known.
-        stumbles: ns, touchdowns of contacts that are no steps.
+        walk: with its segments.
+        row: of the foot.
+        stumbles: s, touchdowns of contacts that are no steps.
     """
-    stances, known = steps.stances, steps.stances.figures
-    counts = stances.whole & ~np.isin(stances.touchdown, stumbles)
-    way, quick = (
-        np.where(counts, each, np.nan) for each in (known.loaded_reach_m, known.quick_way_m)
-    )
+    if walk.settings.base_from_legs:
+        return
+    stances, figures = walk.feet[row].stances, walk.feet[row].stances.figures
+    rolling_m, touchdown_s = walk.settings.foot_rolling_m, walk.seconds(stances.touchdown)
+    counts = stances.whole & ~np.isin(touchdown_s, stumbles)
+    way = np.where(counts, figures.loaded_reach_m, np.nan)
     is_far = way > LARGEST_FOOT_M
     if rolling_m is not None:
         is_far = way - rolling_m > max(SLIP_M, TIMES * rolling_m)
-    usual = _usual_m(stances, way, walks, TIMES)
-    excess = way - np.where(np.isnan(usual) & is_far, rolling_m or 0.0, usual)
-    quick_excess = quick - _usual_m(stances, quick, walks, QUICK_TIMES)
-    # Of a slip that is over at once, the quick way tells the time best, noise or not.
-    at_once = quick_excess >= np.where(np.isnan(excess), 0.0, AT_ONCE * excess)
-    metres = np.where(np.isnan(excess), quick_excess, excess)
-    begins_s = np.where(at_once, known.quick_begins_s, known.reach_begins_s)
-    ends_s = np.where(at_once, known.quick_ends_s, known.reach_ends_s)
-    for row in np.flatnonzero(np.isfinite(metres)).tolist():
-        begins, ends = int(stances.touchdown[row]), int(stances.liftoff[row])
+    usual = _usual_m(stances, way, _walks(walk))
+    metres = way - np.where(np.isnan(usual) & is_far, rolling_m or 0.0, usual)
+    for slip in np.flatnonzero(np.isfinite(metres)).tolist():
+        begins, ends = int(stances.touchdown[slip]), int(stances.liftoff[slip])
+        from_s, to_s = figures.reach_begins_s[slip], figures.reach_ends_s[slip]
         # Where samples are few it is the whole stance.
-        if np.isfinite(begins_s[row] + ends_s[row]):
-            ends = begins + round(float(ends_s[row]) * 1e9)
-            begins += round(float(begins_s[row]) * 1e9)
-        unknown = rolling_m is None and np.isnan(usual[row]) and np.isfinite(excess[row])
-        code = "SLIPS" if unknown else ""
-        yield Event(begins, ends - begins, EventType.SLIP, foot, float(metres[row]), "m", code)
+        if np.isfinite(from_s + to_s):
+            begins, ends = (begins + round(float(each) * 1e9) for each in (from_s, to_s))
+        code = "SLIPS" if rolling_m is None and np.isnan(usual[slip]) else None
+        yield _event(walk, EventType.SLIP, (begins, ends), row, float(metres[slip]), "m", code)
 
 
-def _usual_m(stances: Stances, way: Floats, walks: Sequence[Segment], times: float) -> Floats:
+def _walks(walk: Walk) -> list[Segment]:
+    """Return the segments with strides."""
+    return [segment for segment in walk.segments if segment.strides]
+
+
+def _usual_m(stances: Stances, way: Floats, walks: Sequence[Segment]) -> Floats:
     """(stances,) m, the usual way in the segment of stances that are unlike it; else NaN.
 
     Args:
         stances: of a foot.
         way: (stances,) m; NaN where it does not count.
         walks: segments with strides.
-        times: the usual way by which a way that is unlike it is longer.
     """
     usual = np.full(len(way), np.nan)
     for segment in walks:
@@ -281,22 +259,18 @@ def _usual_m(stances: Stances, way: Floats, walks: Sequence[Segment], times: flo
         rows &= np.isfinite(way)
         if rows.sum() >= FEWEST:
             low, median = percentiles_of(way[rows], (25.0, 50.0))
-            far = max(FAR_OUT * (median - low), times * median, SLIP_M)
+            far = max(FAR_OUT * (median - low), TIMES * median, SLIP_M)
             usual[rows & (way - median > far)] = median
     return usual
 
 
-def early_touchdowns(foot: int, steps: FootSteps, walks: Sequence[Segment]) -> Iterator[Event]:
+def _early_touchdowns(walk: Walk, row: int) -> Iterator[Event]:
     """Yield the touchdowns of a foot that come well before its usual swing is over.
 
     The foot hits something in mid-swing and swings on: a stumble. Or it stays on the ground: an
     early contact. A foot that bounces as it lands, or as it leaves, does neither.
-
-    Args:
-        foot: its index.
-        steps: its stances and strides.
-        walks: segments with strides; elsewhere no swing is usual.
     """
+    steps = walk.feet[row]
     stances, stance = steps.stances, steps.stances.duration_s
     if len(stance) < FEWEST_SWINGS + 2:
         return
@@ -309,30 +283,31 @@ def early_touchdowns(foot: int, steps: FootSteps, walks: Sequence[Segment]) -> I
     early &= usual_swing - swing > SAMPLES * (steps.record.median_interval_s or 0.0)
     # After a contact that is no step, a short swing is the rest of the swing before it.
     early[1:] &= ~short[:-1]
-    early &= _inside(walks, stances.touchdown)
+    # Elsewhere no swing is usual.
+    early &= _inside(walk, stances.touchdown)
     rest = np.append(swing[1:], np.nan)
     whole_swing = swing + stance + rest
     goes_on = (rest > BOUNCE * usual_swing) & (whole_swing < STRIDE_GOES_ON * usual_swing)
-    for row in np.flatnonzero(early & (goes_on | ~short)).tolist():
-        onset, lasts = int(stances.touchdown[row]), round(stance[row] * 1e9)
-        if short[row]:
-            done = float(swing[row] / whole_swing[row])
-            yield Event(onset, lasts, EventType.STUMBLE, foot, done, "swing")
+    for at in np.flatnonzero(early & (goes_on | ~short)).tolist():
+        onset, end = int(stances.touchdown[at]), int(stances.liftoff[at])
+        if short[at]:
+            done = float(swing[at] / whole_swing[at])
+            yield _event(walk, EventType.STUMBLE, (onset, end), row, done, "swing")
         else:
-            by_s = float(usual_swing[row] - swing[row])
-            yield Event(onset, 0, EventType.EARLY_CONTACT, foot, by_s, "s")
+            by_s = float(usual_swing[at] - swing[at])
+            yield _event(walk, EventType.EARLY_CONTACT, (onset, onset), row, by_s, "s")
 
 
-def scuffs(foot: int, steps: FootSteps, walks: Sequence[Segment]) -> Iterator[Event]:
+def _scuffs(walk: Walk, row: int) -> Iterator[Event]:
     """Yield touches of the ground in mid-swing that are too short and light to be stances."""
-    spans, stances = steps.record.scuffs, steps.stances
-    inside = _inside(walks, spans[:, 0])
+    spans, stances = walk.feet[row].record.scuffs, walk.feet[row].stances
+    inside = _inside(walk, spans[:, 0])
     for onset, end in spans[inside].tolist():
         after = int(np.searchsorted(stances.touchdown, onset))
         if 0 < after < len(stances.touchdown):
             lifted, lands = int(stances.liftoff[after - 1]), int(stances.touchdown[after])
             done = (onset - lifted) / max(lands - lifted, 1)
-            yield Event(onset, end - onset, EventType.STUMBLE, foot, done, "swing")
+            yield _event(walk, EventType.STUMBLE, (onset, end), row, done, "swing")
 
 
 def _swings_s(stances: Stances, gaps: Ints) -> Floats:
@@ -363,8 +338,9 @@ def _medians(windows: Floats) -> Floats:
     return np.where(few, np.nan, median_of_known(windows, axis=1))
 
 
-def _inside(segments: Sequence[Segment], time: Ints) -> Flags:
+def _inside(walk: Walk, time: Ints) -> Flags:
+    """(n,) which times, ns, lie in segments with strides."""
     inside = np.zeros(len(time), np.bool_)
-    for each in segments:
+    for each in _walks(walk):
         inside |= (time > each.start) & (time <= each.end)
     return inside

@@ -1,5 +1,6 @@
 """Events as sentences, and the gait as it changes."""
 
+from collections.abc import Mapping
 from itertools import zip_longest
 from typing import Final
 
@@ -9,16 +10,16 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.events.event import (
     STEPS,
     UNKNOWN,
-    Event,
     EventMessage,
     EventType,
     GaitState,
     Level,
+    with_steps,
 )
-from dogbot_logtool.core.events.events import find_events
+from dogbot_logtool.core.metrics import Event
 from dogbot_logtool.core.walk import Walk
 
-_LEVELS: Final = {
+_LEVELS: Final[Mapping[str, Level]] = {
     EventType.FALL: Level.ERROR,
     EventType.GAIT_CHANGE: Level.INFO,
     **dict.fromkeys(STEPS, Level.DEBUG),
@@ -28,33 +29,33 @@ _LEVELS: Final = {
 
 def event_messages(walk: Walk) -> tuple[EventMessage, ...]:
     """Return all events of a log in words, in the order of time."""
-    names = [foot.name for foot in walk.feet]
-    return tuple(_message(each, names) for each in find_events(walk))
+    return tuple(_message(each, walk.origin) for each in with_steps(walk.metrics))
 
 
-def _message(event: Event, names: list[str]) -> EventMessage:
-    is_change = event.type is EventType.GAIT_CHANGE
+def _message(event: Event, origin: int) -> EventMessage:
+    code, is_change = event.code or "", event.type == EventType.GAIT_CHANGE
     # Log panels show the source beside the text.
     parts = [
         event.type.replace("_", " "),
-        event.code.replace(">", " to ") if is_change else "",
+        code.replace(">", " to ") if is_change else "",
         "" if event.value is None else f"{event.value:.3g} {event.unit}",
-        f"for {event.duration / 1e9:.3f} s" if event.duration and event.unit != "s" else "",
-        "" if is_change else event.code,
+        f"for {event.duration_s:.3f} s" if event.duration_s and event.unit != "s" else "",
+        "" if is_change else code,
     ]
     details = {
-        "type": str(event.type),
-        "foot": "" if event.foot is None else names[event.foot],
+        "type": event.type,
+        "foot": event.foot or "",
         "value": "" if event.value is None else f"{event.value:.9g}",
-        "unit": event.unit,
-        "code": event.code,
+        "unit": event.unit or "",
+        "code": code,
     }
+    onset = origin + round(event.onset_s * 1e9)
     return EventMessage(
-        event.onset,
+        onset,
         _LEVELS.get(event.type, Level.WARNING),
-        "robot" if event.foot is None else names[event.foot],
+        event.foot or "robot",
         ", ".join(filter(None, parts)),
-        end=event.onset + event.duration,
+        end=onset + round(event.duration_s * 1e9),
         is_step=event.type in STEPS,
         details={name: text for name, text in details.items() if text},
     )

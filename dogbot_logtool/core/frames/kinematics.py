@@ -1,12 +1,12 @@
 """Forward kinematics: poses of links from positions of joints."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.rotations import multiply, rotate
 

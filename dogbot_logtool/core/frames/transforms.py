@@ -2,14 +2,13 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, distinct
 from dogbot_logtool.core.corrections.clock import TimeSource, advancing
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.core.rotations import multiply, normalised, rotate, slerp
 
 
@@ -255,7 +254,7 @@ def _interpolated(track: FrameTrack, time: Ints, log_time: Ints) -> tuple[Flags,
 
 def static_tracks(recorded: RecordedTransforms, channels: AbstractSet[int]) -> TransformBuffer:
     """Return the transforms of channels whose transforms hold for ever."""
-    held = np.flatnonzero(np.isin(recorded.channel, np.array(list(channels), np.int64)))
+    held = np.flatnonzero(np.isin(recorded.channel, np.array([*channels], np.int64)))
     return _tracks(recorded, held, recorded.stamp, None)
 
 

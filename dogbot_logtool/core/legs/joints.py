@@ -1,6 +1,7 @@
 """Joints: their states as messages tell them, and what is measured of each over a log."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -8,7 +9,6 @@ import numpy as np
 from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints
 from dogbot_logtool.core.base.foot_path import LONGEST_STEP_S
 from dogbot_logtool.core.corrections.clock import TimeSource, advancing, check_stamps
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.core.metrics import Joint
 
 MOST_JOINTS: Final = 256

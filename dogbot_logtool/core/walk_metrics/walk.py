@@ -25,7 +25,6 @@ from dogbot_logtool.core.masks import base_in, loads_in, stability_in, support_i
 from dogbot_logtool.core.metrics import (
     SCHEMA_VERSION,
     Base,
-    Event,
     Foot,
     Forces,
     Gait,
@@ -93,7 +92,7 @@ def metrics_of(walk: Walk, log: Log, findings: Sequence[Finding]) -> WalkMetrics
         commands=commands_metrics(walk),
         imu=imu_metrics(walk),
         quality=quality_metrics(walk, findings),
-        events=_events(walk),
+        events=find_events(walk),
         findings=tuple(map(_finding, findings)),
         null_because={},
     )
@@ -259,22 +258,6 @@ def _index(left: Aggregate | None, right: Aggregate | None) -> float | None:
     """Return the symmetry index of two means, percent."""
     means = [None if each is None else each.mean for each in (left, right)]
     return symmetry_index_percent(*means)
-
-
-def _events(walk: Walk) -> tuple[Event, ...]:
-    names = [foot.name for foot in walk.feet]
-    return tuple(
-        Event(
-            onset_s=(each.onset - walk.origin) / 1e9,
-            duration_s=each.duration / 1e9,
-            type=each.type.value,
-            foot=None if each.foot is None else names[each.foot],
-            value=each.value,
-            unit=each.unit or None,
-            code=each.code or None,
-        )
-        for each in find_events(walk)
-    )
 
 
 def _finding(finding: Finding) -> metrics.Finding:

@@ -4,13 +4,13 @@ Numbers that stand near each other in a message stay together, as rows of a stru
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Floats, Ints, distinct
-from dogbot_logtool.core.dataclass import dataclass
 
 _DOUBLE: Final = np.dtype("<f8")
 _ROUNDS: Final = 64

@@ -7,11 +7,10 @@ decoder can compile, with every hostile shape (self-reference, absurd depth or s
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 
 if TYPE_CHECKING:

@@ -7,12 +7,12 @@ encapsulation header) and in the strings' terminator.
 """
 
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final, Literal
 
 import numpy as np
 
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.reader.decode.definition import (
     FieldType,
     FixedArray,

@@ -1,13 +1,12 @@
 """Messages as columns, with the offsets of their payloads in a buffer."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Flags, Ints, concatenated, picked
-from dogbot_logtool.core.dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

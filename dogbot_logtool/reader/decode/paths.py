@@ -14,12 +14,12 @@ Values are (n, k, w): n messages, k elements, w numbers each; NaN where a messag
 
 import re
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.reader.decode.columns import Nested, Table, Texts
 from dogbot_logtool.reader.decode.definition import (
     FieldType,

@@ -2,14 +2,13 @@
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.poses import Odometry
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.batch import Batch

@@ -1,11 +1,11 @@
 """Contact messages of a batch, read by whatever row of the table fits them."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 
 from dogbot_logtool.core.arrays import distinct
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.plausible import plausible
 from dogbot_logtool.errors import DefinitionError

@@ -1,13 +1,13 @@
 """The columns of each foot, read of messages by any row of the table."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, concatenated, median_of
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.leg_position import leg_names
 from dogbot_logtool.core.rotations import conjugate, normalised, rotate

@@ -6,7 +6,7 @@ text `info` alone. The new Gazebo's messages are one step each.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from typing import Final
 
@@ -22,7 +22,6 @@ from dogbot_logtool.core.contact.contacts import (
     Samples,
     contact_samples,
 )
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.reader.decode.columns import Texts, gather_bytes
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.feet import FootChannels

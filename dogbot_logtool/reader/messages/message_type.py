@@ -8,9 +8,9 @@ Paths are in the language of `reader.decode.paths`. Beside that,
 
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Final, Literal
 
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.reader.decode.paths import Want
 

@@ -1,13 +1,13 @@
 """From the messages of a batch to decoded tables: all channels of one definition in one go."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel

@@ -1,13 +1,12 @@
 """Rows of the table, fitted to the definitions of a log: how a channel's messages are read."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.dataclass import dataclass
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.contents import Channel

@@ -9,8 +9,8 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints
 from dogbot_logtool.core.base.ground import height_over_feet
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES, roll_and_pitch
-from dogbot_logtool.core.events.event import STEPS, EventType
-from dogbot_logtool.core.metrics import Event, WalkMetrics
+from dogbot_logtool.core.events.event import EventType
+from dogbot_logtool.core.metrics import Event
 from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.curves import Curve, curve_of
@@ -189,11 +189,6 @@ _LABELLED: Final = 12
 MINOR: Final = frozenset({EventType.GAIT_CHANGE, EventType.GAP, EventType.EARLY_CONTACT})
 """Types that are no fault of the walk."""
 _FALLS: Final = frozenset({EventType.FALL, EventType.TIPPING})
-
-
-def listed_events(walk: WalkMetrics) -> Sequence[Event]:
-    """Return the events that call for a look: all but touchdowns and lift-offs."""
-    return [each for each in walk.events if each.type not in STEPS]
 
 
 def mark_events(events: Sequence[Event], drawings: Iterable[Drawing], feet: Sequence[str]) -> None:

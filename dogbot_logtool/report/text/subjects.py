@@ -5,10 +5,10 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from dogbot_logtool.core.arrays import Aggregate
-from dogbot_logtool.core.events.event import STEPS
+from dogbot_logtool.core.events.event import with_steps
 from dogbot_logtool.core.metrics import WalkMetrics
-from dogbot_logtool.report.numbers import decimal
-from dogbot_logtool.report.tables import METRICS, why_null
+from dogbot_logtool.core.records import METRICS
+from dogbot_logtool.report.tables import decimal, why_null
 
 _GRAVITY: Final = 9.80665
 """m/s^2."""
@@ -109,8 +109,7 @@ def _accelerometer(metrics: WalkMetrics) -> str:
 def _events(metrics: WalkMetrics) -> str:
     times: dict[str, list[float]] = {}
     for each in metrics.events:
-        if each.type not in STEPS:
-            times.setdefault(each.type.replace("_", " "), []).append(each.onset_s)
+        times.setdefault(each.type.replace("_", " "), []).append(each.onset_s)
     kinds = [
         f"{kind} at {at[0]:.1f} s"
         if len(at) == 1
@@ -118,7 +117,7 @@ def _events(metrics: WalkMetrics) -> str:
         for kind, at in times.items()
     ]
     what = ", ".join(kinds) or "none"
-    steps = sum(each.type in STEPS for each in metrics.events)
+    steps = len(with_steps(metrics)) - len(metrics.events)
     return f"{what}; {steps} touchdowns and lift-offs (export --table events)" if steps else what
 
 

@@ -17,6 +17,7 @@ from dogbot_logtool.core.scene.support_scene import (
     margin_colour,
     outlines,
 )
+from tests.truth.margins import hull
 
 NOWHERE = (math.nan, math.nan, math.nan)
 
@@ -37,32 +38,12 @@ def test_outlines_are_what_gift_wrapping_gives(places: list[tuple[float, float] 
     points[np.isnan(points[:, :, 0])] = np.nan
     outline = outlines(points, hulls(points[:, :, :2]))[0]
     told = [(x, y) for x, y, _ in outline.tolist() if not math.isnan(x)]
-    hull = wrapped({place for place in places if place is not None})
-    if len(hull) < 2:
+    corners = hull([*{place for place in places if place is not None}])
+    if len(corners) < 2:
         assert told == []
-    elif len(hull) == 2:
-        assert sorted(told) == sorted(hull)
+    elif len(corners) == 2:
+        assert sorted(told) == sorted(corners)
     else:
         assert told[0] == told[-1]
-        assert told[:-1] == hull
+        assert told[:-1] == corners
     assert set(outline[np.isfinite(outline[:, 2]), 2]) <= {7.0}
-
-
-def wrapped(points: set[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return the corners of the hull from the leftmost on, counter-clockwise (Andrew 1979)."""
-
-    def half(ordered: list[tuple[float, float]]) -> list[tuple[float, float]]:
-        chain: list[tuple[float, float]] = []
-        for x, y in ordered:
-            while len(chain) > 1 and (
-                (chain[-1][0] - chain[-2][0]) * (y - chain[-2][1])
-                <= (chain[-1][1] - chain[-2][1]) * (x - chain[-2][0])
-            ):
-                chain.pop()
-            chain.append((x, y))
-        return chain[:-1]
-
-    if len(points) < 2:
-        return list(points)
-    ordered = sorted(points)
-    return half(ordered) + half(ordered[::-1])

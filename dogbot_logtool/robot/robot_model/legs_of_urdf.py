@@ -1,0 +1,254 @@
+"""The legs of a URDF: feet, which leg is which, forward axis, masses."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import hypot
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import Floats
+from dogbot_logtool.core.base.motion import FORWARD_ANGLES
+from dogbot_logtool.core.frames.kinematics import Joint, Leg, Mass, Triple, leg_motion
+from dogbot_logtool.core.leg_position import LegPosition, leg_names
+from dogbot_logtool.core.legs.joints import JointLimits
+from dogbot_logtool.core.rotations import multiply, rotate
+from dogbot_logtool.robot.names import leg_position
+from dogbot_logtool.robot.robot_model.urdf import NOTHING, Link, RobotOfUrdf, joints_below
+from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, Part, words_of
+
+_HIGHEST: Final = 0.4
+"""Share of the depth of the lowest foot below the base that other feet may be higher."""
+_SHORTEST: Final = 2
+"""Joints of a leg at least; what hangs on one is a wheel, or turns a sensor."""
+_ANKLED: Final = 4
+"""Joints of a leg that may end at the last one: its foot is flat."""
+_REACH: Final = 0.1
+"""Share of the length of a leg with fewer joints that its foot is from the last one, at least."""
+_SAME_LEG: Final = 0.5
+"""Share of the joints of the shorter chain that two ends of one leg have in common."""
+_CENTRED: Final = 0.5
+"""Share of its radius that a ball may be off its link's origin."""
+_MOST_LEGS: Final = 16
+_ARMS: Final = frozenset(
+    {"arm", "elbow", "finger", "fingers", "gripper", "hand", "head", "neck", "palm", "shoulder"}
+    | {"thumb", "wrist"}
+)
+_SENSORS: Final = frozenset(["camera", "force", "ft", "imu", "motor", "rotor", "screw", "sensor"])
+_SOLES: Final = frozenset({"sole", "soles", "footsole"})
+_ORIGIN: Final = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Legs:
+    """The legs of a robot."""
+
+    legs: tuple[Leg, ...]
+    """From front to back."""
+    forward_axis: str
+
+
+def find_legs(
+    robot: RobotOfUrdf, posture: Mapping[str, float], forward_axis: str | None = None
+) -> Legs:
+    """Return the legs of a robot.
+
+    Args:
+        robot: its description.
+        posture: rad or m, usual positions of recorded joints; others are at rest.
+        forward_axis: of the base; None: told by the names of the legs, else +x.
+
+    Raises:
+        ValueError: it has none that can be used; the sentence goes on from its description.
+    """
+    below = joints_below(robot.joints)
+    ends = [_end(robot, below, chain, posture) for chain in _chains(below, robot.base)]
+    wheels = [end.leg.foot for end in ends if end.is_wheel]
+    feet = _lowest([end for end in ends if not (end.is_wheel or _is_arm(end.leg))])[:_MOST_LEGS]
+    if not feet:
+        what = f"legs that end in wheels, {', '.join(wheels)}, and " if wheels else ""
+        raise ValueError(f"has {what}no two legs: chains of joints that end below the base")
+    if unclear := [end.leg.foot for end in feet if end.is_joint]:
+        text = f"does not say where the feet of {', '.join(unclear)} are: no link hangs there"
+        raise ValueError(f"{text}, and they have no ball or cylinder")
+    along = np.mean([end.place - end.hip for end in feet], axis=0)
+    if np.hypot(along[0], along[1]) > abs(along[2]):
+        raise ValueError(f"has a base, {robot.base}, whose z axis is not up: legs go sideways")
+    places = np.array([end.place for end in feet])
+    axis = forward_axis or _forward(places, [_position_in(end.leg) for end in feet])
+    turn = FORWARD_ANGLES[axis]
+    ahead = places[:, 0] * np.cos(turn) + places[:, 1] * np.sin(turn)
+    aside = places[:, 1] * np.cos(turn) - places[:, 0] * np.sin(turn)
+    names = leg_names(np.column_stack([ahead, aside, places[:, 2]]))
+    legs = [
+        replace(
+            end.leg, name=name, position=leg_position(name), masses=_carried(robot, below, end.leg)
+        )
+        for name, end in zip(names, feet, strict=True)
+    ]
+    order = {"front": 0, "middle": 1, "back": 2}
+    legs.sort(key=lambda leg: (order.get((leg.position or ("",))[0], 3), leg.name))
+    return Legs(tuple(legs), axis)
+
+
+@dataclass(frozen=True, slots=True)
+class _End:
+    """A chain of joints that no joint goes on from."""
+
+    leg: Leg
+    place: Floats
+    """(3,) m, where it ends, in the base's frame; also `hip`, where its first joint is."""
+    hip: Floats
+    is_joint: bool
+    """Whether it ends at its last joint, and is too short for a flat foot."""
+    is_wheel: bool
+
+
+def _chains(
+    below: Mapping[str, list[Joint]], link: str, above: tuple[Joint, ...] = ()
+) -> Iterator[tuple[Joint, ...]]:
+    """Yield chains of joints down to the last that moves."""
+    moving = [joint for joint in below.get(link, ()) if _moves(below, joint)]
+    for joint in moving:
+        yield from _chains(below, joint.child, (*above, joint))
+    if not moving and sum(joint.kind != "fixed" for joint in above) >= _SHORTEST:
+        yield above
+
+
+def _moves(below: Mapping[str, list[Joint]], joint: Joint) -> bool:
+    """Tell whether a joint, or one below it, moves."""
+    return joint.kind != "fixed" or any(_moves(below, each) for each in below.get(joint.child, ()))
+
+
+def _end(
+    robot: RobotOfUrdf,
+    below: Mapping[str, list[Joint]],
+    chain: tuple[Joint, ...],
+    posture: Mapping[str, float],
+) -> _End:
+    """Return where a chain ends: at a foot by its name, or what hangs lowest."""
+    ends: list[tuple[bool, int, float, int, _End]] = []
+    for tail in ((), *_fixed_tails(below, chain[-1].child)):
+        point, radius = _tip(robot.links.get((*chain, *tail)[-1].child, NOTHING))
+        leg = Leg((*chain, *tail), point=point, radius_m=radius)
+        usual = [posture.get(name, _at_rest(robot.limits.get(name))) for name in leg.measured]
+        motion = leg_motion(leg, np.array([usual]))
+        moving = [row for row, joint in enumerate(leg.joints) if joint.kind != "fixed"]
+        place, origins = motion.foot[0], motion.origins[0]
+        length = sum(np.linalg.norm(np.diff(origins[moving[0] :], axis=0), axis=1))
+        reach = float(np.linalg.norm(place - origins[moving[-1]]))
+        at_joint = reach <= _REACH * (length + reach)
+        turns = at_joint and leg.joints[moving[-1]].name in robot.continuous
+        is_joint = at_joint and len(moving) < _ANKLED
+        end = _End(leg, place, origins[moving[0]], is_joint, turns or _is_wheel(leg))
+        ends.append((is_joint, _rank(leg.foot), place[2], len(ends), end))
+    return min(ends)[-1]
+
+
+def _fixed_tails(below: Mapping[str, list[Joint]], link: str) -> Iterator[tuple[Joint, ...]]:
+    for joint in below.get(link, ()):
+        yield (joint,)
+        yield from ((joint, *tail) for tail in _fixed_tails(below, joint.child))
+
+
+def _tip(link: Link) -> tuple[Triple, float]:
+    """Return where a link touches the ground, m in its frame, and the radius of a ball there."""
+    if link.balls:
+        middle, radius = max(link.balls, key=lambda ball: (hypot(*ball[0]), ball[1]))
+        return (_ORIGIN if hypot(*middle) < _CENTRED * radius else middle), radius
+    return max(link.ends, key=lambda end: hypot(*end), default=_ORIGIN), 0.0
+
+
+def _rank(link: str) -> int:
+    """Return how surely a link is named as what touches the ground, low first."""
+    words = words_of(link)
+    texts, parts = {word.text for word in words}, {word.part for word in words}
+    if texts & _SENSORS:
+        return 3
+    return 0 if texts & _SOLES else 1 if Part.FOOT in parts else 2
+
+
+def _at_rest(limits: JointLimits | None) -> float:
+    if limits is None or limits.lower <= 0.0 <= limits.upper:
+        return 0.0
+    return (limits.lower + limits.upper) / 2.0
+
+
+def _lowest(ends: Sequence[_End]) -> list[_End]:
+    """Return the lowest ends, one a leg; none where only one is below the base."""
+    found: list[_End] = []
+    for end in sorted(ends, key=lambda each: (each.place[2], each.leg.foot)):
+        if not any(_is_same_leg(end.leg, other.leg) for other in found):
+            found.append(end)
+    depth = -found[0].place[2] if found else 0.0
+    kept = [each for each in found if each.place[2] <= -(1.0 - _HIGHEST) * depth < 0.0]
+    return kept if len(kept) > 1 else []
+
+
+def _is_wheel(leg: Leg) -> bool:
+    """Tell whether names say that a chain ends in a wheel or a tool."""
+    last = [leg.foot, [joint.name for joint in leg.joints if joint.kind != "fixed"][-1]]
+    parts = {word.part for name in last for word in words_of(name)}
+    return Part.NOT_A_FOOT in parts and not parts & {Part.FOOT, Part.LEG}
+
+
+def _is_arm(leg: Leg) -> bool:
+    names = [name for joint in leg.joints for name in (joint.name, joint.child)]
+    words = [word for name in names for word in words_of(name)]
+    of_legs = {Part.FOOT, Part.LEG, Part.UPPER_LEG}
+    return any(w.text in _ARMS for w in words) and not any(w.part in of_legs for w in words)
+
+
+def _is_same_leg(leg: Leg, other: Leg) -> bool:
+    own, others = set(leg.measured), set(other.measured)
+    return len(own & others) > _SAME_LEG * min(len(own), len(others))
+
+
+def _position_in(leg: Leg) -> LegPosition:
+    """Return which leg the names of its links and joints tell; empty where they do not."""
+    told = map(leg_of, (leg.foot, *(joint.name for joint in reversed(leg.joints))))
+    return next((position for position in told if position[1]), ("", ""))
+
+
+def leg_of(name: str) -> LegPosition:
+    """Return the end and the side of the robot that a name tells; empty where it does not."""
+    end = side = ""
+    for word in words_of(name):
+        if word.text in LETTERS:
+            return LETTERS[word.text]
+        end, side = ENDS.get(word.text, end), SIDES.get(word.text, side)
+    return end, side
+
+
+def _forward(places: Floats, named: Sequence[LegPosition]) -> str:
+    """Return the axis along which places are as the names of legs say; +x where these do not."""
+    ahead = np.array([{"front": 1.0, "back": -1.0}.get(end, 0.0) for end, _ in named])
+    left = np.array([{"left": 1.0, "right": -1.0}.get(side, 0.0) for _, side in named])
+    x, y, _ = (places - places.mean(axis=0)).T
+
+    def fit(axis: str) -> float:
+        cos, sin = np.cos(FORWARD_ANGLES[axis]), np.sin(FORWARD_ANGLES[axis])
+        return float(ahead @ np.sign(x * cos + y * sin) + left @ np.sign(y * cos - x * sin))
+
+    return max(FORWARD_ANGLES, key=lambda axis: (round(fit(axis), 6), axis == "+x"))
+
+
+def _carried(robot: RobotOfUrdf, below: Mapping[str, list[Joint]], leg: Leg) -> tuple[Mass, ...]:
+    """Return the mass that each joint of a leg carries; what hangs on its link does not move."""
+    own, masses = {joint.child for joint in leg.joints}, []
+    first = next(row for row, joint in enumerate(leg.joints) if joint.kind != "fixed")
+    for row, joint in enumerate(leg.joints[first:], first):
+        hanging = [(joint.child, np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))]
+        total, moment = 0.0, np.zeros(3)
+        for link, place, turn in hanging:  # which grows
+            mass = robot.links.get(link, NOTHING)
+            total += mass.mass_kg
+            moment += mass.mass_kg * (place + rotate(turn, np.array([mass.centre])))[0]
+            for each in below.get(link, ()):
+                if each.child not in own:
+                    there = place + rotate(turn, np.array([each.translation]))
+                    hanging.append((each.child, there, multiply(turn, np.array([each.rotation]))))
+        if total:
+            x, y, z = (moment / total).tolist()
+            masses.append(Mass(row, total, (x, y, z)))
+    return tuple(masses)

@@ -1,0 +1,132 @@
+"""Classes of gaits by their phases, and names and order of legs."""
+
+import numpy as np
+import pytest
+
+from dogbot_logtool.core.gait.classes import classify
+from dogbot_logtool.core.leg_position import leg_names, legs_in_order, quadruped
+
+SURE = (1.0,) * 6
+
+
+@pytest.mark.parametrize(
+    ("phases", "name", "sequence"),
+    [
+        ((0.0, 0.0, 0.0, 0.0), "pronk", None),
+        ((0.0, 0.5, 0.5, 0.0), "trot", None),
+        ((0.0, 0.55, 0.48, 0.95), "trot", None),
+        ((0.0, 0.5, 0.0, 0.5), "pace", None),
+        ((0.0, 0.0, 0.4, 0.4), "bound", None),
+        ((0.0, 0.5, 0.75, 0.25), "walk", "lateral"),
+        ((0.0, 0.5, 0.25, 0.75), "walk", "diagonal"),
+        ((0.0, 0.5, 0.83, 0.33), "walk", "lateral"),
+        ((0.0, 0.5, 0.63, 0.13), "walk", "lateral"),
+        ((0.0, 0.5, 0.59, 0.09), "trot", None),
+        ((0.0, 0.09, 0.48, 0.57), "bound", None),
+        ((0.0, 0.12, 0.48, 0.6), "gallop", "transverse"),
+        ((0.0, 0.18, 0.6, 0.78), "gallop", "transverse"),
+        ((0.0, 0.18, 0.78, 0.6), "gallop", "rotary"),
+        ((0.45, 0.6, 0.0, 0.0), "half-bound", None),
+        ((0.6, 0.3, 0.3, 0.0), "canter", None),
+        ((0.0, 0.5, 0.35, 0.0), "irregular", None),
+        ((0.0, 0.3, 0.0, 0.3), "irregular", None),
+        # Both fore feet before both hind feet: no pair is evenly spaced, so it is no walk.
+        ((0.0, 0.25, 0.5, 0.75), "gallop", "transverse"),
+    ],
+)
+def test_textbook_gaits(phases: tuple[float, ...], name: str, sequence: str | None) -> None:
+    gait = classify(phases, SURE)
+    assert (gait.name, gait.sequence) == (name, sequence)
+
+
+GAITS = (
+    (0.0, 0.5, 0.5, 0.0),
+    (0.0, 0.5, 0.03, 0.52),
+    (0.0, 0.5, 0.75, 0.25),
+    (0.0, 0.48, 0.27, 0.74),
+    (0.5, 0.5, 0.0, 0.0),
+    (0.45, 0.6, 0.0, 0.0),
+    (0.5, 0.65, 0.0, 0.15),
+    (0.5, 0.65, 0.15, 0.0),
+    (0.65, 0.33, 0.33, 0.0),
+    (0.0, 0.03, 0.01, 0.98),
+    (0.0, 0.3, 0.1, 0.7),
+)
+
+
+@pytest.mark.parametrize("phases", GAITS)
+def test_a_gait_and_its_mirror_image_are_one_class(phases: tuple[float, ...]) -> None:
+    front_left, front_right, back_left, back_right = phases
+    one = classify(phases, SURE, 0.4)
+    mirrored = classify((front_right, front_left, back_right, back_left), SURE, 0.4)
+    assert (one.name, one.sequence, one.nearest) == (
+        mirrored.name,
+        mirrored.sequence,
+        mirrored.nearest,
+    )
+    assert one.distance == pytest.approx(mirrored.distance)
+
+
+@pytest.mark.parametrize("phases", GAITS)
+@pytest.mark.parametrize("reference", range(4))
+def test_any_foot_may_be_the_reference(phases: tuple[float, ...], reference: int) -> None:
+    shifted = (np.array(phases) - phases[reference]) % 1.0
+    assert classify(shifted.tolist(), SURE, 0.6) == classify(phases, SURE, 0.6)
+
+
+def test_an_amble_has_no_flight() -> None:
+    single_foot = (0.0, 0.5, 0.75, 0.25)
+    assert classify(single_foot, SURE, 0.4, 0.0).name == "amble"
+    gait = classify(single_foot, SURE, 0.2, 0.2)
+    assert (gait.name, gait.nearest) == ("irregular", "amble")
+
+
+def test_gaits_of_other_robots_have_no_name() -> None:
+    assert classify((0.0, 0.5, 0.25), SURE).name is None
+
+
+def test_loose_phases_are_irregular_but_the_nearest_class_is_named() -> None:
+    gait = classify((0.0, 0.5, 0.5, 0.0), (1.0, 0.9, 0.79, 1.0))
+    assert (gait.name, gait.nearest, gait.distance) == ("irregular", "trot", 0.0)
+
+
+def test_a_missing_phase_leaves_the_class_open() -> None:
+    assert classify((0.0, 0.5, np.nan, 0.0), SURE).name is None
+
+
+def test_four_positions_make_a_quadruped_in_any_order() -> None:
+    corners = [("back", "left"), ("front", "right"), ("front", "left"), ("back", "right")]
+    assert quadruped(corners) == (2, 1, 0, 3)
+    assert legs_in_order(corners) == (2, 1, 0, 3)
+    assert quadruped([*corners[:3], None]) is None
+    assert quadruped([*corners, ("middle", "left")]) is None
+
+
+def test_two_and_six_feet_have_an_order_too() -> None:
+    sides = [(end, side) for end in ("back", "middle", "front") for side in ("left", "right")]
+    assert legs_in_order(sides) == (4, 5, 2, 3, 0, 1)
+    assert legs_in_order([None, None]) == (0, 1)
+    assert legs_in_order([("centre", "right"), ("centre", "left")]) == (1, 0)
+    assert legs_in_order([("front", "left"), ("front", "right")]) is None
+    assert legs_in_order([None] * 6) is None
+
+
+def test_four_feet_are_corners_in_any_order() -> None:
+    points = np.array([[-0.3, 0.2, 0], [0.3, 0.2, 0], [-0.3, -0.2, 0], [0.3, -0.2, 0]])
+    assert leg_names(points) == ("back_left", "front_left", "back_right", "front_right")
+
+
+def test_two_feet_are_sides_even_where_both_lie_on_one_side_of_the_base() -> None:
+    assert leg_names(np.array([[0.1, -0.4, 0], [-0.1, -0.1, 0]])) == ("right", "left")
+
+
+def test_six_feet_have_a_middle_pair() -> None:
+    points = [[x, y, 0] for x in (0.3, 0.0, -0.3) for y in (0.2, -0.2)]
+    ends = ("front", "middle", "back")
+    expected = tuple(f"{end}_{side}" for end in ends for side in ("left", "right"))
+    assert leg_names(np.array(points)) == expected
+
+
+@pytest.mark.parametrize("points", [np.zeros((0, 3)), np.zeros((4, 3)), np.ones((3, 3))])
+def test_other_feet_are_counted(points: np.ndarray) -> None:
+    assert leg_names(points) == tuple(f"foot_{n + 1}" for n in range(len(points)))

@@ -1,0 +1,105 @@
+"""Support polygons, margins and pressure; the rise that tips a robot over, step by step."""
+
+import numpy as np
+import pytest
+
+from dogbot_logtool.core.arrays import Floats
+from dogbot_logtool.core.hulls import centre_of_pressure, hulls, margin_in
+from dogbot_logtool.core.stability import energy_margin_in
+
+SQUARE = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
+NOWHERE = (np.nan, np.nan)
+
+
+@pytest.mark.parametrize(
+    ("body", "margin"),
+    [
+        ((0.0, 0.0), 1.0),
+        ((0.75, 0.0), 0.25),
+        ((1.0, 0.0), 0.0),
+        ((1.5, 0.0), -0.5),
+        ((2.0, 2.0), -np.sqrt(2.0)),
+    ],
+)
+def test_margin_in_a_square(body: tuple[float, float], margin: float) -> None:
+    assert margin_in(hulls(SQUARE[None]), np.array([body]))[0] == pytest.approx(margin)
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2, 3), (3, 1, 0, 2), (2, 0, 3, 1)])
+def test_the_order_of_the_feet_does_not_matter(order: tuple[int, ...]) -> None:
+    assert margin_in(hulls(SQUARE[list(order)][None]), np.array([[0.5, 0.2]]))[0] == 0.5
+
+
+def test_three_feet_make_a_triangle() -> None:
+    three = SQUARE.copy()
+    three[3] = NOWHERE
+    # The diagonal from (1, -1) to (-1, 1) passes the origin.
+    margins = margin_in(hulls(np.stack([three, three])), np.array([[0.0, 0.0], [0.3, 0.3]]))
+    assert margins == pytest.approx([0.0, 0.3 * np.sqrt(2.0)])
+
+
+def test_a_foot_inside_the_others_does_not_matter() -> None:
+    inner = np.concatenate([SQUARE[:3], [[0.5, 0.5]]])
+    outer = np.concatenate([SQUARE[:3], [NOWHERE]])
+    body = np.array([[0.6, 0.2]])
+    assert margin_in(hulls(inner[None]), body) == pytest.approx(margin_in(hulls(outer[None]), body))
+
+
+def test_feet_in_a_row_span_nothing() -> None:
+    row = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], NOWHERE])
+    assert np.isnan(margin_in(hulls(row[None]), np.array([[0.5, 0.0]]))[0])
+
+
+def test_the_centre_of_pressure_is_the_loads_mean_place() -> None:
+    load = np.array([[30.0, 10.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]])
+    centre = centre_of_pressure(np.stack([SQUARE, SQUARE]), load)
+    assert centre[0].tolist() == [1.0, 0.5]
+    assert np.isnan(centre[1]).all()
+
+
+FEET = np.array([[0.3, 0.15, 0.0], [0.3, -0.15, 0.0], [-0.3, 0.15, 0.0], [-0.3, -0.15, 0.0]])
+BODY = np.array([0.05, 0.02, 0.4])
+
+
+def turned(points: Floats, axis: Floats, angle: float | Floats) -> Floats:
+    """Turn points about an axis through the origin (Rodrigues), by one angle or (n, 1) of them."""
+    along = np.outer(points @ axis, axis) * (1.0 - np.cos(angle))
+    return np.asarray(points * np.cos(angle) + np.cross(axis, points) * np.sin(angle) + along)
+
+
+def least_rise(corners: Floats, body: Floats) -> float:
+    """Tip the body over each edge in small steps; return the least of the highest rises."""
+    rises = []
+    for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        axis = (end - start) / np.linalg.norm(end - start)
+        steps = np.linspace(-1.6, 1.6, 3201)[:, None]
+        height = turned((body - start)[None], axis, steps)[:, 2]
+        rises.append(float(height.max() - (body - start)[2]))
+    return min(rises)
+
+
+@pytest.mark.parametrize("slope_rad", [0.0, 0.2, 0.4])
+@pytest.mark.parametrize("lean", [(0.0, 1.0, 0.0), (0.6, 0.8, 0.0)])
+@pytest.mark.parametrize("feet", [(0, 1, 2, 3), (0, 1, 2)])
+def test_the_least_rise_over_an_edge(
+    slope_rad: float, lean: tuple[float, ...], feet: tuple[int, ...]
+) -> None:
+    standing = turned(FEET, np.array(lean), slope_rad)
+    body = turned(BODY[None], np.array(lean), slope_rad)[0]
+    points = np.full((1, 4, 3), np.nan)
+    points[0, list(feet)] = standing[list(feet)]
+    found = float(energy_margin_in(hulls(points[:, :, :2]), points, body[None])[0])
+    around = {(0, 1, 2, 3): [0, 1, 3, 2], (0, 1, 2): [0, 1, 2]}[feet]
+    corner = standing[around]
+    edge, away = np.roll(corner, -1, axis=0) - corner, body - corner
+    sides = edge[:, 0] * away[:, 1] - edge[:, 1] * away[:, 0]
+    if (sides <= 0.0).all() or (sides >= 0.0).all():
+        assert found == pytest.approx(least_rise(corner, body), abs=1e-6)
+    else:
+        assert np.isnan(found)
+
+
+def test_nothing_outside_and_without_an_area() -> None:
+    outside = np.array([[0.5, 0.0, 0.4]])
+    assert np.isnan(energy_margin_in(hulls(FEET[None, :, :2]), FEET[None], outside)).all()
+    assert np.isnan(energy_margin_in(hulls(FEET[None, :2, :2]), FEET[None, :2], BODY[None])).all()

@@ -1,0 +1,224 @@
+"""The records of metrics, what is made of them, and why some are null."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from jsonschema import Draft202012Validator
+
+from dogbot_logtool.core.arrays import Aggregate
+from dogbot_logtool.core.metrics import (
+    NEEDS,
+    Foot,
+    Gait,
+    GaitOfLog,
+    Phase,
+    Planned,
+    Segment,
+    WalkMetrics,
+)
+from dogbot_logtool.core.records import (
+    Curve,
+    Field,
+    fields_of,
+    metric_paths,
+    to_json,
+    unknown,
+    values,
+    void,
+)
+from dogbot_logtool.core.settings import WalkSettings
+from dogbot_logtool.core.walk import Walk as MeasuredWalk
+from dogbot_logtool.finding import Finding
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.report.documents import schema
+from tests.analysed import analysed
+from tests.measured import LogFacts, measured, measurement_of
+from tests.oracles.straight_walk import Walk
+from tests.paths import TROT, TROUBLED
+
+SUFFIXES = {
+    "_s": "s",
+    "_m": "m",
+    "_n": "N",
+    "_ns": "N s",
+    "_bw": "BW",
+    "_kg": "kg",
+    "_j": "J",
+    "_hz": "Hz",
+    "_mps": "m/s",
+    "_mps2": "m/s^2",
+    "_radps": "rad/s",
+    "_rad": "rad",
+    "_nps": "N/s",
+    "_ppm": "1e-6",
+    "_percent": "%",
+    "_bytes": "B",
+    "_n_per_min": "N/min",
+}
+PATHS = list(metric_paths(WalkMetrics))
+SPREAD = Aggregate(2, 1.5, 0.5, 1.5, 1.0, 2.0)
+CURVE = Curve((0.0, 100.0), (1.0, 1.0), (2.0, 2.0), (3.0, 3.0))
+
+
+def walk() -> WalkMetrics:
+    """A walk of two feet and one segment, with some of its metrics."""
+    foot = replace(
+        unknown(Foot),
+        contact_fraction=0.5,
+        stance_s=SPREAD,
+        slip_m=SPREAD,
+        height_over_stride_m=CURVE,
+        touchdown_s=(0.0, 1.0),
+        planned=replace(unknown(Planned), missed=1),
+    )
+    feet = {"left": foot, "right": foot}
+    gait = replace(unknown(Gait), name="run", phase={"left": Phase(0.0, 1.0, None)})
+    segment = replace(unknown(Segment), start_s=0.0, end_s=2.0, gait=gait, feet=feet)
+    own = {field.name: getattr(gait, field.name) for field in fields_of(Gait)}
+    whole = GaitOfLog(**own, transition_strides=0, segments=(segment,))
+    return replace(
+        unknown(WalkMetrics),
+        gait=whole,
+        feet=feet,
+        null_because={"gait.sequence": "does not apply"},
+    )
+
+
+@pytest.mark.parametrize(("path", "field", "words"), PATHS)
+def test_a_metric_tells_its_definition_its_unit_and_what_it_needs(
+    path: str, field: Field, words: str
+) -> None:
+    key = path.removesuffix(".*").rsplit(".", 1)[-1]
+    suffix = max((each for each in SUFFIXES if key.endswith(each)), key=len, default="")
+    assert words
+    assert set(field.of.needs) <= NEEDS.keys()
+    assert not suffix or field.of.unit in {SUFFIXES[suffix], "%"}
+
+
+def test_every_need_is_one_of_some_metric() -> None:
+    assert {need for _, field, _ in PATHS for need in field.of.needs} == NEEDS.keys()
+
+
+def test_the_whole_log_and_a_segment_have_the_same_metrics() -> None:
+    paths = {path for path, _, _ in PATHS}
+    in_segments = {each.removeprefix("gait.segments[].") for each in paths if "segments[]" in each}
+    assert in_segments - {"start_s", "end_s"} <= paths
+
+
+def test_detail_is_curves_and_lists_of_times() -> None:
+    foot = to_json(walk(), detail=False)["feet"]["left"]
+
+    assert set(to_json(walk())["feet"]["left"]) - set(foot) == {
+        "height_over_stride_m",
+        "vertical_over_stride_n",
+        "forward_over_stride_n",
+        "touchdown_s",
+        "lift_off_s",
+    }
+
+
+def test_json_follows_the_schema() -> None:
+    contract = schema(WalkMetrics)
+    Draft202012Validator.check_schema(contract)
+    validator = Draft202012Validator(contract)
+    for detail in (True, False):
+        validator.validate(to_json(walk(), detail=detail))
+    wrong = {**to_json(walk()), "spin": 1}
+    assert not validator.is_valid(wrong)
+
+
+def test_what_matches_a_pattern_becomes_null_in_the_log_and_in_its_segments() -> None:
+    voided = void(walk(), ("feet.left.*", "gait.name"))
+
+    for part in (voided, voided.gait.segments[0]):
+        assert part.gait.name is None
+        assert part.feet["left"] == unknown(Foot)
+        assert part.feet["right"] == walk().feet["right"]
+
+
+def test_a_group_leaves_the_other_groups_of_a_segment_alone() -> None:
+    voided = void(walk(), ("gait.*",))
+    segment = voided.gait.segments[0]
+
+    assert (segment.start_s, segment.end_s) == (0.0, 2.0)
+    assert segment.feet == walk().feet
+    assert segment.gait.phase == {"left": Phase(None, None, None)}
+    assert voided.gait.support_sets is None
+
+
+def metrics(walk: MeasuredWalk, findings: Sequence[Finding] = ()) -> WalkMetrics:
+    return measurement_of(walk, LogFacts(findings=findings)).metrics
+
+
+def nulls(walk: WalkMetrics) -> set[str]:
+    """Paths of the metrics that are null though a log may have them."""
+    found = [(path, field) for path, value, field in values(walk) if value is None]
+    return {".".join(path) for path, field in found if field.of.needs}
+
+
+def test_what_decided_the_metrics_is_told() -> None:
+    walk = Walk().measure()
+    settings = metrics(replace(walk, settings=replace(walk.settings, robot="spot"))).settings
+
+    assert (settings.robot, settings.robot_guessed) == ("spot", False)
+    assert (settings.base_from, settings.contact_from, settings.clock) == (
+        "pose",
+        "sensor",
+        "header",
+    )
+    assert metrics(analysed(WalkSettings(()))).settings.contact_from is None
+
+
+@pytest.mark.parametrize("seconds", [3.0, 10.0])
+def test_few_strides_are_little_confidence(seconds: float) -> None:
+    gait = metrics(Walk(seconds=seconds).measure()).gait
+
+    assert gait.name == "trot"
+    assert gait.class_distance is not None
+    assert gait.strides
+    least = min(phase.consistency or 0.0 for phase in gait.phase.values())
+    fit = (1.0 - gait.class_distance / 0.2) * least
+    assert gait.confidence == pytest.approx(fit * min(1.0, gait.strides / 3))
+
+
+def test_a_finding_voids_metrics_of_the_log_and_of_its_segments() -> None:
+    doubt = Finding("DEAD", "it is dead", "feet.front_left", feet=("front_left",))
+    walk = metrics(Walk().measure(), [doubt])
+
+    for feet in (walk.feet, *(each.feet for each in walk.gait.segments)):
+        assert feet["front_left"].stance_s is None
+        assert feet["front_right"].stance_s is not None
+    assert walk.null_because["feet.front_left.stance_s"] == "DEAD"
+    assert next(each for each in walk.findings if each.code == "DEAD").voids == doubt.voids
+
+
+@pytest.mark.parametrize("log", [TROT, TROUBLED], ids=lambda path: path.stem)
+def test_every_null_has_a_reason(log: Path) -> None:
+    walk = measured(log, MeasureOptions()).metrics
+    of_whole = {path for path in nulls(walk) if not path.startswith("gait.segments.")}
+
+    assert of_whole == {p for p in walk.null_because if not p.startswith("gait.segments.")}
+    for path in nulls(walk) - of_whole:
+        below = path.split(".", 3)[3]
+        assert path in walk.null_because or below in walk.null_because
+
+
+def test_reasons_are_what_the_log_lacks() -> None:
+    because = metrics(Walk().measure()).null_because
+
+    assert because["legs.absolute_work_j"] == NEEDS["joints"]
+    assert because["feet.front_left.clearance_m"] == NEEDS["foot frame"]
+    assert because["feet.front_left.planned"] == NEEDS["plan"]
+    assert because["commands.topic"] == NEEDS["commands"]
+    assert because["imu.tilt_rad"] == NEEDS["imu"]
+    assert because["gait.double_support_fraction"] == NEEDS["two feet"]
+    assert because["gait.sequence"] == "does not apply"
+
+
+def test_of_a_log_without_feet_that_is_the_reason() -> None:
+    because = metrics(analysed(WalkSettings(()))).null_because
+
+    assert {because["gait.name"], because["forces.load_share.fore"]} == {NEEDS["feet"]}
+    assert because["base.path_length_m"] == NEEDS["base"]

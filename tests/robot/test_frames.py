@@ -1,0 +1,251 @@
+"""`info --frames`: the frames of whole logs, against rosbags, message by message."""
+
+import os
+from collections.abc import Iterator, Sequence
+from io import StringIO
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
+from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
+from mcap.writer import Writer as McapWriter
+from mcap_protobuf.schema import build_file_descriptor_set
+from rich.console import Console
+from rosbags.highlevel import AnyReader
+
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.commands.info import describe
+from dogbot_logtool.finding import Severity
+from dogbot_logtool.options import ConvertOptions, InfoOptions
+from dogbot_logtool.report.info_report import info_json, print_info
+from dogbot_logtool.results import LogInfo
+from dogbot_logtool.robot.frames import Frames
+from tests.paths import SAMPLE_LOGS
+
+LOGS = [SAMPLE_LOGS / f"dogbot_{name}" for name in ("trot.bag", "walk.mcap", "troubled.bag")]
+CORPUS = os.environ.get("LOGTOOL_CORPUS")
+REAL = Path(CORPUS or "absent") / "MichaelGrupp+evo" / "test" / "data"
+REAL_LOGS = [REAL / "nav2_turtlebot.mcap", REAL / "tf_example.bag", REAL / "tf_example"]
+real = pytest.mark.skipif(not CORPUS, reason="LOGTOOL_CORPUS names no folder of real logs")
+SECOND = 1_000_000_000
+HOSTILE = (
+    'quo"te',
+    "back\\slash",
+    "ends in \\",
+    "\\N \\G \\l \\n",
+    "line\nbreak",
+    "<b>html</b>",
+    "&lt; &#65; &",
+    "\x1b[31mred",
+    'x"]; n0 -> n1; //',
+    "naïve 脚",
+    "%s {} $(x)",
+)
+
+
+def visible(name: str) -> str:
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in name)
+
+
+LastMessage = dict[tuple[str, str], list[tuple[int, int, bool]]]
+"""Stamp, log time, and whether static, by parent and child, in the order of the log."""
+
+
+def survey(path: Path) -> tuple[LogInfo, Frames]:
+    info = describe(path, InfoOptions(frames=True))
+    assert info.frames is not None
+    return info, info.frames
+
+
+def heard(path: Path) -> LastMessage:
+    """Read every transform with rosbags."""
+    edges: LastMessage = {}
+    with AnyReader([path]) as reader:
+        connections = [c for c in reader.connections if c.msgtype.endswith("/TFMessage")]
+        for connection, log_time, data in reader.messages(connections):
+            message: Any = reader.deserialize(data, connection.msgtype)
+            for each in message.transforms:
+                stamp = each.header.stamp.sec * SECOND + each.header.stamp.nanosec
+                pair = each.header.frame_id.lstrip("/"), each.child_frame_id.lstrip("/")
+                static = connection.topic == "/tf_static"
+                edges.setdefault(pair, []).append((stamp, log_time, static))
+    return edges
+
+
+@pytest.mark.parametrize("path", [*LOGS, *(pytest.param(log, marks=real) for log in REAL_LOGS)])
+def test_every_edge_is_what_rosbags_reads(path: Path) -> None:
+    told = {(edge.parent, edge.child): edge for edge in survey(path)[1].recorded.edges}
+    oracle = heard(path)
+    assert told.keys() == oracle.keys()
+    for pair, messages in oracle.items():
+        edge = told[pair]
+        moving = [(stamp, log_time) for stamp, log_time, static in messages if not static]
+        assert edge.transforms == len(messages)
+        assert edge.static == len(messages) - len(moving)
+        assert edge.not_finite == edge.zero_rotations == edge.not_normalised == 0
+        if not moving:
+            assert edge.timing is None
+            continue
+        assert edge.timing is not None
+        stamped = all(stamp for stamp, _ in moving)
+        times = np.array([stamp if stamped else log_time for stamp, log_time in moving])
+        assert (edge.timing.first, edge.timing.last) == (times.min(), times.max())
+        rate = (len(times) - 1) / (times.max() - times.min()) * 1e9
+        assert edge.timing.rate_hz == pytest.approx(rate)
+        steps = np.diff(times)
+        assert edge.timing.backward_stamps == (steps < 0).sum() * stamped
+        assert edge.timing.interval_s is not None
+        assert edge.timing.interval_s["max"] == pytest.approx(steps.max() / 1e9)
+        ordered = np.sort(steps[steps > 0])
+        median = ordered[(len(ordered) + 1) // 2 - 1]
+        assert edge.timing.interval_s["p50"] == pytest.approx(median / 1e9, rel=2e-3)
+        longest = max(5 * edge.timing.interval_s["p50"], 0.05) * 1e9
+        assert edge.timing.gaps == (steps > longest * 1.002).sum()
+
+
+def test_our_own_output_has_the_base_in_the_world(tmp_path: Path) -> None:
+    target = tmp_path / "trot.mcap"
+    convert(LOGS[0], target, ConvertOptions())
+    info, frames = survey(target)
+    (edge,) = [each for each in frames.recorded.edges if each.child == "base_link"]
+    assert (edge.parent, edge.transforms) == ("world", 401)
+    assert frames.senders(edge) == ["/dogbot_logtool/tf"]
+    assert edge.timing is not None
+    assert edge.timing.rate_hz == pytest.approx(50.0, rel=1e-3)
+    assert info.parents["base_link"] == {"world"}
+    uses = {topic.topic: topic.use for topic in info.topics}
+    assert uses["/dogbot_logtool/tf"] == "frames"
+    tree = info_json(info)["frames"]
+    assert (tree["roots"], len(tree["trees"]), tree["loops"]) == (["world"], 1, [])
+    assert not [f for f in info.findings if f.severity is Severity.WARNING]
+
+
+# ---- logs of our own making ----
+
+Sent = tuple[int, str, str]
+"""Time in ms, parent, child."""
+
+
+def foxglove_log(path: Path, topics: dict[str, Sequence[Sent]], *, zeros: bool = False) -> Path:
+    """Write an MCAP of foxglove.FrameTransforms, one transform a message.
+
+    Log times are the transforms' own, but none of a pair is before the one in front of it.
+    """
+    with path.open("wb") as stream:
+        writer = McapWriter(stream)
+        writer.start()
+        data = build_file_descriptor_set(FrameTransforms).SerializeToString()
+        schema = writer.register_schema("foxglove.FrameTransforms", "protobuf", data)
+        for topic, sent in topics.items():
+            channel = writer.register_channel(topic, "protobuf", schema)
+            logged: dict[tuple[str, str], int] = {}
+            for milliseconds, parent, child in sent:
+                message = FrameTransforms()
+                one = message.transforms.add(parent_frame_id=parent, child_frame_id=child)
+                one.timestamp.FromMilliseconds(milliseconds)
+                one.rotation.w = 0.0 if zeros else 1.0
+                time = max(milliseconds * 1_000_000, logged.get((parent, child), 0))
+                logged[parent, child] = time
+                writer.add_message(channel, time, message.SerializeToString(), time)
+        writer.finish()
+    return path
+
+
+def codes(info: LogInfo) -> set[str]:
+    about_topics = {"ROBOT_GUESSED", "NO_FEET", "NO_BASE", "NO_SUPPORT_DRAWN"}
+    about_base = {"TOPICS_CHOSEN", "TF_NOT_WRITTEN"}
+    return {finding.code for finding in info.findings} - about_topics - about_base
+
+
+def every(step: int, start: int, end: int, parent: str, child: str) -> Iterator[Sent]:
+    return ((time, parent, child) for time in range(start, end, step))
+
+
+@pytest.mark.parametrize(
+    ("topics", "wanted"),
+    [
+        ({"/tf": [*every(20, 0, 900, "map", "base")]}, {"BAD_TRANSFORMS"}),
+        ({"/tf": [*every(20, 20, 900, "map", "base")]}, set()),
+        ({"/tf": [*every(20, 20, 900, "/map", "base")]}, {"FRAME_NAMES"}),
+        (
+            {"/tf": [*every(20, 20, 900, "m", "b"), *every(20, 2000, 3000, "m", "b")]},
+            {"BAD_TRANSFORMS"},
+        ),
+        (
+            {"/tf": [*every(20, 20, 900, "m", "b")], "/t": [*every(20, 30, 900, "o", "b")]},
+            {"FRAME_TREE"},
+        ),
+        (
+            {"/tf": [*every(20, 20, 900, "m", "b"), *every(20, 900, 1800, "o", "b")]},
+            {"FRAME_TREE"},
+        ),
+        (
+            {"/tf": [*every(20, 20, 900, "a", "b"), *every(20, 20, 900, "b", "a")]},
+            {"FRAME_TREE"},
+        ),
+        (
+            {"/tf": [*every(20, 20, 900, "a", "b"), *every(20, 20, 900, "c", "d")]},
+            {"FRAME_TREE"},
+        ),
+        (
+            {"/tf": [*every(20, 20, 900, "a", "b")], "/tf_static": [(5, "a", "b")]},
+            {"FRAME_TREE"},
+        ),
+        ({"/tf": [(20, "a", "b"), (40, "a", "b"), (30, "a", "b")]}, {"BAD_TRANSFORMS"}),
+        ({"/tf": [(20, "a", "b"), (20, "a", "b"), (30, "a", "b")]}, {"BAD_TRANSFORMS"}),
+        ({"/tf": [(20, "a", "b"), (20, "", "b")]}, {"FRAME_NAMES"}),
+    ],
+)
+def test_findings(topics: dict[str, Sequence[Sent]], wanted: set[str], tmp_path: Path) -> None:
+    info, _ = survey(foxglove_log(tmp_path / "log.mcap", topics))
+    assert codes(info) == wanted
+
+
+def test_messages_that_are_no_transforms_are_damage(tmp_path: Path) -> None:
+    path = tmp_path / "log.mcap"
+    whole = FrameTransforms(transforms=[FrameTransform(parent_frame_id="a", child_frame_id="b")])
+    ages = FrameTransform(parent_frame_id="a", child_frame_id="b")
+    ages.timestamp.seconds = -(1 << 62)
+    payloads = (
+        b"\xff\xff\xff",
+        whole.SerializeToString(),
+        whole.SerializeToString()[:-1],
+        FrameTransforms(transforms=[ages]).SerializeToString(),
+        b"\n\0" * (1 << 20),
+    )
+    with path.open("wb") as stream:
+        writer = McapWriter(stream)
+        writer.start()
+        schema = writer.register_schema("foxglove.FrameTransforms", "protobuf", b"")
+        for topic, encoding in (("/tf", "protobuf"), ("/tf_cbor", "cbor")):
+            channel = writer.register_channel(topic, encoding, schema)
+            for number, payload in enumerate(payloads):
+                writer.add_message(channel, SECOND + number, payload, 0)
+        writer.finish()
+    info, frames = survey(path)
+    assert [edge.transforms for edge in frames.recorded.edges] == [2]
+    assert [loss.messages for loss in info.damage.losses] == [3]
+    assert info.damage.exit_code == 3
+    assert "UNREADABLE" in codes(info)
+
+
+def test_the_tree_names_every_frame_and_fits(tmp_path: Path) -> None:
+    info, frames = survey(foxglove_log(tmp_path / "log.mcap", {"/tf": hostile_chain()}))
+    for width in (60, 100, 140):
+        console = Console(width=width, file=StringIO())
+        print_info(console, info)
+        assert isinstance(console.file, StringIO)
+        text = console.file.getvalue()
+        assert "\x1b" not in text
+        table = text[text.index("frame  ") : text.index("warning")]
+        assert all(len(line) <= width for line in table.split("\n"))
+        if width == 140:
+            assert all(visible(name) in table for name in HOSTILE)
+    assert len(frames.recorded.edges) == len(HOSTILE)
+
+
+def hostile_chain() -> list[Sent]:
+    return [(20, parent, child) for parent, child in pairwise(["top", *HOSTILE])]

@@ -1,0 +1,157 @@
+"""Velocity commands and inertial units of whole logs."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import dogbot_logtool as dl
+from dogbot_logtool.core.metrics import NEEDS
+from tests.truth.commanded import Commanded, commanded_walk
+from tests.truth.gaits import WALK
+from tests.truth.log_file import write_log
+from tests.truth.recording import (
+    Recording,
+    VectorRecording,
+    about_axis,
+    disturbed,
+)
+from tests.truth.sensed import with_imu
+from tests.truth.walking import Walk
+from tests.truth.world_faults import drifting
+
+ROBOT = Commanded(seconds=16.0)
+
+
+def walk(*beside: VectorRecording) -> Recording:
+    return commanded_walk(ROBOT, *beside)
+
+
+def measured(tmp_path: Path, recording: Recording, name: str = "x.mcap", **options: Any) -> Any:
+    return dl.measure(write_log(recording, tmp_path / name), mass=20.0, **options).stats
+
+
+def said(stats: Any, code: str) -> list[str]:
+    return [each["text"] for each in stats["findings"] if each["code"] == code]
+
+
+@pytest.mark.parametrize("name", ["x.mcap", "x.bag"])
+@pytest.mark.parametrize("kind", ["twist", "twist_stamped"])
+def test_both_types_of_both_versions_of_ros_are_read(tmp_path: Path, kind: str, name: str) -> None:
+    stats = measured(tmp_path, walk(ROBOT.commands(kind)), name)
+    commands = stats["commands"]
+    assert commands["topic"] == "/cmd_vel"
+    for axis, unit in (("forward", "mps"), ("lateral", "mps"), ("yaw", "radps")):
+        error = commands[axis][f"measured_{unit}"] - commands[axis][f"commanded_{unit}"]
+        assert commands[axis][f"mean_error_{unit}"] == pytest.approx(error)
+    assert len(said(stats, "LOG_TIME_USED")) == (kind == "twist")
+
+
+def test_measured_twists_are_no_commands(tmp_path: Path) -> None:
+    topics = ("/odom_twist", "/base_velocity", "/cmd_vel_measured", "/twist")
+    stats = measured(tmp_path, walk(*(ROBOT.commands(topic=topic) for topic in topics)))
+    assert stats["commands"]["topic"] is None
+    assert stats["null_because"]["commands.topic"] == NEEDS["commands"]
+    assert not any("commands" in each for each in said(stats, "TOPICS_CHOSEN"))
+
+
+def test_the_best_of_several_is_taken_and_the_others_are_said(tmp_path: Path) -> None:
+    topics = ("/joy/desired", "/robot/cmd_vel", "/nav/command_velocity", "/cmd_vel_nav")
+    recording = walk(*(ROBOT.commands(topic=topic) for topic in topics))
+    stats = measured(tmp_path, recording)
+    assert stats["commands"]["topic"] == "/robot/cmd_vel"
+    text = " ".join(said(stats, "TOPICS_CHOSEN"))
+    assert "/cmd_vel_nav, /nav/command_velocity, /joy/desired (--set command_topic chooses)" in text
+    named = measured(tmp_path, recording, "y.mcap", set={"command_topic": "/joy/desired"})
+    assert named["commands"]["topic"] == "/joy/desired"
+
+
+def test_a_topic_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    recording = walk(ROBOT.commands())
+    with pytest.raises(dl.CallError, match=r"command_topic: .* no topic /other.*: /cmd_vel"):
+        measured(tmp_path, recording, set={"command_topic": "/other"})
+    topic = recording.robot.odometry_topic
+    with pytest.raises(dl.CallError, match="which does not fit"):
+        measured(tmp_path, recording, "y.mcap", set={"command_topic": topic})
+
+
+def test_commands_that_are_no_numbers_are_said(tmp_path: Path) -> None:
+    given = ROBOT.commands()
+    given.vector[[10, 20]] = np.nan
+    stats = measured(tmp_path, walk(given))
+    (text,) = said(stats, "NOT_FINITE")
+    assert "2 messages of 801" in text
+
+
+def test_tracking_is_null_where_the_odometry_loses_its_way(tmp_path: Path) -> None:
+    robot = Commanded(((0.0, (0.4, 0.0, 0.0)),), seconds=16.0)
+    sound = Walk(seconds=16.0, speed_mps=0.4).recorded(200.0, 100.0)
+    for recording, known in ((sound, True), (disturbed(sound, drifting(0.1)), False)):
+        stats = measured(tmp_path, replace(recording, beside=(robot.commands(),)))
+        commands = stats["commands"]
+        told = [commands[key]["rms_error_mps"] is not None for key in ("forward", "lateral")]
+        assert told == [known] * 2
+        assert commands["yaw"]["commanded_radps"] == 0.0
+        because = stats["null_because"].get("commands.forward.rms_error_mps")
+        assert because == (None if known else "WORLDS_DIFFER")
+
+
+def sensed_walk(**changes: Any) -> Recording:
+    return with_imu(Walk(gait=WALK, seconds=10.0).recorded(200.0, 100.0), **changes)
+
+
+def warnings_of(stats: Any) -> list[str]:
+    return [each["code"] for each in stats["findings"] if each["severity"] == "warning"]
+
+
+@pytest.mark.parametrize("name", ["x.mcap", "x.bag"])
+def test_an_accelerometer_agrees_with_the_forces(tmp_path: Path, name: str) -> None:
+    stats = measured(tmp_path, sensed_walk(), name)
+    imu = stats["imu"]
+    assert imu["topic"] == "/imu/data"
+    assert imu["accelerometer_mps2"] == pytest.approx(9.81, abs=0.05)
+    assert imu["forces_over_accelerometer"] == pytest.approx(1.0, abs=0.01)
+    check = next(c for c in stats["quality"]["checks"] if "accelerometer" in c["name"])
+    assert check["outcome"] == "passed"
+    assert warnings_of(stats) == []
+
+
+@pytest.mark.parametrize("recorded", [True, False])
+def test_the_mounting_is_read_from_static_transforms(tmp_path: Path, *, recorded: bool) -> None:
+    seat = about_axis(0, np.array([np.pi / 2.0]))[0]
+    recording = sensed_walk(mounting=seat, frame="imu_link")
+    if recorded:
+        pose = (0.1, 0.0, 0.05, *seat.tolist())
+        recording = replace(recording, statics=(("imu_link", pose),))
+    stats = measured(tmp_path, recording)
+    assert stats["imu"]["tilt_rad"] == pytest.approx(0.0 if recorded else np.pi / 2.0, abs=0.01)
+    assert warnings_of(stats) == ([] if recorded else ["IMU_TURNED"])
+
+
+def test_a_mass_that_the_accelerometer_refutes_is_named(tmp_path: Path) -> None:
+    stats = measured(tmp_path, sensed_walk())
+    heavy = dl.measure(tmp_path / "x.mcap", mass=24.0).stats
+    assert warnings_of(stats) == []
+    assert "IMPULSE_IS_NOT_WEIGHT" in warnings_of(heavy)
+
+
+def test_other_units_are_left_aside(tmp_path: Path) -> None:
+    recording = sensed_walk()
+    (imu,) = recording.beside
+    others = ("/left_foot/imu", "/camera/imu", "/imu/data_raw")
+    beside = (imu, *(replace(imu, topic=topic) for topic in others))
+    stats = measured(tmp_path, replace(recording, beside=beside))
+    assert stats["imu"]["topic"] == "/imu/data"
+    named = measured(
+        tmp_path, replace(recording, beside=beside), "y.mcap", set={"imu_topic": "/camera/imu"}
+    )
+    assert named["imu"]["topic"] == "/camera/imu"
+
+
+def test_a_silence_of_commands_is_no_gap_of_the_recording(tmp_path: Path) -> None:
+    robot = replace(ROBOT, silences=((5.0, 8.0),))
+    stats = measured(tmp_path, walk(robot.commands()))
+    assert said(stats, "NO_COMMAND")
+    assert not said(stats, "GAPS")

@@ -1,0 +1,237 @@
+"""URDFs as robots' files: joints, base links, legs among arms and wheels, masses; primitives."""
+
+from collections.abc import Sequence
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from dogbot_logtool.robot.robot_model.legs_of_urdf import Legs, find_legs
+from dogbot_logtool.robot.robot_model.primitives import primitive_urdf
+from dogbot_logtool.robot.robot_model.skeleton import Skeleton
+from dogbot_logtool.robot.robot_model.urdf import parse_urdf, read_robot, urdf_joints
+
+Joint = tuple[str, str, str, str, str]
+"""Type, parent, child, place and axis."""
+
+
+def urdf(joints: Sequence[Joint], masses: Sequence[str] = (), names: str = "{}_joint") -> str:
+    links = {link for _, parent, child, _, _ in joints for link in (parent, child)}
+    mass = '<inertial><origin xyz="0 0 -0.1"/><mass value="2"/></inertial>'
+    text = [f'<link name="{link}">{mass if link in masses else ""}</link>' for link in links]
+    text += [
+        f'<joint name="{names.format(child)}" type="{kind}"><parent link="{parent}"/>'
+        f'<child link="{child}"/><origin xyz="{place}"/><axis xyz="{axis}"/></joint>'
+        for kind, parent, child, place, axis in joints
+    ]
+    return f'<robot name="r">{"".join(text)}</robot>'
+
+
+def leg(base: str, name: str, x: float, y: float) -> list[Joint]:
+    return [
+        ("revolute", base, f"{name}_hip", f"{x} {y} 0", "1 0 0"),
+        ("revolute", f"{name}_hip", f"{name}_thigh", "0 0 0", "0 1 0"),
+        ("revolute", f"{name}_thigh", f"{name}_calf", "0 0 -0.2", "0 1 0"),
+        ("fixed", f"{name}_calf", f"{name}_imu", "0 0 -0.1", "1 0 0"),
+        ("fixed", f"{name}_calf", f"{name}_foot", "0 0 -0.2", "1 0 0"),
+    ]
+
+
+def quadruped(base: str, corners: str = "FL FR RL RR") -> list[Joint]:
+    places = ((0.3, 0.1), (0.3, -0.1), (-0.3, 0.1), (-0.3, -0.1))
+    named = zip(corners.split(), places, strict=True)
+    return [joint for name, place in named for joint in leg(base, name, *place)]
+
+
+ARM: tuple[Joint, ...] = (
+    ("revolute", "trunk", "shoulder", "0.3 0 0.1", "0 0 1"),
+    ("revolute", "shoulder", "elbow", "0 0 -0.6", "0 1 0"),
+    ("prismatic", "elbow", "gripper", "0 0 -0.1", "0 1 0"),
+)
+NAMES = ["front_left", "front_right", "back_left", "back_right"]
+
+
+def names_of(legs: Legs) -> list[str]:
+    return [leg.name for leg in legs.legs]
+
+
+def test_legs_are_told_from_arms_and_sensors() -> None:
+    robot = read_robot(urdf([*quadruped("trunk"), *ARM], ["trunk", "FL_calf", "FL_foot"]))
+    found = find_legs(robot, {})
+    assert names_of(found) == NAMES
+    assert [leg.foot for leg in found.legs] == ["FL_foot", "FR_foot", "RL_foot", "RR_foot"]
+    assert (robot.base, robot.mass_kg, found.forward_axis) == ("trunk", 6.0, "+x")
+    # The foot's mass is the calf's, too: nothing moves between them.
+    masses = found.legs[0].masses
+    assert [(mass.joint, mass.mass_kg) for mass in masses] == [(2, 2.0), (3, 2.0)]
+
+
+@pytest.mark.parametrize("kind", ["fixed", "floating", "revolute"])
+def test_the_base_lies_past_the_world_and_links_without_a_mass(kind: str) -> None:
+    joints: list[Joint] = [(kind, "world", "virtual", "0 0 0", "0 0 1")]
+    joints.append((kind, "virtual", "trunk", "0 0 1", "1 0 0"))
+    robot = read_robot(urdf([*joints, *quadruped("trunk")], ["trunk"]))
+    assert robot.base == "trunk"
+    assert len(find_legs(robot, {}).legs) == 4
+
+
+def test_a_root_that_is_the_base_stays() -> None:
+    joints: list[Joint] = [("fixed", "base", "trunk", "0 0 0", "1 0 0"), *quadruped("trunk")]
+    assert read_robot(urdf(joints, ["trunk"])).base == "base"
+
+
+def test_names_tell_where_forward_is_and_places_where_names_do_not() -> None:
+    assert find_legs(read_robot(urdf(quadruped("trunk", "RR RL FR FL"))), {}).forward_axis == "-x"
+    found = find_legs(read_robot(urdf(quadruped("trunk", "a b c d"))), {})
+    assert (names_of(found), found.forward_axis) == (NAMES, "+x")
+
+
+@pytest.mark.parametrize("name", ["{}_wheel", "{}_4"])
+def test_wheels_are_no_legs(name: str) -> None:
+    wheels: list[Joint] = [
+        ("continuous", f"{leg}_calf", name.format(leg), "0 0 -0.3", "0 1 0")
+        for leg in ("FL", "FR", "RL", "RR")
+    ]
+    robot = read_robot(urdf([*quadruped("trunk"), *wheels]))
+    with pytest.raises(ValueError, match=f"wheels, {name.format('FL')}, "):
+        find_legs(robot, {})
+
+
+def test_a_biped_with_a_waist_and_toes() -> None:
+    joints: list[Joint] = [("revolute", "torso", "pelvis", "0 0 -0.3", "0 0 1")]
+    for side, y in (("left", 0.1), ("right", -0.1)):
+        joints += leg("pelvis", side, 0.0, y)
+        joints.append(("revolute", f"{side}_foot", f"{side}_toe", "0.1 0 0", "0 1 0"))
+    legs = find_legs(read_robot(urdf(joints, ["torso"])), {}).legs
+    assert [(each.name, len(each.measured)) for each in legs] == [("left", 5), ("right", 5)]
+
+
+def test_joints_that_follow_others_are_moved_by_them() -> None:
+    joint = '<joint name="FL_calf_joint" type="revolute">'
+    follows = joint + '<mimic joint="FL_thigh_joint" multiplier="-2"/>'
+    text = urdf(quadruped("trunk")).replace(joint, follows)
+    first, *_ = find_legs(read_robot(text), {}).legs
+    assert first.measured == ("FL_hip_joint", "FL_thigh_joint")
+
+
+def without_feet(shape: str) -> str:
+    """A quadruped whose calves are the last links, with a shape."""
+    text = urdf([joint for joint in quadruped("trunk") if joint[0] != "fixed"])
+    for leg in ("FL", "FR", "RL", "RR"):
+        calf = f'<link name="{leg}_calf">'
+        text = text.replace(calf, f"{calf}<collision>{shape}</collision>")
+    return text
+
+
+@pytest.mark.parametrize(
+    ("shape", "point", "radius"),
+    [
+        (
+            '<origin xyz="0 0 -0.2"/><geometry><sphere radius="0.02"/></geometry>',
+            (0.0, 0.0, -0.2),
+            0.02,
+        ),
+        (
+            '<origin xyz="0 0 -0.1"/><geometry><cylinder length="0.2" radius="0.01"/></geometry>',
+            (0.0, 0.0, -0.2),
+            0.0,
+        ),
+    ],
+)
+def test_a_foot_without_a_link_is_where_the_last_link_ends(
+    shape: str, point: tuple[float, float, float], radius: float
+) -> None:
+    first, *_ = find_legs(read_robot(without_feet(shape)), {}).legs
+    assert (first.foot, first.radius_m) == ("FL_calf", radius)
+    assert first.point == pytest.approx(point)
+
+
+def test_feet_that_nothing_places_are_named() -> None:
+    robot = read_robot(without_feet(""))
+    with pytest.raises(ValueError, match="where the feet of FL_calf, FR_calf"):
+        find_legs(robot, {})
+
+
+def test_a_base_whose_z_axis_is_not_up_is_named() -> None:
+    lying: list[Joint] = [
+        (kind, parent, child, "{0} {2} {1}".format(*place.split()), axis)
+        for kind, parent, child, place, axis in quadruped("trunk")
+    ]
+    robot = read_robot(urdf(lying))
+    with pytest.raises(ValueError, match="z axis is not up"):
+        find_legs(robot, {})
+    # A root above it whose z axis is up is the base.
+    turn = '<origin rpy="1.5707963 0 0"/>'
+    root = f'<joint name="r" type="fixed"><parent link="r"/><child link="trunk"/>{turn}</joint>'
+    robot = read_robot(urdf(lying, ["trunk"]).replace("</robot>", f"{root}</robot>"))
+    assert robot.base == "r"
+    assert len(find_legs(robot, {}).legs) == 4
+
+
+URDF = """<robot name="r">
+  <joint name="hip" type="revolute">
+    <origin xyz="0.1 0.2 0.3" rpy="0 0 1.5707963267948966"/>
+    <parent link="base"/><child link="/leg"/><axis xyz="0 2 0"/>
+  </joint>
+  <joint name="wheel" type="continuous"><parent link="leg"/><child link="tyre"/></joint>
+  <joint name="finger" type="prismatic">
+    <parent link="leg"/><child link="tip"/><mimic joint="hip" multiplier="-1" offset="0.5"/>
+  </joint>
+  <joint name="sole" type="fixed"><parent link="leg"/><child link="foot"/></joint>
+  <joint name="free" type="floating"><parent link="leg"/><child link="ball"/></joint>
+  <joint name="no child" type="fixed"><parent link="leg"/></joint>
+  <joint name="no axis" type="revolute">
+    <parent link="leg"/><child link="x"/><axis xyz="0 0 0"/>
+  </joint>
+  <joint name="words" type="fixed">
+    <origin xyz="1 two 3"/><parent link="leg"/><child link="y"/>
+  </joint>
+  <joint name="short" type="fixed"><origin xyz="1 2"/><parent link="leg"/><child link="z"/></joint>
+  <joint name="nan" type="fixed">
+    <origin rpy="nan 0 0"/><parent link="leg"/><child link="n"/>
+  </joint>
+</robot>"""
+
+
+def test_joints_that_are_understood() -> None:
+    (hip, wheel, finger, sole), left_out = urdf_joints(parse_urdf(URDF))
+    assert left_out == 5
+    assert (hip.name, hip.parent, hip.child, hip.kind) == ("hip", "base", "leg", "revolute")
+    assert hip.translation == (0.1, 0.2, 0.3)
+    assert hip.rotation == pytest.approx((0.0, 0.0, 0.5**0.5, 0.5**0.5))
+    assert hip.axis == (0.0, 1.0, 0.0)
+    assert (wheel.kind, wheel.axis) == ("revolute", (1.0, 0.0, 0.0))
+    assert (finger.kind, finger.measured, finger.multiplier, finger.offset) == (
+        "prismatic",
+        "hip",
+        -1.0,
+        0.5,
+    )
+    assert (sole.kind, sole.rotation) == ("fixed", (0.0, 0.0, 0.0, 1.0))
+
+
+def test_circles_and_second_parents_are_left_out() -> None:
+    pairs = ["base a", "b a", "a b", "c d", "d c", "d e", "b f"]
+    text = "".join(
+        f'<joint name="{pair}" type="fixed"><parent link="{pair[:-2]}"/>'
+        f'<child link="{pair[-1]}"/></joint>'
+        for pair in pairs
+    )
+    joints, left_out = urdf_joints(parse_urdf(f"<robot>{text}</robot>"))
+    assert [joint.name for joint in joints] == ["base a", "a b", "b f"]
+    assert left_out == 4
+
+
+@pytest.mark.parametrize(
+    ("axis", "x", "y"), [("+x", 1, 0), ("-x", -1, 0), ("+y", 0, 1), ("-y", 0, -1)]
+)
+def test_the_nose_is_at_the_front(axis: str, x: int, y: int) -> None:
+    text = primitive_urdf("robot & <co>", Skeleton("base", {}, ()), axis, 12.0)
+    robot = ET.fromstring(text)  # noqa: S314
+    body, nose = robot.findall("link/visual")
+    place = [float(number) for number in nose.find("origin").get("xyz").split()]  # type: ignore[union-attr]
+    size = [float(number) for number in body.find("geometry/box").get("size").split()]  # type: ignore[union-attr]
+    reach = place[0] * x + place[1] * y
+    assert reach > max(size) / 2.0
+    assert place[0] * y == place[1] * x == place[2] == 0.0
+    # A body is longest along its forward axis.
+    assert size[0 if x else 1] == max(size)

@@ -1,0 +1,179 @@
+"""Forces and places that the log's own frames tell, from log to arrow."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import pytest
+
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.options import ConvertOptions, MeasureOptions
+from dogbot_logtool.report.documents import stats_json
+from dogbot_logtool.results import Conversion
+from tests.oracles import walks
+from tests.oracles.annotated_file import arrows
+from tests.oracles.frames import matrix_of
+from tests.paths import SAMPLE_LOGS
+
+TROT = SAMPLE_LOGS / "dogbot_trot.bag"
+WRENCHES = "geometry_msgs/msg/WrenchStamped"
+COUNTS = "unitree_go/msg/LowState"
+
+
+def converted(log: Path, folder: Path, **options: Any) -> tuple[Conversion, Path]:
+    target = folder / "out.mcap"
+    chosen = ConvertOptions(encoding="ros2", copy=False, overwrite=True, **options)
+    return convert(log, target, chosen), target
+
+
+def counted(done: Conversion, what: str) -> int:
+    """The number after the colon in the text of a note or warning."""
+    found = {finding.text for finding in done.findings if finding.code == "TRANSFORMS_MISSING"}
+    (text,) = (text for text in found if what in text and ": " in text)
+    return int(text.split(": ")[1].split(";")[0].replace(",", ""))
+
+
+class SwingingSensors(walks.Walk):
+    """Sensors that turn about y at 2 rad/s, told in frames that hang from the base."""
+
+    def pitch(self, sample: int) -> float:
+        return 2.0 * sample * walks.STEP / 1e9
+
+    def contacts(self, kind: str, sample: int) -> Iterator[tuple[str, Any]]:
+        self.turned_by = self.pitch(sample)
+        return super().contacts(kind, sample)
+
+    def wrench(self, values: Any) -> Any:
+        x, y, z = values
+        cos, sin = np.cos(self.turned_by), np.sin(self.turned_by)
+        return super().wrench((cos * x - sin * z, y, sin * x + cos * z))
+
+    def frames(self) -> Iterator[walks.Entry]:
+        """Every 20 ms, sent 30 ms late."""
+        kind = "tf2_msgs/msg/TFMessage"
+        for sample in range(0, walks.SAMPLES, 2):
+            half = self.pitch(sample) / 2
+            turn = 0.0, np.sin(half), 0.0, np.cos(half)
+            transforms = [
+                {
+                    "header": self.header(sample, "base"),
+                    "child_frame_id": f"{leg}_sensor",
+                    "transform": {"translation": (place, -place, -0.4), "rotation": turn},
+                }
+                for place, leg in enumerate(walks.LEGS)
+            ]
+            data = self.bytes_of(kind, self.make(kind, transforms=transforms))
+            time = walks.START + (sample + 3) * walks.STEP
+            yield walks.Entry("/tf", kind, time, data)
+
+
+def swinging_walk(folder: Path, kind: str) -> Path:
+    walk = SwingingSensors(2)
+    entries = sorted([*walk.frames(), *walk.messages(kind)], key=lambda entry: entry.log_time)
+    path = folder / "walk.mcap"
+    walks.write_mcap(path, walk, entries)
+    return path
+
+
+def test_arrows_of_force_sensors_stand_at_their_frames_along_the_force(tmp_path: Path) -> None:
+    log = swinging_walk(tmp_path, WRENCHES)
+    options = MeasureOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
+    done, target = converted(log, tmp_path, style="force", robot=options.robot, mass=options.mass)
+    count = 0
+    for topic, log_time, marker in arrows(target):
+        (leg,) = (leg for leg in walks.LEGS if leg in topic)
+        sample = (log_time - walks.START) // walks.STEP
+        force = walks.FORCES[leg][sample]
+        assert 100.0 * marker.scale.x * matrix_of(marker.pose.orientation)[:, 0] == pytest.approx(
+            force, abs=1e-5
+        )
+        place = walks.LEGS.index(leg)
+        position = marker.pose.position
+        assert (position.x, position.y, position.z) == pytest.approx(
+            (0.003 * sample + place, -place, 0.0), abs=1e-9
+        )
+        count += 1
+    assert count == sum(int(touch.sum()) for touch in walks.TOUCHES.values())
+    assert counted(done, "forces turned") == counted(done, "placed at the origins") == count
+    codes = {finding.code for finding in done.findings}
+    assert {"TRANSFORMS_MISSING"} <= codes
+
+
+def test_stats_take_forces_but_no_places_from_frames(tmp_path: Path) -> None:
+    """Thresholds are given: of a sensor that goes round, no unloaded level can be learnt."""
+    log = swinging_walk(tmp_path, WRENCHES)
+    options = MeasureOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
+    done = measure(log, replace(options, set={"contact_on_n": "20.0", "contact_off_n": "5.0"}))
+    got = stats_json(done)
+    for leg in walks.LEGS:
+        peak = got["feet"][leg]["peak_vertical_force_n"]["mean"]
+        assert peak == pytest.approx(walks.FORCES[leg][:, 2].max())
+        assert got["feet"][leg]["slip_m"] is None
+    assert got["stability"] is None or got["stability"].get("static_margin_m") is None
+
+
+@pytest.mark.parametrize("style", ["pressure", "force"])
+def test_transforms_that_cannot_be_decoded_are_told(
+    tmp_path: Path, style: Literal["pressure", "force"]
+) -> None:
+    """Here places come from frames, so that /tf is read whatever the style."""
+    walk = SwingingSensors(2)
+    frames = list(walk.frames())
+    for broken in (7, len(frames) // 2):
+        frames[broken] = replace(frames[broken], data=frames[broken].data[:-2])
+    entries = sorted([*frames, *walk.messages(WRENCHES)], key=lambda entry: entry.log_time)
+    log = tmp_path / "walk.mcap"
+    walks.write_mcap(log, walk, entries)
+    options = MeasureOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
+    done, _ = converted(log, tmp_path, style=style, robot=options.robot, mass=options.mass)
+    measured = measure(log, options)
+    for (loss,) in (done.damage.losses, measured.damage.losses):
+        assert loss.messages == 2
+        assert "/tf" in loss.what
+
+
+def test_a_robot_s_file_names_frame_and_point_of_feet_that_only_count(tmp_path: Path) -> None:
+    log = swinging_walk(tmp_path, COUNTS)
+    robot = walks.robot_file(tmp_path, COUNTS)
+    text = robot.read_text(encoding="utf-8")
+    for leg in walks.LEGS:
+        named = f'[feet.{leg}]\nframe = "{leg}_sensor"\ncontact_point_m = [0.0, 0.5, 0.0]'
+        text = text.replace(f"[feet.{leg}]", named)
+    robot.write_text(text, encoding="utf-8")
+    done, target = converted(log, tmp_path, robot=str(robot))
+    seen = {
+        (topic, round((log_time - walks.START) / walks.STEP)): marker.pose.position
+        for topic, log_time, marker in arrows(target)
+    }
+    assert counted(done, "placed at the origins") >= len(seen) > 1000
+    for (topic, sample), position in seen.items():
+        place = next(n for n, leg in enumerate(walks.LEGS) if leg in topic)
+        # Such messages have no stamps, so both stand at log times, and /tf comes 30 ms late.
+        assert position.x == pytest.approx(0.003 * sample + place, abs=1e-9)
+        assert position.y == pytest.approx(0.5 - place, abs=1e-9)
+
+
+def test_without_frames_there_are_no_arrows_and_that_is_said(tmp_path: Path) -> None:
+    log = walks.write_walk(tmp_path, WRENCHES, "mcap")
+    options = MeasureOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
+    done, target = converted(log, tmp_path, style="force", robot=options.robot, mass=options.mass)
+    assert not list(arrows(target))
+    assert {"NOT_DRAWN"} <= {f.code for f in done.findings}
+
+
+def test_frames_that_end_early_leave_the_rest_where_it_is(tmp_path: Path) -> None:
+    walk = SwingingSensors(2)
+    frames = [entry for entry in walk.frames() if entry.log_time < walks.START + 3_000_000_000]
+    entries = sorted([*frames, *walk.messages(WRENCHES)], key=lambda entry: entry.log_time)
+    log = tmp_path / "walk.mcap"
+    walks.write_mcap(log, walk, entries)
+    options = MeasureOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
+    done, target = converted(log, tmp_path, style="force", robot=options.robot, mass=options.mass)
+    last = (frames[-1].log_time - walks.START) // walks.STEP - 3
+    touching = {leg: int(touch[: last + 1].sum()) for leg, touch in walks.TOUCHES.items()}
+    assert counted(done, "forces turned") == sum(touching.values())
+    assert len(list(arrows(target))) == sum(touching.values())
+    assert {"TRANSFORMS_MISSING"} <= {f.code for f in done.findings}
