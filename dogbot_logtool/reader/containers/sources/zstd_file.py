@@ -10,7 +10,7 @@ import zstandard
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import file_stem, scratch_folder, shown
 from dogbot_logtool.reader.containers.log import Log, Loss
-from dogbot_logtool.reader.containers.signatures import is_zstd
+from dogbot_logtool.reader.containers.registry import is_zstd
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 _PIECE: Final = 2 << 10
