@@ -37,9 +37,9 @@ def test_feet_and_legs_are_measured_as_their_truth_says(log: Path) -> None:
     for foot, true in truth["feet"].items():
         found, own = walk.feet[foot], walk.stances["foot"] == foot
         assert found.contact_fraction == pytest.approx(true["contact_fraction"], abs=0.005)
-        peak, friction, mean = found.peak_force_n, found.friction_use, found.mean_vertical_force_n
-        assert peak and friction and mean  # noqa: PT018 - none is null
-        assert peak.max == pytest.approx(true["peak_force_n"], rel=0.01)
+        force, friction, mean = found.peak_force_n, found.friction_use, found.mean_vertical_force_n
+        assert force and friction and mean  # noqa: PT018 - none is null
+        assert force.max == pytest.approx(true["peak_force_n"], rel=0.01)
         assert friction.max <= true["peak_friction_use"] + 1e-6
         assert mean.mean == pytest.approx(true["mean_vertical_force_n"], rel=0.01)
         touchdown_s = walk.stances["touchdown_s"][own]
