@@ -23,7 +23,7 @@ def no_class(walk: Walk) -> Iterator[Finding]:
     elif main.gait.name is None and not (main.moves_without_steps or main.is_lifted):
         yield found("CLASS_UNKNOWN", where=where, why=_why_no_class(walk, main))
     elif main.gait.name == IRREGULAR:
-        yield found("CLASS_UNKNOWN", where=where, why=_why_irregular(walk, main))
+        yield found("CLASS_UNKNOWN", where=where, why=_why_irregular(main))
 
 
 def other_reference_foot(walk: Walk) -> Iterator[Finding]:
@@ -118,18 +118,17 @@ def _why_no_class(walk: Walk, main: Segment) -> str:
             "a gait's name needs to know which foot is front or back, left or right: names such as "
             "--foot front_left=TOPIC say so, or `place` in a robot's file"
         )
-    feet = zip(walk.feet, main.phases, strict=True)
-    missing = ", ".join(foot.name for foot, phase in feet if phase is None)
+    missing = ", ".join(foot for foot, phase in main.gait.phase.items() if phase.mean is None)
     return f"{missing} has no touchdowns in the strides of the reference foot"
 
 
-def _why_irregular(walk: Walk, main: Segment) -> str:
+def _why_irregular(main: Segment) -> str:
     loose = [
-        f"{foot.name} (R = {phase.consistency:.2f})"
-        for foot, phase in zip(walk.feet, main.phases, strict=True)
-        if phase is not None and phase.consistency <= CONSISTENT
+        f"{foot} (R = {phase.consistency:.2f})"
+        for foot, phase in main.gait.phase.items()
+        if phase.consistency is not None and phase.consistency <= CONSISTENT
     ]
-    nearest, distance = main.gait.nearest, main.gait.distance or 0.0
+    nearest, distance = main.gait.nearest_name, main.gait.class_distance or 0.0
     if loose:
         return f"phases are not consistent: {', '.join(loose)}"
     if distance <= TOLERANCE:
