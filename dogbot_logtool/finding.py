@@ -60,8 +60,6 @@ class FindingKind:
     cases: Mapping[str, FindingCase] = field(default_factory=dict)
     texts: Mapping[str, str] = field(default_factory=dict)
     """Its sentences, by what is found; ``plain`` is the usual one."""
-    was: Sequence[str] = ()
-    """Codes of before that are now this one, without their prefix."""
 
 
 @cache

@@ -43,16 +43,8 @@ _OF_COMMANDS: Final[Mapping[tuple[str, str], str]] = MappingProxyType(
         ("info", "--overwrite"): "results go to stdout",
     }
 )
-_CHOICES: Final[Mapping[tuple[str, str], str]] = MappingProxyType(
-    {("viewer", "rerun"): "Rerun opens the MCAP that `convert` writes"}
-)
 
 
 def instead_of(option: str, command: str = "") -> str | None:
     """Return what to use instead of an option that is gone; None: it never was there."""
     return _OF_COMMANDS.get((command, option), _EVERYWHERE.get(option))
-
-
-def instead_of_choice(option: str, choice: str) -> str | None:
-    """Return what to use instead of a choice of an option that is gone."""
-    return _CHOICES.get((option, choice))

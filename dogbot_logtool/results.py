@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.walk import Walk
     from dogbot_logtool.finding import Finding
     from dogbot_logtool.io.storage import Location
-    from dogbot_logtool.robot.frames.frames import Frames
+    from dogbot_logtool.robot.frames import Frames
     from dogbot_logtool.robot.robot import Robot
 
 

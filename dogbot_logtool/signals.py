@@ -1,8 +1,10 @@
 """Signals that end the program: each becomes an exception, so that every clean-up runs."""
 
 import math
+import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -83,6 +85,32 @@ def leave_to_parent() -> None:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, _ENDING)
+
+
+def end_with_parent(clean_up_s: float = 0.0) -> None:
+    """End this worker when its parent has ended, however that was.
+
+    Args:
+        clean_up_s: how long it may remove what it has begun to write, after a SIGTERM; 0: not.
+    """
+    threading.Thread(target=_wait_for_parent, args=(clean_up_s,), daemon=True).start()
+
+
+def _wait_for_parent(clean_up_s: float) -> None:
+    import multiprocessing  # noqa: PLC0415 - takes long to load
+    from multiprocessing.connection import wait  # noqa: PLC0415
+
+    parent = multiprocessing.parent_process()
+    if parent is None:
+        return
+    wait([parent.sentinel])
+    if clean_up_s and hasattr(signal, "pthread_kill"):
+        # Unlike other ways, this wakes it where it waits for a disk or a store.
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGTERM)
+    elif clean_up_s:
+        signal.raise_signal(signal.SIGTERM)
+    time.sleep(clean_up_s)
+    os._exit(1)
 
 
 @contextmanager

@@ -115,11 +115,11 @@ def compare_gait(first: Log, second: Log, options: MeasureOptions) -> "GaitCompa
         CallError: no such file, or an option that does not fit a log.
         LogError: one is no log, or has nothing to measure.
     """
-    from dogbot_logtool.commands import compare_gait as command  # noqa: PLC0415
     from dogbot_logtool.commands.tasks import figures  # noqa: PLC0415
+    from dogbot_logtool.comparison.walks import compare_walks  # noqa: PLC0415
 
     work = partial(figures, options=options)
-    return command.compare_gait(*([work(log) for log in several(side)] for side in (first, second)))
+    return compare_walks(*([work(log) for log in several(side)] for side in (first, second)))
 
 
 @takes_with_two(BaselineOptions)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.report.table_file import arrow_table
+from dogbot_logtool.report.tables import arrow_table
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

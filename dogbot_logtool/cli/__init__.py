@@ -11,10 +11,10 @@ from typing import Final, NoReturn
 import click
 
 from dogbot_logtool import __version__
-from dogbot_logtool.cli.command import command
-from dogbot_logtool.cli.messages import say
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.gone import instead_of, instead_of_choice
+from dogbot_logtool.gone import instead_of
+from dogbot_logtool.io.printable import listed, printable
+from dogbot_logtool.io.storage import valid_unicode, without_secrets
 from dogbot_logtool.io.streams import safe_streams
 from dogbot_logtool.options import COMMANDS
 from dogbot_logtool.signals import raise_on_signals, stopped
@@ -33,6 +33,8 @@ class _Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """See `click.Group`."""
         del ctx
+        from dogbot_logtool.cli.command import command  # noqa: PLC0415
+
         return command(_COMMANDS[cmd_name]) if cmd_name in _COMMANDS else None
 
 
@@ -104,10 +106,6 @@ def _explained(error: click.ClickException) -> click.ClickException:
         instead = instead_of(error.option_name, error.ctx.info_name or "")
         if instead is not None:
             return click.UsageError(f"{error.option_name} is gone: {instead}.", error.ctx)
-    if isinstance(error, click.BadParameter) and error.param is not None:
-        option, choice = error.param.name or "", error.message.partition(" ")[0].strip("'")
-        if (instead := instead_of_choice(option, choice)) is not None:
-            return click.UsageError(f"--{option} {choice} is gone: {instead}.", error.ctx)
     return error
 
 
@@ -130,3 +128,56 @@ def _has_no_directory() -> bool:
     except FileNotFoundError:
         return True
     return False
+
+
+NEW_LINE: Final = "\n  "
+"""Begins a line of a list in an error's sentence; names from logs cannot begin lines of ours."""
+
+
+def say(sentence: str) -> None:
+    """Print the sentence of an error; what it lists stands in indented lines below."""
+    from dogbot_logtool.report.text.console import diagnostics, print_command, print_sentence  # noqa: PLC0415
+
+    first, *others = map(printable, without_secrets(sentence).split(NEW_LINE))
+    label = "error: "
+    print_sentence(diagnostics(), (label, "red"), first, indent=len(label))
+    for line in others:
+        if line.startswith("dogbot-logtool "):
+            print_command(diagnostics(), line, 2)
+        else:
+            print_sentence(diagnostics(), f"  {line}", indent=4)
+
+
+def say_damage(sentence: str) -> None:
+    """Print what was lost of a log: one line, whatever the names in it."""
+    from dogbot_logtool.report.text.console import diagnostics, print_sentence  # noqa: PLC0415
+
+    text = printable(without_secrets(valid_unicode(sentence)))
+    print_sentence(diagnostics(), ("damage: ", "red"), text)
+
+
+def say_failures(failures: list[tuple[str, str]], logs: int) -> None:
+    """Print the logs that could not be done; those of one cause share a line.
+
+    Args:
+        failures: names and sentences.
+        logs: how many there were in all.
+    """
+    from dogbot_logtool.report.text.console import diagnostics, print_sentence  # noqa: PLC0415
+
+    say(f"{len(failures)} of {logs} logs could not be done")
+    names: dict[str, list[str]] = {}
+    for name, sentence in failures:
+        first, *_ = sentence.removeprefix(f"{name}: ").split(NEW_LINE)
+        names.setdefault(first, []).append(name)
+    labels = {first: printable(listed(each)) for first, each in names.items()}
+    width = min(max(map(len, labels.values())), 60)
+    for first, label in labels.items():
+        print_sentence(diagnostics(), f"  {label:<{width}}  {printable(first)}", indent=4)
+
+
+def note(sentence: str) -> None:
+    """Print what is good to know."""
+    from dogbot_logtool.report.text.console import diagnostics, print_note  # noqa: PLC0415
+
+    print_note(diagnostics(), sentence)

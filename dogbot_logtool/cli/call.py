@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn, Protocol, TypeVar
 
 import click
 
-from dogbot_logtool.cli.messages import note, say, say_damage, say_failures
-from dogbot_logtool.errors import DAMAGED, LogtoolError
+from dogbot_logtool.cli import note, say, say_damage, say_failures
+from dogbot_logtool.errors import DAMAGED, CallError, LogtoolError
 from dogbot_logtool.io.output import whole_file
 from dogbot_logtool.io.plain_json import readable_json
 from dogbot_logtool.io.storage import valid_unicode, without_secrets
+from dogbot_logtool.option import options_of
 from dogbot_logtool.options import JobOptions, MeasureOptions, QuietOptions
 from dogbot_logtool.report.text.progress import ProgressBars
 from dogbot_logtool.run.inputs import LogSet, find_logs
@@ -194,6 +195,18 @@ class Call:
         elif self.failures:
             say_failures(self.failures, len(self._results))
         sys.exit(next((code for code in (1, 2, DAMAGED) if code in self._codes), 0))
+
+
+def refuse_given(options: object, names: Iterable[str], why: str) -> None:
+    """Refuse options that have no meaning beside others.
+
+    Raises:
+        CallError: one of these names is given.
+    """
+    record: Any = type(options)
+    for each in options_of(record):
+        if each.name in names and getattr(options, each.name) != each.default:
+            raise CallError(f"{each.words} {why}")
 
 
 def write(content: bytes, target: Path | None, *, overwrite: bool) -> None:

@@ -5,8 +5,7 @@ from typing import NoReturn
 
 import click
 
-from dogbot_logtool.cli.call import Call, write
-from dogbot_logtool.errors import CallError
+from dogbot_logtool.cli.call import Call, refuse_given, write
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.option import options_of, part_of
 from dogbot_logtool.options import Compare, CompareOptions, MeasureOptions, RobotOptions
@@ -22,26 +21,16 @@ from dogbot_logtool.report.text.console import results
 
 def run(options: Compare) -> NoReturn:
     """Compare two files field by field, or how two sides walk."""
-    _refuse_others(options)
+    if options.gait:
+        others = [each.name for each in options_of(CompareOptions)]
+        refuse_given(options, [*others, "junit"], "has no meaning with --gait")
+    else:
+        others = [each.name for each in options_of(RobotOptions)]
+        refuse_given(options, others, "says how logs are measured: it goes with --gait")
     call = Call(options)
     if options.gait:
         _compare_gait(call, options)
     _compare_files(call, options)
-
-
-def _refuse_others(options: Compare) -> None:
-    """Refuse options that go with the other kind of comparison.
-
-    Raises:
-        CallError: one is given.
-    """
-    others = options_of(CompareOptions) if options.gait else options_of(RobotOptions)
-    given = [each.words for each in others if getattr(options, each.name) != each.default]
-    given += ["--junit"] if options.gait and options.junit else []
-    if given and options.gait:
-        raise CallError(f"--gait compares metrics of strides: {given[0]} has no meaning with it")
-    if given:
-        raise CallError(f"{given[0]} says how logs are measured: it goes with --gait")
 
 
 def _compare_files(call: Call, options: Compare) -> NoReturn:
@@ -68,14 +57,14 @@ def _compare_files(call: Call, options: Compare) -> NoReturn:
 
 def _compare_gait(call: Call, options: Compare) -> NoReturn:
     """Compare how the robot walks on either side; exit."""
-    from dogbot_logtool.commands.compare_gait import compare_gait  # noqa: PLC0415
+    from dogbot_logtool.comparison.walks import compare_walks  # noqa: PLC0415
 
     measuring = part_of(options, MeasureOptions)
     sides = [call.logs((word,)) for word in (options.expected, options.actual)]
     measured = [call.side(side, measuring) for side in sides]
     if not all(measured):
         call.finish()
-    found = compare_gait(*measured)
+    found = compare_walks(*measured)
     if options.json:
         click.echo(to_json(gait_comparison_json(found), indent=2))
     elif not options.quiet:

@@ -7,14 +7,14 @@ from typing import NoReturn
 
 from dogbot_logtool.api.table import texts
 from dogbot_logtool.api.walk import Walk
-from dogbot_logtool.cli.call import Call
+from dogbot_logtool.cli.call import Call, refuse_given
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, from_root, location, shown
 from dogbot_logtool.io.targets import refuse_no_name
 from dogbot_logtool.options import Export
-from dogbot_logtool.report.table_file import TableFile
+from dogbot_logtool.report.tables import TableFile
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.run.inputs import LogSet
 from dogbot_logtool.run.runner import OnProgress
@@ -22,7 +22,10 @@ from dogbot_logtool.run.runner import OnProgress
 
 def run(options: Export) -> NoReturn:
     """Write a table of all logs, or keep their tables in a dataset."""
-    _refuse_others(options)
+    if options.dataset is None:
+        refuse_given(options, ("label", "prune", "scheduler"), "goes with --dataset")
+    else:
+        refuse_given(options, ("table", "output", "overwrite"), "goes without --dataset")
     call = Call(options)
     logs, options = call.joined_logs(options)
     if options.dataset is not None:
@@ -42,23 +45,6 @@ def run(options: Export) -> NoReturn:
             call.finish()  # which leaves the block, and no file
         table.finish()
     call.finish()
-
-
-def _refuse_others(options: Export) -> None:
-    """Refuse options of a table with a dataset, and the other way round.
-
-    Raises:
-        CallError: one is given.
-    """
-    if options.dataset is None:
-        why = "goes with --dataset"
-        others = {"--label": options.label, "--prune": options.prune,
-                  "--scheduler": options.scheduler}  # fmt: skip
-    else:
-        why = "goes without --dataset"
-        others = {"--table": options.table, "-o": options.output, "--overwrite": options.overwrite}
-    for option in (name for name, given in others.items() if given):
-        raise CallError(f"{option} {why}")
 
 
 def _write(call: Call, logs: LogSet, options: Export, file: TableFile) -> None:

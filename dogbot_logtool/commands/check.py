@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from dogbot_logtool.comparison.documents import load_json, looks_like_json
+from dogbot_logtool.comparison.fields import load_json, looks_like_json
 from dogbot_logtool.comparison.judge import Judgement, Status, judge, worst
 from dogbot_logtool.comparison.limits import Rule, load_limits
 from dogbot_logtool.core.metrics import SCHEMA_VERSION

@@ -5,7 +5,7 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
-from dogbot_logtool.comparison.documents import compare_json, looks_like_json
+from dogbot_logtool.comparison.fields import compare_json, looks_like_json
 from dogbot_logtool.comparison.logs import compare_logs
 from dogbot_logtool.comparison.outcome import RECORDS, Comparison
 from dogbot_logtool.comparison.tolerances import Rules, load_rules

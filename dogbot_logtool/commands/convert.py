@@ -2,7 +2,7 @@
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_planned
 from dogbot_logtool.conversion.annotate import draw
-from dogbot_logtool.conversion.annotated_log import AnnotatedLog, annotations_of
+from dogbot_logtool.conversion.annotated_log import AnnotatedLog, added_channels
 from dogbot_logtool.conversion.copying import make_copier
 from dogbot_logtool.conversion.findings import bad_poses, count_findings
 from dogbot_logtool.conversion.plan import ConversionPlan, make_plan, refuse_unknown_names
@@ -69,12 +69,12 @@ def convert(
             walk = measured.measurement.walk
             plan = make_plan(log, measured.selection, walk, options, copier.left_out)
             scene = draw(plan, walk, output.arrows)
-            annotations, moved = annotations_of(log, plan)
-            counts = output.annotate(scene, annotations, _half(progress, 1), start)
+            added = added_channels(log, plan)
+            counts = output.annotate(scene, added, _half(progress, 1), start)
             losses = _finish(log, output, measured, plan)
     finally:
         log.close()
-    topics = annotations.added.topics()
+    topics, moved = added.topics(), added.moved
     findings = [
         *measured.known,
         *frames_known(walk),
@@ -93,8 +93,8 @@ def convert(
         style=options.style,
         encoding=options.encoding,
         odometry_topics=tuple(sorted({each.topic for each in plan.selection.odometry})),
-        world_frame=plan.world_frame,
-        base_frame=plan.base_frame,
+        world_frame=plan.wanted.world_frame,
+        base_frame=plan.wanted.base_frame,
         messages=sum(measured.read.counts.values()),
         copied=sum(n for channel, n in output.messages.items() if channel not in topics),
         annotations={topic: output.messages.get(each, 0) for each, topic in topics.items()},

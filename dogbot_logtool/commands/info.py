@@ -21,8 +21,7 @@ from dogbot_logtool.reader.opening import open_joined
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.results import LogInfo, TopicInfo
 from dogbot_logtool.robot.annotated import without_annotations
-from dogbot_logtool.robot.frames.frame_findings import frame_findings
-from dogbot_logtool.robot.frames.frames import Frames, read_frames
+from dogbot_logtool.robot.frames import Frames, frame_findings, read_frames
 from dogbot_logtool.robot.measuring.plan import settings_of
 from dogbot_logtool.robot.measuring.side_topics import side_topics
 from dogbot_logtool.robot.message_feet import is_planned

@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from dogbot_logtool.commands.compare_gait import compare_gait
-from dogbot_logtool.comparison.walks import GaitComparison
+from dogbot_logtool.comparison.walks import GaitComparison, compare_walks
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, file_stem
 from dogbot_logtool.io.targets import Output
@@ -60,7 +59,7 @@ def report_against(
         LogError: nothing of a side could be measured.
         LogtoolError: the page cannot be written.
     """
-    found = compare_gait(first, second)
+    found = compare_walks(first, second)
     html = comparison_page(found, ([each.json for each in first], [each.json for each in second]))
     with whole_file(target, overwrite=overwrite, makes_folder=makes_folder) as file:
         file.write(html)

@@ -6,7 +6,6 @@ a tree as `fields` compares it.
 
 import json
 import struct
-from collections import Counter
 from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Final
@@ -26,7 +25,6 @@ Decoder = Callable[[bytes], Tree]
 """Raises `Undecodable`."""
 _ROS_ENCODINGS: Final = ("ros1", "cdr")
 _ROS_DEFINITIONS: Final = ("ros1msg", "ros2msg", "ros2idl")
-_LONGEST_KEY: Final = 100
 _UNKNOWN_FIELDS: Final = "(unknown fields)"
 _FAULTS: Final = (ValueError, KeyError, IndexError, AssertionError, RecursionError)
 """Raised by libraries, beside errors of their own."""
@@ -36,63 +34,47 @@ class Undecodable(Exception):  # noqa: N818 - it never reaches a user
     """A message or a definition that its library refuses; the text says why."""
 
 
-def decoder_of(channel: Channel) -> Decoder:
-    """Return what decodes a channel's messages.
+def decoded(channel: Channel, data: bytes) -> Tree:
+    """Decode a message of a channel.
 
     Raises:
-        Undecodable: the encoding is not known, or the definition is missing or broken.
+        Undecodable: it is none, or the encoding is not known, or the definition broken.
     """
-    encoding, schema = channel.message_encoding, channel.schema
-    if encoding == "json":
-        return decode_json
-    if schema is None:
-        raise Undecodable("there is no message definition")
-    if encoding in _ROS_ENCODINGS and schema.encoding in _ROS_DEFINITIONS:
-        return _ros_decoder(encoding, schema)
-    if encoding == "protobuf" and schema.encoding == "protobuf":
-        return _protobuf_decoder(schema)
-    raise Undecodable(f"the encoding {encoding!r} is not known")
+    decoder = _decoder(channel.message_encoding, channel.schema)
+    if isinstance(decoder, str):
+        raise Undecodable(decoder)
+    return decoder(data)
+
+
+@lru_cache(maxsize=256)
+def _decoder(encoding: str, schema: Schema | None) -> Decoder | str:
+    """Return a decoder, or why there is none, which takes as long to find out."""
+    try:
+        if encoding == "json":
+            return decode_json
+        if schema is None:
+            return "there is no message definition"
+        if encoding in _ROS_ENCODINGS and schema.encoding in _ROS_DEFINITIONS:
+            return _ros_decoder(encoding, schema)
+        if encoding == "protobuf" and schema.encoding == "protobuf":
+            return _protobuf_decoder(schema)
+    except Undecodable as error:
+        return str(error)
+    return f"the encoding {encoding!r} is not known"
 
 
 def decode_json(data: bytes) -> Tree:
     """Decode JSON text.
 
     Raises:
-        Undecodable: it is none, or an object has a key twice.
+        Undecodable: it is none.
     """
     try:
-        return parse_json(data)
+        return json.loads(data)
     except (ValueError, RecursionError) as error:
         raise Undecodable(f"not JSON: {error}") from error
 
 
-def parse_json(data: bytes) -> Tree:
-    """Parse JSON text.
-
-    Raises:
-        ValueError: it is none, an object has a key twice, or a number has too many digits.
-        RecursionError: it is nested too deeply.
-    """
-    return json.loads(data, object_pairs_hook=_object, parse_int=_integer)
-
-
-def _integer(digits: str) -> int:
-    try:
-        return int(digits)
-    except ValueError as error:
-        raise ValueError("it holds a number of too many digits") from error
-
-
-def _object(pairs: list[tuple[str, Tree]]) -> dict[str, Tree]:
-    """Return a JSON object; of two values of one key, json would take the last without a word."""
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        twice, _ = Counter(key for key, _ in pairs).most_common(1)[0]
-        raise ValueError(f"an object has the key {json.dumps(twice[:_LONGEST_KEY])} twice")
-    return found
-
-
-@lru_cache(maxsize=256)
 def ros_store(schema: Schema) -> "tuple[Typestore, str]":
     """Return rosbags' types of a definition, and the name of the one that it defines.
 
@@ -120,7 +102,6 @@ def ros_store(schema: Schema) -> "tuple[Typestore, str]":
     return store, type_name
 
 
-@lru_cache(maxsize=256)
 def _ros_decoder(encoding: str, schema: Schema) -> Decoder:
     from rosbags.serde import SerdeError  # noqa: PLC0415
 
@@ -160,7 +141,6 @@ def descriptor_files(schema: Schema) -> "list[FileDescriptorProto]":
         raise Undecodable(f"the definition of {schema.name} is no FileDescriptorSet") from error
 
 
-@lru_cache(maxsize=256)
 def _protobuf_decoder(schema: Schema) -> Decoder:
     from google.protobuf.message import DecodeError  # noqa: PLC0415
     from google.protobuf.message_factory import GetMessages  # noqa: PLC0415

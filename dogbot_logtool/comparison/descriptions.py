@@ -1,15 +1,10 @@
 """How two logs describe a topic (type, encoding, definition), and their records beside messages."""
 
 import hashlib
-import struct
 from collections.abc import Mapping, Sequence
-from io import BytesIO
 from typing import Final
 
 from mcap import records
-from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
-from mcap.opcode import Opcode
 
 from dogbot_logtool.comparison.decoders import (
     Undecodable,
@@ -25,19 +20,16 @@ from dogbot_logtool.comparison.outcome import (
     Findings,
     Kind,
     Tally,
-    tally_of_leaves,
 )
 from dogbot_logtool.comparison.tolerances import FieldRules, Rules
+from dogbot_logtool.reader.containers.contents import Extra
 from dogbot_logtool.reader.containers.log import Channel, Log, Schema
-from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.containers.mcap.records import read_extra
 
 OWN_VERSION: Final = "metadata:dogbot_logtool.version"
 """The version of this program that wrote a file says nothing of what is in it."""
 _LIMIT: Final = 3
 """Differences named a definition; what follows is mostly the same shift."""
-_HEAD_SIZE: Final = 9
-_PIECE: Final = 1 << 20
-_LARGEST_METADATA: Final = 64 << 20
 _NEXT_TYPE: Final = f"{'=' * 80}\nMSG: "
 
 
@@ -54,15 +46,14 @@ def compare_descriptions(
     for what, name in (("type", "type_name"), ("encoding", "message_encoding")):
         one, other = ({getattr(channel, name) or "none" for channel in side} for side in sides)
         if one != other:
-            found.add(Difference(what, ", ".join(sorted(one)), ", ".join(sorted(other))))
+            found.add(what, ", ".join(sorted(one)), ", ".join(sorted(other)))
     for kind in sorted({kind_of(c) for c in expected} & {kind_of(c) for c in actual}):
         schemas, others = (_schemas(side, kind) for side in sides)
         if len(schemas) == len(others):
             for one_schema, other_schema in zip(schemas, others, strict=True):
                 compare_schemas(one_schema, other_schema, found)
         else:
-            counts = f"{len(schemas)} definitions", f"{len(others)} definitions"
-            found.add(Difference("schema", *counts))
+            found.add("schema", f"{len(schemas)} definitions", f"{len(others)} definitions")
 
 
 def _schemas(channels: Sequence[Channel], kind: str) -> list[Schema | None]:
@@ -76,18 +67,18 @@ def compare_schemas(expected: Schema | None, actual: Schema | None, found: Findi
     if expected is None or actual is None:
         if expected is not actual:
             texts = "a definition", "none"
-            found.add(Difference("schema", *(texts if expected else texts[::-1])))
+            found.add("schema", *(texts if expected else texts[::-1]))
     elif expected.encoding != actual.encoding:
-        found.add(Difference("schema encoding", expected.encoding, actual.encoding))
+        found.add("schema encoding", expected.encoding, actual.encoding)
     elif expected.data != actual.data:
-        exactly, differences = FieldRules(Rules()), Findings(_LIMIT)
+        exactly, differences = FieldRules(Rules()), Findings(_LIMIT, found.of)
         try:
             one, other = schema_tree(expected), schema_tree(actual)
             compare_fields(one, other, exactly, differences, "schema")
         except (Undecodable, RecursionError):
             compare_fields(expected.data, actual.data, exactly, differences, "schema")
         for each in differences.differences:
-            found.add(each)
+            found.add(each.path, each.expected, each.actual)
 
 
 def schema_tree(schema: Schema) -> Tree:
@@ -113,51 +104,32 @@ def schema_tree(schema: Schema) -> Tree:
 
 def compare_records(expected: Log, actual: Log, rules: Rules, findings: Findings) -> Tally:
     """Compare what is no message; an entry of a metadata record counts as one."""
-    found = Findings(findings.room)
+    found = findings.within(Difference(kind=Kind.DESCRIPTION, topic=RECORDS), RECORDS)
     ignoring = FieldRules(rules.ignoring(OWN_VERSION))
-    compare_fields(records_tree(expected), records_tree(actual), ignoring, found)
-    findings.take(found, Difference(kind=Kind.DESCRIPTION, topic=RECORDS))
-    return tally_of_leaves(RECORDS, found)
+    findings.take(compare_fields(records_tree(expected), records_tree(actual), ignoring, found))
+    return found.tally
 
 
 def records_tree(log: Log) -> Mapping[str, Tree]:
     """Return a log's records beside its messages, by the names that patterns know them by.
 
-    Attachments are compared by type, size and the hash of their content, which bounds the memory.
-    Their times are not compared: they say when a file was attached, not what it holds.
+    Times of attachments are not compared: they say when a file was attached, not what it holds.
     """
     found: dict[str, list[Tree]] = {}
-    for extra in sorted(log.extras, key=lambda each: each.opcode != Opcode.METADATA):
-        body = extra.offset + _HEAD_SIZE, extra.size - _HEAD_SIZE
-        describe = _metadata if extra.opcode == Opcode.METADATA else _attachment
-        name, value = describe(extra.source, *body)
+    for extra in log.extras:
+        name, value = _record(extra)
         found.setdefault(name, []).append(value)
-    named = {name: each if len(each) > 1 else each[0] for name, each in found.items()}
+    named = {name: each if len(each) > 1 else each[0] for name, each in sorted(found.items())}
     return {"profile": log.profile, **named}
 
 
-def _metadata(source: ByteSource, offset: int, size: int) -> tuple[str, Tree]:
-    body = source.read(offset, min(size, _LARGEST_METADATA))
-    try:
-        record = records.Metadata.read(ReadDataStream(BytesIO(body)))
-    except (McapError, struct.error, ValueError, OverflowError):
-        return "metadata:(damaged)", body[:_PIECE]
-    return f"metadata:{record.name}", dict(record.metadata)
-
-
-def _attachment(source: ByteSource, offset: int, size: int) -> tuple[str, Tree]:
-    """Describe an attachment: log and create time, name, media type, then size and content."""
-    head = BytesIO(source.read(offset, min(_PIECE, size)))
-    stream = ReadDataStream(head)
-    try:
-        stream.read(16)
-        name, media_type = stream.read_prefixed_string(), stream.read_prefixed_string()
-        length = stream.read8()
-    except (McapError, struct.error, ValueError, OverflowError):
-        return "attachment:(damaged)", head.getvalue()
-    start, end = offset + head.tell(), min(offset + head.tell() + length, offset + size)
-    content = hashlib.sha256()
-    for piece in range(start, end, _PIECE):
-        content.update(source.read(piece, min(_PIECE, end - piece)))
-    found = {"media_type": media_type, "size": length, "sha256": content.hexdigest()}
-    return f"attachment:{name}", found
+def _record(extra: Extra) -> tuple[str, Tree]:
+    """Return the name and the content of a record."""
+    match read_extra(extra):
+        case (_, records.Metadata() as metadata):
+            return f"metadata:{metadata.name}", dict(metadata.metadata)
+        case (_, records.Attachment() as attachment):
+            digest = hashlib.sha256(attachment.data).hexdigest()
+            content = {"size": len(attachment.data), "sha256": digest}
+            return f"attachment:{attachment.name}", {"type": attachment.media_type, **content}
+    return "(damaged record)", extra.size

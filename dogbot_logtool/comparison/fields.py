@@ -8,20 +8,28 @@ numbers, true is none.
 import json
 import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.comparison.outcome import Difference, Findings
-from dogbot_logtool.comparison.tolerances import FieldRules, Tolerance
-from dogbot_logtool.core.arrays import Flags, Floats
+from dogbot_logtool.comparison.outcome import Comparison, Difference, Findings, Tally
+from dogbot_logtool.comparison.tolerances import FieldRules, Rules, fits, nothing_left
+from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.io.storage import content, is_folder, open_file
 
 Tree = Any
 """A decoded value; see above."""
 _QUATERNION: Final = frozenset("xyzw")
 _TEXT_LIMIT: Final = 100
 _NOTHING: Final = "nothing"
+_PROVENANCE: Final = ("tool.version", "log.path")
+"""Keys that say where metrics come from."""
+_WHOLE: Final = "(document)"
+_UNWANTED: Final = object()
+"""Returned by `_picked` for a value that is not wanted."""
+_LARGEST: Final = 256 << 20
 
 
 def compare_fields(
@@ -46,6 +54,7 @@ class _Comparer:
     def __init__(self, rules: FieldRules, findings: Findings) -> None:
         self._rules = rules
         self._findings = findings
+        self._tally = findings.tally
 
     def compare(self, expected: Tree, actual: Tree, path: str, name: str) -> None:
         if self._rules.ignored(name):
@@ -60,25 +69,24 @@ class _Comparer:
         elif isinstance(expected, list) and isinstance(actual, list):
             for index, (one, other) in enumerate(zip(expected, actual, strict=False)):
                 self.compare(one, other, f"{path}[{index}]", name)
-            self._lengths(expected, actual, path)
+            self._lengths(len(expected), len(actual), path)
         else:
             self._leaves(expected, actual, path, name)
 
     def structs(
         self, expected: Mapping[str, Tree], actual: Mapping[str, Tree], path: str, name: str
     ) -> None:
-        found = self._findings
-        found.empty += not (expected or actual)
+        self._tally.equal += not (expected or actual)
         for key in dict.fromkeys((*expected, *actual)):
             below, inner = join(path, key), join(name, key)
             if key in expected and key in actual:
                 self.compare(expected[key], actual[key], below, inner)
             elif not self._rules.ignored(inner) and key in expected:
-                found.missing += count_leaves(expected[key])
-                found.add(Difference(below, text_of(expected[key]), _NOTHING))
+                self._tally.missing += 1
+                self._findings.add(below, text_of(expected[key]), _NOTHING)
             elif not self._rules.ignored(inner):
-                found.extra += count_leaves(actual[key])
-                found.add(Difference(below, _NOTHING, text_of(actual[key])))
+                self._tally.extra += 1
+                self._findings.add(below, _NOTHING, text_of(actual[key]))
 
     def _quaternions(
         self, expected: Mapping[str, float], actual: Mapping[str, float], path: str, name: str
@@ -92,50 +100,38 @@ class _Comparer:
             return
         found = Findings(0)
         _Comparer(self._rules, found).structs(expected, turned, path, name)
-        self._findings.compared += found.compared
-        self._deviate(found.deviation_path, found.deviation)
+        self._deviate(found.tally.deviation_path, found.tally.deviation)
         if found.count:
             # As a whole: single components of q against -q would puzzle.
-            self._differ(path, text_of(expected), text_of(actual), found.deviation)
+            self._differ(path, text_of(expected), text_of(actual), found.tally.deviation)
         else:
-            self._findings.loose += found.compared
+            self._tally.within_tolerance += len(counting)
 
-    def _lengths(
-        self, expected: list[Tree] | NDArray[Any], actual: list[Tree] | NDArray[Any], path: str
-    ) -> None:
-        size, other = len(expected), len(actual)
-        self._findings.empty += not (size or other)
-        if size != other:
-            self._findings.missing += sum(map(count_leaves, expected[other:]))
-            self._findings.extra += sum(map(count_leaves, actual[size:]))
-            self._findings.add(Difference(path, f"{size} elements", f"{other} elements"))
+    def _lengths(self, expected: int, actual: int, path: str) -> None:
+        self._tally.equal += not (expected or actual)
+        if expected != actual:
+            self._tally.missing += max(expected - actual, 0)
+            self._tally.extra += max(actual - expected, 0)
+            self._findings.add(path, f"{expected} elements", f"{actual} elements")
 
     def _arrays(self, expected: NDArray[Any], actual: NDArray[Any], path: str, name: str) -> None:
-        self._lengths(expected, actual, path)
-        size = min(len(expected), len(actual))
-        one, other, found = expected[:size], actual[:size], self._findings
-        found.compared += size
-        if one.dtype == other.dtype and one.tobytes() == other.tobytes():
-            return
-        is_float = "f" in one.dtype.kind + other.dtype.kind
-        tolerance = self._rules.tolerance(name) if is_float else self._rules.claimed(name)
-        equal, agree, apart = _compare_arrays(one, other, tolerance)
-        if size:
-            worst = int(apart.argmax())
-            self._deviate(f"{path}[{worst}]", float(apart[worst]))
-        found.loose += int((agree & ~equal).sum())
-        differing = np.flatnonzero(~agree)
-        for row in differing[: found.limit].tolist():
-            deviation = float(apart[row]) if apart[row] >= 0.0 else None
-            found.add(Difference(f"{path}[{row}]", str(one[row]), str(other[row]), deviation))
-        found.different += len(differing)
-        found.count += max(len(differing) - found.limit, 0)
+        self._lengths(len(expected), len(actual), path)
+        size, found = min(len(expected), len(actual)), self._findings
+        one, other = expected[:size], actual[:size]
+        rows = np.flatnonzero(one != other)
+        self._tally.equal += size - len(rows)
+        if "f" not in one.dtype.kind + other.dtype.kind and self._rules.claimed(name) is None:
+            # Of an image all may differ: integers without a tolerance are but counted.
+            self._tally.different += len(rows[found.limit :])
+            found.count += len(rows[found.limit :])
+            rows = rows[: found.limit]
+        for row in rows.tolist():
+            self._leaves(one[row].item(), other[row].item(), f"{path}[{row}]", name)
 
     def _leaves(self, expected: Tree, actual: Tree, path: str, name: str) -> None:
-        self._findings.compared += 1
         if type(expected) is type(actual) and expected == actual:
-            return
-        if _is_number(expected) and _is_number(actual):
+            self._tally.equal += 1
+        elif _is_number(expected) and _is_number(actual):
             self._numbers(expected, actual, path, name)
         elif isinstance(expected, bytes) and isinstance(actual, bytes):
             self._bytes(expected, actual, path)
@@ -144,6 +140,7 @@ class _Comparer:
 
     def _numbers(self, expected: float, actual: float, path: str, name: str) -> None:
         if expected == actual or (expected != expected and actual != actual):  # noqa: PLR0124
+            self._tally.equal += 1
             return
         texts = text_of(expected), text_of(actual)
         tolerance = self._rules.claimed(name)
@@ -160,7 +157,7 @@ class _Comparer:
         self._deviate(path, _as_float(apart))
         # An infinite expected value would allow everything.
         if apart <= allowed and apart < math.inf:
-            self._findings.loose += 1
+            self._tally.within_tolerance += 1
         else:
             self._differ(path, *texts, _as_float(apart))
 
@@ -174,14 +171,13 @@ class _Comparer:
 
     def _differ(self, path: str, one: str, other: str, deviation: float = math.nan) -> None:
         """Note that a leaf differs."""
-        self._findings.different += 1
-        apart = deviation if math.isfinite(deviation) else None
-        self._findings.add(Difference(path, one, other, apart))
+        self._tally.different += 1
+        self._findings.add(path, one, other, deviation if math.isfinite(deviation) else None)
 
     def _deviate(self, path: str, deviation: float) -> None:
         """Note how far apart two numbers are."""
-        if self._findings.deviation < deviation < math.inf:
-            self._findings.deviation, self._findings.deviation_path = deviation, path
+        if self._tally.deviation < deviation < math.inf:
+            self._tally.deviation, self._tally.deviation_path = deviation, path
 
 
 def join(path: str, key: str) -> str:
@@ -210,41 +206,6 @@ def _distance(one: Mapping[str, float], other: Mapping[str, float]) -> float:
     return max((d for d in deviations if math.isfinite(d)), default=0.0)
 
 
-def _compare_arrays(
-    expected: NDArray[Any], actual: NDArray[Any], tolerance: Tolerance | None
-) -> tuple[Flags, Flags, Floats]:
-    """Compare arrays of one length.
-
-    Returns:
-        (n,) which are equal, which agree, and how far they are apart: below 0 where that is no
-        finite number, and without a tolerance everywhere.
-    """
-    kinds = {expected.dtype.kind, actual.dtype.kind}
-    if tolerance is None or "b" in kinds:
-        equal = expected == actual
-        return equal, equal, np.full(len(equal), -1.0)
-    # Differences of integers are exact.
-    one, other = (
-        each.astype(np.float64 if "f" in kinds else object) for each in (expected, actual)
-    )
-    with np.errstate(invalid="ignore", over="ignore"):
-        apart = np.abs(one - other)
-        agree = (apart <= tolerance.atol + tolerance.rtol * np.abs(one)).astype(np.bool_)
-    equal = (one == other) | ((one != one) & (other != other))  # noqa: PLR0124 - NaN
-    apart = np.where(np.isfinite(apart.astype(np.float64)), apart, -1.0).astype(np.float64)
-    return equal, equal | (agree & (apart >= 0.0)), apart
-
-
-def count_leaves(value: Tree) -> int:
-    """Return the number of leaves; an empty struct or array counts as one."""
-    if isinstance(value, np.ndarray):
-        return max(len(value), 1)
-    if isinstance(value, Mapping | list):
-        inner = value.values() if isinstance(value, Mapping) else value
-        return max(sum(map(count_leaves, inner)), 1)
-    return 1
-
-
 def text_of(value: Tree) -> str:
     """Return a value in one line that fits a report, without control characters."""
     if isinstance(value, float):
@@ -256,3 +217,88 @@ def text_of(value: Tree) -> str:
     else:
         text = json.dumps(value[:_TEXT_LIMIT] if isinstance(value, str) else value, default=text_of)
     return text if len(text) <= _TEXT_LIMIT else f"{text[: _TEXT_LIMIT - 3]}..."
+
+
+def looks_like_json(path: Path) -> bool:
+    """Tell by its first character whether a file is JSON text; a directory is not.
+
+    Raises:
+        CallError: there is no such file, or it cannot be opened.
+    """
+    if is_folder(path):
+        return False
+    with open_file(path) as file:
+        return file.read(64).removeprefix(b"\xef\xbb\xbf").lstrip()[:1] in {b"{", b"["}
+
+
+def compare_json(expected: Path, actual: Path, rules: Rules, max_differences: int) -> Comparison:
+    """Compare two JSON documents; what counts as a topic is a key at the top.
+
+    Raises:
+        CallError: none of the keys is wanted.
+        LogError: one of the files is not JSON.
+    """
+    documents = load_json(expected), load_json(actual)
+    findings = Findings(max_differences)
+    tallies: list[Tally] = []
+    for_values = rules.ignoring(*_PROVENANCE)
+    try:
+        one, other = (_picked(document, "", rules) for document in documents)
+        if one is _UNWANTED and other is _UNWANTED:
+            raise CallError(f"--topics: neither file has a key like {', '.join(rules.topics)}")
+        for key, first, second in _parts(one, other):
+            if not fits(rules.ignore, key):
+                found = findings.within(Difference(topic=key), key)
+                findings.take(compare_fields(first, second, FieldRules(for_values, key), found))
+                tallies.append(found.tally)
+    except RecursionError as error:
+        raise LogError(f"{actual}: is nested too deeply") from error
+    if (rules.ignore or rules.topics) and all(t.same and not t.both for t in tallies):
+        raise nothing_left(rules, "value")
+    return Comparison(expected, actual, "values", tallies, findings.differences, findings.count)
+
+
+def _picked(value: Tree, name: str, rules: Rules) -> Tree:
+    """Return what of a value is to be compared, `_UNWANTED` if nothing is."""
+    if not rules.topics or fits(rules.topics, name):
+        return value
+    if isinstance(value, dict):
+        inner = {key: _picked(each, join(name, key), rules) for key, each in value.items()}
+        return {key: each for key, each in inner.items() if each is not _UNWANTED} or _UNWANTED
+    if isinstance(value, list):
+        elements = [_picked(each, name, rules) for each in value]
+        if any(each is not _UNWANTED for each in elements):
+            # The others keep their positions.
+            return [{} if each is _UNWANTED else each for each in elements]
+    return _UNWANTED
+
+
+def _parts(expected: Tree, actual: Tree) -> list[tuple[str, Tree, Tree]]:
+    """Return the documents' parts with their names; a document that is no object is one part."""
+    one, other = ({} if each is _UNWANTED else each for each in (expected, actual))
+    if not isinstance(one, dict) or not isinstance(other, dict):
+        return [(_WHOLE, one, other)]
+    parts = {key: [{key: e[key]} if key in e else {} for e in (one, other)] for key in one | other}
+    return [(key, first, second) for key, (first, second) in parts.items()]
+
+
+def load_json(path: Path) -> Tree:
+    """Read a JSON document.
+
+    Raises:
+        CallError: it cannot be read.
+        LogError: it is not JSON.
+    """
+    try:
+        data = content(path, _LARGEST)
+        if data is None:
+            raise LogError(f"{path}: is larger than any statistics are")
+        return json.loads(data)
+    except OSError as error:
+        raise CallError(f"{path}: cannot be read: {error.strerror}") from error
+    except RecursionError as error:
+        raise LogError(f"{path}: is nested too deeply") from error
+    except ValueError as error:
+        # Of a number with too many digits, Python says behind the semicolon how it would take them.
+        why = str(error).partition(";")[0]
+        raise LogError(f"{path}: is not JSON that can be read: {why}") from error

@@ -12,21 +12,25 @@ from fnmatch import fnmatchcase
 from typing import Any, Final, TypeGuard
 
 from dogbot_logtool.comparison.limits import Rule
+from dogbot_logtool.core.events.event import EventType
+from dogbot_logtool.core.records import METRICS, MetricPath
 
 Json = Mapping[str, Any]
 Value = float | str | bool | None
 """A figure in JSON."""
 
 
-NEEDED: Final[Mapping[str, str]] = {
-    "slip": "feet.*.contact_travel_m.median",
-    "stumble": "feet.*.contact_fraction",
-    "early_contact": "feet.*.contact_fraction",
-    "fall": "base.duration_s",
-    "tipping": "base.duration_s",
-    "carried": "base.duration_s",
-    "pose_jump": "base.duration_s",
-    "margin_below_zero": "stability.static_margin_m.median",
+_CONTACT: Final = METRICS.feet["*"].contact_fraction
+_BASE: Final = METRICS.base.duration_s
+NEEDED: Final[Mapping[str, MetricPath]] = {
+    EventType.SLIP: METRICS.feet["*"].contact_travel_m.median,
+    EventType.STUMBLE: _CONTACT,
+    EventType.EARLY_CONTACT: _CONTACT,
+    EventType.FALL: _BASE,
+    EventType.TIPPING: _BASE,
+    EventType.CARRIED: _BASE,
+    EventType.POSE_JUMP: _BASE,
+    EventType.MARGIN_BELOW_ZERO: METRICS.stability.static_margin_m.median,
 }
 """Figures by type of event: where all are null, that there was no such event is not known."""
 
@@ -94,17 +98,16 @@ def _judged(document: Json, rule: Rule, baseline: Json | None) -> Iterator[Judge
 def _of_findings(document: Json, rule: Rule) -> Judgement:
     found = [
         each
-        for each in findings_in(document)
+        for each in document.get("findings", ())
         if each["severity"] == rule.pattern or fnmatchcase(each["code"], rule.pattern)
     ]
-    look = "; ".join(each["text"] for each in found[:3])
-    return _counted(rule, len(found), look)
+    return _counted(rule, len(found), "; ".join(each["text"] for each in found[:3]))
 
 
 def _of_events(document: Json, rule: Rule) -> Judgement:
     events = document.get("events")
     if events is None:
-        return Judgement(Status.UNKNOWN, rule, rule.pattern, None, rule.demand, "no events in it")
+        return _unknown(rule, rule.pattern, "no events in it")
     found = [each for each in events if fnmatchcase(each["type"], rule.pattern)]
     if not found and not can_tell(document, rule.pattern):
         return _unknown(rule, rule.pattern, f"the log cannot tell: {NEEDED[rule.pattern]} is null")
@@ -114,7 +117,7 @@ def _of_events(document: Json, rule: Rule) -> Judgement:
 
 def can_tell(document: Json, event: str) -> bool:
     """Tell whether a log has what events of a type are found by."""
-    values = [value for _, value in figures_in(document, NEEDED.get(event, ""))]
+    values = [value for _, value in figures_in(document, str(NEEDED.get(event, "")))]
     return not values or any(value is not None for value in values)
 
 
@@ -213,12 +216,6 @@ def _below(path: str, pattern: str) -> str:
     return ".".join((path, *words[names:]))
 
 
-def findings_in(document: Json) -> list[Json]:
-    """Return the findings of a log."""
-    found: list[Json] = list(document.get("findings", ()))
-    return found
-
-
 def _no_such_figure(pattern: str, parts: Sequence[Json]) -> str:
     """Say that no figure fits a pattern, and which are called nearly so."""
     names = {path for part in parts for path, _ in figures_in(part, "*")}
@@ -229,24 +226,20 @@ def _no_such_figure(pattern: str, parts: Sequence[Json]) -> str:
 
 def _reason(document: Json, path: str) -> str:
     """Return why a metric is null, and the findings that concern it."""
-    because = _null_because(document, path.rpartition(": ")[2])
+    because = _null_because(document.get("null_because", {}), path.rpartition(": ")[2])
     texts = [
         each["text"]
-        for each in findings_in(document)
-        if each["code"] == because
-        or (each.get("where") and (path == each["where"] or path.startswith(f"{each['where']}.")))
+        for each in document.get("findings", ())
+        if each["code"] == because or (each["where"] and f"{path}.".startswith(f"{each['where']}."))
     ]
     return "; ".join(dict.fromkeys(texts)) or because
 
 
-def _null_because(document: Json, path: str) -> str:
+def _null_because(reasons: Mapping[str, str], path: str) -> str:
     """Return why a metric, or what holds it, is null: a finding's code or a sentence."""
-    reasons = document.get("null_because", {})
-    while path:
-        if path in reasons:
-            return str(reasons[path])
+    while path and path not in reasons:
         path = path.rpartition(".")[0]
-    return ""
+    return reasons.get(path, "")
 
 
 def _is_number(value: Value) -> TypeGuard[float]:

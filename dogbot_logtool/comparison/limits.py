@@ -11,14 +11,13 @@ stands for dots), and says what is demanded of it.
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, Final, Literal, get_args
 
-from dogbot_logtool.comparison.renamed import new_name
 from dogbot_logtool.core.events.event import EventType
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Severity, finding_kinds
@@ -34,14 +33,6 @@ Value = float | str | bool
 """A value that a metric may have to be equal to."""
 
 _RULE: Final = re.compile(r"^[ \t]*\[\[[ \t]*rule[ \t]*\]\]", re.MULTILINE)
-_DEMANDS: Final = ("between", "within", "at_least", "at_most", "equals", "baseline")
-_OTHERS: Final = ("where", "null", "level", "name")
-_EXAMPLES: Final = {
-    "between": "two numbers such as [0.70, 0.80]",
-    "within": "like { of = 1.0, by = 0.05 }",
-    "baseline": "like { by = 0.01 } or { by_percent = 5 }",
-}
-_SEVERITIES: Final = tuple(each.word for each in Severity)
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,100 +126,95 @@ def _rule(table: Mapping[str, Any], where: str) -> Rule:
     if len(subjects) != 1:
         raise CallError(f"{where}: needs one of figure, finding and event")
     subject = subjects[0]
-    if strange := sorted(set(table) - {subject, *_DEMANDS, *_OTHERS}):
+    pattern = _text(table[subject], f"{where}: {subject}")
+    given = {key: value for key, value in table.items() if key != subject}
+    if strange := sorted(given.keys() - _DEMANDS.keys() - _OTHERS.keys()):
         known = ", ".join((*_DEMANDS, *_OTHERS))
         raise CallError(f"{where}: {strange[0]} is not known; there may be {known}")
-    demands = [name for name in _DEMANDS if name in table]
-    if subject != "figure" and set(demands) - {"at_most", "at_least"}:
-        raise CallError(f"{where}: of a {subject}'s number there is at_most and at_least only")
+    demands = [name for name in _DEMANDS if name in given]
     if subject == "figure" and not demands:
         raise CallError(f"{where}: needs one of {', '.join(_DEMANDS)}")
     if len(demands) > 1 and demands != ["at_least", "at_most"]:
         raise CallError(f"{where}: {demands[0]} and {demands[1]} do not go together")
-    for key in {subject, "where", "name"} & set(table):
-        if not isinstance(table[key], str) or not table[key]:
-            raise CallError(f"{where}: {key} is {shortened(table[key])}; it must be a text")
-    for key, choices in (("null", get_args(Null)), ("level", get_args(Level))):
-        if table.get(key, choices[0]) not in choices:
-            words = ", ".join(choices)
-            raise CallError(f"{where}: {key} is {shortened(table[key])}; it must be {words}")
-    _check_name(subject, table[subject], where)
-    low, high = _range(table, subject, where)
-    others = {key: table[key] for key in _OTHERS if key in table}
-    equals, baseline = _equals(table, where), _deviation(table, where)
-    return Rule(subject, table[subject], low, high, equals, baseline, **others)
+    fields: dict[str, Any] = {}
+    if subject != "figure":
+        if set(demands) - {"at_most", "at_least"}:
+            raise CallError(f"{where}: of a {subject}'s number there is at_most and at_least only")
+        _refuse_unknown(subject, pattern, where)
+        # That something was found or happened is what such a rule is against.
+        fields["high"] = math.inf if "at_least" in demands else 0.0
+    for key, value in given.items():
+        of = f"{where}: {key}"
+        fields |= _DEMANDS[key](value, of) if key in demands else {key: _OTHERS[key](value, of)}
+    return Rule(subject, pattern, **fields)
 
 
-def _check_name(subject: Subject, pattern: str, where: str) -> None:
-    """Refuse a metric of before, and a finding or event that no log can have.
-
-    A rule about the latter would always be kept.
-    """
-    if subject == "figure":
-        if new := new_name(pattern):
-            raise CallError(f"{where}: {pattern} is now {new}; docs/metrics.md has all metrics")
-        return
-    known = list(EventType) if subject == "event" else [*_SEVERITIES, *finding_kinds()]
-    if any(fnmatchcase(name, pattern) for name in known):
-        return
-    if subject == "finding" and (now := _new_codes(pattern)):
-        raise CallError(
-            f"{where}: {pattern} is now {', '.join(now)}; codes have no prefix any more, and "
-            "docs/findings.md has all"
-        )
-    close = get_close_matches(pattern, known, 3) or (known if subject == "event" else [])
-    near = f"; there are {', '.join(close)}" if close else "; docs/findings.md has all codes"
-    raise CallError(f"{where}: no {subject} is called {pattern!r}{near}")
+def _refuse_unknown(subject: Subject, pattern: str, where: str) -> None:
+    """Refuse a finding or an event that no log can have: the rule would always be kept."""
+    severities = [each.word for each in Severity]
+    known = list(EventType) if subject == "event" else [*severities, *finding_kinds()]
+    if not any(fnmatchcase(name, pattern) for name in known):
+        close = get_close_matches(pattern, known, 3) or (known if subject == "event" else [])
+        near = f"; there are {', '.join(close)}" if close else "; docs/findings.md has all codes"
+        raise CallError(f"{where}: no {subject} is called {pattern!r}{near}")
 
 
-def _new_codes(pattern: str) -> list[str]:
-    """Return the codes that stand for a code or a pattern of before, such as ``DEAD``."""
-    letter, _, name = pattern.partition("_")
-    if letter not in {"E", "N", "W"}:
-        return []
-    if name == "*":
-        return [each for each in _SEVERITIES if each.startswith(letter.lower())]
-    return [
-        code
-        for code, kind in finding_kinds().items()
-        if any(fnmatchcase(each, name) for each in (code, *kind.was))
-    ]
+def _between(value: Any, where: str) -> dict[str, Any]:  # noqa: ANN401 - any TOML value
+    match value:
+        case [first, last]:
+            low, high = toml_number(first, where), toml_number(last, where)
+            if low <= high:
+                return {"low": low, "high": high}
+            raise CallError(f"{where} has its higher number first")
+    raise CallError(f"{where} must be two numbers such as [0.70, 0.80]")
 
 
-def _range(table: Mapping[str, Any], subject: Subject, where: str) -> tuple[float, float]:
-    """Return the lowest and the highest value that is good."""
-    match table:
-        case {"between": [first, last]}:
-            low, high = (toml_number(each, f"{where}: between") for each in (first, last))
-            if low > high:
-                raise CallError(f"{where}: between has its higher number first")
-            return low, high
-        case {"within": {"of": middle, "by": by, **others}} if not others:
-            of = toml_number(middle, f"{where}: within.of")
-            margin = abs(toml_number(by, f"{where}: within.by"))
-            return of - margin, of + margin
-        case {"between": _} | {"within": _}:
-            key = "between" if "between" in table else "within"
-            raise CallError(f"{where}: {key} must be {_EXAMPLES[key]}")
-    # That something was found or happened is what such a rule is against.
-    most = 0.0 if subject != "figure" and "at_least" not in table else math.inf
-    ends = {"at_least": -math.inf, "at_most": most}
-    ends |= {key: toml_number(table[key], f"{where}: {key}") for key in ends if key in table}
-    return ends["at_least"], ends["at_most"]
+def _within(value: Any, where: str) -> dict[str, Any]:  # noqa: ANN401 - any TOML value
+    match value:
+        case {"of": middle, "by": by, **others} if not others:
+            of, margin = toml_number(middle, f"{where}.of"), abs(toml_number(by, f"{where}.by"))
+            return {"low": of - margin, "high": of + margin}
+    raise CallError(f"{where} must be like {{ of = 1.0, by = 0.05 }}")
 
 
-def _deviation(table: Mapping[str, Any], where: str) -> Deviation | None:
-    if "baseline" not in table:
-        return None
-    inner = table["baseline"]
-    if not isinstance(inner, dict) or not inner or set(inner) - {"by", "by_percent"}:
-        raise CallError(f"{where}: baseline must be {_EXAMPLES['baseline']}")
-    where = f"{where}: baseline"
-    return Deviation(**{key: toml_number(each, f"{where}.{key}", 0) for key, each in inner.items()})
+def _equals(value: Any, where: str) -> dict[str, Any]:  # noqa: ANN401 - any TOML value
+    return {"equals": value if isinstance(value, str | bool) else toml_number(value, where)}
 
 
-def _equals(table: Mapping[str, Any], where: str) -> Value | None:
-    value: Value | None = table.get("equals")
-    if value is None or isinstance(value, str | bool):
-        return value
-    return toml_number(value, f"{where}: equals")
+def _baseline(value: Any, where: str) -> dict[str, Any]:  # noqa: ANN401 - any TOML value
+    if not isinstance(value, dict) or not value or value.keys() - {"by", "by_percent"}:
+        raise CallError(f"{where} must be like {{ by = 0.01 }} or {{ by_percent = 5 }}")
+    numbers = {key: toml_number(each, f"{where}.{key}", 0.0) for key, each in value.items()}
+    return {"baseline": Deviation(**numbers)}
+
+
+def _text(value: Any, where: str) -> str:  # noqa: ANN401 - any TOML value
+    if not isinstance(value, str) or not value:
+        raise CallError(f"{where} is {shortened(value)}; it must be a text")
+    return value
+
+
+def _one_of(choices: tuple[str, ...]) -> Callable[[Any, str], str]:
+    def checked(value: Any, where: str) -> str:  # noqa: ANN401 - any TOML value
+        if value not in choices:
+            raise CallError(f"{where} is {shortened(value)}; it must be {', '.join(choices)}")
+        return str(value)
+
+    return checked
+
+
+_DEMANDS: Final[Mapping[str, Callable[[Any, str], dict[str, Any]]]] = {
+    "between": _between,
+    "within": _within,
+    "at_least": lambda value, where: {"low": toml_number(value, where)},
+    "at_most": lambda value, where: {"high": toml_number(value, where)},
+    "equals": _equals,
+    "baseline": _baseline,
+}
+"""What a rule may demand, and the fields of the rule that it sets."""
+_OTHERS: Final[Mapping[str, Callable[[Any, str], str]]] = {
+    "where": _text,
+    "null": _one_of(get_args(Null)),
+    "level": _one_of(get_args(Level)),
+    "name": _text,
+}

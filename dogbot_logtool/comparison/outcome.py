@@ -68,68 +68,21 @@ class Difference:
 
 
 @dataclass(slots=True)
-class Findings:
-    """Differences between two values, or two files: all are counted, the first are kept."""
-
-    limit: int
-    """Differences to keep."""
-    differences: list[Difference] = field(default_factory=list)
-    count: int = 0
-    """All differences; whatever is missing or extra at the end of an array is one."""
-    compared: int = 0
-    """Leaves that both have."""
-    empty: int = 0
-    """Structs and arrays that are empty in both."""
-    loose: int = 0
-    """Leaves that are not equal but agree: within tolerance, or quaternions of the other sign."""
-    different: int = 0
-    missing: int = 0
-    """Leaves that only the expected value has."""
-    extra: int = 0
-    """Leaves that only the actual value has."""
-    deviation: float = 0.0
-    """The largest between two finite numbers, within tolerance or not."""
-    deviation_path: str = ""
-
-    @property
-    def room(self) -> int:
-        """How many more differences are kept."""
-        return self.limit - len(self.differences)
-
-    def add(self, difference: Difference) -> None:
-        """Count a difference, and keep it if there is room."""
-        self.count += 1
-        if self.room > 0:
-            self.differences.append(difference)
-
-    def take(self, found: "Findings", where: Difference) -> None:
-        """Add differences of fields; `where` tells the topic and the message that they are of."""
-        self.differences += [
-            replace(
-                each, kind=where.kind, topic=where.topic, index=where.index, time_s=where.time_s
-            )
-            for each in found.differences[: self.room]
-        ]
-        self.count += found.count
-
-
-@dataclass(slots=True)
 class Tally:
     """The counts of one topic, or of one part of a JSON document."""
 
-    name: str
+    name: str = ""
     """The topic."""
     type_name: str = ""
-    expected: int = 0
-    """Messages (values of a JSON document) in the expected file."""
-    actual: int = 0
     equal: int = 0
-    """The same bytes, or every field equal."""
+    """Messages (values of a JSON document) of the same bytes, or with every field equal."""
     within_tolerance: int = 0
     """Not equal, but no further apart than allowed, or quaternions of the other sign."""
     different: int = 0
     missing: int = 0
+    """In the expected file only."""
     extra: int = 0
+    """In the actual file only."""
     faults: int = 0
     """Differences of the topic itself: its being there, its type, encoding and definition."""
     deviation: float = 0.0
@@ -140,6 +93,21 @@ class Tally:
     """The file that alone has the topic."""
     note: str = ""
     """A remark on the comparison: that it was one of bytes, for instance."""
+
+    @property
+    def both(self) -> int:
+        """What both files have."""
+        return self.equal + self.within_tolerance + self.different
+
+    @property
+    def expected(self) -> int:
+        """What the expected file has."""
+        return self.both + self.missing
+
+    @property
+    def actual(self) -> int:
+        """What the actual file has."""
+        return self.both + self.extra
 
     @property
     def same(self) -> bool:
@@ -165,20 +133,37 @@ class Tally:
         return f"{name}: {', '.join(parts) or 'the same'}{apart}"
 
 
-def tally_of_leaves(name: str, found: Findings) -> Tally:
-    """Return the counts of a tree that was compared as a whole."""
-    return Tally(
-        name,
-        expected=found.compared + found.missing,
-        actual=found.compared + found.extra,
-        equal=found.compared - found.loose - found.different,
-        within_tolerance=found.loose,
-        different=found.different,
-        missing=found.missing,
-        extra=found.extra,
-        deviation=found.deviation,
-        deviation_path=found.deviation_path,
-    )
+@dataclass(slots=True)
+class Findings:
+    """Differences between two values, or two files: all are counted, the first are kept."""
+
+    limit: int
+    """Differences to keep."""
+    of: Difference = Difference()
+    """The topic and the message that differences are of."""
+    tally: Tally = field(default_factory=Tally)
+    """The values that were compared."""
+    differences: list[Difference] = field(default_factory=list)
+    count: int = 0
+    """All differences; whatever is missing or extra at the end of an array is one."""
+
+    def within(self, of: Difference, name: str = "") -> "Findings":
+        """Return an empty record of the differences in a part, to be taken in later."""
+        return Findings(self.limit - len(self.differences), of, Tally(name))
+
+    def add(
+        self, path: str = "", expected: str = "", actual: str = "", deviation: float | None = None
+    ) -> None:
+        """Count a difference, and keep it if there is room."""
+        self.count += 1
+        if len(self.differences) < self.limit:
+            found = replace(self.of, path=path, expected=expected, actual=actual)
+            self.differences.append(replace(found, deviation=deviation))
+
+    def take(self, found: "Findings") -> None:
+        """Take in the differences of a part."""
+        self.differences += found.differences
+        self.count += found.count
 
 
 @dataclass(frozen=True, slots=True)

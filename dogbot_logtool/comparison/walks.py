@@ -10,12 +10,17 @@ interval is as wide as the number of them asks for (Bonferroni).
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, median_of
+from dogbot_logtool.core.records import METRICS
+from dogbot_logtool.errors import LogError
 from dogbot_logtool.reader.containers.loss import Damage
+
+if TYPE_CHECKING:
+    from dogbot_logtool.results import Figures
 
 CONFIDENCE: Final = 0.95
 """That no interval misses its difference, over all metrics."""
@@ -32,24 +37,11 @@ MOST_SPEED_MPS: Final = 0.05
 """m/s, by which they may differ however slow the robot is."""
 MOST_MASS_SHARE: Final = 0.01
 _SEED: Final = 20_261_122
-_TIMES: Final = ("stance_s", "swing_s", "period_s")
-_NOT_COMPARED: Final = ("start_s",)
+_STANCE, _SWING, _START = map(str, (METRICS.stance_s, METRICS.swing_s, METRICS.start_s))
+_PERIOD: Final = "period_s"
 
 
 Json = Mapping[str, Any]
-
-
-@dataclass(frozen=True, slots=True)
-class RunStrides:
-    """The strides of a run."""
-
-    name: str
-    foot: tuple[str, ...]
-    """(n,) name of each stride's foot."""
-    columns: Mapping[str, Floats]
-    """(n,) by name; NaN where not known."""
-    interval_s: float
-    """s, the longest sampling interval of its feet: no time is known more finely."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,8 +88,32 @@ class GaitComparison:
         return 1 if self.reasons or self.differing else 0
 
 
+def compare_walks(first: Sequence["Figures"], second: Sequence["Figures"]) -> GaitComparison:
+    """Compare how two sides walk.
+
+    Args:
+        first: what `stats` of each log of one side comes to.
+        second: of the other.
+
+    Raises:
+        LogError: nothing of a side could be measured.
+    """
+    if not first or not second:
+        raise LogError("nothing is left to compare: no log of one side could be measured")
+    documents = [[run.json for run in side] for side in (first, second)]
+    reasons = tuple(why_not_comparable(*documents))
+    one, other = (tuple(each["log"]["path"] for each in side) for side in documents)
+    return GaitComparison(
+        sides=(one, other),
+        damage=tuple(run.damage for run in (*first, *second) if run.damage.losses),
+        reasons=reasons,
+        doubts=tuple(doubts([*documents[0], *documents[1]])),
+        differences=() if reasons else tuple(metric_differences(first, second)),
+    )
+
+
 def metric_differences(
-    first: Sequence[RunStrides], second: Sequence[RunStrides]
+    first: Sequence["Figures"], second: Sequence["Figures"]
 ) -> list[MetricDifference]:
     """Compare all metrics of strides, foot by foot; those of the largest effect come first.
 
@@ -117,21 +133,21 @@ def metric_differences(
     return sorted(found, key=lambda each: (not each.differs, -abs(each.effect)))
 
 
-def _common_feet(first: Sequence[RunStrides], second: Sequence[RunStrides]) -> list[str]:
-    others = {foot for run in second for foot in run.foot}
-    return [f for f in dict.fromkeys(f for run in first for f in run.foot) if f in others]
+def _common_feet(first: Sequence["Figures"], second: Sequence["Figures"]) -> list[str]:
+    others = {foot for run in second for foot in run.strides.foot}
+    return [f for f in dict.fromkeys(f for run in first for f in run.strides.foot) if f in others]
 
 
-def _values(runs: Sequence[RunStrides], foot: str) -> Mapping[str, Floats]:
+def _values(runs: Sequence["Figures"], foot: str) -> Mapping[str, Floats]:
     """Return the known values of each metric of a foot, run after run."""
     parts: dict[str, list[Floats]] = {}
     for run in runs:
-        rows = np.array([name == foot for name in run.foot], np.bool_)
-        columns = {key: values[rows] for key, values in run.columns.items()}
-        if {"stance_s", "swing_s"} <= columns.keys():
-            columns["period_s"] = columns["stance_s"] + columns["swing_s"]
+        rows = np.array([name == foot for name in run.strides.foot], np.bool_)
+        columns = {key: values[rows] for key, values in run.strides.columns.items()}
+        if {_STANCE, _SWING} <= columns.keys():
+            columns[_PERIOD] = columns[_STANCE] + columns[_SWING]
         for key, values in columns.items():
-            if key not in _NOT_COMPARED:
+            if key != _START:
                 parts.setdefault(key, []).append(values[np.isfinite(values)])
     return {key: np.concatenate(values) for key, values in parts.items()}
 
@@ -184,9 +200,9 @@ def _drawn_medians(values: Floats, random: np.random.Generator) -> Floats:
 
 def _resolution(metric: str, interval_s: float, values: Mapping[str, Floats]) -> float:
     """Return the difference that the recording resolves, in the metric's unit."""
-    if metric == "duty_factor":
-        return interval_s / float(median_of(values["period_s"]))
-    return interval_s if metric in _TIMES else 0.0
+    if metric == str(METRICS.duty_factor):
+        return interval_s / float(median_of(values[_PERIOD]))
+    return interval_s if metric in {_STANCE, _SWING, _PERIOD} else 0.0
 
 
 def _spread(values: Floats) -> float:
@@ -215,22 +231,19 @@ def doubts(documents: Sequence[Json]) -> Iterator[str]:
 
 
 def _feet(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
-    names = [{frozenset(document["feet"]) for document in side} for side in (first, second)]
-    if len(names[0] | names[1]) > 1:
+    if len({frozenset(document["feet"]) for document in (*first, *second)}) > 1:
         yield "the robots have different feet"
     for number, side in enumerate((first, second), 1):
-        strides = sum(
-            foot["strides"] or 0 for document in side for foot in document["feet"].values()
-        )
+        counts = [foot["strides"] or 0 for document in side for foot in document["feet"].values()]
         feet = len(set().union(*(document["feet"] for document in side)))
-        if strides < FEWEST_STRIDES * max(feet, 1):
-            yield f"side {number} has {strides} strides of {feet} feet: too few"
+        if sum(counts) < FEWEST_STRIDES * max(feet, 1):
+            yield f"side {number} has {sum(counts)} strides of {feet} feet: too few"
 
 
 def _gait(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
-    classes = [{document["gait"]["name"] for document in side} for side in (first, second)]
-    if classes[0] != classes[1] or len(classes[0]) > 1:
-        yield f"the gaits differ: {_listed(classes[0])} against {_listed(classes[1])}"
+    one, other = ({METRICS.gait.name.value_in(each) for each in side} for side in (first, second))
+    if len(one | other) > 1:
+        yield f"the gaits differ: {_listed(one)} against {_listed(other)}"
 
 
 def _listed(classes: set[str | None]) -> str:
@@ -238,7 +251,8 @@ def _listed(classes: set[str | None]) -> str:
 
 
 def _speed(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
-    speeds = [[d["base"]["forward_speed_mps"] for d in side] for side in (first, second)]
+    speed = METRICS.base.forward_speed_mps
+    speeds = [[speed.value_in(document) for document in side] for side in (first, second)]
     known = [[each for each in side if each is not None] for side in speeds]
     if not all(known):
         return
@@ -248,7 +262,7 @@ def _speed(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
 
 
 def _mass(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
-    masses = {document["settings"]["mass_kg"] for document in (*first, *second)}
+    masses = {METRICS.settings.mass_kg.value_in(document) for document in (*first, *second)}
     known = [mass for mass in masses if mass is not None]
     apart = known and max(known) - min(known) > MOST_MASS_SHARE * max(known)
     if apart or 0 < len(known) < len(masses):

@@ -32,7 +32,7 @@ from dogbot_logtool.core.scene.support_scene import support_scene
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.recording import in_time_order
-from dogbot_logtool.writer.annotations import AnnotationColumns
+from dogbot_logtool.writer.annotations import Drawn
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,9 +151,7 @@ def _links(plan: ConversionPlan, recording: Recording, opening: int) -> list[Lin
     ]
 
 
-def annotations_between(
-    scene: Scene, start: int, end: int
-) -> tuple[AnnotationColumns, Counter[str]]:
+def annotations_between(scene: Scene, start: int, end: int) -> tuple[list[Drawn], Counter[str]]:
     """Return what is drawn from a log time on and before another, ns.
 
     Returns:
@@ -168,39 +166,33 @@ def annotations_between(
     def within(columns: AnyColumns, log_time: Ints) -> AnyColumns:
         return picked(columns, rows(log_time))
 
-    plan, counts = scene.plan, Counter[str]()
+    plan, wanted, counts = scene.plan, scene.plan.wanted, Counter[str]()
     feet = [(foot, rows(foot.samples.log_time)) for foot in scene.feet]
     forced = [each for each in feet if each[0].has_force]
-    arrows, support, legs = [], [], []
+    drawn: list[Drawn] = []
+    if plan.writes_base:
+        drawn.append(within(scene.transforms, scene.transforms.log_time))
+    drawn += [each.pick(rows(each.log_time)) for each in scene.links]
     if scene.recorded is not None:
-        arrows.append(within(scene.recorded, scene.recorded.log_time))
+        drawn.append(within(scene.recorded, scene.recorded.log_time))
     for foot, own in () if plan.style.needs_contact_states else forced:
-        drawn, skipped = _arrows(plan, foot, own)
-        arrows += drawn
+        arrows, skipped = _arrows(plan, foot, own)
+        drawn += arrows
         counts += skipped
+    drawn += [foot_loads(*each, plan.body_weight_n) for each in feet]
+    drawn.append(within(scene.loads, scene.loads.log_time))
+    drawn += [foot_labels(*each) for each in forced]
     poses = within(scene.poses, scene.poses.log_time)
     # Before the feet are known, what they do at once.
     states = replace(poses, log_time=np.maximum(poses.log_time, scene.known_from))
-    if plan.draws_support:
-        found = support_scene(states, scene.feet, plan.selection.robot.com_offset_m or (0, 0, 0))
-        counts += Counter(support_unknown=found.unknown, support_unweighed=found.unweighed)
-        support.append(replace(found, log_time=poses.log_time, stamp=poses.time))
+    if wanted.has_support:
+        support = support_scene(states, scene.feet, plan.selection.robot.com_offset_m or (0, 0, 0))
+        counts += Counter(support_unknown=support.unknown, support_unweighed=support.unweighed)
+        drawn.append(replace(support, log_time=poses.log_time, stamp=poses.time))
     if plan.description.hips is not None:
         lines = leg_lines(states, scene.feet, plan.description.hips)
-        legs.append(replace(lines, log_time=poses.log_time, stamp=poses.time))
-    columns = AnnotationColumns(
-        within(scene.transforms, scene.transforms.log_time),
-        arrows,
-        [
-            *(foot_loads(*each, plan.body_weight_n) for each in feet),
-            within(scene.loads, scene.loads.log_time),
-        ],
-        support,
-        [foot_labels(*each) for each in forced],
-        legs,
-        [each.pick(rows(each.log_time)) for each in scene.links],
-    )
-    return columns, counts
+        drawn.append(replace(lines, log_time=poses.log_time, stamp=poses.time))
+    return drawn, counts
 
 
 def _arrows(

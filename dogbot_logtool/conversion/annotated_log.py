@@ -7,7 +7,7 @@ recorded messages.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import closing
 from functools import partial
 from typing import BinaryIO, Final
@@ -20,28 +20,22 @@ from dogbot_logtool.conversion.copying import CopiedSpan, as_it_stands
 from dogbot_logtool.conversion.plan import ConversionPlan
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.scene.arrows import Arrows
-from dogbot_logtool.core.scene.styles import LIFETIME_S
 from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Chunk, Log, Loss
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
-from dogbot_logtool.reader.decode.definition import short_type_name
 from dogbot_logtool.reader.workers import Start, in_order
 from dogbot_logtool.run.runner import OnProgress
-from dogbot_logtool.writer.annotations import Annotations, WantedAnnotations, description_type
-from dogbot_logtool.writer.channels import AddedChannels, IdSource
+from dogbot_logtool.writer.annotations import Annotations
+from dogbot_logtool.writer.channels import AddedChannels
 from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunk, finish_chunks
-from dogbot_logtool.writer.drawing import ArrowLook, SupportLook
-from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from dogbot_logtool.writer.mcap_writer import McapWriter
 from dogbot_logtool.writer.message_records import MessageRecords, recorded
-from dogbot_logtool.writer.topics import FALLBACK_PREFIX
+from dogbot_logtool.writer.topics import EVENTS_TOPIC, GAIT_TOPIC, SPANS_TOPIC
 
 SPAN_ROWS = 40_000
 """Samples of feet in a span: enough to make the cost of a numpy call small, and few enough to be
 annotated in some 60 MB."""
-ESTIMATED_WIDTH: Final = 0.5
-"""Width of arrows whose forces are estimated, over that of measured ones."""
 _TIMES: Final = np.iinfo(np.int64)
 TimeSpan = tuple[int, int]
 """ns, log times from which on and before which is annotated."""
@@ -94,7 +88,7 @@ class AnnotatedLog:
     def annotate(
         self,
         scene: Scene,
-        annotations: Annotations,
+        added: AddedChannels,
         progress: OnProgress | None = None,
         start: Start | None = None,
     ) -> Counter[str]:
@@ -102,12 +96,13 @@ class AnnotatedLog:
 
         Args:
             scene: what is drawn.
-            annotations: as which messages.
+            added: takes the channels.
             progress: called with the share done and all, as bytes of the log.
             start: how processes start; None: as the system and the log allow.
         """
         plan, total = scene.plan, sum(chunk.data_size for chunk in self._log.chunks)
-        self._describe(annotations.added.schemas, annotations.added.channels)
+        annotations = Annotations(plan.encoding.load(), plan.wanted, added)
+        self._describe(added.schemas, added.channels)
         if plan.description.urdf is not None and plan.opening is not None:
             message = annotations.robot_description(plan.description.urdf, plan.opening)
             self._writer.add_chunk(finish_chunk(message, plan.options.compression or "zstd"))
@@ -180,14 +175,15 @@ def annotate_span(
 
 def event_records(annotations: Annotations, scene: Scene) -> Iterator[MessageRecords]:
     """Yield the messages of `/gait`, `/events` and `/events/spans`."""
-    encoding, channels = annotations.encoding, annotations.event_channels
-    yield _records(channels.gait, map(encoding.gait, scene.gaits), scene.gait_log_time)
+    encoding, channels = annotations.encoding, annotations.channels
+    yield _records(channels[GAIT_TOPIC], map(encoding.gait, scene.gaits), scene.gait_log_time)
     events, log_time = scene.events, scene.event_log_time
-    yield _records(channels.events, map(encoding.event, events), log_time)
-    if channels.spans is not None:
+    yield _records(channels[EVENTS_TOPIC], map(encoding.event, events), log_time)
+    if SPANS_TOPIC in channels:
         # A viewer's timeline shows what calls for a look; steps are in the log panel.
         odd = [row for row, each in enumerate(events) if not each.is_step]
-        yield _records(channels.spans, (encoding.span(events[row]) for row in odd), log_time[odd])
+        spans = (encoding.span(events[row]) for row in odd)
+        yield _records(channels[SPANS_TOPIC], spans, log_time[odd])
 
 
 def _records(channel: int, payloads: Iterable[bytes], log_time: Ints) -> MessageRecords:
@@ -204,51 +200,17 @@ def _records(channel: int, payloads: Iterable[bytes], log_time: Ints) -> Message
     )
 
 
-def _free_topic(
-    taken: Mapping[str, tuple[str, str]], moved: dict[str, str], topic: str, kind: MessageType
-) -> str:
-    """Return a topic that carries no other type or encoding; note it where it is another one."""
-    name, ours = topic, (short_type_name(kind.name), kind.message_encoding)
-    while taken.get(name, ours) != ours:
-        name = moved[topic] = FALLBACK_PREFIX + name
-    return name
-
-
-def annotations_of(log: Log, plan: ConversionPlan) -> tuple[Annotations, Mapping[str, str]]:
-    """Return the annotation channels of a log's output.
-
-    Returns:
-        the channels, and by topic the new names of those that the log uses for something else.
-    """
-    options, robot, style = plan.options, plan.selection.robot, plan.style
-    copied = log.channels.values() if options.copy else ()
+def added_channels(log: Log, plan: ConversionPlan) -> AddedChannels:
+    """Return what declares the channels of annotations, beside those that are copied."""
+    copied = [*log.channels.values()] if plan.options.copy else []
     taken = {
         channel.topic: (channel.type_name, channel.message_encoding)
         for channel in copied
         if channel.id not in plan.left_out
     }
-    moved: dict[str, str] = {}
-    estimated = plan.selection.contact_from
-    shaft_m = robot.shaft_diameter_m * (ESTIMATED_WIDTH if estimated else 1.0)
-    # At a low rate, support lasts until the next message.
-    lifetime_s = max(LIFETIME_S, 2.0 / options.tf_rate if options.tf_rate else 0.0)
-    look = SupportLook(robot.shaft_diameter_m / 2.0, robot.shaft_diameter_m, lifetime_s)
-    profile = plan.encoding.profile or (log.profile if options.copy else "")
-    description = plan.description
-    wanted = WantedAnnotations(
-        [foot.name for foot in robot.feet],
-        plan.world_frame,
-        plan.base_frame,
-        ArrowLook(style.shaft_diameter_m or shaft_m, style.lifetime_s),
-        base_transform=plan.write_tf,
-        links=description.motion.pairs if description.motion else (),
-        support=look if plan.draws_support else None,
-        legs=None if description.hips is None else look,
-        description=description_type(profile) if description.urdf is not None else None,
-    )
     # Chunks that are copied as they are may describe channels that are left out.
-    schema_ids = IdSource({channel.schema.id for channel in copied if channel.schema})
-    channel_ids = IdSource({channel.id for channel in copied})
+    schema_ids = {channel.schema.id for channel in copied if channel.schema}
+    channel_ids = {channel.id for channel in copied}
+    estimated = plan.selection.contact_from
     notes = {"contact_from": estimated} if estimated else {}
-    added = AddedChannels(schema_ids, channel_ids, partial(_free_topic, taken, moved), notes)
-    return Annotations(plan.encoding.load(), wanted, added), moved
+    return AddedChannels(schema_ids, channel_ids, taken, notes)

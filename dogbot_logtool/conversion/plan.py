@@ -1,6 +1,7 @@
 """The plan of `convert` for a log, made before the first annotation is written."""
 
 from dataclasses import dataclass, replace
+from typing import Final
 
 from dogbot_logtool.conversion.findings import (
     arrow_findings,
@@ -10,18 +11,23 @@ from dogbot_logtool.conversion.findings import (
 )
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
-from dogbot_logtool.core.scene.styles import ARROW_STYLES, ArrowStyle
+from dogbot_logtool.core.scene.styles import ARROW_STYLES, LIFETIME_S, ArrowStyle
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.core.world_frames import WorldFrames
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.robot.places import sensor_points
+from dogbot_logtool.robot.measuring.legs import sensor_points
 from dogbot_logtool.robot.robot_model.description import RobotDescription, robot_description
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.time_span import time_limits
+from dogbot_logtool.writer.annotations import WantedAnnotations, description_type
+from dogbot_logtool.writer.drawing import Look
 from dogbot_logtool.writer.encodings.registry import ENCODINGS, OutputEncoding
+
+ESTIMATED_WIDTH: Final = 0.5
+"""Width of arrows whose forces are estimated, over that of measured ones."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,15 +38,13 @@ class ConversionPlan:
     options: ConvertOptions
     style: ArrowStyle
     encoding: OutputEncoding
-    world_frame: str
-    base_frame: str
-    write_tf: bool
+    wanted: WantedAnnotations
+    writes_base: bool
+    """Whether the base's transforms are written."""
     frames: WorldFrames | None
     """How the links' frames are connected to the world; None: not needed, or not connected."""
     body_weight_n: float | None
     arrow_scale: ArrowScale
-    draws_support: bool
-    """Whether `/support` is written."""
     description: RobotDescription
     """Of the robot, with hips only where the lines of `/legs` are drawn."""
     opening: int | None
@@ -92,6 +96,15 @@ def make_plan(
     description = robot_description(
         log, selection, frames, frames.base, options.urdf, copy=options.copy
     )
+    description = replace(
+        description,
+        hips=None if unsupported else description.hips,
+        motion=description.motion if options.tf != "never" else None,
+    )
+    writes_base = selection.has_base and options.tf != "never" and second is None
+    pairs = description.motion.pairs if description.motion else ()
+    profile = options.copy and log.profile
+    typed = description_type(ENCODINGS[options.encoding].profile or profile or "")
     # A scale of the robot's file has colours of its own.
     colour_n = weight_n if given is None else settings.body_weight_n
     start, end = time_limits(log, options.start, options.end)
@@ -101,18 +114,22 @@ def make_plan(
         options=options,
         style=style,
         encoding=ENCODINGS[options.encoding],
-        world_frame=frames.world,
-        base_frame=frames.base,
-        write_tf=selection.has_base and options.tf != "never" and second is None,
+        wanted=WantedAnnotations(
+            [foot.name for foot in selection.robot.feet],
+            frames.world,
+            frames.base,
+            _look(selection, style, options.tf_rate),
+            links=pairs,
+            has_transforms=writes_base or bool(pairs),
+            has_support=unsupported is None,
+            has_legs=description.hips is not None,
+            description=typed if description.urdf is not None else None,
+        ),
+        writes_base=writes_base,
         frames=placed,
         body_weight_n=settings.body_weight_n,
         arrow_scale=arrow_scale(given, weight_n, description.height_m),
-        draws_support=unsupported is None,
-        description=replace(
-            description,
-            hips=None if unsupported else description.hips,
-            motion=description.motion if options.tf != "never" else None,
-        ),
+        description=description,
         opening=log.start_time if start is None else start,
         end=last if end is None else min(end, last),
         left_out=left_out,
@@ -124,3 +141,12 @@ def make_plan(
             *([second] if second else []),
         ),
     )
+
+
+def _look(selection: Selection, style: ArrowStyle, tf_rate: float) -> Look:
+    """Return how all that is drawn looks."""
+    mark_m = selection.robot.shaft_diameter_m
+    shaft_m = mark_m * (ESTIMATED_WIDTH if selection.contact_from else 1.0)
+    # At a low rate, support lasts until the next message.
+    lifetime_s = max(LIFETIME_S, 2.0 / tf_rate if tf_rate else 0.0)
+    return Look(style.shaft_diameter_m or shaft_m, style.lifetime_s, mark_m, lifetime_s)

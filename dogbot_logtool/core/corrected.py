@@ -12,7 +12,7 @@ from dogbot_logtool.core.base.axes import leaning_walk_rad
 from dogbot_logtool.core.base.foot_path import FootPath, path_in_base, path_of
 from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.filtered import time_constants_s, without_filter
+from dogbot_logtool.core.contact.filtered import find_filters, without_filter
 from dogbot_logtool.core.contact.foot_history import FootHistory, foot_history
 from dogbot_logtool.core.contact.silent_swing import with_swings
 from dogbot_logtool.core.corrections.clock import (
@@ -167,11 +167,11 @@ def _without_filters(
         and len(recording.feet[row].log_time)
     ]
     samples, feet = list(recording.feet), list(settings.feet)
-    told = time_constants_s([samples[row] for row in rows])
-    for row, tau_s in zip(rows, told, strict=True):
-        if tau_s is not None:
-            samples[row] = without_filter(samples[row], tau_s)
-            feet[row] = replace(feet[row], filter_s=tau_s)
+    filters = find_filters([samples[row] for row in rows])
+    for row, each in zip(rows, filters, strict=True):
+        if each is not None:
+            samples[row] = without_filter(samples[row], each)
+            feet[row] = replace(feet[row], low_pass=each)
     return replace(recording, feet=tuple(samples)), replace(settings, feet=tuple(feet))
 
 

@@ -22,6 +22,7 @@ from typing import (
     Any,
     Final,
     NamedTuple,
+    Self,
     TypeVar,
     get_args,
     get_origin,
@@ -258,3 +259,33 @@ def to_json(value: Any, *, detail: bool = True) -> Any:  # noqa: ANN401 - JSON
     if isinstance(value, dict):
         return {name: to_json(each, detail=detail) for name, each in value.items()}
     return [to_json(each, detail=detail) for each in value] if isinstance(value, tuple) else value
+
+
+class MetricPath:
+    """The path of a metric, written as its attribute: ``METRICS.gait.name`` is ``gait.name``."""
+
+    def __init__(self, *names: str) -> None:
+        self._names = names
+
+    def __getattr__(self, name: str) -> Self:
+        return type(self)(*self._names, name)
+
+    def __getitem__(self, name: str) -> Self:
+        """Return the path of a foot, a joint, a topic ...; ``*`` stands for all."""
+        return type(self)(*self._names, name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __str__(self) -> str:
+        return ".".join(self)
+
+    def value_in(self, document: Mapping[str, Any]) -> Any:  # noqa: ANN401 - any value of JSON
+        """Return the metric in a JSON object; None where that, or what holds it, is null."""
+        value: Any = document
+        for name in self:
+            value = None if value is None else value.get(name)
+        return value
+
+
+METRICS: Final = MetricPath()

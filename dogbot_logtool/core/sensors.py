@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import all_finite, median_of, norms
-from dogbot_logtool.core.contact.contact_rule import FootSensor, contact_rule
+from dogbot_logtool.core.contact.contact_rule import HEAVILY_FILTERED, FootSensor, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import usual_interval_s
 from dogbot_logtool.core.corrections.modes import CONSTANT
@@ -61,6 +61,8 @@ def with_sensors(settings: WalkSettings, feet: Sequence[Samples]) -> WalkSetting
             rule = replace(rule, by_flag=True, backdates=False, unusable="")
         elif _is_stuck(level) and any(each.loaded_n and not _is_stuck(each) for each in levels):
             rule = replace(rule, unusable="its sensor reads one constant force while others vary")
+        if foot.low_pass and not foot.low_pass.resolved:
+            rule = replace(rule, unusable=HEAVILY_FILTERED)
         found.append(replace(foot, sensor=FootSensor(level, rule)))
     return replace(settings, feet=tuple(found), estimated_weight_n=estimated)
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from dogbot_logtool.core.contact.contact_rule import FootSensor, Thresholds, contact_rule
+from dogbot_logtool.core.contact.filtered import Filter
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
@@ -42,8 +43,8 @@ class FootSettings:
     offset_n: tuple[float, float, float] | None = None
     """N, what its sensor reads without load; None: not given. Also where it is from."""
     offset_from: Origin = "option"
-    filter_s: float | None = None
-    """s, time constant of the low-pass filter that its forces went through; None: of none."""
+    low_pass: Filter | None = None
+    """The filter that its forces went through; None: none."""
     sensor: FootSensor | None = None
     """How its sensor reads; None: to be learnt from its samples."""
 

@@ -1,6 +1,5 @@
 """Work on the parts of a log in several processes: a pool of the standard library."""
 
-import os
 import sys
 import threading
 from collections import deque
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
 
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.signals import held_back, leave_to_parent
+from dogbot_logtool.signals import end_with_parent, held_back, leave_to_parent
 
 # Pools take as long to load as a short log to read, and such a log needs none.
 if TYPE_CHECKING:
@@ -146,18 +145,8 @@ def _begin_thread(work: Work[Any, Any], log: Log) -> None:
 def _begin_process(work: Work[Any, Any], log: Log | Callable[[], Log]) -> None:
     """Begin a worker, which ends with its parent, however that ends."""
     leave_to_parent()
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    end_with_parent()
     _begin_thread(work, log if isinstance(log, Log) else log())
-
-
-def _end_with_parent() -> None:
-    import multiprocessing  # noqa: PLC0415 - see above
-    from multiprocessing.connection import wait  # noqa: PLC0415
-
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        wait([parent.sentinel])
-        os._exit(1)
 
 
 def _work(item: object) -> Any:  # noqa: ANN401 - what the work returns

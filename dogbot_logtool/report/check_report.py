@@ -9,7 +9,7 @@ from rich.console import Console
 
 from dogbot_logtool.comparison.judge import DAMAGE, Judgement, Status, Value, worst
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.report.junit import ERROR, FAILURE, REMARK, Case, junit_xml
+from dogbot_logtool.report.documents import ERROR, FAILURE, REMARK, Case, junit_xml
 from dogbot_logtool.report.text.console import print_sentence
 
 _STYLES: Final = {

@@ -11,10 +11,8 @@ from dogbot_logtool.comparison.walks import CONFIDENCE, GaitComparison, MetricDi
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
-from dogbot_logtool.report.documents import TOOL, damage_json
-from dogbot_logtool.report.junit import ERROR, FAILURE, Case, junit_xml
-from dogbot_logtool.report.text.console import print_losses, print_sentence
-from dogbot_logtool.report.text.text_layout import NameTable, Row
+from dogbot_logtool.report.documents import ERROR, FAILURE, TOOL, Case, damage_json, junit_xml
+from dogbot_logtool.report.text.console import NameTable, Row, print_losses, print_sentence
 
 _STYLES = {"same": "green", "different": "bold red"}
 _MOST_ROWS: Final = 200

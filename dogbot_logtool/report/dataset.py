@@ -11,7 +11,6 @@ import hashlib
 import io
 import json
 import os
-import re
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -42,8 +41,6 @@ _STATE: Final = b"dogbot_logtool"
 _MOST_BYTES: Final = 1 << 28
 """Of a file of a dataset, or of a robot's file, that is read."""
 _ASKED_AT_ONCE: Final = 16
-_ESCAPED: Final = re.compile(rb"\\x([89a-f][0-9a-f])")
-"""How a byte of a name that is not UTF-8 is shown."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -262,31 +259,16 @@ def is_gone(name: str, log_hash: str) -> bool:
     Args:
         name: of the log, as it may be shown.
         log_hash: of its place.
-
-    Raises:
-        StoreError: a store fails.
     """
     try:
         location = storage.location(name)
-    except LogtoolError:
-        return False
-    if isinstance(location, Path):
-        plain = os.fsencode(name)
-        names = plain, _ESCAPED.sub(lambda found: bytes.fromhex(found[1].decode()), plain)
-        return not any(map(_may_be_there, names))
-    if hash_of(location) != log_hash:
-        return False  # a part of the URL is not kept, since it may hold secrets
-    try:
+        if hash_of(location) != log_hash:
+            return False  # what is shown is not the whole name: a URL may hold secrets
+        if isinstance(location, Path):
+            os.lstat(location)
+            return False
         return not storage.asked(location, lambda: location.fs.exists(location.path))
-    except CallError:
-        return False
-
-
-def _may_be_there(name: bytes) -> bool:
-    try:
-        os.stat(name)  # noqa: PTH116 - a name of any bytes
     except (FileNotFoundError, NotADirectoryError):
-        return False
-    except (OSError, ValueError):
         return True
-    return True
+    except (LogtoolError, OSError, ValueError):
+        return False

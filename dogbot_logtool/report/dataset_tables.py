@@ -7,7 +7,7 @@ from dogbot_logtool.core.events.event import with_steps
 from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.records import Field, fields_of, is_record, to_json
 from dogbot_logtool.errors import ExtraMissingError
-from dogbot_logtool.report.table_file import arrow_table
+from dogbot_logtool.report.tables import arrow_table
 from dogbot_logtool.results import StrideTable
 
 try:

@@ -1,8 +1,9 @@
-"""Results as plain data: `--json` of every command but those that compare, and its schema."""
+"""Results as plain data, JSON but for those of comparisons, with its schema; and JUnit XML."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import is_dataclass, replace
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
+from xml.etree import ElementTree as ET
 
 from dogbot_logtool import __version__
 from dogbot_logtool.core.events.event import with_steps
@@ -10,7 +11,7 @@ from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.records import Field, definitions, fields_of, to_json, values
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.plain_json import not_finite, only_finite
-from dogbot_logtool.io.printable import listed
+from dogbot_logtool.io.printable import listed, printable, printable_lines
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.verdict import headline, quality_of
@@ -178,3 +179,53 @@ def _field_schema(field: Field, defs: dict[str, Json]) -> Json:
     elif field.kind in {"list", "records"}:
         made = {"type": "array", "items": made}
     return {"anyOf": [made, {"type": "null"}]} if field.nullable else made
+
+
+FAILURE: Final = "failure"
+ERROR: Final = "error"
+REMARK: Final = "system-out"
+"""What a case that did not just pass holds: a broken rule, what is not known, or a remark."""
+
+
+class Case(NamedTuple):
+    """One test."""
+
+    name: str
+    outcome: str = ""
+    """`FAILURE`, `ERROR`, `REMARK`; empty: it passed."""
+    message: str = ""
+    text: str = ""
+
+
+def junit_xml(name: str, suites: Mapping[str, tuple[str, Sequence[Case]]]) -> bytes:
+    """Return the XML document, in UTF-8.
+
+    Args:
+        name: of the whole.
+        suites: by name the class of their cases, and these.
+    """
+    every = [case for _, cases in suites.values() for case in cases]
+    root = ET.Element("testsuites", {"name": name, **_counts(every)})
+    for suite_name, (class_name, cases) in suites.items():
+        suite = ET.SubElement(root, "testsuite", {"name": printable(suite_name), **_counts(cases)})
+        for case in cases:
+            names = {"classname": printable(class_name), "name": printable(case.name)}
+            element = ET.SubElement(suite, "testcase", names)
+            if case.outcome == REMARK:
+                ET.SubElement(element, REMARK).text = printable(
+                    f"{case.message} {case.text}".rstrip()
+                )
+            elif case.outcome:
+                outcome = ET.SubElement(element, case.outcome, {"message": printable(case.message)})
+                outcome.text = printable_lines(case.text)
+    document: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
+    return document + b"\n"
+
+
+def _counts(cases: Sequence[Case]) -> dict[str, str]:
+    outcomes = [case.outcome for case in cases]
+    return {
+        "tests": str(len(cases)),
+        "failures": str(outcomes.count(FAILURE)),
+        "errors": str(outcomes.count(ERROR)),
+    }

@@ -20,16 +20,17 @@ from dogbot_logtool.core.frames.frame_tree import (
 from dogbot_logtool.io.printable import listed, printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.report.documents import damage_json, finding_json
-from dogbot_logtool.report.numbers import recorded_at
+from dogbot_logtool.report.tables import recorded_at
 from dogbot_logtool.report.text.console import (
+    NameTable,
+    Row,
     human_size,
     print_damage,
     print_findings,
     print_sentence,
 )
-from dogbot_logtool.report.text.text_layout import NameTable, Row
 from dogbot_logtool.results import LogInfo
-from dogbot_logtool.robot.frames.frames import Frames
+from dogbot_logtool.robot.frames import Frames
 
 _DEEPER: Final = 6
 """Columns by which the second line of a frame is indented."""

@@ -1,18 +1,58 @@
-"""Tables of metrics: which column shows what, and how; and the table of strides."""
+"""Tables of metrics: how numbers are written, which column shows what; strides; tables as files."""
 
-from collections.abc import Callable, Iterator, Mapping
+import csv
+import io
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Generic, NamedTuple, Self, TypeVar
+from datetime import UTC, datetime
+from pathlib import PurePath
+from typing import Any, BinaryIO, Final, Generic, NamedTuple, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Aggregate, Floats
 from dogbot_logtool.core.checks.voids import void_columns, void_patterns
 from dogbot_logtool.core.metrics import Foot, Phase, Stride, WalkMetrics
-from dogbot_logtool.core.records import fields_of
+from dogbot_logtool.core.records import MetricPath, fields_of
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.report.numbers import NOTHING
+from dogbot_logtool.errors import CallError, ExtraMissingError
+from dogbot_logtool.io.printable import printable
 from dogbot_logtool.results import StrideTable
+
+NOTHING: Final = "-"
+"""Stands for a metric that is not known."""
+_SIMULATED_BEFORE_S: Final = 1_000_000_000
+"""Log times before this are simulation time, not dates."""
+_NEVER_S: Final = 3e10
+
+
+def decimal(value: float | None, decimals: int) -> str:
+    """Write a number with a fixed number of decimals."""
+    return NOTHING if value is None else f"{value:z.{decimals}f}"
+
+
+def recorded_at(time_s: float | None) -> str:
+    """Write a log time, s since the epoch, as a date in UTC; clocks of simulators begin in 1970."""
+    if time_s is None:
+        return "not known"
+    if not _SIMULATED_BEFORE_S <= time_s < _NEVER_S:
+        return f"{time_s:.3f} s (simulation time)"
+    return f"{datetime.fromtimestamp(time_s, UTC):%Y-%m-%d %H:%M:%S} UTC"
+
+
+def span_of(values: Sequence[float]) -> str:
+    """Write the lowest and the highest of some numbers; once, where they are the same."""
+    written = list(dict.fromkeys(f"{value:.3g}" for value in sorted(values)))
+    return " to ".join([written[0], *written[1:][-1:]]) if written else NOTHING
+
+
+def nice_step(least: float) -> float:
+    """Return 1, 2 or 5 times a power of ten, at least as large."""
+    power = 10.0 ** math.floor(math.log10(least))
+    return next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= least)
+
 
 S = TypeVar("S")
 
@@ -54,25 +94,6 @@ def foot_rows(metrics: WalkMetrics) -> dict[str, FootRow]:
         name: FootRow(foot, metrics.gait.phase[name], shares.get(name))
         for name, foot in metrics.feet.items()
     }
-
-
-class MetricPath:
-    """The path of a metric, written as its attribute: ``METRICS.gait.name`` is ``gait.name``."""
-
-    def __init__(self, *names: str) -> None:
-        self._names = names
-
-    def __getattr__(self, name: str) -> Self:
-        return type(self)(*self._names, name)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __str__(self) -> str:
-        return ".".join(self)
-
-
-METRICS: Final = MetricPath()
 
 
 def why_null(metrics: WalkMetrics, path: MetricPath) -> str:
@@ -117,3 +138,95 @@ def _strides_of(walk: Walk, row: int) -> Mapping[str, Floats]:
         # One NaN for all: tables are compared to the bit.
         columns[field.name] = np.where(np.isnan(found), np.nan, found)
     return columns
+
+
+SUFFIXES: Final = (".csv", ".parquet", ".arrow", ".feather")
+_FORMULA: Final = ("=", "+", "-", "@", "\t", "\r")
+
+Columns = Mapping[str, NDArray[Any]]
+"""(n,) each: float64, bool, or texts and None as objects."""
+
+
+def arrow_table(columns: Columns) -> Any:  # noqa: ANN401 - pyarrow has no types
+    """Return a `pyarrow.Table`; NaN is null there.
+
+    Raises:
+        ImportError: pyarrow is not installed.
+    """
+    import pyarrow as pa  # noqa: PLC0415 - takes longer than everything else
+
+    texts = {name: pa.string() for name, each in columns.items() if each.dtype == np.object_}
+    return pa.table(
+        {
+            name: pa.array(column, type=texts.get(name), from_pandas=True)
+            for name, column in columns.items()
+        }
+    )
+
+
+class TableFile:
+    """Takes the rows of a table piece by piece; all pieces have the same columns."""
+
+    def __init__(self, name: str, file: BinaryIO) -> None:
+        """Choose the format that a name tells.
+
+        Raises:
+            CallError: it tells none.
+            ExtraMissingError: what writes it is not installed.
+        """
+        self._file = file
+        self._suffix: Final = PurePath(name).suffix.lower()
+        self._writer: Any = None
+        if self._suffix not in SUFFIXES:
+            raise CallError(f"{name}: must end in {', '.join(SUFFIXES)}")
+        if self._suffix != ".csv":
+            try:
+                import pyarrow  # noqa: F401, ICN001, PLC0415
+            except ImportError as error:
+                raise ExtraMissingError(name, "fleet") from error
+
+    def add(self, columns: Columns) -> None:
+        """Write rows."""
+        is_first = self._writer is None
+        if self._suffix != ".csv":
+            rows = arrow_table(columns)
+            self._writer = self._opened(rows.schema) if is_first else self._writer
+            self._writer.write_table(rows)
+            return
+        text = io.StringIO()
+        self._writer = csv.writer(text, lineterminator="\n")
+        if is_first:
+            self._writer.writerow(columns)
+        # Numbers have all their digits; what is not known is empty.
+        self._writer.writerows(zip(*map(_cells, columns.values()), strict=True))
+        self._file.write(text.getvalue().encode())
+
+    def finish(self) -> None:
+        """Write what stands at the end of the file."""
+        if self._writer is not None and self._suffix != ".csv":
+            self._writer.close()
+
+    def _opened(self, schema: Any) -> Any:  # noqa: ANN401 - pyarrow has no types
+        import pyarrow as pa  # noqa: PLC0415
+        import pyarrow.parquet as pq  # noqa: PLC0415
+
+        if self._suffix == ".parquet":
+            return pq.ParquetWriter(self._file, schema, compression="zstd")
+        options = pa.ipc.IpcWriteOptions(compression="zstd")
+        return pa.ipc.new_file(self._file, schema, options=options)
+
+
+def _cells(column: NDArray[Any]) -> list[Any]:
+    """Return the cells of a column."""
+    values = column.tolist()
+    if column.dtype == np.object_:
+        return ["" if value is None else _text_cell(value) for value in values]
+    if column.dtype == np.bool_:
+        return ["true" if value else "false" for value in values]
+    return ["" if value != value else value for value in values]  # noqa: PLR0124 - NaN
+
+
+def _text_cell(text: str) -> str:
+    """Return the text of a cell, with an apostrophe before what spreadsheets take for a formula."""
+    safe = printable(text)
+    return f"'{safe}" if text.startswith(_FORMULA) else safe

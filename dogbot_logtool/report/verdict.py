@@ -11,10 +11,10 @@ from pathlib import PurePath
 from typing import Final
 
 from dogbot_logtool.core.metrics import Gait, Segment, WalkMetrics
+from dogbot_logtool.core.records import METRICS
 from dogbot_logtool.finding import Finding, Severity, counted
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.report.numbers import NOTHING, decimal
-from dogbot_logtool.report.tables import METRICS, why_null
+from dogbot_logtool.report.tables import NOTHING, decimal, why_null
 from dogbot_logtool.results import Measurement
 
 FEWEST_STRIDES: Final = 3

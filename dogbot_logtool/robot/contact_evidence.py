@@ -15,7 +15,7 @@ from dogbot_logtool.core.arrays import norms, percentiles_of
 from dogbot_logtool.core.contact.contact_rule import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, without_contact
 from dogbot_logtool.core.corrections.sensor import SensorLevel, estimate_level
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.robot.message_feet import not_calibrated
 from dogbot_logtool.robot.selection import Selection
@@ -53,7 +53,7 @@ def decide_contacts(
     ]
     raw = [row for row, of in enumerate(sources) if any(s.row.unit == "counts" for s in of)]
     raw = [row for row in raw if selection.robot.feet[row].newtons_per_count is None]
-    found = list(feet)
+    decided = list(feet)
     if flagged:
         findings, ignores = _compare_flags([feet[row] for row in flagged], selection, flagged)
         selection = replace(
@@ -63,12 +63,12 @@ def decide_contacts(
         each = feet[row]
         if selection.ignores_flags:
             each = replace(each, in_contact=np.asarray((each.force != 0.0).any(axis=1)))
-        found[row] = without_contact(each, ~each.in_contact)
+        decided[row] = without_contact(each, ~each.in_contact)
     if raw:
         selection, offsets = _with_levels(feet, selection, raw)
         for row in raw:
-            found[row] = _counted(feet[row], offsets[row], selection.robot.contact_on_counts)
-    return tuple(found), selection
+            decided[row] = _counted(feet[row], offsets[row], selection.robot.contact_on_counts)
+    return tuple(decided), selection
 
 
 def _compare_flags(
@@ -92,13 +92,11 @@ def _compare_flags(
     wrong &= known & (total > 0.0)
     contradicted = float(wrong.sum() / max(known.sum(), 1))
     constant = int((touching & known).sum()) in {0, int(known.sum())}
-    topics = dict.fromkeys(selection.robot.feet[row].topic for row in rows)
-    text = f"{contradicted:.0%} of the contact flags of {listed([*topics])} contradict the forces"
-    if constant and contradicted > _CONTRADICTED:
-        text += ", and no flag ever changes: forces decide contact"
-        return (Finding("FLAGS_CONTRADICTED", text),), True
-    doubtful = Finding("FLAGS_CONTRADICTED", f"{text}; flags decide contact")
-    return (doubtful,) if contradicted > _DOUBTFUL else (), False
+    topics = listed([*dict.fromkeys(selection.robot.feet[row].topic for row in rows)])
+    ignores = constant and contradicted > _CONTRADICTED
+    say = "ignored" if ignores else "plain"
+    doubt = found("FLAGS_CONTRADICTED", say=say, share=contradicted, topics=topics)
+    return (doubt,) if contradicted > _DOUBTFUL else (), ignores
 
 
 def _with_levels(
@@ -111,7 +109,7 @@ def _with_levels(
     Returns:
         the selection, and the counts to take off each raw foot's.
     """
-    robot, offsets, thresholds, reason = selection.robot, dict.fromkeys(raw, 0.0), [], ""
+    robot, offsets, thresholds, reason = (selection.robot, dict.fromkeys(raw, 0.0), [], "")
     scaled = any(foot.newtons_per_count is not None for foot in robot.feet)
     for row in raw if robot.contact_on_counts is None and not scaled else ():
         level = _level(feet[row])
@@ -124,23 +122,23 @@ def _with_levels(
         elif not why and not _WALKING[0] <= down <= _WALKING[1]:
             why = f"on the ground {down:.0%} of the time"
         if why:
-            reason = f"{robot.feet[row].name}: {why}"
+            reason = f" (it cannot be estimated from the log; {robot.feet[row].name}: {why})"
             break
         offsets[row] = offset
         thresholds.append(rule.on_n)
     estimated = len(thresholds) == len(raw)
     if estimated:
-        feet_of = enumerate(robot.feet)
         shifted = (
-            replace(foot, offset=foot.offset + offsets.get(row, 0.0)) for row, foot in feet_of
+            replace(foot, offset=foot.offset + offsets.get(row, 0.0))
+            for row, foot in enumerate(robot.feet)
         )
         robot = replace(robot, feet=tuple(shifted), contact_on_counts=max(thresholds))
-    others = (each for each in selection.findings if each.code != "NOT_CALIBRATED")
-    told = not_calibrated(robot, [robot.feet[row] for row in raw], reason, estimated=estimated)
+    findings = [each for each in selection.findings if each.code != "NOT_CALIBRATED"]
     own = (each for each in selection.contacts if not {*raw}.isdisjoint(selection.feet_of[each.id]))
+    unscaled, say = ([robot.feet[row] for row in raw], "estimated" if estimated else "unknown")
     types = dict.fromkeys(channel.type_name for channel in own)
-    findings = (*others, *(replace(told, text=f"{name} {told.text}") for name in types))
-    return replace(selection, robot=robot, findings=findings), offsets
+    findings += (not_calibrated(robot, unscaled, name, say, reason) for name in types)
+    return replace(selection, robot=robot, findings=tuple(findings)), offsets
 
 
 def _level(samples: Samples) -> SensorLevel:

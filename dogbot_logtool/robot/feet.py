@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
-from itertools import islice
 from typing import Final
 
 from dogbot_logtool.errors import CallError, DefinitionError
@@ -11,12 +10,9 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed, shell_quoted
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.decode.definition import type_text
-from dogbot_logtool.reader.decode.field_path import readable_fields
 from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.message_type import is_named_as_planned
-from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.robot.message_feet import feet_of_messages, front_to_back
@@ -89,21 +85,8 @@ def check_topics(log: Log, topics: Mapping[str, str]) -> None:
     """
     for name, word in topics.items():
         topic, path = split_topic(word, log.channels_by_topic)
-        otherwise = "" if path else _fields_text(log, topic)
+        otherwise = f"A field of its messages can be named: {name}={topic}:FIELD"
         require_topic(log, f"--foot {name}", topic, None if path else "feet", otherwise)
-
-
-def _fields_text(log: Log, topic: str) -> str:
-    """Return a sentence on the fields of a topic that can be feet; empty: there are none."""
-    for channel in log.channels_by_topic.get(topic, ()):
-        try:
-            fields = list(islice(readable_fields(definition_of(channel)), _MOST_COMPARED))
-        except DefinitionError:
-            continue
-        fields.sort(key=lambda one: not any(word in one[0].lower() for word in _LIKELY))
-        if some := [f"{topic}:{path} ({type_text(kind)})" for path, kind in fields]:
-            return f"A field of its messages can be named: {listed(some, _MOST_LISTED)}"
-    return ""
 
 
 def channels_of_feet(log: Log, robot: Robot) -> dict[Channel, tuple[int, ...]]:
@@ -239,7 +222,7 @@ def _feet_by_names(log: Log) -> tuple[tuple[Foot, ...], Sequence[FootSet], list[
         told.append(_missing(text, name, name))
         # A foot that none tells of stays a foot of the robot: what all feet carry is not known.
         feet = (*feet, Foot(name, "", leg_position=leg_position(name)))
-    return tuple(sorted(feet, key=front_to_back)) if part.missing else feet, offered, told
+    return (tuple(sorted(feet, key=front_to_back)) if part.missing else feet, offered, told)
 
 
 def _by_source(log: Log) -> Iterator[tuple[bool, Source, list[str]]]:

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.contacts import foot_source
@@ -117,48 +117,43 @@ def _by_velocity(foot: Foot) -> Foot:
 
 def contact_findings(feet_of: Mapping[Channel, tuple[int, ...]], robot: Robot) -> Iterator[Finding]:
     """Say what contact messages do not tell."""
+    unscaled = [foot for foot in robot.feet if foot.newtons_per_count is None]
     for channel in sorted(feet_of, key=lambda channel: channel.type_name):
-        name, source = channel.type_name, foot_source(channel, robot.feet_of(channel.topic))
+        name, source = (channel.type_name, foot_source(channel, robot.feet_of(channel.topic)))
         if source is None:
             continue
         if not source.has_force:
-            text = f"{name} tells contact, not force: gait figures only, no arrows, no loads"
-            yield Finding("NO_FORCE", text)
-        unscaled = [foot for foot in robot.feet if foot.newtons_per_count is None]
+            yield found("NO_FORCE", say="type", type=name)
         if source.row.unit == "counts" and unscaled:
-            told = not_calibrated(robot, unscaled)
-            yield replace(told, text=f"{name} {told.text}")
+            yield not_calibrated(robot, unscaled, name)
         if not source.has_header:
-            text = f"{name} has no header: log time is used for it"
-            yield Finding("LOG_TIME_USED", text, cases=("no_header",))
+            yield found("LOG_TIME_USED", "no_header", say="type", type=name)
         if source.row.silent_in_swing:
-            text = f"{name} is published only in contact: silence is taken for swing"
-            yield Finding("SILENT_SWING", text)
+            yield found("SILENT_SWING", type=name)
     for channel in filter(is_planned, feet_of):
-        text = "is a plan, not a measurement: contacts, forces and figures are the planned ones"
-        yield Finding("PLANNED", f"{channel.topic} {text}", channel.topic)
+        yield found("PLANNED", topic=channel.topic)
 
 
 def not_calibrated(
-    robot: Robot, feet: Sequence[Foot], reason: str | None = None, *, estimated: bool = False
+    robot: Robot, feet: Sequence[Foot], name: str, say: str = "unseen", reason: str = ""
 ) -> Finding:
     """Return a warning of what is missing while the counts of raw sensors have no scale.
 
     Args:
         robot: with the threshold of contact.
         feet: those without a scale.
-        reason: why contact cannot be estimated; None: the counts were not looked at.
-        estimated: whether the threshold comes from the log.
+        name: of the type of their messages.
+        say: where the threshold of contact is from, if there is none in the robot's file.
+        reason: why contact cannot be estimated.
     """
     names = tuple(foot.name for foot in feet)
-    text = f"has raw counts, and the robot's file has no newtons_per_count for {', '.join(names)}"
-    text += ": no forces"
-    if robot.contact_on_counts is not None:
-        text += f"; contact from {robot.contact_on_counts:g} counts above a foot's offset on"
-        text += " (both estimated from the log)" if estimated else ""
-    elif reason is None:
-        text += "; contact only if the counts of each foot have two clear levels"
-    else:
-        text += ", and without contact.on_counts no contact either"
-        text += f" (it cannot be estimated from the log; {reason})" if reason else ""
-    return Finding("NOT_CALIBRATED", text, feet=names)
+    counts = robot.contact_on_counts
+    told = found(
+        "NOT_CALIBRATED",
+        say="given" if counts is not None and say != "estimated" else say,
+        type=name,
+        names=", ".join(names),
+        counts=counts,
+        reason=reason,
+    )
+    return replace(told, feet=names)

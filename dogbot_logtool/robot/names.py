@@ -24,7 +24,8 @@ from typing import Final
 
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.robot.siblings import FootSet, position_of, readings_of, sibling_sets
+from dogbot_logtool.robot.readings import position_of, readings_of
+from dogbot_logtool.robot.siblings import FootSet, sibling_sets
 from dogbot_logtool.robot.words import (
     ENDS,
     MERITS,

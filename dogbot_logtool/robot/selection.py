@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.foot import Foot
@@ -18,12 +18,7 @@ from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES, is_static
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.base import choose_base
-from dogbot_logtool.robot.feet import (
-    assign_feet,
-    channels_of_feet,
-    check_topics,
-    find_feet,
-)
+from dogbot_logtool.robot.feet import assign_feet, channels_of_feet, check_topics, find_feet
 from dogbot_logtool.robot.message_feet import contact_findings
 from dogbot_logtool.robot.offers import call_of, candidates_finding, topics_finding
 from dogbot_logtool.robot.robot import GENERIC, Robot, known_robots, load_robot, robot_toml
@@ -143,8 +138,7 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
     """
     findings: list[Finding] = []
     if log.annotations is not None and log.annotations.channels:
-        text = f"its {log.annotations.messages:,} annotations are left out"
-        findings.append(Finding("ANNOTATED", f"the log is annotated already: {text}"))
+        findings.append(found("ANNOTATED", count=log.annotations.messages))
     named = _with_options(log, _choose_robot(log, options, findings), options)
     of_feet: list[Finding] = []
     robot, unsure = find_feet(log, named, of_feet)
@@ -157,11 +151,7 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
     used = {channel.topic for channel in (*feet_of, *chosen.channels)}
     known = {split_topic(topic, log.channels_by_topic)[0] for topic in named.topics}
     if options.robot is not None and known and known.isdisjoint(used):
-        text = (
-            f"the log has none of the topics of the robot {robot.name!r}: feet and odometry are "
-            "looked for by type and name, but its mass, axes and frames are used; check --robot"
-        )
-        findings.append(Finding("ROBOT_GUESSED", text, cases=("absent",)))
+        findings.append(found("ROBOT_GUESSED", "absent", robot=robot.name))
     call = call_of(log, options, chosen.offered)
     if unsure:
         of_feet.append(topics_finding(unsure, call))
@@ -208,8 +198,7 @@ def _choose_robot(log: Log, options: RobotOptions, findings: list[Finding]) -> R
             if each.feet and all(_is_recorded(log, foot) for foot in each.feet):
                 topics |= each.topics
         robot = max(known, key=lambda one: (len(one.topics & topics), one.name == GENERIC))
-        text = f"robot: {robot.name} (guessed from the topics; change with --robot)"
-        findings.append(Finding("ROBOT_GUESSED", text))
+        findings.append(found("ROBOT_GUESSED", robot=robot.name))
     return robot.with_mass(options.mass)
 
 

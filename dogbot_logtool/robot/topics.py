@@ -10,7 +10,7 @@ from dogbot_logtool.errors import CallError, DefinitionError, LogError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import MOST, listed, printable
 from dogbot_logtool.io.storage import shown
-from dogbot_logtool.reader.containers.log import Channel, Log
+from dogbot_logtool.reader.containers.log import Batch, Channel, Log
 from dogbot_logtool.reader.decode.fields import Fields
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.losses import damage_of
@@ -60,8 +60,8 @@ def readable_topics(log: Log, part: Part) -> list[str]:
     return sorted(topic for topic in log.channels_by_topic if sources_of(log, topic, part))
 
 
-def first_messages(log: Log, channel: Channel, fields: Fields) -> Iterator[DecodedMessages]:
-    """Decode the messages of a channel's first seconds, which tell names, wherever they stand."""
+def first_batches(log: Log, channel: Channel) -> Iterator[Batch]:
+    """Yield the messages of a channel's first seconds, which tell names, wherever they stand."""
     chunks = (c for c in log.chunks if c.counts is None or channel.id in c.counts)
     end: int | None = None
     for chunk in islice(chunks, _MOST_CHUNKS):
@@ -71,7 +71,13 @@ def first_messages(log: Log, channel: Channel, fields: Fields) -> Iterator[Decod
         time = batch.messages.log_time[batch.messages.channel == channel.id]
         if len(time):
             end = int(time.min()) + _SPAN_NS if end is None else end
-            yield from decode_channels(batch.cropped(None, end), [channel], fields)
+            yield batch.cropped(None, end)
+
+
+def first_messages(log: Log, channel: Channel, fields: Fields) -> Iterator[DecodedMessages]:
+    """Decode the messages of a channel's first seconds."""
+    for batch in first_batches(log, channel):
+        yield from decode_channels(batch, [channel], fields)
 
 
 def has_field(channel: Channel, foot: Foot) -> bool:
@@ -205,17 +211,6 @@ def _about(topics: Collection[str], text: str, cases: tuple[str, ...]) -> Findin
     return Finding("UNREADABLE", f"{listed(named)}: {text}", where, cases=cases)
 
 
-def _reasons(findings: Iterable[Finding]) -> str:
-    """Return why topics that could have been used cannot be read; empty: there are none."""
-    texts = [
-        each.text.removesuffix(_NOT_USED)
-        for each in findings
-        if each.code == "UNREADABLE" and "own_definition" not in each.cases
-    ]
-    more = f"; and {len(texts) - _MOST_REASONS} more" if len(texts) > _MOST_REASONS else ""
-    return "; ".join(texts[:_MOST_REASONS]) + more
-
-
 def nothing_to_do(log: Log, findings: Sequence[Finding]) -> str:
     """Return a sentence for a log that has nothing of use: why, or else what it does have.
 
@@ -232,15 +227,17 @@ def nothing_to_do(log: Log, findings: Sequence[Finding]) -> str:
     for offer in sorted(offers, key=lambda each: each.code):
         command = offer.command and f"\n  {offer.command}"
         return f"{path}: nothing is surely the base or a foot; {offer.sentence}{command}"
-    if because := _reasons(findings):
+    unread = [each for each in findings if each.code == "UNREADABLE"]
+    reasons = [each.text for each in unread if "own_definition" not in each.cases]
+    if because := "; ".join(text.removesuffix(_NOT_USED) for text in reasons[:_MOST_REASONS]):
         return f"{path}: has no odometry and no contact messages that can be read: {because}"
-    found = sorted({(c.topic, c.type_name) for c in log.channels.values()}, key=_unlikely)
+    known = sorted({(c.topic, c.type_name) for c in log.channels.values()}, key=_unlikely)
     lines = [
         f"\n  {printable(topic)}  {printable(kind) or '(of no type)'}"
-        for topic, kind in found[:MOST]
+        for topic, kind in known[:MOST]
     ]
-    if len(found) > MOST:
-        lines.append(f"\n  and {len(found) - MOST:,} more; `dogbot-logtool info` lists them")
+    if len(known) > MOST:
+        lines.append(f"\n  and {len(known) - MOST:,} more; `dogbot-logtool info` lists them")
     damage = f" It is damaged: {damage_of(log, log.losses).text}." if log.losses else ""
     return (
         f"{path}: has neither nav_msgs/Odometry nor contact messages such as "

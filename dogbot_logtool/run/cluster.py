@@ -8,7 +8,7 @@ import re
 import time
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future
+from concurrent.futures import CancelledError, Future
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Final
@@ -38,14 +38,11 @@ _CLOSE_S: Final = 5
 
 
 class ClusterRunner(ExecutorRunner[Result]):
-    """The workers of a scheduler.
-
-    The scheduler gives what a lost worker had in hand to others, several times.
-    """
+    """The workers of a scheduler, which gives what a lost worker had in hand to others."""
 
     jobs = 1
     capacity = AHEAD
-    conclusive = (distributed.KilledWorker,)
+    tries_again = False
 
     def __init__(self, scheduler: str) -> None:
         """Connect.
@@ -65,9 +62,7 @@ class ClusterRunner(ExecutorRunner[Result]):
         self._name = scheduler
         self._client = _connected(scheduler)
         self._executor = self._client.get_executor(pure=False)
-        self._workers: set[str] = set()
-        self._last_look = self._workers_seen = time.monotonic()
-        self._lost = False
+        self._next_look = self._workers_seen = time.monotonic()
 
     def run(
         self, work: Work[Result], items: Sequence[Any], progress: Progress, ahead: int = AHEAD
@@ -86,17 +81,18 @@ class ClusterRunner(ExecutorRunner[Result]):
 
     def _await_workers(self, progress: Progress) -> None:
         end = time.monotonic() + _FIRST_WORKER_S
-        self._workers = self._present()
-        if not self._workers:
+        if not self._has_workers():
             progress.say(f"{self._name} has no workers; waiting {_FIRST_WORKER_S} s for one")
-        while not self._workers:
+        while not self._has_workers():
             if time.monotonic() > end:
                 raise LogtoolError(
                     f"--scheduler {self._name}: has no workers; start some where dogbot-logtool is "
                     f"installed, with: dask worker {self._name}"
                 )
             time.sleep(_WAIT_S)
-            self._workers = self._present()
+
+    def _has_workers(self) -> bool:
+        return bool(self._client.scheduler_info(n_workers=1)["workers"])
 
     def _check_workers(self) -> None:
         """Refuse workers that cannot do the work.
@@ -116,9 +112,6 @@ class ClusterRunner(ExecutorRunner[Result]):
                     f"here is {package} {here}, and {worker} {what}; install the same there"
                 )
 
-    def _present(self) -> set[str]:
-        return set(self._client.scheduler_info(n_workers=-1)["workers"])
-
     def submit(self, work: Work[Result], item: object) -> "Future[Result | Failure]":
         """See `ExecutorRunner.submit`."""
         call = pickle.dumps(_Call((__version__, work, item)))
@@ -126,33 +119,21 @@ class ClusterRunner(ExecutorRunner[Result]):
             future: Future[Result | Failure] = self._executor.submit(pickle.loads, call)
         except (OSError, RuntimeError) as error:
             raise self._run_lost() from error
-        future.add_done_callback(self._notice_loss)
         return future
 
-    def _notice_loss(self, future: "Future[Result | Failure]") -> None:
-        # The client cancels everything when it loses the scheduler.
-        self._lost |= future.cancelled()
-
-    def look(self, progress: Progress) -> None:
+    def look(self) -> None:
         """See `ExecutorRunner.look`."""
-        now = time.monotonic()
-        if self._lost or self._client.status != "running":
+        if self._client.status != "running":
             raise self._run_lost()
-        if now - self._last_look < _LOOK_EVERY_S:
+        now = time.monotonic()
+        if now < self._next_look:
             return
-        self._last_look = now
+        self._next_look = now + _LOOK_EVERY_S
         try:
-            present = self._present()
+            self._workers_seen = now if self._has_workers() else self._workers_seen
         except OSError as error:
             raise self._run_lost() from error
-        for worker in sorted(self._workers - present):
-            progress.say(f"worker {worker} left; others do what it had in hand")
-        if self._workers and not present:
-            progress.say(f"{self._name} has no workers; waiting {_NEXT_WORKER_S} s for one")
-        self._workers = present
-        if present:
-            self._workers_seen = now
-        elif now - self._workers_seen > _NEXT_WORKER_S:
+        if now - self._workers_seen > _NEXT_WORKER_S:
             raise RunLost(f"was not done: {self._name} has no workers any more")
 
     def _run_lost(self) -> RunLost:
@@ -160,6 +141,9 @@ class ClusterRunner(ExecutorRunner[Result]):
 
     def explain(self, error: Exception) -> str:
         """See `ExecutorRunner.explain`."""
+        if isinstance(error, CancelledError):
+            # The client cancels everything when it loses the scheduler.
+            return str(self._run_lost())
         if isinstance(error, distributed.KilledWorker):
             return "every worker that worked on it died, perhaps because memory ran out"
         if isinstance(error, ModuleNotFoundError):

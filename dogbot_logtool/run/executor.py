@@ -1,10 +1,10 @@
 """Many items over an executor of `concurrent.futures`: order, bounds, and workers that die."""
 
 from abc import abstractmethod
+from collections import deque
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field
-from itertools import islice
 from queue import Empty, SimpleQueue
 from typing import Any, ClassVar, Final, Generic
 
@@ -23,38 +23,27 @@ class RunLost(Exception):  # noqa: N818 - the outcome of all items that are left
 class _Items(Generic[Result]):
     """The state of the items of a run."""
 
-    count: int
     begun: int = 0
     wanted: int = 0
     """The first item whose outcome was not yielded."""
     under_way: dict[Future[Any], int] = field(default_factory=dict)
     done: "SimpleQueue[Future[Any]]" = field(default_factory=SimpleQueue)
-    suspects: dict[int, Exception] = field(default_factory=dict)
+    lost: deque[int] = field(default_factory=deque)
     """Items whose worker was lost, and that are to be tried once more."""
-    several_lost: bool = False
-    """Several of them were lost together."""
-    tried_alone: set[int] = field(default_factory=set)
+    retried: set[int] = field(default_factory=set)
     finished: dict[int, Result | Failure] = field(default_factory=dict)
-
-    def ready(self) -> Iterator[Result | Failure]:
-        """Yield outcomes that are next in order."""
-        while self.wanted in self.finished:
-            outcome = self.finished.pop(self.wanted)
-            self.wanted += 1
-            yield outcome
 
 
 class ExecutorRunner(Runner[Result]):
     """Hands items to an executor and takes outcomes as they come.
 
-    An item whose worker was lost is tried once more, alone: with nothing else under way it has all
-    the memory, and where several items were lost together it becomes clear which one kills.
+    Where the executor does not try again itself, an item whose worker was lost is tried once more,
+    alone: the items beside it are not to blame, and with nothing else under way it has all memory.
     """
 
     capacity: int
     """How many items may be under way at once."""
-    conclusive: ClassVar[tuple[type[Exception], ...]] = ()
-    """Errors that need no second try unless several items were lost together."""
+    tries_again: ClassVar[bool] = True
 
     @abstractmethod
     def submit(self, work: Work[Result], item: object) -> "Future[Result | Failure]":
@@ -65,7 +54,7 @@ class ExecutorRunner(Runner[Result]):
         """
 
     @abstractmethod
-    def look(self, progress: Progress) -> None:
+    def look(self) -> None:
         """Look after the workers; called several times a second.
 
         Raises:
@@ -87,46 +76,41 @@ class ExecutorRunner(Runner[Result]):
             progress: see there.
             ahead: bounds how many outcomes wait for an earlier one.
         """
-        state: _Items[Result] = _Items(len(items))
-        while state.wanted < state.count:
+        state: _Items[Result] = _Items()
+        while state.wanted < len(items):
             try:
-                for number in self._next(state, ahead, progress):
+                for number in self._next(state, len(items), ahead, progress):
                     future = self.submit(work, items[number])
                     state.under_way[future] = number
                     future.add_done_callback(state.done.put)
                 self._collect(state, progress)
-                self.look(progress)
+                self.look()
             except RunLost as error:
-                for number in set(range(state.wanted, state.count)) - state.finished.keys():
+                for number in set(range(state.wanted, len(items))) - state.finished.keys():
                     state.finished[number] = Failure(str(error), 1)
                     progress.finished(number)
-            yield from state.ready()
+            while state.wanted in state.finished:
+                state.wanted += 1
+                yield state.finished.pop(state.wanted - 1)
 
-    def _next(self, state: _Items[Result], ahead: int, progress: Progress) -> list[int]:
+    def _next(
+        self, state: _Items[Result], count: int, ahead: int, progress: Progress
+    ) -> Sequence[int]:
         """Return the items to begin now: several, or one that is tried alone."""
-        if state.tried_alone.intersection(islice(state.under_way.values(), 1)):
-            return []
-        if not state.suspects:
-            state.several_lost = False
-            first = state.begun
-            room = first + self.capacity - len(state.under_way)
-            state.begun = max(first, min(state.count, state.wanted + ahead, room))
-            return list(range(first, state.begun))
-        if state.under_way:
-            return []
-        state.several_lost |= len(state.suspects) > 1
-        number, error = next(iter(state.suspects.items()))
-        del state.suspects[number]
-        if isinstance(error, self.conclusive) and not state.several_lost:
-            state.finished[number] = Failure(self.explain(error), 1)
-            progress.finished(number)
-            return []
-        state.tried_alone.add(number)
-        progress.lost(number)
-        return [number]
+        if state.lost or state.retried.intersection(state.under_way.values()):
+            if state.under_way:
+                return ()
+            number = state.lost.popleft()
+            state.retried.add(number)
+            progress.lost(number)
+            return (number,)
+        first = state.begun
+        room = first + self.capacity - len(state.under_way)
+        state.begun = max(first, min(count, state.wanted + ahead, room))
+        return range(first, state.begun)
 
     def _collect(self, state: _Items[Result], progress: Progress) -> None:
-        """Take the outcomes of items that are done, after waiting a while for one."""
+        """Take the outcome of an item that is done, after waiting a while for one."""
         try:
             future = state.done.get(timeout=_LOOK_EVERY_S)
         except Empty:
@@ -135,8 +119,8 @@ class ExecutorRunner(Runner[Result]):
         try:
             outcome = future.result()
         except Exception as error:  # noqa: BLE001 - errors of the work itself are outcomes
-            if number not in state.tried_alone:
-                state.suspects[number] = error
+            if self.tries_again and number not in state.retried:
+                state.lost.append(number)
                 return
             outcome = Failure(self.explain(error), 1)
         state.finished[number] = outcome

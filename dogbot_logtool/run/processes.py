@@ -17,15 +17,15 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
-from multiprocessing.connection import wait
 from typing import Final
 
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.reader.workers import kill_processes, processes_of
 from dogbot_logtool.run.executor import ExecutorRunner
-from dogbot_logtool.run.runner import Failure, Progress, Result, Work, attempt
+from dogbot_logtool.run.runner import Failure, Result, Work, attempt
 from dogbot_logtool.signals import (
     Stopped,
+    end_with_parent,
     held_back,
     leave_to_parent,
     raise_again_if_lost,
@@ -78,13 +78,12 @@ class ProcessRunner(ExecutorRunner[Result]):
                 self._pool = self._opened("spawn")
                 return self._pool.submit(_attempt, work, item)
 
-    def look(self, progress: Progress) -> None:
+    def look(self) -> None:
         """See `ExecutorRunner.look`.
 
         A worker that dies while it sends leaves a part of a result, for whose rest the pool waits
         for ever; a pool that notices the death has no processes any more.
         """
-        del progress
         self._looks += any(not each.is_alive() for each in processes_of(self._pool))
         if self._looks > _MOST_LOOKS:
             kill_processes(self._pool)
@@ -135,21 +134,7 @@ def _begin() -> None:
     leave_to_parent()
     gc.freeze()
     raise_again_if_lost()
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent is None:
-        return
-    wait([parent.sentinel])
-    if hasattr(signal, "pthread_kill"):
-        # Unlike other ways, this wakes it where it waits for a disk or a store.
-        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGTERM)
-    else:
-        signal.raise_signal(signal.SIGTERM)
-    time.sleep(_CLEAN_UP_S)
-    os._exit(1)
+    end_with_parent(_CLEAN_UP_S)
 
 
 def _attempt(work: Work[Result], item: object) -> Result | Failure:

@@ -1,14 +1,15 @@
 """The messages that we add: transforms, arrows, loads, support and the robot, made of columns."""
 
 import struct
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Final, Protocol
+from itertools import chain, repeat
+from typing import Any, Final, Protocol
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, rows_by_group
+from dogbot_logtool.core.arrays import Floats, Ints, rows_by_group
 from dogbot_logtool.core.base.poses import Transforms
 from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.scene.arrows import Arrows
@@ -19,18 +20,9 @@ from dogbot_logtool.core.scene.loads import Loads
 from dogbot_logtool.core.scene.support_scene import SupportScene
 from dogbot_logtool.writer import drawing
 from dogbot_logtool.writer.channels import AddedChannels
-from dogbot_logtool.writer.drawing import ArrowLook, Drawing, SupportLook, SupportShape
+from dogbot_logtool.writer.drawing import Drawing, Look, parts
 from dogbot_logtool.writer.encodings.encoding import LOAD_STATES, Encoding, MessageType
 from dogbot_logtool.writer.message_records import MessageRecords, by_channel, recorded
-from dogbot_logtool.writer.messages import (
-    arrow_columns,
-    label_columns,
-    leg_columns,
-    load_columns,
-    support_columns,
-    support_points,
-    transform_columns,
-)
 from dogbot_logtool.writer.template import Columns, Records, Template
 from dogbot_logtool.writer.topics import (
     EVENTS_TOPIC,
@@ -63,29 +55,8 @@ class Timed(Protocol):
         """(n,) ns."""
 
 
-class Shown(Timed, Protocol):
-    """Columns of what is shown at feet, or removed."""
-
-    @property
-    def foot(self) -> Ints:
-        """(n,) index of the foot."""
-
-    @property
-    def shown(self) -> Flags:
-        """(n,) False: it is removed."""
-
-
-@dataclass(frozen=True, slots=True)
-class AnnotationColumns:
-    """The annotations of a batch as columns."""
-
-    transforms: Transforms
-    arrows: Sequence[Arrows]
-    loads: Sequence[Loads]
-    support: Sequence[SupportScene] = ()
-    labels: Sequence[Labels] = ()
-    legs: Sequence[LegLines] = ()
-    links: Sequence[LinkTransforms] = ()
+Drawn = Transforms | LinkTransforms | Arrows | Loads | Labels | SupportScene | LegLines
+"""Columns of one kind of annotation."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,25 +66,14 @@ class WantedAnnotations:
     feet: Sequence[str]
     world_frame: str
     base_frame: str
-    arrows: ArrowLook
-    base_transform: bool = True
+    look: Look
     links: Sequence[tuple[str, str]] = ()
-    """Frames of links, parent and child, whose transforms are written; none: no links."""
-    support: SupportLook | None = None
-    """None: there is no such topic; likewise `legs`."""
-    legs: SupportLook | None = None
+    """Frames of links, parent and child, whose transforms are written."""
+    has_transforms: bool = True
+    has_support: bool = False
+    has_legs: bool = False
     description: MessageType | None = None
     """Type of the robot's description; None: there is none."""
-
-
-@dataclass(frozen=True, slots=True)
-class EventChannels:
-    """Ids of the channels of what is known when the whole log was measured."""
-
-    events: int
-    gait: int
-    spans: int | None
-    """None: the encoding has no message for spans of time."""
 
 
 class Annotations:
@@ -130,69 +90,59 @@ class Annotations:
         Raises:
             LogtoolError: the log uses all ids that there are.
         """
-        self.encoding, self.added, self._wanted = encoding, added, wanted
-
-        def of_feet(topic_of: Callable[[str], str], kind: MessageType) -> list[int]:
-            return [added.declare(topic_of(foot), kind) for foot in wanted.feet]
-
-        self._tf = self._support = self._legs = self._description = 0
-        if wanted.base_transform or wanted.links:
-            self._tf = added.declare(TF_TOPIC, encoding.transform_type)
-        self._arrows = of_feet(arrow_topic, encoding.arrow_type)
-        self._loads = of_feet(load_topic, encoding.load_type)
-        self._labels = of_feet(label_topic, encoding.arrow_type)
-        if wanted.support is not None:
-            self._support = added.declare(SUPPORT_TOPIC, encoding.support_type)
-        if wanted.legs is not None:
-            self._legs = added.declare(LEGS_TOPIC, encoding.arrow_type)
-        if wanted.description is not None:
-            self._description = added.declare(ROBOT_DESCRIPTION_TOPIC, wanted.description)
-        self.event_channels = _event_channels(encoding, added)
+        self.encoding, self._wanted = encoding, wanted
+        types = {
+            TF_TOPIC: encoding.transform_type if wanted.has_transforms else None,
+            **{arrow_topic(foot): encoding.arrow_type for foot in wanted.feet},
+            **{load_topic(foot): encoding.load_type for foot in wanted.feet},
+            **{label_topic(foot): encoding.arrow_type for foot in wanted.feet},
+            SUPPORT_TOPIC: encoding.support_type if wanted.has_support else None,
+            LEGS_TOPIC: encoding.arrow_type if wanted.has_legs else None,
+            ROBOT_DESCRIPTION_TOPIC: wanted.description,
+            EVENTS_TOPIC: encoding.event_type,
+            GAIT_TOPIC: encoding.gait_type,
+            SPANS_TOPIC: encoding.span_type,
+        }
+        self.channels = {topic: added.declare(topic, kind) for topic, kind in types.items() if kind}
+        """Ids by topic, whatever the log calls it."""
 
     def robot_description(self, urdf: str, log_time: int) -> MessageRecords:
         """Return the message that describes the robot."""
         if self._wanted.description is None:
             raise AssertionError("the output has no channel for a robot description")
         payload = np.frombuffer(_description_message(urdf, self._wanted.description), np.uint8)
+        channel = self.channels[ROBOT_DESCRIPTION_TOPIC]
         time, start, end = np.array([[log_time], [0], [len(payload)]])
-        return recorded(np.array([self._description]), start, time, time, payload, start, end)
+        return recorded(np.array([channel]), start, time, time, payload, start, end)
 
-    def messages(self, columns: AnnotationColumns) -> Iterator[MessageRecords]:
+    def messages(self, drawn: Iterable[Drawn]) -> Iterator[MessageRecords]:
         """Yield the messages of a batch; see `by_channel`."""
-        return by_channel(self._parts(columns))
+        return by_channel(chain.from_iterable(map(self._records, drawn)))
 
-    def _parts(self, columns: AnnotationColumns) -> Iterator[Records]:
-        """Yield the records of a batch, channel by channel."""
+    def _records(self, drawn: Drawn) -> Iterator[Records]:
+        """Yield the records of one kind of annotation, channel by channel."""
         wanted = self._wanted
-        if wanted.base_transform:
-            base = columns.transforms
-            pair = (wanted.world_frame, wanted.base_frame)
-            yield from self._transforms(
-                (pair,), base, base.translation[:, None], base.rotation[:, None]
-            )
-        for links in columns.links if wanted.links else ():
-            poses = links.poses
-            yield from self._transforms(
-                tuple(wanted.links), links, poses.translation, poses.rotation
-            )
-        draw_arrow = [
-            drawing.arrow(foot, wanted.world_frame, wanted.arrows) for foot in wanted.feet
-        ]
-        for arrows in columns.arrows:
-            yield from self._shown(self._arrows, draw_arrow, arrows, arrow_columns(arrows))
-        for loads in columns.loads:
-            group = len(LOAD_STATES) * loads.foot + loads.state
-            yield from self._grouped(group, self._load, loads, load_columns(loads))
-        names = zip(wanted.feet, short_names(wanted.feet), strict=True)
-        draw_label = [drawing.label(foot, wanted.world_frame, name) for foot, name in names]
-        for labels in columns.labels:
-            yield from self._shown(self._labels, draw_label, labels, label_columns(labels))
-        if wanted.support is not None:
-            for scene in columns.support:
-                yield from self._supports(scene, wanted.support)
-        if wanted.legs is not None:
-            for lines in columns.legs:
-                yield from self._leg_lines(lines, wanted.legs)
+        frame, feet, look = wanted.world_frame, wanted.feet, wanted.look
+        match drawn:
+            case Transforms(translation=translation, rotation=rotation):
+                pair = (frame, wanted.base_frame)
+                records = self._transforms((pair,), drawn, translation[:, None], rotation[:, None])
+            case LinkTransforms(poses=poses):
+                pairs = tuple(wanted.links)
+                records = self._transforms(pairs, drawn, poses.translation, poses.rotation)
+            case Arrows():
+                shapes = [drawing.arrow(foot, frame, look) for foot in feet]
+                records = self._at_feet(arrow_topic, shapes, drawn, drawing.arrow_columns(drawn))
+            case Labels():
+                shapes = list(map(drawing.label, feet, repeat(frame), short_names(feet)))
+                records = self._at_feet(label_topic, shapes, drawn, drawing.label_columns(drawn))
+            case Loads():
+                records = self._loads(drawn)
+            case SupportScene():
+                records = self._supports(drawn)
+            case LegLines():
+                records = self._leg_lines(drawn)
+        return records
 
     def _transforms(
         self,
@@ -201,78 +151,96 @@ class Annotations:
         translation: Floats,
         rotation: Floats,
     ) -> Iterator[Records]:
-        """Yield messages of the transforms of some parents and children."""
-        template = kept_template(self.encoding.transforms, pairs)
-        columns = transform_columns(translation, rotation)
-        same = np.zeros(len(timed.stamp), np.int64)
-        return self._grouped(same, lambda _: (self._tf, template), timed, columns)
+        """Yield messages of the transforms of some parents and children.
 
-    def _shown(
+        Args:
+            pairs: k parents and children.
+            timed: (n,) times.
+            translation: (n, k, 3) m.
+            rotation: (n, k, 4) quaternions, x y z w.
+        """
+        columns: dict[str, Any] = {}
+        for index in range(len(pairs)):
+            columns |= parts("xyz", translation[:, index], f"{index}.")
+            columns |= parts("xyzw", rotation[:, index], f"{index}.q")
+        template = kept_template(self.encoding.transforms, pairs)
+        same = np.zeros(len(timed.stamp), np.int64)
+        return self._grouped(same, lambda _: (TF_TOPIC, template), timed, columns)
+
+    def _at_feet(
         self,
-        channels: Sequence[int],
+        topic_of: Callable[[str], str],
         drawings: Sequence[Drawing],
-        shown: Shown,
+        shown: Arrows | Labels,
         columns: Columns,
     ) -> Iterator[Records]:
         """Yield messages that draw something at a foot, or remove it."""
 
-        def template_of(group: int) -> tuple[int, Template]:
+        def template_of(group: int) -> tuple[str, Template]:
             foot, removed = divmod(group, 2)
             make = self.encoding.removal if removed else self.encoding.drawing
-            return channels[foot], kept_template(make, drawings[foot])
+            return topic_of(self._wanted.feet[foot]), kept_template(make, drawings[foot])
 
         return self._grouped(2 * shown.foot + ~shown.shown, template_of, shown, columns)
 
-    def _load(self, group: int) -> tuple[int, Template]:
-        foot, state = divmod(group, len(LOAD_STATES))
-        return self._loads[foot], kept_template(self.encoding.load, LOAD_STATES[state])
+    def _loads(self, loads: Loads) -> Iterator[Records]:
+        def template_of(group: int) -> tuple[str, Template]:
+            foot, state = divmod(group, len(LOAD_STATES))
+            template = kept_template(self.encoding.load, LOAD_STATES[state])
+            return load_topic(self._wanted.feet[foot]), template
 
-    def _supports(self, scene: SupportScene, look: SupportLook) -> Iterator[Records]:
-        """Yield messages of what the robot stands on, those of one shape at a time."""
-        points = [each for _, each in support_points(scene)]
+        force, weights = loads.force, loads.body_weights
+        columns = {"in_contact": loads.in_contact, "force": force, "force_bw": weights}
+        group = len(LOAD_STATES) * loads.foot + loads.state
+        return self._grouped(group, template_of, loads, columns)
+
+    def _supports(self, scene: SupportScene) -> Iterator[Records]:
+        """Yield messages of what the robot stands on, those of one size at a time."""
+        points = drawing.support_points(scene).values()
         sizes = [each.shape[1] + 1 for each in points]
         counts = [np.isfinite(each[:, :, 0]).sum(axis=1) for each in points]
 
-        def template_of(group: int) -> tuple[int, Template]:
-            shape = SupportShape(*map(int, np.unravel_index(group, sizes)))
-            drawn = drawing.support(shape, self._wanted.world_frame, look)
-            return self._support, kept_template(self.encoding.drawing, drawn)
+        def template_of(group: int) -> tuple[str, Template]:
+            shape = list(map(int, np.unravel_index(group, sizes)))
+            drawn = drawing.support(shape, self._wanted.world_frame, self._wanted.look)
+            return SUPPORT_TOPIC, kept_template(self.encoding.drawing, drawn)
 
         group = np.ravel_multi_index(counts, sizes)
-        return self._grouped(group, template_of, scene, support_columns(scene))
+        return self._grouped(group, template_of, scene, drawing.support_columns(scene))
 
-    def _leg_lines(self, lines: LegLines, look: SupportLook) -> Iterator[Records]:
+    def _leg_lines(self, lines: LegLines) -> Iterator[Records]:
         """Yield messages of legs, those of the same standing feet at a time."""
         standing = np.isfinite(lines.ends[:, :, 0, 0])
         patterns, group = np.unique(standing, axis=0, return_inverse=True)
 
-        def template_of(group: int) -> tuple[int, Template]:
+        def template_of(group: int) -> tuple[str, Template]:
             feet = tuple(np.flatnonzero(patterns[group]).tolist())
             make = self.encoding.drawing if feet else self.encoding.removal
-            drawn = drawing.legs(feet, self._wanted.world_frame, look)
-            return self._legs, kept_template(make, drawn)
+            drawn = drawing.legs(feet, self._wanted.world_frame, self._wanted.look)
+            return LEGS_TOPIC, kept_template(make, drawn)
 
-        return self._grouped(group.reshape(-1), template_of, lines, leg_columns(lines))
+        columns = drawing.leg_columns(lines)
+        return self._grouped(group.reshape(-1), template_of, lines, columns)
 
     def _grouped(
         self,
         group: Ints,
-        template_of: Callable[[int], tuple[int, Template]],
+        template_of: Callable[[int], tuple[str, Template]],
         timed: Timed,
         columns: Columns,
     ) -> Iterator[Records]:
-        """Yield the messages of rows that share a channel and a template.
+        """Yield the messages of rows that share a topic and a template.
 
         Args:
-            group: (n,) number of each row's channel and template.
+            group: (n,) number of each row's topic and template.
             template_of: returns these.
             timed: (n,) times.
             columns: (n,) of all slots but the stamps.
         """
         stamped = {**columns, **self.encoding.stamp_columns(timed.stamp)}
         for number, rows in rows_by_group(group):
-            channel, template = template_of(number)
-            yield template.records(channel, timed.log_time, stamped, rows)
+            topic, template = template_of(number)
+            yield template.records(self.channels[topic], timed.log_time, stamped, rows)
 
 
 @lru_cache(_TEMPLATES_KEPT)
@@ -301,10 +269,3 @@ def _description_message(urdf: str, kind: MessageType) -> bytes:
     if kind.message_encoding == "ros1":
         return struct.pack("<I", len(text)) + text
     return _CDR_HEAD + struct.pack("<I", len(text) + 1) + text + b"\x00"
-
-
-def _event_channels(encoding: Encoding, added: AddedChannels) -> EventChannels:
-    events = added.declare(EVENTS_TOPIC, encoding.event_type)
-    gait = added.declare(GAIT_TOPIC, encoding.gait_type)
-    kind = encoding.span_type
-    return EventChannels(events, gait, None if kind is None else added.declare(SPANS_TOPIC, kind))

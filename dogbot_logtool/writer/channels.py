@@ -1,7 +1,6 @@
 """The channels that we add to an output, and their schemas."""
 
-from collections.abc import Callable, Mapping
-from collections.abc import Set as AbstractSet
+from collections.abc import Collection, Iterator, Mapping
 from types import MappingProxyType
 from typing import Final
 
@@ -10,32 +9,9 @@ from mcap import records
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.provenance import ANNOTATION_MARK
 from dogbot_logtool.writer.encodings.encoding import MessageType
+from dogbot_logtool.writer.topics import FALLBACK_PREFIX
 
 _MAX_ID: Final = 0xFFFF
-
-ResolveTopic = Callable[[str, MessageType], str]
-"""Returns the topic under which messages of a type are written."""
-
-
-class IdSource:
-    """Unused schema or channel ids: those above the input's highest first."""
-
-    def __init__(self, used: AbstractSet[int]) -> None:
-        self._used = used
-        highest = max(used, default=0)
-        self._candidates = iter(range(highest + 1, _MAX_ID + 1)), iter(range(1, highest))
-
-    def take(self) -> int:
-        """Return a free id.
-
-        Raises:
-            LogtoolError: all are in use.
-        """
-        for candidates in self._candidates:
-            for number in candidates:
-                if number not in self._used:
-                    return number
-        raise LogtoolError("the log uses all 65535 ids that an MCAP file can have")
 
 
 class AddedChannels:
@@ -43,18 +19,27 @@ class AddedChannels:
 
     def __init__(
         self,
-        schema_ids: IdSource,
-        channel_ids: IdSource,
-        resolve_topic: ResolveTopic,
+        schema_ids: Collection[int] = (),
+        channel_ids: Collection[int] = (),
+        taken: Mapping[str, tuple[str, str]] = MappingProxyType({}),
         notes: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
-        """Begin without channels; notes stand in the metadata of each."""
+        """Begin without channels.
+
+        Args:
+            schema_ids: that the log uses.
+            channel_ids: likewise.
+            taken: the log's topics, each with its type, without ``/msg``, and encoding.
+            notes: stand in the metadata of each channel.
+        """
         self._metadata = {**ANNOTATION_MARK, **notes}
         self.schemas: list[records.Schema] = []
         self.channels: list[records.Channel] = []
-        self._schema_ids = schema_ids
-        self._channel_ids = channel_ids
-        self._resolve = resolve_topic
+        self.moved: dict[str, str] = {}
+        """New names of topics that the log uses for something else."""
+        self._taken = taken
+        self._schema_ids = _free_ids(schema_ids)
+        self._channel_ids = _free_ids(channel_ids)
 
     def declare(self, topic: str, kind: MessageType) -> int:
         """Add a channel; return its id.
@@ -65,15 +50,15 @@ class AddedChannels:
         schema = next((one for one in self.schemas if one.name == kind.name), None)
         if schema is None:
             schema = records.Schema(
-                id=self._schema_ids.take(),
+                id=next(self._schema_ids),
                 name=kind.name,
                 encoding=kind.schema_encoding,
                 data=kind.schema,
             )
             self.schemas.append(schema)
         channel = records.Channel(
-            id=self._channel_ids.take(),
-            topic=self._resolve(topic, kind),
+            id=next(self._channel_ids),
+            topic=self._free_topic(topic, kind),
             message_encoding=kind.message_encoding,
             metadata=dict(self._metadata),
             schema_id=schema.id,
@@ -81,6 +66,26 @@ class AddedChannels:
         self.channels.append(channel)
         return int(channel.id)
 
+    def _free_topic(self, topic: str, kind: MessageType) -> str:
+        """Return a topic that carries no other type or encoding."""
+        name, ours = topic, (kind.name.replace("/msg/", "/"), kind.message_encoding)
+        while self._taken.get(name, ours) != ours:
+            name = self.moved[topic] = FALLBACK_PREFIX + name
+        return name
+
     def topics(self) -> Mapping[int, str]:
         """Return the topic of every added channel."""
         return {channel.id: channel.topic for channel in self.channels}
+
+
+def _free_ids(used: Collection[int]) -> Iterator[int]:
+    """Yield unused schema or channel ids: those above the highest first.
+
+    Raises:
+        LogtoolError: all are in use.
+    """
+    highest = max(used, default=0)
+    for number in (*range(highest + 1, _MAX_ID + 1), *range(1, highest)):
+        if number not in used:
+            yield number
+    raise LogtoolError("the log uses all 65535 ids that an MCAP file can have")

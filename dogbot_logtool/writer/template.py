@@ -5,7 +5,7 @@ is serialised twice with numbers that occur nowhere else in it. The copies are a
 array of MCAP message records, and the numbers are written into its columns.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
@@ -42,7 +42,7 @@ _VARINT_SHORT: Final = 5
 
 
 class Kind(Enum):
-    """How a number is written: its dtype."""
+    """How a value is written: its dtype."""
 
     FLOAT64 = "<f8"
     FLOAT32 = "<f4"
@@ -54,22 +54,28 @@ class Kind(Enum):
     VARINT = f"V{_VARINT_WIDTH}"
 
 
+class Of(Enum):
+    """What a value that varies is; an encoding writes all of one sort in one `Kind`."""
+
+    NUMBER = "number"
+    COLOUR = "colour"
+    TIME = "time"
+    FLAG = "flag"
+    TEXT = "text"
+
+
 @dataclass(frozen=True, slots=True)
 class Slot:
-    """Where a message has a number that varies, or a text."""
+    """Where a message has a value that varies."""
 
     name: str
+    of: Of = Of.NUMBER
     before: str = ""
-    """What stands before the text."""
+    """What stands before a text."""
 
 
-Fill = Callable[[Slot, Kind], Number]
-"""Returns the value of a slot."""
-
-
-def unfilled(slot: Slot, _kind: Kind) -> Number:
-    """Refuse slots, for messages that have none."""
-    raise AssertionError(f"{slot.name} has no value")
+Literal = Mapping[str, Any]
+"""A message: values, lists and mappings by field; what is not named has its type's default."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,30 +108,35 @@ class Template:
         return records
 
 
-def learn(serialise: Callable[[Fill], bytes]) -> Template:
+def learn(
+    serialise: Callable[[Literal], bytes], literal: Literal, kinds_of: Mapping[Of, Kind]
+) -> Template:
     """Return the template of a message.
 
     Args:
-        serialise: serialises the message with its slots filled; one slot may stand in several
-            places.
+        serialise: serialises a message without slots.
+        literal: the message; one slot may stand in several places.
+        kinds_of: how the encoding writes values.
     """
-    kinds: dict[str, Kind] = {}
-    numbers: dict[str, int] = {}
+    kinds = {slot.name: kinds_of[slot.of] for slot in _slots(literal)}
+    numbers = {name: number for number, name in enumerate(kinds)}
 
-    def fill(slot: Slot, kind: Kind, other: bool = False) -> Number:  # noqa: FBT001, FBT002 - of two
-        kinds[slot.name] = kind
-        value = _mark(kind, numbers.setdefault(slot.name, len(numbers)), other).value
-        return f"{slot.before}{value}" if kind is Kind.TEXT6 else value
+    def filled(others: Collection[str]) -> bytes:
+        def value_of(slot: Slot) -> Number:
+            kind = kinds[slot.name]
+            value = _mark(kind, numbers[slot.name], slot.name in others).value
+            return f"{slot.before}{value}" if kind is Kind.TEXT6 else value
 
-    message = serialise(fill)
-    changed = serialise(lambda slot, kind: fill(slot, kind, other=True))
+        return serialise(_filled(literal, value_of))
+
+    message, changed = filled(()), filled(kinds)
     expected = bytearray(message)
     places: list[tuple[str, int]] = []
     for number, (name, kind) in enumerate(kinds.items()):
         first, second = (_mark(kind, number, other).written for other in (False, True))
         if kind is Kind.BOOL:
-            flipped = serialise(lambda slot, kind: fill(slot, kind, other=slot.name == name))  # noqa: B023 - called at once
-            found = [i for i, (a, b) in enumerate(zip(message, flipped, strict=True)) if a != b]
+            flipped = zip(message, filled((name,)), strict=True)
+            found = [offset for offset, (one, other) in enumerate(flipped) if one != other]
         else:
             found = _found(message, first, changed, second)
         if not found:
@@ -136,6 +147,24 @@ def learn(serialise: Callable[[Fill], bytes]) -> Template:
     if expected != changed:
         raise AssertionError(f"more changes than {', '.join(kinds)}")
     return _of_places(message, [(name, kinds[name], offset) for name, offset in places])
+
+
+def _slots(value: object) -> Iterator[Slot]:
+    """Yield the slots of a literal, in order."""
+    if isinstance(value, Slot):
+        yield value
+    elif isinstance(value, Mapping | list):
+        for each in value.values() if isinstance(value, Mapping) else value:
+            yield from _slots(each)
+
+
+def _filled(value: Any, value_of: Callable[[Slot], Number]) -> Any:  # noqa: ANN401 - of a literal
+    """Return a literal with values instead of slots."""
+    if isinstance(value, Slot):
+        return value_of(value)
+    if isinstance(value, Mapping):
+        return {name: _filled(each, value_of) for name, each in value.items()}
+    return [_filled(each, value_of) for each in value] if isinstance(value, list) else value
 
 
 def _of_places(message: bytes, places: list[tuple[str, Kind, int]]) -> Template:

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 import dogbot_logtool as dl
-from dogbot_logtool.api.table import Table, curves_of
 from tests.measured import walk_of
 from tests.oracles.conversion import sample_of
 from tests.oracles.recorded import contact_topic, decoded_log
-from tests.paths import TROUBLED, WALK
+from tests.paths import WALK
 
 FOOT = "front_left"
 
@@ -40,21 +39,6 @@ def test_the_usual_curve_is_that_of_the_figures(walk: dl.Walk) -> None:
     assert curves.percent.tolist() == figure["percent"]
     difference = np.median(curves["force_z_n"], axis=0) - figure["median"]
     assert np.abs(difference).mean() < 5.0
-
-
-def test_a_foot_without_strides_has_no_curves() -> None:
-    curves = walk_of(TROUBLED).curves("back_left")
-    assert curves["force_n"].shape == (0, 101)
-
-
-def test_samples_that_step_back_and_unknown_ones_are_left_out() -> None:
-    force = np.array([0.0, 9.0, 10.0, 20.0, np.nan])
-    columns = dict.fromkeys(("force_n", "force_x_n", "force_y_n", "force_z_n"), force)
-    samples = Table({"time_s": np.array([0.0, -1.0, 1.0, 2.0, 3.0]), **columns})
-    curves = curves_of(FOOT, samples, np.array([0.5]), np.array([2.0]), 5)
-    assert curves.percent.tolist() == [0.0, 25.0, 50.0, 75.0, 100.0]
-    assert curves["force_n"][0, :4].tolist() == [5.0, 10.0, 15.0, 20.0]
-    assert np.isnan(curves["force_n"][0, 4])
 
 
 def test_wrong_words_are_refused(walk: dl.Walk) -> None:

@@ -35,24 +35,12 @@ def test_a_wrong_column_lists_those_that_exist(small: Table) -> None:
         small["forces"]
 
 
-def test_columns_cannot_be_written_to(small: Table) -> None:
-    with pytest.raises(ValueError, match="read-only"):
-        small["force_n"][0] = 2.0
-
-
 def test_pandas_gets_columns_of_its_own(small: Table) -> None:
     frame = small.to_pandas()
     assert isinstance(frame, pd.DataFrame)
     assert frame["in_contact"].tolist() == [True, False]
     frame.loc[0, "force_n"] = 2.0
     assert small["force_n"][0] == 1.5
-
-
-def test_polars(small: Table) -> None:
-    frame = small.to_polars()
-    assert frame["foot"].to_list() == ["left", None]
-    assert frame["force_n"][0] == 1.5
-    assert np.isnan(frame["force_n"][1])
 
 
 def test_arrow_has_null_for_what_is_not_known(small: Table) -> None:

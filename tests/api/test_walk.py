@@ -92,16 +92,6 @@ def test_the_base_is_where_odometry_says(walk: dl.Walk) -> None:
     assert walk.base["x_m"] == pytest.approx(np.interp(walk.base["time_s"], time, x))
 
 
-def test_events_are_those_of_the_figures(walk: dl.Walk) -> None:
-    rows = walk.stats["events"]
-    assert walk.events["type"].tolist() == [row["type"] for row in rows]
-    assert walk.events["onset_s"].tolist() == [row["onset_s"] for row in rows]
-
-
 def test_a_wrong_foot_lists_those_that_exist(walk: dl.Walk) -> None:
     with pytest.raises(dl.CallError, match="'left' is no foot of this robot; it has front_left"):
         walk.samples("left")
-
-
-def test_a_walk_is_told_at_a_glance(walk: dl.Walk) -> None:
-    assert repr(walk).endswith("dogbot_walk.mcap: walk, 28 strides>")

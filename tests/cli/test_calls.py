@@ -72,11 +72,11 @@ export TROT --dataset walks --table base | --table goes without --dataset
 compare TROT | Missing argument 'ACTUAL'
 compare TROT no_such.bag | no_such.bag: no such file
 compare TROT WALK --mass 20 | --mass says how logs are measured: it goes with --gait
-compare TROT WALK --gait --atol 1 | --atol has no meaning with it
+compare TROT WALK --gait --atol 1 | --atol has no meaning with --gait
 compare TROT TROT --atol -1 | --atol -1: must be a number from 0
 compare TROT TROT --junit x.bag | of a ROS 1 bag, but XML
 layout -o x.mcap | of an MCAP, but JSON is written
-layout --viewer rerun | --viewer rerun is gone: Rerun opens the MCAP
+layout --viewer rerun | 'rerun' is not one of 'foxglove', 'rviz'
 layout -o x/ | is a directory's name
 robots unicorn | no robot is called 'unicorn'; known are
 robots new | robots new: name the log

@@ -15,7 +15,7 @@ from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
 
 from tests.forked_cli import run, run_on_terminal
-from tests.oracles.small_logs import odometry_log, string_log
+from tests.oracles.small_logs import odometry_log
 from tests.paths import SAMPLE_LOGS
 from tests.shell import Shell
 
@@ -140,38 +140,6 @@ def test_text_in_csv_is_no_formula(folder: Path) -> None:
     for row in rows:
         for name, cell in row.items():
             assert name in {"log", "foot"} or not cell or isinstance(float(cell), float)
-
-
-EVIL_TOPICS = (
-    "/\x1b[31mred",
-    "/bell\x07",
-    "/back\x08space",
-    "/two\nlines",
-    "/\u202eleft",
-    "/\x9b1m",
-)
-
-
-@pytest.mark.parametrize("topic", EVIL_TOPICS, ids=ascii)
-def test_control_characters_in_topics_are_escaped(shell: Shell, topic: str) -> None:
-    string_log(shell.folder / "log.mcap", [(topic, b"x")])
-    told = [shell("info", "log.mcap"), shell("convert", "log.mcap")]
-    odometry_log(shell.folder / "odom.mcap", topic, cut=1)
-    told += [shell("info", "odom.mcap"), shell("convert", "odom.mcap", "-v")]
-    for done in told:
-        text = done.out + done.err
-        assert topic not in text
-        assert not [c for c in text if not c.isprintable() and c != "\n"]
-    assert [done.code for done in told] == [0, 1, 0, 3]
-    escaped = topic.encode("unicode_escape").decode()
-    for done in told:
-        assert escaped in "".join((done.out + done.err).split())
-
-
-def test_a_newline_in_a_topic_starts_no_line(shell: Shell) -> None:
-    string_log(shell.folder / "log.mcap", [("/said\nerror: send money", b"x")])
-    done = shell("convert", "log.mcap")
-    assert not [line for line in done.err.split("\n") if line.startswith("error: send money")]
 
 
 def test_names_with_markup_and_odd_bytes(shell: Shell) -> None:

@@ -8,21 +8,15 @@ systems (drives, the libraries themselves) is not tried.
 
 import os
 import shutil
-import sqlite3
 import subprocess
 import sys
-from contextlib import closing
 from pathlib import Path
 
 import pytest
-import zstandard
 
-from dogbot_logtool.errors import CallError
 from dogbot_logtool.io import storage
-from dogbot_logtool.run import inputs, search
 from tests import forked_cli
 from tests.oracles.small_logs import first_seconds
-from tests.oracles.walks import write_walk
 from tests.paths import ROOT, SAMPLE_LOGS, WALK
 
 TROT, TROUBLED = (
@@ -168,23 +162,6 @@ def test_globs_of_options_are_no_files(logs: Path) -> None:
     made(logs, "stats", "*.mcap", "--json")
 
 
-def test_compressed_logs_and_unfinished_databases(tmp_path: Path) -> None:
-    (tmp_path / "log.bag.zstd").write_bytes(zstandard.compress(TROT.read_bytes()))
-    made(tmp_path, "info", "log.bag.zstd", "--json")
-    bag = write_walk(tmp_path, "geometry_msgs/msg/WrenchStamped", "ros2")
-    (database,) = bag.glob("*.db3")
-    kept = tmp_path / "kept"
-    with closing(sqlite3.connect(database, isolation_level=None)) as connection:
-        connection.execute("PRAGMA journal_mode = WAL")
-        connection.execute("CREATE TABLE more (id INTEGER PRIMARY KEY)")
-        shutil.copytree(bag, kept)
-    assert [*kept.glob("*.db3-wal")]
-    made(tmp_path, "info", "kept", "--json")
-    data = database.read_bytes()
-    (tmp_path / "cut.db3").write_bytes(data[: len(data) // 2 + 100])
-    made(tmp_path, "info", "cut.db3", "--json", code=3)
-
-
 def test_pages_and_tables(logs: Path) -> None:
     words = ("report", TROT.name, TROUBLED.name, "-o", "made/", "--overwrite", "--no-replay")
     assert "index.html" in made(logs, *words, "-q", again=True)
@@ -197,27 +174,3 @@ def test_a_drive_is_no_scheme(word: str) -> None:
     assert storage.location(word) == Path(word)
     assert storage.shown(word) == word
     assert storage.without_secrets(f"C:/runs/a@b.bag and {word}") == f"C:/runs/a@b.bag and {word}"
-
-
-def test_depths_in_patterns_of_windows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "runs" / "a").mkdir(parents=True)
-    log = tmp_path / "runs" / "a" / "walk.bag"
-    log.touch()
-
-    class Windows:
-        name = "nt"
-
-        def __getattr__(self, attribute: str) -> object:
-            return getattr(os, attribute)
-
-    monkeypatch.setattr(search, "os", Windows())
-    monkeypatch.chdir(tmp_path)
-    assert search.matches(r"runs\**\*.bag", {}) == [Path("runs/a/walk.bag")]
-
-
-def test_a_list_in_letters_of_windows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Names are no bytes there: those that are no UTF-8 cannot be told."""
-    (tmp_path / "list.txt").write_bytes("läufe.bag\r\n".encode("cp1252"))
-    monkeypatch.setattr(os, "fsdecode", lambda data: data.decode("utf-8", "surrogatepass"))
-    with pytest.raises(CallError, match="is no list of logs, not even text in UTF-8"):
-        inputs.find_logs([f"@{tmp_path / 'list.txt'}"])

@@ -51,19 +51,6 @@ def test_convert_says_what_it_wrote(shell: Shell) -> None:
     assert told["damage"] == {"text": None, "messages": 0, "bytes": 0, "places": []}
 
 
-def test_options_reach_the_conversion(shell: Shell) -> None:
-    words = ["--start", 1, "--end", 2, "--tf-rate", 0, "--no-copy", "--compression", "none"]
-    words += ["--odom-topic", "/dogbot/odom", "--robot", "generic", "--mass", 10]
-    words += ["--foot", "paw=/dogbot/back_left_contactsensor_state"]
-    told = shell("convert", TROT, "-o", "x.mcap", "--json", *words).json
-    assert (told["messages"]["copied"], told["robot"]) == (0, "generic")
-    assert told["topics"]["feet"]["paw"] == "/dogbot/back_left_contactsensor_state"
-    # The first pose stands at the first time, too.
-    assert told["annotations"]["/tf"] == 251
-    drawn = {topic for topic, count in told["annotations"].items() if count > 1}
-    assert drawn == {"/tf", "/marker_basic_paw_foot", "/load/paw", "/label/paw", "/support"}
-
-
 def test_the_input_is_never_the_output(shell: Shell) -> None:
     log = shell.folder / "log.mcap"
     log.write_bytes(WALK.read_bytes())
@@ -73,17 +60,6 @@ def test_the_input_is_never_the_output(shell: Shell) -> None:
         assert done.code == 2
         assert "is the input itself" in done.err
     assert log.read_bytes() == WALK.read_bytes()
-
-
-def test_info_as_json(shell: Shell) -> None:
-    told = shell("info", WALK, "--json").json
-    assert (told["container"], told["profile"], told["messages"]) == ("MCAP", "ros2", 22510)
-    topics = {topic["topic"]: topic for topic in told["topics"]}
-    assert topics["/dogbot/odom"]["use"] == "odometry"
-    assert topics["/dogbot/odom"]["messages"] == 2251
-    assert told["frames"]["added"] == ["world", "base_link"]
-    told = shell("info", "--frames", "--json", WALK).json["frames"]
-    assert {edge["child"] for edge in told["edges"]} == set(told["parents"])
 
 
 def test_a_figure_is_the_same_for_any_jobs(shell: Shell) -> None:

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from dogbot_logtool.commands.compare_gait import compare_gait
 from dogbot_logtool.commands.tasks import figures
+from dogbot_logtool.comparison.walks import compare_walks
 from dogbot_logtool.options import MeasureOptions
 from tests.forked_cli import run
 from tests.paths import SAMPLE_LOGS
@@ -25,7 +25,7 @@ def test_two_halves_of_a_run_walk_alike(tmp_path: Path) -> None:
         figures(log, options=MeasureOptions(mass=20.0, start=start, end=end))
         for start, end in ((0.0, 10.0), (10.0, 20.0))
     ]
-    found = compare_gait(*([half] for half in halves))
+    found = compare_walks(*([half] for half in halves))
 
     assert found.reasons == ()
     assert found.differing == ()

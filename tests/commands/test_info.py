@@ -64,16 +64,6 @@ def test_a_bag_is_what_rosbags_says() -> None:
     assert describe(TROUBLED, InfoOptions()).compressions == ("bz2",)
 
 
-@pytest.mark.parametrize("log", LOGS, ids=lambda log: log.stem)
-def test_uses(log: Path) -> None:
-    uses = {topic.topic: topic.use for topic in describe(log, InfoOptions()).topics}
-    wanted = {f"/dogbot/{foot}_contactsensor_state": f"foot {foot}" for foot in FEET}
-    wanted |= {"/dogbot/odom": "odometry", "/dogbot/joint_states": "joints"}
-    wanted |= {"/dogbot/imu": "accelerometer", "/dogbot/cmd_vel": "commands"}
-    wanted |= dict.fromkeys(uses.keys() & {"/tf", "/tf_static"}, "frames")
-    assert uses == wanted
-
-
 @pytest.mark.parametrize("width", [40, 80, 109, 110, 200])
 def test_print_fits_and_tells_all_topics(width: int) -> None:
     text = printed(describe(TROT, InfoOptions()), width)

@@ -44,26 +44,6 @@ def test_the_file_has_the_base_s_poses(tmp_path: Path, kind: str) -> None:
     assert with_file["base"]["path_length_m"] > 1.0
 
 
-@pytest.mark.parametrize(
-    ("kind", "element"),
-    [
-        ("quad_msgs/RobotState", "body.pose"),
-        ("xpp_msgs/RobotStateCartesian", "base.pose"),
-        ("tf2_msgs/TFMessage", "odom/base_link"),
-    ],
-)
-def test_the_file_has_the_element_of_the_base_s_poses(
-    tmp_path: Path, kind: str, element: str
-) -> None:
-    path = base_walks.write(tmp_path / "walk.mcap", kind, "/state")
-    name = f"/state:{element}"
-    with_file = figures_with_file(path, name)
-    assert with_file["base"] == figures(path, MeasureOptions(odom_topic=name))["base"]
-    assert "ROBOT_GUESSED" not in {finding["code"] for finding in with_file["findings"]}
-    text = path.with_name("robot.toml").read_text(encoding="utf-8")
-    assert f'odometry = "{name}"' in text
-
-
 def test_the_file_has_what_messages_call_the_feet(tmp_path: Path) -> None:
     walk = StateWalk(2)
     path = tmp_path / "walk.mcap"

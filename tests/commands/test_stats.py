@@ -1,25 +1,17 @@
 """`stats` from the file to the figures, against what the sample logs' generator knows."""
 
 import json
-import math
-import struct
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
-from mcap.reader import make_reader
-from mcap.writer import Writer
 
-from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.core.metrics import NEEDS, WalkMetrics
+from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import schema, stats_json
 from tests.measured import measured
-from tests.oracles.walks import Walk as ContactWalk
-from tests.oracles.walks import write_mcap
 from tests.paths import ROOT, SAMPLE_LOGS
 
 WALKS = ("dogbot_trot.bag", "dogbot_walk.mcap")
@@ -152,41 +144,3 @@ def test_the_json_is_what_the_schema_says() -> None:
     validator = Draft202012Validator(schema(WalkMetrics))
     for log in (*WALKS, "dogbot_troubled.bag"):
         validator.validate(json.loads(json.dumps(figures(log), allow_nan=False)))
-
-
-def test_times_of_several_senders_of_a_topic_stand_in_the_order_of_the_log(tmp_path: Path) -> None:
-    """Both of the topics that are decoded and of those that are not."""
-    log = tmp_path / "log.mcap"
-    with (SAMPLE_LOGS / "dogbot_walk.mcap").open("rb") as stream, log.open("wb") as copy:
-        writer = Writer(copy)
-        writer.start("ros2")
-        topics: dict[str, list[int]] = {}
-        for number, (schema, channel, message) in enumerate(make_reader(stream).iter_messages()):
-            assert schema is not None
-            if channel.topic not in topics:
-                kind = writer.register_schema(schema.name, schema.encoding, schema.data)
-                topics[channel.topic] = [
-                    writer.register_channel(channel.topic, "cdr", kind) for _ in "ab"
-                ]
-            sender = topics[channel.topic][number % 2]
-            writer.add_message(sender, message.log_time, message.data, message.publish_time)
-        writer.finish()
-
-    done = measure(log, MeasureOptions())
-
-    assert stats_json(done)["quality"] == figures("dogbot_walk.mcap")["quality"]
-
-
-def test_an_odometry_of_nothing_but_nan_is_said(tmp_path: Path) -> None:
-    walk = ContactWalk(2)
-    height, nan = struct.pack("<d", 0.4), struct.pack("<d", math.nan)
-    entries = [
-        replace(entry, data=entry.data.replace(height, nan)) if entry.topic == "/odom" else entry
-        for entry in walk.messages("gazebo_msgs/msg/ContactsState")
-    ]
-    write_mcap(tmp_path / "walk.mcap", walk, entries)
-    got = figures(str(tmp_path / "walk.mcap"))
-    assert set(got["base"].values()) == {None}
-    assert got["null_because"]["base.path_length_m"] == NEEDS["base"]
-    (said,) = [one for one in got["findings"] if one["code"] == "NOT_FINITE"]
-    assert "all with NaN, infinity or a zero quaternion" in said["text"]

@@ -246,11 +246,11 @@ def test_records_beside_the_messages(pair: Pair) -> None:
     lines = pair.lines(expected, changed)
     assert [line.partition(": ")[0] for line in lines] == [
         "(records) profile",
-        "(records) metadata:dogbot_logtool.style",
         "(records) attachment:notes.sha256",
+        "(records) metadata:dogbot_logtool.style",
         "(records) metadata:more",
     ]
-    assert lines[1].endswith('expected "force", got "classic"')
+    assert lines[2].endswith('expected "force", got "classic"')
     everything = ("profile", "metadata:*", "attachment:notes")
     assert not pair.lines(expected, changed, CompareOptions(ignore=everything))
     assert not pair.lines(expected, changed, CompareOptions(topics=("/*",)))

@@ -6,12 +6,7 @@ from pathlib import Path
 import pytest
 
 from dogbot_logtool.comparison.limits import Deviation, Rule, load_limits, parse_limits
-from dogbot_logtool.comparison.renamed import RENAMED, new_name
-from dogbot_logtool.core.metrics import WalkMetrics
-from dogbot_logtool.core.records import metric_paths
 from dogbot_logtool.errors import CallError
-
-PATHS = {path for path, _, _ in metric_paths(WalkMetrics)}
 
 
 def rule(lines: str) -> Rule:
@@ -92,12 +87,10 @@ def test_a_deviation_from_a_baseline(
         ("[[rule]]\nevent = 'slips'", "no event is called 'slips'; there are slip"),
         ("[[rule]]\nevent = 'x'", "there are fall, tipping"),
         ("[[rule]]\nfinding = 'FAL'", "no finding is called 'FAL'; there are FALL"),
-        ("[[rule]]\nfinding = 'W_FALL'", "W_FALL is now FALL; codes have no prefix"),
-        ("[[rule]]\nfinding = 'W_ZERO_STAMPS'", "W_ZERO_STAMPS is now BAD_STAMPS"),
-        ("[[rule]]\nfinding = 'W_*'", "W_* is now warning"),
+        ("[[rule]]\nfinding = 'W_FALL'", "no finding is called 'W_FALL'; there are FALL"),
+        ("[[rule]]\nfinding = 'W_*'", "docs/findings.md has all codes"),
         ("[[rule]]\nfigure = 'a'\nat_most = 1\nnull = 'ok'", "must be unknown, fail, pass"),
         ("[[rule]]\nfigure = 'a'\nat_most = 1\nlevel = 1", "level is 1; it must be fail, warn"),
-        ("[[rule]]\nfigure = 'gait.class'\nequals = 'a'", "gait.class is now gait.name"),
         ("[[rule]]\nevent = 'gap'\n\n[[rule]]\nevent = 1", "line 4: rule 2: event is 1"),
         ("not toml", "not valid TOML"),
     ],
@@ -108,25 +101,3 @@ def test_a_fault_is_told_with_rule_and_line(tmp_path: Path, text: str, says: str
         load_limits(tmp_path / "limits.toml")
     assert says in str(raised.value)
     assert str(raised.value).startswith(str(tmp_path / "limits.toml"))
-
-
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ("gait.class", "gait.name"),
-        ("legs.feet.*.clearance_m.median", "feet.*.clearance_m.median"),
-        ("legs.feet.left.clearance_m.max", "feet.left.clearance_m.max"),
-        ("gait.phase_left_hind.left.mean", "gait.phase.left.left_hind"),
-        ("quality.topics.*.gaps.total_s", "quality.topics.*.gaps_total_s"),
-        ("feet.*.slip_m.max", ""),
-        ("gait.*", ""),
-    ],
-)
-def test_a_key_of_before_has_its_new_name(old: str, new: str) -> None:
-    assert new_name(old) == new
-
-
-def test_old_names_are_no_metrics_and_new_ones_are() -> None:
-    assert not RENAMED.keys() & PATHS
-    for new in RENAMED.values():
-        assert any(f"{path}.".startswith(f"{new}.") for path in PATHS), new

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from dogbot_logtool.errors import LogError
 from dogbot_logtool.reader.opening import open_log
 from tests.forked_cli import run
 from tests.reader.reading import read_file
@@ -32,13 +31,6 @@ def test_columns_named_like_row_numbers_do_not_matter(tmp_path: Path, columns: s
     reading = read_file(make(tmp_path / "log.db3", messages=table))
     assert list(reading.messages) == expected()
     assert reading.losses == ()
-
-
-def test_rows_without_numbers_are_refused(tmp_path: Path) -> None:
-    table = "CREATE TABLE messages (topic_id, timestamp PRIMARY KEY, data) WITHOUT ROWID"
-    path = make(tmp_path / "log.db3", messages=table)
-    with pytest.raises(LogError, match="is no ROS 2 bag: the rows of its table"):
-        open_log(path)
 
 
 @pytest.mark.parametrize(
@@ -81,38 +73,6 @@ def test_what_is_there_of_a_file_that_is_cut_off_is_read(tmp_path: Path, missing
     assert list(reading.messages) == expected(count)
     assert f"it promises {len(data)} bytes, but has {len(data) - missing}" in reading.sentences
     assert reading.lost is None
-
-
-def test_a_topic_that_stands_there_twice_is_said(tmp_path: Path) -> None:
-    def with_rows(name: str, *rows: str) -> Path:
-        made = "CREATE TABLE topics AS SELECT 1 id, '/a' name, 'std_msgs/msg/String' type"
-        values = [f"INSERT INTO topics VALUES {row}" for row in rows]  # noqa: S608
-        return make(tmp_path / name, "DROP TABLE topics", made, *values)
-
-    same = read_file(with_rows("same.db3", "(1, '/a', 'std_msgs/msg/String')"))
-    assert list(same.messages) == expected()
-    assert same.losses == ()
-    other = read_file(with_rows("other.db3", "(1, '/b', 'std_msgs/msg/Bool')"))
-    assert list(other.messages) == expected()
-    assert other.sentences == (
-        "topic 1 is described in two ways: as /a (std_msgs/msg/String, cdr) and as "
-        "/b (std_msgs/msg/Bool, cdr); the former was used"
-    )
-
-
-def test_definitions_that_differ_are_said(tmp_path: Path) -> None:
-    table = "CREATE TABLE message_definitions (topic_type, encoding, encoded_message_definition)"
-    rows = [
-        f"INSERT INTO message_definitions VALUES ('std_msgs/msg/String', 'ros2msg', '{text}')"  # noqa: S608
-        for text in ("string data", "string data", "string data\nint32 more")
-    ]
-    log = open_log(make(tmp_path / "log.db3", table, *rows))
-    (channel,) = log.channels.values()
-    assert channel.schema is not None
-    assert channel.schema.data == b"string data"
-    (loss,) = log.losses
-    assert loss.what.startswith("std_msgs/msg/String is described in two ways: as ")
-    log.close()
 
 
 def test_row_numbers_may_be_as_far_apart_as_they_can(tmp_path: Path) -> None:

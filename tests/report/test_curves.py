@@ -44,16 +44,6 @@ def test_every_peak_and_trough_is_kept_in_few_samples(
     assert (away <= result.bin_s * 1e9 + 1e3).all()
 
 
-def test_no_line_leads_over_a_break_or_what_is_not_known() -> None:
-    time = np.array([10, 20, 30, 1000, 1010, 1020, 1030], np.int64)
-    value = np.array([0.0, 1.0, 2.0, 3.0, 4.0, np.nan, 5.0])
-    breaks = np.array([[0, 4], [30, 1000], [1040, 1050]], np.int64)
-    result = curve_of(time, value, breaks)
-    assert result is not None
-    assert result.time.tolist() == [10, 20, 30, 515, 1000, 1010, 1020, 1030]
-    np.testing.assert_array_equal(result.value, [0, 1, 2, np.nan, 3, 4, np.nan, 5])
-
-
 def test_a_span_has_every_sample() -> None:
     time = np.arange(100_000, dtype=np.int64) * 1_000_000
     span = (40_000 * 1_000_000, 40_500 * 1_000_000)

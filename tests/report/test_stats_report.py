@@ -13,13 +13,10 @@ import dogbot_logtool as dl
 from dogbot_logtool.core.metrics import NEEDS, WalkMetrics
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, finding_kinds
-from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.loss import Damage, Loss
 from dogbot_logtool.report.documents import schema, stats_json
 from dogbot_logtool.report.text.gait_diagram import (
     ASCII,
-    STRIDES_SHOWN,
-    default_window,
     gait_diagram,
 )
 from dogbot_logtool.report.text.stats_text import print_report, print_summary
@@ -63,12 +60,6 @@ def text_of(done: Measurement, width: int, *, colour: bool = False, verbose: boo
     console = Console(file=file, width=width, force_terminal=colour, color_system=system)
     print_report(console, done, verbose=verbose)
     return file.getvalue()
-
-
-def test_the_schema_is_itself_valid_and_strict() -> None:
-    Draft202012Validator.check_schema(schema(WalkMetrics))
-    records = schema(WalkMetrics)["$defs"].values()
-    assert all(each["additionalProperties"] is False for each in records)
 
 
 @pytest.mark.parametrize("case", TOPICS)
@@ -164,25 +155,6 @@ def test_the_diagram_is_filled_where_feet_are_down_and_tells_what_is_not_known()
     _, silent, dead, _ = bars(measured(TROUBLED).walk, (2.0, 4.0))
     assert "?" * 20 in silent
     assert set(dead) == {"?"}
-
-
-def test_the_diagrams_axis_has_labels_under_its_ticks() -> None:
-    walk = measured(TROT).walk
-    *_, ruler, labels = gait_diagram(walk, 74, window=(1.0, 4.0), glyphs=ASCII)
-    ticks = [place for place, glyph in enumerate(ruler.plain) if glyph == "+"]
-    assert labels.plain.split() == ["1.0", "1.5", "2.0", "2.5", "3.0", "3.5", "4.0", "s"]
-    assert labels.plain[ticks[2] - 1 : ticks[2] + 2] == "2.0"
-
-
-@pytest.mark.parametrize("seconds", [2.5, 3.5, 8.0])
-def test_the_window_chosen_is_a_few_strides_within_the_log(seconds: float) -> None:
-    walk = measured(TROT, MeasureOptions(end=seconds)).walk
-    begin, end = default_window(walk)
-    assert walk.main is not None
-    assert walk.main.stride_frequency_hz is not None
-    wanted = STRIDES_SHOWN / walk.main.stride_frequency_hz
-    assert 0.0 <= begin < end <= seconds + 0.01
-    assert end - begin == pytest.approx(min(wanted, seconds), abs=0.02)
 
 
 def test_several_logs_have_a_row_each(missing: dict[str, Measurement]) -> None:

@@ -1,7 +1,6 @@
 """Logs that were annotated before: what was added is left out, what was recorded is used."""
 
 import json
-import shutil
 from collections import Counter
 from collections.abc import Callable
 from functools import cache
@@ -89,19 +88,6 @@ def test_annotating_again_gives_the_same(
     converted(again, tmp_path / "third.mcap", encoding=encoding)
     # Chunks that hold only what was recorded are copied as they stand.
     assert (tmp_path / "third.mcap").read_bytes() == again.read_bytes()
-
-
-@pytest.mark.parametrize(
-    ("before", "style"), [("foxglove", "force"), ("ros1", "classic"), ("ros2", "pressure")]
-)
-def test_another_style_and_encoding_replace_the_old_ones(
-    tmp_path: Path, before: str, style: str
-) -> None:
-    once, again, direct = (tmp_path / f"{number}.mcap" for number in range(3))
-    converted(TROUBLED, once, encoding=before, style="pressure")
-    converted(once, again, encoding="ros1", style=style)
-    converted(TROUBLED, direct, encoding="ros1", style=style)
-    assert same(direct, again)
 
 
 def figures(log: Path) -> dict[str, Any]:
@@ -194,15 +180,6 @@ def test_what_was_lost_and_left_out_before_is_not_forgotten(tmp_path: Path) -> N
     converted(once, tmp_path / "part.mcap", end=2.0)
     (record,) = records(tmp_path / "part.mcap")
     assert (record.metadata["input"], record.metadata["start_s"]) == ("once.mcap", "")
-
-
-def test_a_directory_of_a_ros2_bag_may_hold_an_annotated_file(
-    tmp_path: Path, once_annotated: Once
-) -> None:
-    once, first = once_annotated(WALK, "ros2")
-    (tmp_path / "walk").mkdir()
-    shutil.copy(once, tmp_path / "walk" / "walk_0.mcap")
-    check_again(tmp_path / "walk", first, tmp_path / "again.mcap", "ros2")
 
 
 @pytest.mark.parametrize("command", ["convert", "stats", "report", "layout"])

@@ -9,9 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dogbot_logtool.robot.names import leg_position, name_feet
+from dogbot_logtool.robot.names import name_feet
 from dogbot_logtool.robot.siblings import FootSet
-from dogbot_logtool.robot.words import words_of
 
 TABLE = tomllib.loads(Path(__file__).with_name("names.toml").read_text(encoding="utf-8"))
 CLEAR, UNSURE = TABLE["clear"], TABLE["unsure"]
@@ -57,17 +56,6 @@ def test_what_is_no_foot_is_neither_chosen_nor_offered(name: str) -> None:
     row = TABLE["none"][name]
     found = name_feet(topics(row), contacts_only=row["contacts_only"])
     assert (found.chosen, found.offered) == (None, ())
-
-
-def test_what_was_not_chosen_is_offered_beside_it() -> None:
-    found = name_feet(topics(CLEAR["hrpsys offset"]), contacts_only=False)
-    assert [told(one)["left"] for one in found.offered] == ["/lfsensor", "/ref_lfsensor"]
-
-
-def test_legs_without_a_topic_are_named() -> None:
-    found = name_feet(topics(CLEAR["three of four"]), contacts_only=True)
-    assert found.chosen is not None
-    assert found.chosen.missing == ("back_right",)
 
 
 PREFIXES = (
@@ -128,44 +116,3 @@ def test_any_names_will_do(names: list[str], contacts_only: bool) -> None:  # no
 def test_many_names_come_to_an_end(pattern: str) -> None:
     """Comparing each name with each other one would take hours."""
     name_feet([pattern.format(number) for number in range(6_000)], contacts_only=True)
-
-
-@pytest.mark.parametrize(
-    ("name", "position"),
-    [
-        ("/lf_foot/contacts", ("front", "left")),
-        ("/RH", ("back", "right")),
-        ("/rr_bumper", ("back", "right")),
-        ("/frontLeftFoot", ("front", "left")),
-        ("/hind-right", ("back", "right")),
-        ("/fore/right", ("front", "right")),
-        ("/rear_left_toe", ("back", "left")),
-        ("/leg/middle_left", ("middle", "left")),
-        ("/ml/contact", ("middle", "left")),
-        ("/feedback/left", None),
-        ("/front_back_left", None),
-        ("/left_right_front", None),
-        ("/foot_1", None),
-        ("", None),
-    ],
-)
-def test_a_leg_s_position_by_its_name(name: str, position: tuple[str, str] | None) -> None:
-    assert leg_position(name) == position
-
-
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("/leftFootSixAxis_Offset", "left foot six axis offset"),
-        ("/LFoot/FTSensor2", "l foot ft sensor 2"),
-        ("/FLfoot", "fl foot"),
-        ("/RHFoot", "rh foot"),
-        ("/off_lfsensor", "off left foot sensor"),
-        ("/rhsensor", "right hand sensor"),
-        ("/frontleft-contact", "front left contact"),
-        ("/feedback/forearm.copyright", "feedback forearm copyright"),
-        ("/leg_1", "leg 1"),
-    ],
-)
-def test_words(name: str, words: str) -> None:
-    assert " ".join(word.text for word in words_of(name)) == words

@@ -51,12 +51,6 @@ def test_options_choose(path: Path) -> None:
     assert found.robot.mass_kg == 12.5
 
 
-def test_a_foot_of_the_robot_gets_another_topic(path: Path) -> None:
-    found = selected(path, RobotOptions(robot="dogbot", foot={"back_left": "/spare/0"}))
-    (foot,) = [foot for foot in found.robot.feet if foot.name == "back_left"]
-    assert (foot.topic, foot.collision) == ("/spare/0", "*back_left_foot*")
-
-
 @pytest.mark.parametrize("topics", [list(DOGBOT), list(SPARE)], ids=["its own", "others"])
 def test_all_feet_of_a_guessed_robot_can_be_named_anew(path: Path, topics: list[str]) -> None:
     given = {f"paw_{number}": topic for number, topic in enumerate(topics)}
@@ -145,14 +139,6 @@ def test_feet_that_do_not_fit_end_each_command(tmp_path: Path, name: str, feet: 
     assert ("did you mean" if len(feet) == 1 else "--foot a: is given") in done.stderr
 
 
-def test_a_layout_without_a_log_has_the_given_feet() -> None:
-    assert run("layout", "--robot", "dogbot", "--foot", "nose=/x").returncode == 2
-    done = run("layout", "--foot", "left=/x", "--foot", "right=/y")
-    panels = json.loads(done.stdout)["configById"]
-    curves = [panel["paths"] for name, panel in panels.items() if name.startswith("Plot!load")]
-    assert [paths[0]["label"] for paths in curves] == ["left", "right"]
-
-
 # Some of the feet only
 
 
@@ -183,14 +169,3 @@ def test_a_foot_that_is_missing_is_one_of_the_robot(says: str, tmp_path: Path) -
         assert "# [feet.back_right]\n# topic =" in done.stdout
         file.write_text(done.stdout)
         assert list(dl.measure(path, robot=str(file)).stats["feet"]) == list(LEGS[:3])
-
-
-def test_hands_are_no_feet_that_were_left_out(tmp_path: Path) -> None:
-    topics = {
-        f"/{side}_{limb}/wrench": WRENCH for side in ("left", "right") for limb in ("foot", "hand")
-    }
-    path = write_log(tmp_path / "log.mcap", topics, odometry=["/odom"], samples=200)
-    feet = {side: f"/{side}_foot/wrench" for side in ("left", "right")}
-    found = dl.measure(path, foot=feet).stats
-    assert list(found["feet"]) == ["left", "right"]
-    assert "NO_MESSAGES" not in {each["code"] for each in found["findings"]}

@@ -111,7 +111,6 @@ def test_figures_are_those_of_a_serial_run_whatever_fails(
     killer.join()
 
     assert done.code == 3, done.err
-    assert "left; others do what it had in hand" in done.err
     logs, strides = lab.table("logs"), lab.table("strides")
     paths = {row["log_hash"]: row["path"] for row in logs}
     assert sorted(paths.values()) == sorted(f"s3://{BUCKET}/logs/{name}" for name in lab.logs)

@@ -7,7 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import median_of
-from dogbot_logtool.core.contact.contact_rule import FootSensor
+from dogbot_logtool.core.contact.contact_rule import HEAVILY_FILTERED, FootSensor
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.loads import is_stuck
 from dogbot_logtool.core.walk import Walk
@@ -44,7 +44,8 @@ def sensor_findings(
     """
     for name, sensor in zip(names, sensors, strict=True):
         level, where = sensor.level, f"feet.{name}.force_offset_n"
-        if why := sensor.rule.unusable:
+        why = sensor.rule.unusable
+        if why and why != HEAVILY_FILTERED:
             yield found(
                 "CONTACT_UNKNOWN", where=f"feet.{name}.contact_fraction", feet=(name,), why=why
             )
@@ -69,16 +70,21 @@ def sensor_findings(
 
 def filtered(walk: Walk) -> Iterator[Finding]:
     """Yield which forces went through a low-pass filter."""
-    told = {foot.name: foot.filter_s for foot in walk.settings.feet if foot.filter_s}
-    if told:
-        tau_s = max(told.values())
-        yield found(
-            "FORCE_FILTERED",
-            where="feet",
-            names=", ".join(told),
-            milliseconds=1e3 * tau_s,
-            hertz=1.0 / (2.0 * np.pi * tau_s),
-        )
+    told = [(foot.name, foot.low_pass) for foot in walk.settings.feet if foot.low_pass]
+    for say, resolved in (("plain", True), ("heavy", False)):
+        some = {name: each.tau_s for name, each in told if each.resolved is resolved}
+        if some:
+            tau_s = max(some.values())
+            yield found(
+                "FORCE_FILTERED",
+                *(() if resolved else ("heavy",)),
+                where="feet",
+                say=say,
+                feet=tuple(some),
+                names=", ".join(some),
+                milliseconds=1e3 * tau_s,
+                hertz=1.0 / (2.0 * np.pi * tau_s),
+            )
 
 
 def silent_feet(walk: Walk) -> Iterator[Finding]:

@@ -39,6 +39,7 @@ MOST_OF_LOAD: Final = 0.5
 """Largest share of the usual load that may be needed to detect contact."""
 STEPS_UNCLEAR: Final = frozenset({ALTERNATE, NOISY, WIDE})
 """Reasons of an unknown level with which a load that comes and goes is no sure contact."""
+HEAVILY_FILTERED: Final = "its forces went through a low-pass filter that hides contact"
 DEBOUNCE_S: Final = 0.020
 DEBOUNCE_INTERVALS: Final = 1.5
 """Shorter swings and stances are no longer than one sample."""

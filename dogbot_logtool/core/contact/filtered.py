@@ -5,9 +5,9 @@ stances end in one exponential tail. A force that nothing filters falls to nothi
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import chain
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -15,68 +15,140 @@ from dogbot_logtool.core.arrays import Floats, all_finite, median_of, percentile
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import usual_interval_s
 
-LEVELS: Final = (0.16, 0.08, 0.04)
-"""Shares of a foot's usual load, each half of the one before, between which its fall is timed."""
-ALIKE: Final = 0.8
-"""Least ratio of those times in an exponential fall; in a straight one it is a half."""
-QUICKER: Final = 0.9
-"""Most time that a filtered load takes to rise through these levels, as a share of its fall."""
-FEWEST_TAILS: Final = 3
+HALF: Final = 0.5
+"""Share of a foot's usual range below which its load falls until it rises above it."""
+FEWEST_TAILS, MOST_TAILS = 3, 60
+"""Tails of a foot that are averaged; of more, so many are chosen evenly."""
 FEWEST_INTERVALS: Final = 1.5
 """Sampling intervals from which a time constant is told, and matters."""
-LOAD_OVER_NOISE: Final = 20.0
-"""Times the noise that the load of a foot must be for its tail to be seen."""
-_ROUNDS: Final = 4
+FEWEST_ROWS: Final = 8
+AFTER: Final = 0.2
+"""Part of a tail's end that is left out: the foot may touch the ground already."""
+STRAIGHT: Final = 0.02
+"""Share of its fall by which a tail may miss an exponential one, beside its noise; a straight fall
+to nothing misses it by twice as much."""
+NOISES: Final = 1.6
+"""Times the noise of the mean tail that it may miss it, too."""
+UNSURE: Final = 0.5
+"""Standard error of a time constant, as a share of it, with which it is none; a fifth of that, if
+it is that of a part of the tail only."""
+CLEAN: Final = 80.0
+"""Times the noise that a load's range is, if nothing need be averaged to see where it crosses
+`HALF`."""
+SOFT: Final = 0.015
+"""Noise of the forces before the filter, as a share of the range, that is let be."""
+BLUR: Final = 0.25
+"""Share of a tail's length that the slope of forces may be averaged over."""
+KNOWN: Final = 0.06
+"""Standard error of a time constant, as a share of it, up to which the forces before the filter are
+known; one of less than a sample does not matter."""
 _SECOND_DIFFERENCE: Final = 0.6745 * 6.0**0.5
 """Median of |x| of second differences of unit white noise."""
-_MARGIN: Final = 0.08
-"""Above the highest level, where tails are put one on another."""
 
 
-def time_constants_s(feet: Sequence[Samples]) -> tuple[float | None, ...]:
-    """Return the time constants of the filters that feet's forces went through, s; None: of none.
+@dataclass(frozen=True, slots=True)
+class Filter:
+    """The low-pass filter that a foot's forces went through."""
+
+    tau_s: float
+    """s, its time constant."""
+    reach: int
+    """Samples before and after each that its slope is taken over, to take the filter out."""
+    resolved: bool
+    """Whether that tells the forces before it well enough for contact."""
+
+
+class _Tails(NamedTuple):
+    """How the loads of a foot, as shares of its usual range, fall and, backwards, how they rise."""
+
+    falls: list[Floats]
+    rises: list[Floats]
+    noise: float
+    """Standard deviation of their noise."""
+
+
+def find_filters(feet: Sequence[Samples]) -> tuple[Filter | None, ...]:
+    """Find the filters that feet's forces went through; None: of none.
 
     Args:
         feet: samples of each whose sensor tells a force all the time.
     """
-    told = [_ends_of(samples) for samples in feet]
-    common = _time_constant(*(list(chain(*each)) for each in zip(*told, strict=True)))
+    told = [_tails_of(samples) for samples in feet]
     interval_s = [usual_interval_s(samples.log_time) or 0.0 for samples in feet]
-    if common and np.ptp(interval_s) < ALIKE * min(interval_s):
-        return tuple(common * each for each in interval_s)
-    alone = [_time_constant(*each) for each in told]
-    known = [each for each in alone if each]
-    if 2 * len(known) >= len(alone) > 0 and max(known) * ALIKE <= min(known):
-        alone = [float(median_of(np.array(known)))] * len(alone)
-    return tuple(each and each * seconds for each, seconds in zip(alone, interval_s, strict=True))
+    alike = len(feet) > 0 and np.ptp(interval_s) < 0.1 * min(interval_s)
+    if alike:
+        return (_filter(told, interval_s[0]),) * len(feet)
+    return tuple(_filter([each], s) for each, s in zip(told, interval_s, strict=True))
 
 
-def _time_constant(falls: Sequence[Floats] = (), rises: Sequence[Floats] = ()) -> float | None:
-    """Return the time constant in which loads fall, in samples; None where they fall otherwise.
-
-    Args:
-        falls: loads until stances end; see `_tails`.
-        rises: the same of their beginnings, backwards.
-    """
+def _filter(feet: Sequence[_Tails], interval_s: float) -> Filter | None:
+    """Return the filter whose exponential tails the loads of feet end in, if they do."""
+    falls = list(chain(*(each.falls for each in feet)))
+    rises = list(chain(*(each.rises for each in feet)))
     if min(len(falls), len(rises)) < FEWEST_TAILS:
         return None
     fall, rise = _mean(falls), _mean(rises)
-    length = len(fall)
-    end = float(fall[-max(length // 5, 1) :].mean())
-    rest, tau = end, np.nan
-    for _ in range(_ROUNDS):
-        half = 0 if np.isnan(tau) else int(tau / 6.0)
-        smooth = np.convolve(np.pad(fall, half, "edge"), np.full(2 * half + 1, 1.0), "valid")
-        smooth /= 2.0 * half + 1.0
-        levels = [rest + level * (1.0 - rest) for level in LEVELS]
-        first, second, third = (_crossing(smooth, level) for level in levels)
-        if not second - first > 0.0 or not third - second >= ALIKE * (second - first):
-            return None
-        tau = (third - first) / (2.0 * np.log(2.0))
-        # The force may not have fallen to nothing when the next stance begins.
-        rest = end - LEVELS[-1] * float(np.exp((third - 0.9 * length) / tau))
-    rising = _crossing(rise, levels[2]) - _crossing(rise, levels[0])
-    return tau if tau > FEWEST_INTERVALS and not rising > QUICKER * (third - first) else None
+    # From the lift-off on, where it falls fastest; noise may let that seem earlier.
+    over = len(fall) // 8 + 1
+    first = int(np.argmin(fall[over:] - fall[:-over])) + over // 2 if over < len(fall) else 0
+    later = first + int(np.argmax(fall[first:] < fall[first] / 2.0))
+    noise = float(np.mean([each.noise for each in feet]))
+    for begin, unsure in ((first, UNSURE), (later, UNSURE / 5.0)):
+        tail = fall[begin : len(fall) - int(AFTER * (len(fall) - begin))]
+        if len(tail) < FEWEST_ROWS:
+            break
+        tau, error, misses = _exponential(tail)
+        most = np.hypot(STRAIGHT * (tail[0] - tail[-1]), NOISES * noise / np.sqrt(len(falls)))
+        if tau > FEWEST_INTERVALS and error < unsure and misses < most:
+            if _rows_below(tail[0], rise, fall) < _rows_below(tail[0], fall, rise):
+                return _removable(tau, error, noise, len(fall), interval_s)
+            break
+    return None
+
+
+def _removable(tau: float, error: float, noise: float, rows: int, interval_s: float) -> Filter:
+    """Decide how to take a filter out, and whether that leaves contact to be told.
+
+    Args:
+        tau: samples, its time constant.
+        error: standard error of that, as a share of it.
+        noise: of the forces, as a share of their range.
+        rows: samples for which forces fall.
+        interval_s: s between samples.
+    """
+    # The slope of a line through m samples has a noise of 12 ** 0.5 / m ** 1.5 of theirs.
+    over = (12.0**0.5 * tau * noise / SOFT) ** (2.0 / 3.0)
+    reach = max(1, min(round(over / 2.0), round(tau / 2.0)))
+    resolved = reach <= BLUR * rows and error <= max(KNOWN, 1.0 / tau)
+    return Filter(tau * interval_s, reach, resolved)
+
+
+def _exponential(tail: Floats) -> tuple[float, float, float]:
+    """Fit an exponential fall to any level to a tail, by its integral over time.
+
+    Returns:
+        its time constant in samples, the standard error of that as a share of it, and the root of
+        the mean squared rest.
+    """
+    row = np.arange(len(tail), dtype=np.float64)
+    total = np.concatenate([[0.0], np.cumsum((tail[1:] + tail[:-1]) / 2.0)])
+    # From f' = (level - f) / tau: f = f0 + level / tau * t - integral of f / tau.
+    parts = np.stack([-total, row, np.ones_like(row)], axis=1)
+    inverse = np.linalg.pinv(parts.T @ parts)
+    factors = inverse @ parts.T @ tail
+    rest = tail - parts @ factors
+    variance = float(rest @ rest) / (len(tail) - 3)
+    if not factors[0] > 0.0:
+        return np.inf, np.inf, np.inf
+    error = float(np.sqrt(variance * inverse[0, 0]) / factors[0])
+    return 1.0 / float(factors[0]), error, float(np.sqrt(variance))
+
+
+def _rows_below(level: float, tail: Floats, other: Floats) -> float:
+    """Return the mean time, in samples, that a tail takes for the fall that two have in common."""
+    end = max(float(each[-(len(each) // 10 + 1) :].mean()) for each in (tail, other))
+    below = tail[int(np.argmax(tail < level)) :]
+    return float(np.sum(below - end) / (level - end))
 
 
 def _mean(tails: Sequence[Floats]) -> Floats:
@@ -85,18 +157,21 @@ def _mean(tails: Sequence[Floats]) -> Floats:
     return np.asarray(np.mean([each[:usual] for each in tails if len(each) >= usual], axis=0))
 
 
-def _ends_of(samples: Samples) -> tuple[list[Floats], list[Floats]]:
-    """Return how a foot's load falls and, backwards, how it rises; nothing of a noisy one."""
+def _tails_of(samples: Samples) -> _Tails:
+    """Return how a foot's load falls and rises."""
     force = samples.force[all_finite(samples.force)]
-    if len(force) < 3:
-        return [], []
+    if len(force) < FEWEST_ROWS:
+        return _Tails([], [], 0.0)
     load = _along_load(force)
     low, high = percentiles_of(load, (2.0, 90.0))
-    noise = float(median_of(np.abs(np.diff(load, 2)))) / _SECOND_DIFFERENCE
-    if not high - low > LOAD_OVER_NOISE * noise:
-        return [], []
-    share = (load - low) / (high - low)
-    return _tails(share), _tails(share[::-1])
+    if not high > low:
+        return _Tails([], [], 0.0)
+    noise = float(median_of(np.abs(np.diff(load, 2)))) / _SECOND_DIFFERENCE / (high - low)
+    share, over = (load - low) / (high - low), int((CLEAN * noise) ** 2) + 1
+    if over >= len(share):
+        return _Tails([], [], 0.0)
+    smooth = np.convolve(share, np.full(over, 1.0 / over), "same")
+    return _Tails(_tails(share, smooth), _tails(share[::-1], smooth[::-1]), noise)
 
 
 def _along_load(force: Floats) -> Floats:
@@ -108,44 +183,32 @@ def _along_load(force: Floats) -> Floats:
     return load if abs(ends[1]) > abs(ends[0]) else -load
 
 
-def _tails(share: Floats) -> list[Floats]:
-    """Return loads from little above the highest level until shortly before they rise again.
+def _tails(share: Floats, smooth: Floats) -> list[Floats]:
+    """Return loads from where they fall below half until shortly before they rise again.
 
     Args:
         share: (n,) load as a share of the usual one.
+        smooth: (n,) the same with less noise.
     """
-    down = np.flatnonzero((share[:-1] > 0.5) & (share[1:] <= 0.5))
-    up = np.append(np.flatnonzero((share[:-1] <= 0.5) & (share[1:] > 0.5)), len(share))
+    high = smooth > HALF
+    down = np.flatnonzero(high[:-1] & ~high[1:]) + 1
+    up = np.append(np.flatnonzero(~high[:-1] & high[1:]), len(share) - 1) + 1
+    down = down[:: len(down) // MOST_TAILS + 1]
     found = []
     for first, last in zip(down.tolist(), up[np.searchsorted(up, down)].tolist(), strict=True):
         tail = share[first:last]
-        start = int(np.argmax(tail <= LEVELS[0] + _MARGIN))
-        if start:
-            around = len(tail) // 10 + 1
-            smooth = np.convolve(tail, np.full(around, 1.0 / around), "valid")
-            found.append(tail[start : int(np.argmin(smooth)) + around])
+        around = len(tail) // 10 + 1
+        lowest = np.convolve(tail, np.full(around, 1.0 / around), "valid")
+        found.append(tail[: int(np.argmin(lowest)) + around])
     return found
 
 
-def _crossing(tail: Floats, level: float) -> float:
-    """Return where a tail first falls below a level, in samples; NaN if it does not."""
-    row = int(np.argmax(tail <= level))
-    if not row:
-        return np.nan
-    return float(row - (level - tail[row]) / (tail[row - 1] - tail[row]))
-
-
-def without_filter(samples: Samples, tau_s: float) -> Samples:
-    """Return samples with the forces that a filter of a time constant was fed with.
-
-    Args:
-        samples: with filtered forces.
-        tau_s: s.
-    """
-    interval_s = usual_interval_s(samples.log_time) or tau_s
-    reach = max(1, round(tau_s / interval_s / 2.0))
+def without_filter(samples: Samples, through: Filter) -> Samples:
+    """Return samples with the forces that a filter was fed with."""
+    interval_s = usual_interval_s(samples.log_time) or through.tau_s
+    reach = through.reach
     weight = np.arange(reach, -reach - 1.0, -1.0)
     weight /= (weight @ weight) * interval_s
-    padded = np.pad(samples.force, ((reach, reach), (0, 0)), "edge")
+    padded = np.pad(samples.force, ((reach, reach), (0, 0)), "reflect", reflect_type="odd")
     slope = np.stack([np.convolve(axis, weight, "valid") for axis in padded.T], axis=1)
-    return replace(samples, force=samples.force + tau_s * slope)
+    return replace(samples, force=samples.force + through.tau_s * slope)

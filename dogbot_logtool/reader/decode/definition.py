@@ -1,8 +1,7 @@
 """Recorded message definitions as trees of fields.
 
-The texts are parsed by rosbags, or beside this where they are plain; here their result becomes a
-small closed tree that the columnar decoder can compile, with every hostile shape (self-reference,
-absurd depth or size) refused.
+The texts are parsed by rosbags; here their result becomes a small closed tree that the columnar
+decoder can compile, with every hostile shape (self-reference, absurd depth or size) refused.
 """
 
 import re
@@ -13,7 +12,6 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool.errors import DefinitionError
-from dogbot_logtool.reader.decode.plain_definition import plain_types
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import FieldDesc
@@ -151,10 +149,6 @@ def _parse_text(
     type_name: str, text: str, schema_encoding: str
 ) -> Mapping[str, Sequence[tuple[str, "FieldDesc"]]]:
     text = text if schema_encoding == "ros2idl" else text.replace("\r\n", "\n")
-    if schema_encoding in {"ros1msg", "ros2msg"}:
-        plain = plain_types(type_name, text)
-        if plain is not None:
-            return plain
     # Imported late: the parser takes longer to import than `--help` may take.
     from rosbags.typesys import TypesysError, get_types_from_idl, get_types_from_msg  # noqa: PLC0415
 

@@ -13,11 +13,11 @@ import numpy as np
 from dogbot_logtool.comparison.walks import CONFIDENCE, GaitComparison, MetricDifference
 from dogbot_logtool.core.arrays import Floats, median_of
 from dogbot_logtool.core.events.event import STEPS
+from dogbot_logtool.core.records import METRICS, MetricPath
 from dogbot_logtool.io.printable import listed
-from dogbot_logtool.report.numbers import NOTHING, nice_step
 from dogbot_logtool.report.page.assets import rendered
 from dogbot_logtool.report.page.chart import extent_of
-from dogbot_logtool.report.tables import METRICS, MetricPath
+from dogbot_logtool.report.tables import NOTHING, nice_step
 
 Json = Mapping[str, Any]
 Sides = tuple[Sequence[Json], Sequence[Json]]
@@ -118,7 +118,7 @@ def _panels(sides: Sides, feet: Sequence[str], of: MetricPath) -> list[Panel]:
 
 def _median_curve(side: Sequence[Json], foot: str, of: MetricPath) -> Floats | None:
     """(4, n) percent, lower quartile, median and upper quartile: the medians over the logs."""
-    curves = [_at(document["feet"].get(foot, {}), of) for document in side]
+    curves = [of.value_in(document["feet"].get(foot, {})) for document in side]
     parts = ("percent", "lower", "median", "upper")
     known = [[curve[part] for part in parts] for curve in curves if curve]
     return median_of(np.array(known, np.float64), axis=0) if known else None
@@ -135,8 +135,8 @@ def _bars(side: Sequence[Json], foot: str) -> list[tuple[float, float]]:
 
     Of several logs it is the mean of the phases, with the median of the duty factors.
     """
-    phase_of, duty_of = getattr(METRICS.gait.phase, foot), getattr(METRICS.feet, foot).duty_factor
-    pairs = [(_at(each, phase_of), _at(each, duty_of)) for each in side]
+    phase_of, duty_of = METRICS.gait.phase[foot], METRICS.feet[foot].duty_factor
+    pairs = [(phase_of.value_in(each), duty_of.value_in(each)) for each in side]
     known = [
         (phase["mean"], duty["median"])
         for phase, duty in pairs
@@ -176,7 +176,7 @@ def _strides(side: Sequence[Json]) -> str:
 
 
 def _seconds(side: Sequence[Json]) -> str:
-    return f"{sum(_at(document, METRICS.log.duration_s) or 0.0 for document in side):.1f} s"
+    return f"{sum(METRICS.log.duration_s.value_in(document) or 0.0 for document in side):.1f} s"
 
 
 def _failed(side: Sequence[Json]) -> str:
@@ -189,17 +189,12 @@ def _middle(path: MetricPath, unit: str, decimals: int) -> Callable[[Sequence[Js
     """Return what words the median of a metric over the logs of a side."""
 
     def words(side: Sequence[Json]) -> str:
-        known = [each for each in (_at(document, path) for document in side) if each is not None]
+        known = [
+            each for each in (path.value_in(document) for document in side) if each is not None
+        ]
         return f"{median(known):.{decimals}f}{unit}" if known else NOTHING
 
     return words
-
-
-def _at(document: Json, path: MetricPath) -> Any:  # noqa: ANN401 - any value of JSON
-    value: Any = document
-    for key in path:
-        value = None if value is None else value.get(key)
-    return value
 
 
 _OF_A_SIDE: Final[Mapping[str, Callable[[Sequence[Json]], str]]] = {

@@ -10,7 +10,6 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.report.numbers import NOTHING
 from dogbot_logtool.report.page.chart import (
     MARGIN,
     NEUTRAL,
@@ -25,6 +24,7 @@ from dogbot_logtool.report.page.chart import (
     translucent,
 )
 from dogbot_logtool.report.page.over_time import ROW_PIXELS, Line, line_over_time
+from dogbot_logtool.report.tables import NOTHING
 from dogbot_logtool.report.text.gait_diagram import default_window
 
 MOST_STANCES: Final = 200

@@ -11,9 +11,9 @@ import numpy as np
 
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.report.numbers import NOTHING, recorded_at
 from dogbot_logtool.report.page.assets import own, policy_of, rendered
 from dogbot_logtool.report.page.tables import INDEX
+from dogbot_logtool.report.tables import NOTHING, recorded_at
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.report.verdict import Quality, headline, quality_of
 from dogbot_logtool.results import Measurement

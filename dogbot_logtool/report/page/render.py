@@ -11,7 +11,6 @@ from dogbot_logtool import __version__
 from dogbot_logtool.core.metrics import Segment, Settings, WalkMetrics
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.report.numbers import NOTHING, decimal, recorded_at, span_of
 from dogbot_logtool.report.page.assets import json_in_html, page_script, policy_of, rendered
 from dogbot_logtool.report.page.chart import FINE, Drawing, foot_glyph, packed, seconds
 from dogbot_logtool.report.page.feet_over_time import gait_diagram, load_curves
@@ -25,6 +24,7 @@ from dogbot_logtool.report.page.over_time import (
     tracked_commands,
 )
 from dogbot_logtool.report.page.tables import page_tables
+from dogbot_logtool.report.tables import NOTHING, decimal, recorded_at, span_of
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.report.verdict import (
     UNNAMED,

@@ -18,8 +18,7 @@ from dogbot_logtool.core.metrics import (
     WalkMetrics,
 )
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.report.numbers import NOTHING
-from dogbot_logtool.report.tables import Column, FootRow, foot_rows, stride_table
+from dogbot_logtool.report.tables import NOTHING, Column, FootRow, foot_rows, stride_table
 
 MOST_DEVIATIONS: Final = 3.5
 """Modified z-score beyond which a value is an outlier (Iglewicz and Hoaglin 1993)."""

@@ -15,7 +15,7 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.report.numbers import nice_step
+from dogbot_logtool.report.tables import nice_step
 
 STRIDES_SHOWN: Final = 4
 """Strides in the window."""

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Self
 from dogbot_logtool.io.printable import printable
 
 if TYPE_CHECKING:
-    from rich.progress import Progress, Task, TaskID
-    from rich.text import Text
+    from rich.progress import Progress, TaskID
 
 
 class ProgressBars:
@@ -33,9 +32,7 @@ class ProgressBars:
         if self._bars is not None:
             self._bars.start()
             if len(self._names) > 1:
-                self._whole = self._bars.add_task(
-                    self._count(), total=len(self._names), counts_logs=True
-                )
+                self._whole = self._bars.add_task(self._count(), total=len(self._names))
         return self
 
     def __exit__(self, *_error: object) -> None:
@@ -85,21 +82,12 @@ class ProgressBars:
 
 def _bars() -> "Progress":
     from rich import progress  # noqa: PLC0415 - rich costs 40 ms
-    from rich.text import Text  # noqa: PLC0415
 
     from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415
-
-    class Speed(progress.TransferSpeedColumn):
-        """Bytes a second; nothing for a bar that counts logs."""
-
-        def render(self, task: "Task") -> "Text":
-            """See `ProgressColumn.render`."""
-            return Text() if task.fields.get("counts_logs") else super().render(task)
 
     return progress.Progress(
         progress.TextColumn("{task.description}", markup=False),
         progress.BarColumn(),
-        Speed(),
         progress.TimeRemainingColumn(),
         console=diagnostics(),
         transient=True,

@@ -13,16 +13,22 @@ from rich.console import Console, RenderableType
 from rich.text import Text
 
 from dogbot_logtool.core.metrics import Segment, WalkMetrics
+from dogbot_logtool.core.records import METRICS, MetricPath
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.finding import Finding, Severity, counted
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.reader.containers.loss import Damage
-from dogbot_logtool.report.numbers import NOTHING, decimal
-from dogbot_logtool.report.tables import METRICS, Column, FootRow, MetricPath, foot_rows, why_null
-from dogbot_logtool.report.text.console import print_command, print_damage, print_sentence
+from dogbot_logtool.report.tables import NOTHING, Column, FootRow, decimal, foot_rows, why_null
+from dogbot_logtool.report.text.console import (
+    HangingIndent,
+    NameTable,
+    Row,
+    print_command,
+    print_damage,
+    print_sentence,
+)
 from dogbot_logtool.report.text.gait_diagram import ASCII, UNICODE, gait_diagram
 from dogbot_logtool.report.text.subjects import SUBJECTS
-from dogbot_logtool.report.text.text_layout import HangingIndent, NameTable, Row
 from dogbot_logtool.report.verdict import (
     SUMMARY,
     Quality,
@@ -245,8 +251,8 @@ def _not_measured(metrics: WalkMetrics) -> str:
 
 def _path_of(column: Column[FootRow], foot: str) -> MetricPath:
     """Return the path of what a column shows of a foot."""
-    phase, share = getattr(METRICS.gait.phase, foot), METRICS.forces.load_share.feet
-    paths: Any = getattr(METRICS.feet, foot), phase, share
+    phase, share = METRICS.gait.phase[foot], METRICS.forces.load_share.feet
+    paths: Any = METRICS.feet[foot], phase, share
     path: MetricPath = column.of(FootRow(*paths))
     return path
 

@@ -7,8 +7,8 @@ from typing import Final
 from dogbot_logtool.core.arrays import Aggregate
 from dogbot_logtool.core.events.event import with_steps
 from dogbot_logtool.core.metrics import WalkMetrics
-from dogbot_logtool.report.numbers import decimal
-from dogbot_logtool.report.tables import METRICS, why_null
+from dogbot_logtool.core.records import METRICS
+from dogbot_logtool.report.tables import decimal, why_null
 
 _GRAVITY: Final = 9.80665
 """m/s^2."""

@@ -1,4 +1,4 @@
-"""Which of a log's messages tell of its legs: joints and frames."""
+"""Which of a log's messages tell of its legs, joints and frames, and where feet are."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
@@ -6,6 +6,7 @@ from typing import Final
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.kinematics import Joint
 from dogbot_logtool.core.frames.transforms import TransformBuffer, chain_of_frames, moving_tracks
+from dogbot_logtool.core.frames.wrench_frame import FramePoint
 from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.legs.paths import (
     JointPair,
@@ -13,14 +14,15 @@ from dogbot_logtool.core.legs.paths import (
     LegSettings,
 )
 from dogbot_logtool.core.recording import Recording
+from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.wanted import WantedJoints
 from dogbot_logtool.robot.names import name_feet
 from dogbot_logtool.robot.robot_model.joints_of_log import joint_channels, joint_names
-from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf, leg_of
-from dogbot_logtool.robot.robot_model.skeleton import link_of_foot
-from dogbot_logtool.robot.robot_model.urdf import said_of_left_out
+from dogbot_logtool.robot.robot_model.legs_of_urdf import leg_of
+from dogbot_logtool.robot.robot_model.skeleton import place_of_foot
+from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, said_of_left_out
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, Part, words_of
 
@@ -112,17 +114,14 @@ def _chains(
     Each does by its own frame, or by one that is named so.
     """
     feet, chains = selection.robot.feet, list[LegChain | None]()
-    named = _named_frames(feet, parents)
+    named = named_frames(feet, parents)
     for number, foot in enumerate(feet):
-        link, like = link_of_foot(selection, probe, number)
-        sole = probe.soles.get(number) or probe.soles.get(like)
-        if foot.frame is not None:
-            places = [(foot.frame, foot.contact_point_m, any(foot.contact_point_m))]
-        elif link is not None and sole is not None:
-            places = [(link, sole, True)]
+        frame, point = place_of_foot(selection, probe, number) or (None, None)
+        if frame and point:
+            places = [(frame, point, foot.frame is None or any(point))]
         else:
             origin = (0.0, 0.0, 0.0)
-            places = [(frame, origin, False) for frame in (named.get(number), link) if frame]
+            places = [(each, origin, False) for each in (named.get(number), frame) if each]
         found = (
             LegChain(frames, probe.base.lstrip("/"), point, touches)
             for frame, point, touches in places
@@ -132,7 +131,7 @@ def _chains(
     return chains
 
 
-def _named_frames(feet: Sequence[Foot], frames: Iterable[str]) -> dict[int, str]:
+def named_frames(feet: Sequence[Foot], frames: Iterable[str]) -> dict[int, str]:
     """Return the frame of each foot among frames that are named like the feet of all legs.
 
     A frame of the sole comes before others, which may as well be at the ankle or the knee.
@@ -183,3 +182,32 @@ def _pairs(feet: Sequence[Foot], foot_of: Mapping[str, int]) -> tuple[JointPair,
         for name, sides in found.items()
         if sides.keys() >= {"left", "right"}
     )
+
+
+def sensor_points(
+    selection: Selection, frames: KnownFrames, settings: WalkSettings
+) -> list[FramePoint | None]:
+    """Return the position of each foot without contact points; None: it has some, or no force.
+
+    It is at the frame of the robot's file or of its messages; where the log's transforms do not
+    place that, at the frame that is named like the leg's foot.
+    """
+    parents = {child: next(iter(each)) for child, each in frames.parents.items() if len(each) == 1}
+    if selection.odometry:
+        parents[frames.base] = frames.world
+    named = named_frames(selection.robot.feet, parents)
+    points: list[FramePoint | None] = []
+    for foot, described in enumerate(selection.robot.feet):
+        sources = selection.sources_of(foot)
+        if any(source.in_base for source in sources):
+            points.append(FramePoint(frames.base, recorded=True))
+            continue
+        if not settings.feet[foot].has_force or any(source.has_points for source in sources):
+            points.append(None)
+            continue
+        frame = described.frame or frames.links[foot]
+        is_placed = frame and chain_of_frames(parents, frame, frames.world) is not None
+        if described.frame is None and described.leg_position is not None and not is_placed:
+            frame = named.get(foot, frame)
+        points.append(FramePoint(frame, described.contact_point_m) if frame else None)
+    return points

@@ -18,7 +18,7 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted, WantedJoints
-from dogbot_logtool.robot.base import BASES
+from dogbot_logtool.robot.base_candidates import BASES
 from dogbot_logtool.robot.contact_evidence import decide_contacts
 from dogbot_logtool.robot.measuring.joined_sensors import with_joined_sensors
 from dogbot_logtool.robot.measuring.side_topics import SideTopics, side_topics
@@ -30,8 +30,13 @@ from dogbot_logtool.robot.topics import nothing_to_do
 if TYPE_CHECKING:
     from dogbot_logtool.core.frames.transforms import TransformBuffer
     from dogbot_logtool.core.legs.paths import LegSettings
-    from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf
+    from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 
+_OF_ROBOT: Final = (
+    *("mass_kg", "forward_axis", "com_offset_m", "foot_rolling_m", "contact_on_counts"),
+    *("world_frame", "base_frame"),
+)
+"""Settings that are those of the robot's file."""
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
 
 
@@ -89,25 +94,19 @@ def settings_of(selection: Selection, options: RobotOptions) -> WalkSettings:
     mass_is_given = options.mass is not None or robot.is_given("mass_kg")
     time_source, reason = _time_source(selection)
     return WalkSettings(
+        **{name: getattr(robot, name) for name in _OF_ROBOT},
         feet=tuple(_foot(selection, row) for row in range(len(robot.feet))),
         robot=robot.name,
         robot_is_guessed=guessed,
-        mass_kg=robot.mass_kg,
         mass_is_assumed=guessed and not mass_is_given,
-        forward_axis=robot.forward_axis,
         forward_axis_is_assumed=guessed and not robot.is_given("forward_axis"),
-        com_offset_m=robot.com_offset_m,
-        foot_rolling_m=robot.foot_rolling_m,
         thresholds=Thresholds(
             robot.contact_on_n,
             robot.contact_off_n,
             robot.debounce_s,
             origin="option" if robot.is_given("contact_on_n") else "robot",
         ),
-        contact_on_counts=robot.contact_on_counts,
         takes_offsets=robot.tare != "none",
-        world_frame=robot.world_frame,
-        base_frame=robot.base_frame,
         static_channels=selection.static_transforms,
         promised_frame=promised.pop() if len(promised) == 1 else None,
         wrench_frame=WrenchFrame.WORLD
@@ -133,9 +132,9 @@ def _foot(selection: Selection, row: int) -> FootSettings:
         for source in sources
     )
     return FootSettings(
-        name=foot.name,
-        topic=foot.topic,
-        leg_position=foot.leg_position,
+        foot.name,
+        foot.topic,
+        foot.leg_position,
         has_force=selection.knows_force(row),
         has_flags=selection.has_flags(row),
         lists_contacts=lists_contacts or bool(selection.contact_from),
@@ -204,8 +203,10 @@ def prepare(
     recording, selection, whole = with_joined_sensors(recording, selection)
     model = None
     if recording.joints:
-        from dogbot_logtool.robot.measuring.array_feet import named_by_legs  # noqa: PLC0415
-        from dogbot_logtool.robot.measuring.by_legs import told_by_legs  # noqa: PLC0415
+        from dogbot_logtool.robot.measuring.by_legs import (  # noqa: PLC0415
+            named_by_legs,
+            told_by_legs,
+        )
         from dogbot_logtool.robot.robot_model.description import read_model  # noqa: PLC0415
 
         found = read_model(log, options.urdf)

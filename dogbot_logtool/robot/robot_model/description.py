@@ -21,9 +21,13 @@ from dogbot_logtool.robot.robot_model.joints_of_log import (
     own_description,
 )
 from dogbot_logtool.robot.robot_model.primitives import primitive_urdf
-from dogbot_logtool.robot.robot_model.robot_of_urdf import RobotOfUrdf, read_robot
 from dogbot_logtool.robot.robot_model.skeleton import robot_shape, skeleton
-from dogbot_logtool.robot.robot_model.urdf import parse_urdf, said_of_left_out
+from dogbot_logtool.robot.robot_model.urdf import (
+    RobotOfUrdf,
+    parse_urdf,
+    read_robot,
+    said_of_left_out,
+)
 from dogbot_logtool.robot.selection import Selection
 
 _LARGEST: Final = 16 << 20

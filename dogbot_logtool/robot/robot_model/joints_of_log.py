@@ -1,8 +1,7 @@
 """A log's own robot description and joint states, and the links that these move."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import islice
 from typing import Final
 
 import numpy as np
@@ -12,16 +11,15 @@ from dogbot_logtool.core.frames.kinematics import Joint, LinkTransforms, link_po
 from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.legs.joints import JointTable
 from dogbot_logtool.errors import DefinitionError
-from dogbot_logtool.reader.containers.log import Batch, Channel, Log
+from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.fields import Field, Kind
-from dogbot_logtool.reader.messages.messages import check_channel, decode_channels
+from dogbot_logtool.reader.messages.messages import check_channel
 from dogbot_logtool.reader.messages.others import JOINT_TYPES, read_joints
 from dogbot_logtool.reader.messages.source import source_of
-from dogbot_logtool.robot.robot_model.urdf import parse_urdf, urdf_joints
+from dogbot_logtool.robot.robot_model.urdf import read_robot
+from dogbot_logtool.robot.topics import first_batches, first_messages
 
 _MOST_CHANNELS: Final = 16
-_MOST_CHUNKS: Final = 64
-"""Chunks that are searched for a first message."""
 _NOT_MEASURED: Final = ("command", "cmd", "desired", "target", "goal", "reference", "foot")
 """Words in topics whose joint states are no positions of joints."""
 _DESCRIPTION: Final = (Field("data", Kind.TEXT),)
@@ -71,18 +69,18 @@ def joint_motion(
         return None
     urdf = own_description(log) if description is None else description
     try:
-        joints, left_out = urdf_joints(parse_urdf(urdf or ""))
+        robot = read_robot(urdf or "")
     except ValueError:
         return None
     named = joint_names(log, channel)
     kept = tuple(
         joint
-        for joint in joints
+        for joint in robot.joints
         if joint.child not in {*probe.parents, base}
         and (joint.kind == "fixed" or joint.measured in named)
     )
     moves = any(joint.kind != "fixed" for joint in kept)
-    return JointMotion(channel.topic, kept, left_out) if moves else None
+    return JointMotion(channel.topic, kept, robot.left_out) if moves else None
 
 
 def description_channels(log: Log) -> Sequence[Channel]:
@@ -103,10 +101,9 @@ def own_description(log: Log) -> str | None:
             check_channel(channel, _DESCRIPTION)
         except DefinitionError:
             continue
-        for batch in _batches_of(log, channel):
-            for messages in decode_channels(batch, [channel], _DESCRIPTION):
-                if len(messages.channel):
-                    return messages.table.texts("data").text(0)
+        for messages in first_messages(log, channel, _DESCRIPTION):
+            if len(messages.channel):
+                return messages.table.texts("data").text(0)
     return None
 
 
@@ -126,15 +123,8 @@ def joint_channels(log: Log) -> list[Channel]:
 
 def joint_names(log: Log, channel: Channel) -> frozenset[str]:
     """Return the joints that the first messages of a channel name."""
-    for batch in _batches_of(log, channel):
+    for batch in first_batches(log, channel):
         for told in read_joints(batch, channel):
             if len(told.log_time):
                 return frozenset(told.names)
     return frozenset()
-
-
-def _batches_of(log: Log, channel: Channel) -> Iterator[Batch]:
-    """Yield the first chunks that may hold messages of a channel."""
-    chunks = (c for c in log.chunks if c.counts is None or channel.id in c.counts)
-    for chunk in islice(chunks, _MOST_CHUNKS):
-        yield log.read((chunk,))

@@ -1,17 +1,23 @@
-"""What a log's frames tell of its robot: those below the base, where feet touch, its shape."""
+"""What a log's frames tell of its robot: those below the base, feet, shape, and limbs over time."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import median_of
+from dogbot_logtool.core.arrays import Float32s, Floats, Ints, median_of
 from dogbot_logtool.core.base.ground import nearest_axis
-from dogbot_logtool.core.frames.transforms import chain_of_frames
+from dogbot_logtool.core.frames.transforms import (
+    TransformBuffer,
+    chain_of_frames,
+    moving_tracks,
+)
 from dogbot_logtool.core.known_frames import KnownFrames
+from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.soles import FramePose, Point, rounded
+from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.selection import Selection
 
@@ -21,6 +27,7 @@ _INSIDE: Final = 0.75
 _DENSITY: Final = 500.0
 """kg/m3 of a body whose legs are not known; half of water's, as robots have."""
 _USUAL_MASS_KG: Final = 12.0
+_ORIGIN: Final = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,31 +100,31 @@ def skeleton(selection: Selection, probe: KnownFrames, base: str) -> Skeleton:
 
 def model_feet(selection: Selection, probe: KnownFrames) -> Iterator[ModelFoot]:
     """Yield the feet whose frames are known, with the points where they touch the ground."""
-    soles = rounded(probe.soles)
     for number, foot in enumerate(selection.robot.feet):
-        link, like = link_of_foot(selection, probe, number)
-        if foot.frame is not None:
-            frame, point = foot.frame.lstrip("/"), foot.contact_point_m
-            yield ModelFoot(foot.name, frame, point, foot_colour(number))
-        elif link is not None:
-            point = soles.get(number, soles.get(like, (0.0, 0.0, 0.0)))
-            yield ModelFoot(foot.name, link, point, foot_colour(number))
+        if place := place_of_foot(selection, probe, number):
+            frame, point = place
+            if foot.frame is None:
+                point = rounded({number: point or _ORIGIN})[number]
+            yield ModelFoot(foot.name, frame, point or _ORIGIN, foot_colour(number))
 
 
-def link_of_foot(selection: Selection, probe: KnownFrames, number: int) -> tuple[str | None, int]:
-    """Return the link of a foot, and the foot that is made like it.
+def place_of_foot(
+    selection: Selection, probe: KnownFrames, number: int
+) -> tuple[str, Point | None] | None:
+    """Return the frame of a foot and where it touches, m in that frame; None: not known.
 
-    A foot that reports no contact has a link that is named as another's, but for the foot's name.
+    By the robot's file, else by the link of its contacts. A foot that reports no contact is on a
+    link that is named as another foot's, but for the foot's name, and is made like that one.
     """
-    if (link := probe.links[number]) is not None:
-        return link.lstrip("/"), number
-    names = [foot.name for foot in selection.robot.feet]
-    for like, link in enumerate(probe.links):
-        if link is not None and names[like] in link:
-            named = link.lstrip("/").replace(names[like], names[number])
-            if named in probe.frame_poses:
-                return named, like
-    return None, number
+    foot, names = selection.robot.feet[number], [foot.name for foot in selection.robot.feet]
+    if foot.frame is not None:
+        return foot.frame.lstrip("/"), foot.contact_point_m
+    for like, link in sorted(enumerate(probe.links), key=lambda each: each[0] != number):
+        if link is not None and (like == number or names[like] in link):
+            named = link.lstrip("/").replace(names[like], foot.name)
+            if like == number or named in probe.frame_poses:
+                return named, probe.soles.get(number, probe.soles.get(like))
+    return None
 
 
 def robot_shape(selection: Selection, probe: KnownFrames) -> RobotShape:
@@ -150,3 +157,78 @@ def body_size_m(mass_kg: float | None) -> tuple[float, float, float]:
     """Return length, width and height, m, of a body of some mass; None: a usual one."""
     third = ((mass_kg or _USUAL_MASS_KG) / _DENSITY / 6.0) ** (1.0 / 3.0)
     return 3.0 * third, 2.0 * third, third
+
+
+MOST_FRAMES: Final = 64
+"""Frames of a robot that are followed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limbs:
+    """The origins of frames below the base, and the feet's soles, over time."""
+
+    point: Float32s
+    """(n, k, 3) m, in the base's frame; NaN where not known."""
+    parents: tuple[int, ...]
+    """(k,) index of the point that each hangs on; -1: the base."""
+    soles: tuple[int | None, ...]
+    """Index of each foot's sole; None: its frame is not known."""
+
+
+def find_limbs(walk: Walk, selection: Selection, time: Ints) -> Limbs | None:
+    """Follow the frames of a robot; None where nothing connects any with its base.
+
+    The log's transforms place them, or its joint states with its robot description.
+
+    Args:
+        walk: what was measured.
+        selection: the robot's feet.
+        time: (n,) ns on the walk's clock, increasing.
+    """
+    probe, transforms = walk.frames, walk.recording.transforms
+    links = walk.legs.links if walk.legs else TransformBuffer()
+    known = skeleton(selection, probe, probe.base)
+    legs = {frame for leg in known.legs for frame in leg}
+    parents = {name: pose.parent for name, pose in known.frames.items()}
+    drawn = [name for name, pose in known.frames.items() if name in legs or not pose.static]
+    for child, track in links.frames.items():
+        drawn += [child] if child not in parents and not track.static else []
+        parents.setdefault(child, track.parent)
+    drawn = [frame for frame in drawn if chain_of_frames(parents, frame, probe.base) is not None]
+    if not drawn or len(drawn) > MOST_FRAMES:
+        return None
+    moving = {name: parent for name, parent in parents.items() if name not in probe.statics.frames}
+    buffer = probe.statics.only(parents.keys())
+    buffer = buffer.then(moving_tracks(transforms, moving, walk.settings.clock)).then(links)
+    feet = [foot for foot in model_feet(selection, probe) if foot.frame in parents]
+    points: list[Floats] = []
+    for frame, point in (
+        *((frame, (0.0, 0.0, 0.0)) for frame in drawn),
+        *((foot.frame, foot.point) for foot in feet),
+    ):
+        pose = buffer.lookup(frame, probe.base, time, _recorded(buffer, frame, time))
+        points.append(pose.translation + rotate(pose.rotation, np.array([point])))
+    above = [*(parents[frame] for frame in drawn), *(foot.frame for foot in feet)]
+    sole = {foot.name: len(drawn) + index for index, foot in enumerate(feet)}
+    return Limbs(
+        np.stack(points, axis=1).astype(np.float32),
+        tuple(_nearest(drawn, parents, probe.base, frame) for frame in above),
+        tuple(sole.get(foot.name) for foot in selection.robot.feet),
+    )
+
+
+def _recorded(buffer: TransformBuffer, frame: str, time: Ints) -> Ints:
+    """(n,) ns, log times of some times: about when a frame's transforms were recorded."""
+    track = buffer.frames.get(frame)
+    if track is None or track.static:
+        return time
+    since = np.interp(time - time[0], track.time - time[0], track.log_time - track.log_time[0])
+    recorded: Ints = track.log_time[0] + np.rint(since).astype(np.int64)
+    return recorded
+
+
+def _nearest(drawn: Sequence[str], parents: Mapping[str, str], base: str, frame: str) -> int:
+    """Return the index of a frame or, where it is not drawn, of the next above; -1: the base."""
+    while frame != base and frame not in drawn:
+        frame = parents[frame]
+    return -1 if frame == base else drawn.index(frame)

@@ -1,6 +1,6 @@
-"""URDF: reading it safely; its joints and links."""
+"""URDF: reading it safely; its base link, joints and links."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Final, cast
@@ -19,6 +19,9 @@ _KINDS: Final = {
     "fixed": "fixed",
 }
 """Joints with one position or none; planar and floating ones have more."""
+_WORLDS: Final = frozenset({"world", "map", "odom"})
+MOST_JOINTS: Final = 400
+"""Joints of a robot, fixed ones too; no robot has more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +36,81 @@ class Link:
     """m, middles and radii of the balls that it consists of."""
     ends: tuple[Triple, ...]
     """m, middles of the ends of its cylinders."""
+
+
+NOTHING: Final = Link(0.0, (0.0, 0.0, 0.0), (), ())
+
+
+@dataclass(frozen=True, slots=True)
+class RobotOfUrdf:
+    """What a robot description tells of a robot."""
+
+    base: str
+    """Its base link."""
+    joints: tuple[Joint, ...]
+    """All that make a tree of links."""
+    left_out: int
+    """How many make none."""
+    limits: Mapping[str, JointLimits]
+    links: Mapping[str, Link]
+    continuous: frozenset[str]
+    """Joints that turn without an end."""
+
+    @property
+    def mass_kg(self) -> float | None:
+        """The sum over all links; None where it has none."""
+        return sum(link.mass_kg for link in self.links.values()) or None
+
+
+def read_robot(urdf: str) -> RobotOfUrdf:
+    """Read a robot description.
+
+    Raises:
+        ValueError: it is none, or has no joints.
+    """
+    root = parse_urdf(urdf)
+    joints, left_out = urdf_joints(root)
+    if not joints:
+        raise ValueError("has no joints that make a tree of links")
+    if len(joints) > MOST_JOINTS:
+        raise ValueError(f"has {len(joints)} joints, more than {MOST_JOINTS}")
+    links = urdf_links(root)
+    turning = (joint for joint in root.findall("joint") if joint.get("type") == "continuous")
+    return RobotOfUrdf(
+        base=_base(joints, links),
+        joints=joints,
+        left_out=left_out,
+        limits=urdf_limits(root),
+        links=links,
+        continuous=frozenset(joint.get("name", "") for joint in turning),
+    )
+
+
+def _base(joints: Sequence[Joint], links: Mapping[str, Link]) -> str:
+    """Return the base link: the root of most joints, past links without a mass before it."""
+    below, children = joints_below(joints), {joint.child for joint in joints}
+    roots = [link for link in below if link not in children]
+    root = link = max(roots, key=lambda each: _count_below(below, each))
+    stays = root.lower() not in _WORLDS
+    while not links.get(link, NOTHING).mass_kg and len(below[link]) == 1:
+        (joint,) = below[link]
+        if joint.child not in below:
+            return root
+        stays &= joint.kind == "fixed" and not any(joint.translation)
+        link = joint.child
+    return root if stays else link
+
+
+def joints_below(joints: Sequence[Joint]) -> dict[str, list[Joint]]:
+    """Return the joints that hang on each link."""
+    below: dict[str, list[Joint]] = {}
+    for joint in joints:
+        below.setdefault(joint.parent, []).append(joint)
+    return below
+
+
+def _count_below(below: Mapping[str, list[Joint]], link: str) -> int:
+    return sum(1 + _count_below(below, joint.child) for joint in below.get(link, ()))
 
 
 def parse_urdf(text: str) -> ET.Element:

@@ -1,20 +1,15 @@
-"""Encodings of annotations: what all of them have in common.
-
-A message is a literal: a mapping of field names to values, lists and mappings, with a `Slot` for
-every number that varies. Fields that are not named have the defaults of the message's type.
-"""
+"""Encodings of annotations: what all of them have in common."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Final, Self
+from typing import ClassVar, Final, Self
 
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.events.event import EventMessage, GaitState
 from dogbot_logtool.writer.drawing import Drawing, point_slots
-from dogbot_logtool.writer.template import Columns, Fill, Slot, Template, learn
+from dogbot_logtool.writer.template import Columns, Kind, Literal, Of, Slot, Template, learn
 
-Literal = Mapping[str, Any]
 LOAD_STATES: Final = ("stance", "swing", "unknown")
 """Values of a load's `state`, in the order of `LoadState`."""
 EVENT_SOURCE: Final = "dogbot_logtool"
@@ -50,6 +45,8 @@ class Encoding(ABC):
     gait_type: MessageType
     span_type: MessageType | None = None
     """Message of events as spans of time; None: the encoding has none."""
+    kinds: ClassVar[Mapping[Of, Kind]]
+    """How values are written."""
     time_name: ClassVar[str]
     """The field of a load's and a gait's time."""
     time_fields: ClassVar[tuple[str, str]]
@@ -60,8 +57,8 @@ class Encoding(ABC):
         return type(self), ()
 
     @abstractmethod
-    def serialise(self, kind: MessageType, literal: Literal, fill: Fill | None = None) -> bytes:
-        """Serialise a message, its slots filled."""
+    def serialise(self, kind: MessageType, literal: Literal) -> bytes:
+        """Serialise a message without slots."""
 
     @abstractmethod
     def _transform(self, parent: str, child: str, prefix: str) -> Literal:
@@ -81,7 +78,7 @@ class Encoding(ABC):
 
     def template(self, kind: MessageType, literal: Literal) -> Template:
         """Learn how a message is written."""
-        return learn(lambda fill: self.serialise(kind, literal, fill))
+        return learn(lambda filled: self.serialise(kind, filled), literal, self.kinds)
 
     def transforms(self, pairs: Sequence[tuple[str, str]]) -> Template:
         """Return a message of the transforms of some parents and children."""
@@ -100,9 +97,11 @@ class Encoding(ABC):
 
     def load(self, state: str) -> Template:
         """Return a message that gives a foot's load in one of `LOAD_STATES`."""
-        slots = {name: Slot(name) for name in ("in_contact", "force", "force_bw")}
-        literal = {self.time_name: self.stamp(), "state": state, **slots}
-        return self.template(self.load_type, literal)
+        slots = {name: Slot(name) for name in ("force", "force_bw")}
+        slots["in_contact"] = Slot("in_contact", Of.FLAG)
+        return self.template(
+            self.load_type, {self.time_name: self.stamp(), "state": state, **slots}
+        )
 
     def span(self, event: EventMessage) -> bytes:
         """Return a message that gives an event from its begin to its end, of `span_type`."""
@@ -125,7 +124,9 @@ class Encoding(ABC):
 
     def stamp(self) -> Literal:
         """Return the slots of the message's time."""
-        return dict(zip(self.time_fields, map(Slot, STAMP), strict=True))
+        return {
+            field: Slot(name, Of.TIME) for field, name in zip(self.time_fields, STAMP, strict=True)
+        }
 
     def stamp_columns(self, time: Ints) -> Columns:
         """Return times, (n,) ns, as the columns of a message's stamp."""

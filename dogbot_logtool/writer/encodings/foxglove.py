@@ -1,7 +1,7 @@
 """Annotations as Foxglove's protobuf messages."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any, Final, cast
+from typing import Any, ClassVar, Final, cast
 
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from foxglove_schemas_protobuf.LinePrimitive_pb2 import LinePrimitive
@@ -25,22 +25,14 @@ from dogbot_logtool.writer.encodings.encoding import (
     EVENT_SOURCE,
     UPRIGHT,
     Encoding,
-    Literal,
     MessageType,
     colour,
     orientation,
     position,
     vector,
 )
-from dogbot_logtool.writer.template import Columns, Fill, Kind, Slot, unfilled, varints
+from dogbot_logtool.writer.template import Columns, Kind, Literal, Of, Slot, varints
 
-_KINDS: Final = {
-    FieldDescriptor.TYPE_BOOL: Kind.BOOL,
-    FieldDescriptor.TYPE_DOUBLE: Kind.FLOAT64,
-    FieldDescriptor.TYPE_INT32: Kind.VARINT,
-    FieldDescriptor.TYPE_INT64: Kind.VARINT,
-    FieldDescriptor.TYPE_STRING: Kind.TEXT6,
-}
 _ONE: Final = FieldDescriptor.LABEL_OPTIONAL
 _LOAD: Final = (
     ("in_contact", FieldDescriptor.TYPE_BOOL, _ONE),
@@ -116,11 +108,18 @@ def _own_class(name: str, fields: Sequence[tuple[str, int, int]]) -> type[Messag
 class FoxgloveEncoding(Encoding):
     """FrameTransforms, SceneUpdates and messages of our own."""
 
+    kinds: ClassVar = {
+        Of.NUMBER: Kind.FLOAT64,
+        Of.COLOUR: Kind.FLOAT64,
+        Of.TIME: Kind.VARINT,
+        Of.FLAG: Kind.BOOL,
+        Of.TEXT: Kind.TEXT6,
+    }
     time_name = "timestamp"
     time_fields = "seconds", "nanos"
 
     def __init__(self) -> None:
-        self._classes: dict[MessageType, type[Message]] = {}
+        self._classes: dict[str, type[Message]] = {}
         self.transform_type = self._registered(FrameTransforms)
         self.arrow_type = self.support_type = self._registered(SceneUpdate)
         self.load_type = self._registered(_own_class("Load", _LOAD))
@@ -134,14 +133,12 @@ class FoxgloveEncoding(Encoding):
 
     def _registered(self, message: type[Message]) -> MessageType:
         kind = _message_type(message)
-        self._classes[kind] = message
+        self._classes[kind.name] = message
         return kind
 
-    def serialise(self, kind: MessageType, literal: Literal, fill: Fill | None = None) -> bytes:
+    def serialise(self, kind: MessageType, literal: Literal) -> bytes:
         """See `Encoding.serialise`."""
-        message = self._classes[kind]()
-        _set(message, literal, fill or unfilled)
-        return message.SerializeToString(deterministic=True)
+        return self._classes[kind.name](**literal).SerializeToString(deterministic=True)
 
     def stamp_columns(self, time: Ints) -> Columns:
         """See `Encoding.stamp_columns`."""
@@ -173,11 +170,12 @@ class FoxgloveEncoding(Encoding):
         return {"deletions": [{"id": drawing.name, "timestamp": self.stamp()}]}
 
     def event(self, event: EventMessage) -> bytes:
-        """See `Encoding.event`; set directly, since touchdowns are many."""
-        message = Log(level=int(event.level), message=event.text, name=event.source)  # type: ignore[arg-type] # an enum of its own
-        message.timestamp.FromNanoseconds(event.time)
-        message.file = EVENT_SOURCE
-        return message.SerializeToString(deterministic=True)
+        """See `Encoding.event`."""
+        literal = {"level": int(event.level), "message": event.text, "name": event.source}
+        stamp = self.time(event.time)
+        return self.serialise(
+            self.event_type, {**literal, "timestamp": stamp, "file": EVENT_SOURCE}
+        )
 
     def span(self, event: EventMessage) -> bytes:
         """See `Encoding.span`."""
@@ -186,27 +184,6 @@ class FoxgloveEncoding(Encoding):
         details = [{"key": key, "value": value} for key, value in event.details.items()]
         times = {"start_time": self.time(event.time), "end_time": self.time(event.end)}
         return self.serialise(self.span_type, {**times, "metadata": details})
-
-
-def _set(message: Any, literal: Literal, fill: Fill) -> None:  # noqa: ANN401 - any message
-    """Set the fields of a message."""
-    for name, given in literal.items():
-        if isinstance(given, dict):
-            part = getattr(message, name)
-            part.SetInParent()
-            _set(part, given, fill)
-        elif isinstance(given, list):
-            several = getattr(message, name)
-            for each in given:
-                if isinstance(each, dict):
-                    _set(several.add(), each, fill)
-                else:
-                    several.append(each)
-        elif isinstance(given, Slot):
-            kind = _KINDS[message.DESCRIPTOR.fields_by_name[name].type]
-            setattr(message, name, fill(given, kind))
-        else:
-            setattr(message, name, given)
 
 
 def _primitives(one: Primitive) -> Iterator[tuple[str, Literal]]:

@@ -12,14 +12,13 @@ from dogbot_logtool.writer.encodings.encoding import (
     EVENT_SOURCE,
     UPRIGHT,
     Encoding,
-    Literal,
     MessageType,
     colour,
     orientation,
     position,
     vector,
 )
-from dogbot_logtool.writer.template import Fill, Kind, Slot, unfilled
+from dogbot_logtool.writer.template import Kind, Literal, Of, Slot
 
 _TF: Final = "tf2_msgs/msg/TFMessage"
 _MARKER: Final = "visualization_msgs/msg/Marker"
@@ -50,19 +49,18 @@ _MARKER_TYPES: Final = {
     Shape.BALLS: 7,
     Shape.TEXT: 9,
 }
-_KINDS: Final = {
-    "bool": Kind.BOOL,
-    "float32": Kind.FLOAT32,
-    "float64": Kind.FLOAT64,
-    "int32": Kind.UINT32,
-    "string": Kind.TEXT6,
-    "uint32": Kind.UINT32,
-}
 
 
 class Ros2Encoding(Encoding):
     """CDR, definitions of Humble; those of later distributions are the same."""
 
+    kinds: ClassVar = {
+        Of.NUMBER: Kind.FLOAT64,
+        Of.COLOUR: Kind.FLOAT32,
+        Of.TIME: Kind.UINT32,
+        Of.FLAG: Kind.BOOL,
+        Of.TEXT: Kind.TEXT6,
+    }
     time_name = "stamp"
     time_fields = "sec", "nanosec"
     is_ros1: ClassVar[bool] = False
@@ -93,42 +91,37 @@ class Ros2Encoding(Encoding):
         self._names[kind] = name
         return kind
 
-    def serialise(self, kind: MessageType, literal: Literal, fill: Fill | None = None) -> bytes:
+    def serialise(self, kind: MessageType, literal: Literal) -> bytes:
         """See `Encoding.serialise`."""
         name = self._names[kind]
-        message = self._made(name, literal, fill or unfilled)
+        message = self._made(name, literal)
         if self.is_ros1:
             return bytes(self._store.serialize_ros1(message, name))
         return bytes(self._store.serialize_cdr(message, name, little_endian=True))
 
-    def _made(self, name: str, literal: Literal, fill: Fill) -> Any:  # noqa: ANN401 - made at run time
+    def _made(self, name: str, literal: Literal) -> Any:  # noqa: ANN401 - made at run time
         """Make a message; what the literal does not give is zero, empty or false."""
         _, fields = self._store.fielddefs[name]
-        values = {
-            field: self._value(kind, of, literal.get(field), fill) for field, (kind, of) in fields
-        }
+        values = {field: self._value(kind, of, literal.get(field)) for field, (kind, of) in fields}
         return self._store.types[name](**values)
 
-    def _value(self, kind: Nodetype, of: Any, given: Any, fill: Fill) -> Any:  # noqa: ANN401
+    def _value(self, kind: Nodetype, of: Any, given: Any) -> Any:  # noqa: ANN401
         """Return the value of a field.
 
         Args:
             kind: of the field.
             of: name of its type, or kind and name of its elements.
             given: in the literal; None: nothing.
-            fill: gives the values of slots.
         """
         if kind == Nodetype.NAME:
-            return self._made(of, given or {}, fill)
+            return self._made(of, given or {})
         if kind == Nodetype.BASE:
-            if isinstance(given, Slot):
-                return fill(given, _KINDS[of[0]])
             default: Any = "" if of[0] == "string" else 0
             return default if given is None else given
         element, name = of[0]
         if element == Nodetype.BASE and name[0] != "string":
             return np.array(given or [], name[0])
-        return [self._value(element, name, each, fill) for each in given or []]
+        return [self._value(element, name, each) for each in given or []]
 
     def _header(self, frame: str) -> Literal:
         return {"stamp": self.stamp(), "frame_id": frame}

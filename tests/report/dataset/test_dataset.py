@@ -20,9 +20,8 @@ import pytest
 from upath import UPath
 
 from dogbot_logtool.commands.tasks import measure_entry
-from dogbot_logtool.io import storage
 from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.report.dataset import dataset_at, hash_of, is_gone
+from dogbot_logtool.report.dataset import dataset_at
 from dogbot_logtool.report.dataset_tables import TABLES
 from dogbot_logtool.run.inputs import Found, LogSet
 from tests.forked_cli import Ended, run
@@ -73,17 +72,6 @@ def test_names_of_any_bytes_are_rows(tmp_path: Path) -> None:
     names = sorted(row["path"].rpartition("/")[2] for row in rows(tmp_path))
     assert names == ["\\xfe.bag", "\\xff.bag", "a=b.bag", "é.bag"]
     assert "4 unchanged" in export(tmp_path, ".").stderr
-
-
-def test_other_names_of_a_log_are_the_same_row(tmp_path: Path) -> None:
-    (tmp_path / "data").mkdir()
-    shutil.copy(TROUBLED, tmp_path / "data" / "walk.bag")
-    (tmp_path / "link.bag").symlink_to("data/walk.bag")
-    (tmp_path / "folder").symlink_to("data")
-    assert export(tmp_path, "data/walk.bag").returncode == 0
-    for word in ("data/../data/walk.bag", "link.bag", "folder/walk.bag", "folder"):
-        assert "0 measured, 1 unchanged" in export(tmp_path, word).stderr
-    assert len(rows(tmp_path)) == 1
 
 
 def test_a_place_that_cannot_be_a_dataset_is_refused_at_once(tmp_path: Path) -> None:
@@ -139,22 +127,6 @@ def test_urls_that_differ_in_their_query_are_two_logs(tmp_path: Path, server: st
     written = b"".join(f.read_bytes() for f in (tmp_path / "walks").rglob("*.parquet"))
     assert b"secret" not in written
     assert "secret" not in done.stderr
-
-
-def test_a_name_of_nothing_leaves_no_row(tmp_path: Path) -> None:
-    shutil.copy(TROUBLED, tmp_path / "walk.bag")
-    assert export(tmp_path, "walk.bag", "gone.bag").returncode == 2
-    assert [row["error"] for row in rows(tmp_path)] == [None]
-    (tmp_path / "walk.bag").unlink()
-    assert export(tmp_path, "walk.bag").returncode == 2
-    assert [row["error"] for row in rows(tmp_path)] == [None]
-
-
-def test_labels_and_pruning_need_a_dataset(tmp_path: Path) -> None:
-    for words in (("--label", "a=1"), ("--prune",), ("--scheduler", "tcp://x:1")):
-        done = run("export", TROT, *words, folder=tmp_path)
-        assert (done.returncode, done.stdout) == (2, "")
-        assert "goes with --dataset" in done.stderr
 
 
 def test_a_log_is_a_file_of_each_table(tmp_path: Path) -> None:
@@ -227,19 +199,6 @@ def test_logs_that_were_moved_or_deleted_are_pruned(tmp_path: Path) -> None:
     names = {row["path"].rpartition("/")[2] for row in rows(tmp_path)}
     assert names == {"kept.bag", "here.bag", "\\xff.bag"}
     assert len(files(tmp_path)) == 5 * len(names)
-    Path(os.fsdecode(odd)).unlink()
-    assert "1 pruned" in export(tmp_path, "here.bag", "--prune").stderr
-
-
-def test_what_cannot_be_looked_for_is_not_gone(tmp_path: Path) -> None:
-    for name in (b"walk.bag", b"\xff.bag", b"\\xff.bag", "é \\x41.bag".encode()):
-        file = Path(os.fsdecode(os.fsencode(tmp_path) + b"/" + name))
-        file.write_bytes(b"")
-        assert not is_gone(storage.shown(file), hash_of(file))
-        file.unlink()
-        assert is_gone(storage.shown(file), hash_of(file))
-    url = UPath("http://127.0.0.1:1/log.bag?token=secret")
-    assert not is_gone(storage.shown(url), hash_of(url))
 
 
 def test_a_dataset_in_a_store() -> None:
@@ -274,31 +233,6 @@ def test_labels_stay_until_they_are_given_anew(tmp_path: Path) -> None:
     assert "2 unchanged" in export(tmp_path, ".").stderr
     assert export(tmp_path, "a.bag", "--label", "spot=").returncode == 0
     assert labels() == [{"firmware": "4"}, {"firmware": "4", "spot": "fido"}]
-
-
-@pytest.mark.parametrize(
-    ("words", "reason"),
-    [
-        (("firmware",), "must be NAME=VALUE"),
-        (("=3",), "must be NAME=VALUE"),
-        (("a=1", "a=2"), "a is there twice"),
-    ],
-)
-def test_a_label_that_is_none_is_refused(
-    tmp_path: Path, words: tuple[str, ...], reason: str
-) -> None:
-    done = export(tmp_path, TROT, *(f"--label={word}" for word in words))
-    assert (done.returncode, done.stdout) == (2, "")
-    assert reason in " ".join(done.stderr.split())
-    assert not (tmp_path / "walks").exists()
-
-
-def test_a_dataset_of_an_older_version_is_left_alone(tmp_path: Path) -> None:
-    (tmp_path / "walks" / "logs" / "robot=dogbot").mkdir(parents=True)
-    done = export(tmp_path, TROT)
-    assert done.returncode == 2
-    assert "is of an older version of this program" in " ".join(done.stderr.split())
-    assert files(tmp_path) == []
 
 
 def test_the_same_logs_make_the_same_bytes(tmp_path: Path) -> None:

@@ -3,7 +3,6 @@
 import io
 import json
 import re
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,11 +13,9 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from pypdf import PdfReader
-from pypdf.generic import DictionaryObject
 
 from dogbot_logtool.commands.plot import draw_figure
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.errors import LogError
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.gait_figure import FORMATS, gait_figure, write_figure
@@ -147,19 +144,6 @@ def test_text_is_text() -> None:
         assert "body" in " ".join(found)
 
 
-def test_fonts_are_in_the_pdf() -> None:
-    page = PdfReader(io.BytesIO(drawn(WALK, "pdf"))).pages[0]
-    resources = page["/Resources"]
-    assert isinstance(resources, DictionaryObject)
-    fonts: Any = resources["/Font"]
-    assert len(fonts) > 0
-    for name in fonts:
-        font = fonts[name].get_object()
-        assert font["/Subtype"] != "/Type3"
-        inner = font.get("/DescendantFonts", [font])[0].get_object()
-        assert "/FontFile2" in inner["/FontDescriptor"].get_object()
-
-
 @pytest.mark.parametrize("form", FORMATS)
 def test_the_same_bytes_whatever_the_user_has_set_up(form: str) -> None:
     first = drawn(WALK, form)
@@ -181,21 +165,3 @@ def test_sensors_without_a_force_give_the_gait_diagram_alone(tmp_path: Path) -> 
     assert "Time (s)" in texts(svg)
     for leg in walks.LEGS:
         assert bars(svg, leg)
-
-
-def test_no_mass_means_newtons(tmp_path: Path) -> None:
-    kind = "geometry_msgs/msg/WrenchStamped"
-    path = walks.write_walk(tmp_path, kind, "mcap")
-    options = MeasureOptions(robot="generic")
-    done = measure(path, options)
-    target = tmp_path / "walk.svg"
-    window = draw_figure(done, target, overwrite=False)
-    svg = ET.fromstring(target.read_bytes())  # noqa: S314 - ours
-    assert "Load (N)" in texts(svg)
-    assert window == default_window(done.walk)
-
-
-def test_what_cannot_be_drawn() -> None:
-    stats = measured(TROT, MeasureOptions()).walk
-    with pytest.raises(LogError, match="no feet"):
-        gait_figure(replace(stats, feet=()), (0.0, 1.0))

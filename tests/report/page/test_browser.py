@@ -4,7 +4,6 @@ import base64
 import csv
 import io
 import json
-import re
 import time
 from collections.abc import Iterator
 from functools import partial
@@ -25,7 +24,6 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import stats_json
 from tests import forked_cli
-from tests.oracles import walks
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.browser import BROWSER, DRIVER, OVER_TIME, SWITCHES, Window
 
@@ -230,27 +228,6 @@ def test_it_prints_whole_from_a_wide_window(window: Window, trot_page: Path) -> 
     assert window.run("return document.getElementById('loads')._fullLayout.width") > 1000
 
 
-@pytest.mark.slow
-def test_no_figure_is_higher_than_the_paper(
-    window: Window, trot_page: Path, tmp_path: Path
-) -> None:
-    """Figures of robots with many joints would be cut in two by the end of a page."""
-    text = trot_page.read_text(encoding="utf-8")
-    high = re.sub(r'("height":|style="height:)\d+', r"\g<1>1600", text)
-    (tmp_path / "high.html").write_text(high, encoding="utf-8")
-    window.open(tmp_path / "high.html")
-
-    def all_are(wanted: int, _: Chrome) -> bool:
-        plots = "document.querySelectorAll('.plot')"
-        sizes = "[each._fullLayout.height, each.clientHeight]"
-        heights = window.run(f"return [...{plots}].flatMap((each) => {sizes})")
-        return set(heights) == {wanted}
-
-    for event, wanted in (("beforeprint", 900), ("afterprint", 1600)):
-        window.run(f"dispatchEvent(new Event('{event}'))")
-        WebDriverWait(window.driver, 10, 0.1).until(partial(all_are, wanted))
-
-
 def test_data_are_saved_as_csv(window: Window, trot_page: Path, trot_json: Any) -> None:
     window.open(trot_page)
     script = """
@@ -298,40 +275,6 @@ def test_pages_share_a_script_and_the_index_sorts(window: Window, tmp_path: Path
     heading.click()
     assert window.run(names) == shown
     assert window.complaints() == []
-
-
-HOSTILE: Final = "</script><img src=x onerror=window.harmed=1><b>%{x}"
-
-
-class HostileWalk(walks.Walk):
-    """Frames whose names would be markup."""
-
-    def header(self, sample: int, frame: str) -> Any:
-        return super().header(sample, f"/{HOSTILE}{frame}")
-
-
-@pytest.mark.slow
-def test_names_in_a_log_are_never_markup(window: Window, tmp_path: Path) -> None:
-    kind = "gazebo_msgs/msg/ContactsState"
-    walk = HostileWalk(2)
-    renamed = [
-        walks.Entry(f"/{HOSTILE}{each.topic}", each.kind, each.log_time, each.data)
-        for each in walk.messages(kind)
-    ]
-    walks.write_mcap(tmp_path / "walk.mcap", walk, renamed)
-    feet = {leg: f"/{HOSTILE}{walks.foot_topic(kind, leg)}" for leg in walks.LEGS}
-    log, target = tmp_path / "walk.mcap", tmp_path / "walk.html"
-    dl.measure(log, odom_topic=f"/{HOSTILE}/odom", foot=feet, mass=walks.MASS_KG).report(target)
-
-    window.open(target)
-    assert window.run("return window.harmed") is None
-    assert window.run("return document.querySelectorAll('img, .plot b').length") == 0
-    names = (
-        "return [...document.querySelectorAll('tbody th')].map((cell) => cell.textContent).join()"
-    )
-    assert HOSTILE in window.run(names)
-    assert window.complaints() == []
-    assert window.requests() == {target.as_uri()}
 
 
 @pytest.mark.slow

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from dogbot_logtool.commands.compare_gait import compare_gait
 from dogbot_logtool.commands.tasks import figures
+from dogbot_logtool.comparison.walks import compare_walks
 from dogbot_logtool.core.metrics import Base, Stability
 from dogbot_logtool.core.records import to_json, unknown
 from dogbot_logtool.options import MeasureOptions
@@ -38,13 +38,13 @@ def _measured(path: Path, gait: Gait) -> Figures:
 
 
 def page(first: Figures, second: Figures) -> str:
-    found = compare_gait([first], [second])
+    found = compare_walks([first], [second])
     return comparison_page(found, ([first.json], [second.json])).decode()
 
 
 def test_it_says_what_differs_the_largest_effect_first(measured: dict[str, Figures]) -> None:
     html = page(measured["trot"], measured["<shorter>"])
-    found = compare_gait([measured["trot"]], [measured["<shorter>"]])
+    found = compare_walks([measured["trot"]], [measured["<shorter>"]])
     assert f"{len(found.differing)} of {len(found.differences)} metrics differ" in html
     order = re.findall(r'<th scope="row">(\w+ \w+) <span role="img" aria-label="(\w+)"', html)
     assert [name for name, _ in order] == [f"{e.foot} {e.metric}" for e in found.differing]
@@ -102,18 +102,10 @@ def test_what_is_not_known_is_left_out(measured: dict[str, Figures]) -> None:
         foot["vertical_over_stride_n"] = foot["forward_over_stride_n"] = foot["duty_factor"] = None
     blind["base"] = to_json(unknown(Base))
     blind["stability"] = to_json(unknown(Stability))
-    found = compare_gait([measured["trot"]], [measured["pace"]])
+    found = compare_walks([measured["trot"]], [measured["pace"]])
     html = comparison_page(found, ([measured["trot"].json], [blind])).decode()
     assert len(points(html, "first")) == 8
     assert points(html, "second") == []
     html = comparison_page(found, ([blind], [blind])).decode()
     assert "<rect" not in html
     assert "no curves" in html
-
-
-def test_a_side_of_several_logs_is_their_median(measured: dict[str, Figures]) -> None:
-    one, other = measured["trot"], measured["<shorter>"]
-    found = compare_gait([one, other], [one])
-    html = comparison_page(found, ([one.json, other.json], [one.json])).decode()
-    assert "2 logs: " in html
-    assert re.search(r"duty factor</th><td>0\.57\d</td><td>0\.60\d</td>", html)

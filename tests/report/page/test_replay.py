@@ -129,22 +129,6 @@ def test_without_frames_lines_lead_to_the_feet_and_unknown_feet_are_below_the_ba
     assert "<canvas" not in page(measurement_of(stats, LogFacts()), 0).decode()
 
 
-def test_a_walk_far_from_the_worlds_origin_is_as_exact() -> None:
-    """In UTM coordinates 32 bits would tell half a metre."""
-    stats = measured().walk
-    away = np.array([448_000.0, 5_412_000.0, 0.0])
-    base = replace(stats.base_history, position=stats.base_history.position + away)
-    time = frame_times(stats, ())
-    near, far = (
-        replay(stats, (), time, None),
-        replay(replace(stats, base_history=base), (), time, None),
-    )
-    assert near is not None
-    assert far is not None
-    moved = [np.diff(points(each["position"]), axis=0) for each in (near, far)]
-    assert moved[0] == pytest.approx(moved[1], abs=1e-5)
-
-
 def test_a_long_log_is_thinned() -> None:
     stats = measured().walk
     day = replace(stats, end=stats.origin + 86_400_000_000_000)
@@ -153,9 +137,3 @@ def test_a_long_log_is_thinned() -> None:
     assert (np.diff(time) > 0).all()
     near = (time > stats.origin + 3_000_000_000) & (time < stats.origin + 6_000_000_000)
     assert np.diff(time[near]).max() <= 40_000_000
-
-
-def test_a_page_with_its_replay_is_small() -> None:
-    stats, facts = measured().walk, LogFacts()
-    html = page(measurement_of(stats, facts), 0, replay=shown())
-    assert len(page(measurement_of(stats, facts), 0)) < len(html) < 2 * MB

@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 from rich.text import Text
 
-from dogbot_logtool.report.text.text_layout import HangingIndent, NameTable, Row
+from dogbot_logtool.report.text.console import HangingIndent, NameTable, Row
 from tests.forked_cli import run
 from tests.oracles.small_logs import first_seconds
 from tests.paths import SAMPLE_LOGS
@@ -25,15 +25,6 @@ def printed(renderable: HangingIndent | NameTable, width: int) -> list[str]:
     console.print(renderable, crop=False)
     assert isinstance(console.file, io.StringIO)
     return console.file.getvalue().splitlines()
-
-
-def test_a_sentence_hangs_below_its_first_word() -> None:
-    sentence = HangingIndent(Text("warning  one two three four five six"), 9)
-    assert printed(sentence, 20) == [
-        "warning  one two",
-        "         three four",
-        "         five six",
-    ]
 
 
 @pytest.mark.parametrize("width", range(1, 80, 3))
@@ -54,11 +45,6 @@ def test_names_stay_whole_at_any_width(width: int) -> None:
     assert set(text.split()) >= {"/a", "kind", TOPIC, "/b", "12", "3"}
     if width >= 40:
         assert max(len(line) for line in text.splitlines() if TOPIC not in line) <= width
-
-
-def test_a_long_name_has_a_line_of_its_own() -> None:
-    table = NameTable(("log", "warnings"), [Row(["/a"], ["1"]), Row([TOPIC], ["2"])])
-    assert printed(table, 20) == ["log  warnings", "/a          1", TOPIC, "            2"]
 
 
 @pytest.mark.parametrize(

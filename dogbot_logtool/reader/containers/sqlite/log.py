@@ -10,16 +10,22 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
-from dogbot_logtool.reader.containers.contents import UNKNOWN_CHANNEL, ChannelIds, Chunk, Contents
+from dogbot_logtool.reader.containers.contents import (
+    UNKNOWN_CHANNEL,
+    ChannelIds,
+    Chunk,
+    Contents,
+    time_range,
+)
 from dogbot_logtool.reader.containers.log import Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.packed_messages import unpacked
 from dogbot_logtool.reader.containers.sources.source import ByteSource
-from dogbot_logtool.reader.containers.sqlite.database import Database
 from dogbot_logtool.reader.containers.sqlite.journals import take_journals
 from dogbot_logtool.reader.containers.sqlite.pages import Pages
 from dogbot_logtool.reader.containers.sqlite.rows import MessageRows, MessageTable
-from dogbot_logtool.reader.containers.sqlite.topics import TABLES, Topics, check_tables, read_topics
+from dogbot_logtool.reader.containers.sqlite.tables import find_tables
+from dogbot_logtool.reader.containers.sqlite.topics import TABLES, check_tables, read_topics
 from dogbot_logtool.reader.containers.sqlite.tree import Damage
 from dogbot_logtool.reader.decode.message_table import Messages
 
@@ -80,26 +86,33 @@ def open_log(source: ByteSource, distribution: str) -> SqliteLog:
         opened.callback(source.close)
         pages = Pages(source)
         opened.callback(pages.close)
-        losses = take_journals(pages, source.path)
+        losses = [*take_journals(pages, source.path)]
         if cut := pages.cut_off():
             losses.append(cut)
-        database = Database(pages, TABLES)
-        check_tables(database, source.path)
-        topics = read_topics(database, distribution)
-        losses += topics.losses
-        table = MessageTable(database)
-        contents = _contents(table, topics, losses, database.damage)
+        damage = Damage()
+        tables = find_tables(pages, TABLES, damage)
+        check_tables(tables, pages, damage, source.path)
+        channels, ids = read_topics(tables, pages, damage, distribution)
+        table = MessageTable(pages, tables["messages"], damage)
+        chunks, more = _chunks(table, ids, damage)
         opened.pop_all()
-    return SqliteLog(source, contents, table, topics.ids)
+    counts: Counter[int] = Counter(dict.fromkeys(channels, 0))
+    for chunk in chunks:
+        counts.update(chunk.counts or {})
+    times, losses = time_range(chunks), [*losses, *more]
+    contents = Contents(channels, chunks, counts, *times, profile="ros2", losses=tuple(losses))
+    return SqliteLog(source, contents, table, ids)
 
 
-def _contents(table: MessageTable, topics: Topics, losses: list[Loss], damage: Damage) -> Contents:
-    """Cut the rows into chunks, and count."""
+def _chunks(
+    table: MessageTable, ids: ChannelIds, damage: Damage
+) -> tuple[list[Chunk], Iterator[Loss]]:
+    """Cut the rows into chunks; and say what is lost of them."""
     chunks: list[Chunk] = []
     undescribed = unsound = 0
     for rows in table.rows():
         unsound += int((~rows.sound).sum())
-        channel = topics.ids.of(rows.topic)
+        channel = ids.of(rows.topic)
         undescribed += int((rows.sound & (channel == UNKNOWN_CHANNEL)).sum())
         channel[~rows.sound] = UNKNOWN_CHANNEL
         page_size = table.pages.size
@@ -107,28 +120,18 @@ def _contents(table: MessageTable, topics: Topics, losses: list[Loss], damage: D
             _chunk(number, rows, channel, part, page_size)
             for number, part in enumerate(_cut(rows), len(chunks))
         ]
-    counts: Counter[int] = Counter()
-    for chunk in chunks:
-        counts.update(chunk.counts or {})
+    return chunks, _losses(table, damage, undescribed, unsound)
+
+
+def _losses(table: MessageTable, damage: Damage, undescribed: int, unsound: int) -> Iterator[Loss]:
     if met := damage.loss(table.pages.size, table.times_around(damage.pages)):
-        losses.append(met)
+        yield met
     for count, what in (
         (undescribed, "messages of topics that are nowhere described"),
         (unsound, "rows that are no messages"),
     ):
         if count:
-            losses.append(Loss(0, f"the database holds {count} {what}", 0, count))
-    starts = [chunk.start_time for chunk in chunks if chunk.start_time is not None]
-    ends = [chunk.end_time for chunk in chunks if chunk.end_time is not None]
-    return Contents(
-        channels=topics.channels,
-        chunks=chunks,
-        counts={number: counts[number] for number in topics.channels},
-        start_time=min(starts, default=None),
-        end_time=max(ends, default=None),
-        profile="ros2",
-        losses=tuple(losses),
-    )
+            yield Loss(0, f"the database holds {count} {what}", 0, count)
 
 
 def _cut(rows: MessageRows) -> Iterator[slice]:

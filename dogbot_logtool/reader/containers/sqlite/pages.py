@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints
-from dogbot_logtool.errors import LogError
+from dogbot_logtool.errors import LogError, LogtoolError
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.sources.source import ByteSource
@@ -30,7 +30,7 @@ _MOST_PER_WRITTEN: Final = 16
 page in use, of 64 kB at most, a block of 4 kB at least is no hole."""
 
 
-class JournalError(Exception):
+class JournalError(LogtoolError):
     """A journal cannot be used."""
 
 
@@ -66,15 +66,19 @@ class Pages:
             )
         self._read_header(head)
 
-    def replace(self, file: ByteSource, pages: Ints) -> None:
-        """Take pages from another file, which is closed with this one.
+    def keep(self, file: ByteSource) -> None:
+        """Close a journal with the database."""
+        self._files.append(file)
+
+    def replace(self, file: ByteSource, pages: Sequence[tuple[int, int]]) -> None:
+        """Take pages from a journal that is kept.
 
         Args:
-            file: a journal.
-            pages: (n, 2) numbers and offsets in the file; the last of each number counts.
+            file: the journal.
+            pages: numbers and offsets in it; the last of each number counts.
         """
-        taken = np.insert(pages, 1, len(self._files), axis=1)
-        self._files.append(file)
+        taken = np.array(pages, np.int64).reshape(-1, 2)
+        taken = np.insert(taken, 1, self._files.index(file), axis=1)
         every = np.concatenate([self._elsewhere, taken])[::-1]
         self._elsewhere = every[np.unique(every[:, 0], return_index=True)[1]]
         self.bytes += len(pages) * self.size

@@ -7,12 +7,12 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints
-from dogbot_logtool.reader.containers.sqlite.database import Database
-from dogbot_logtool.reader.containers.sqlite.pages import PIECE
-from dogbot_logtool.reader.containers.sqlite.records import columns
+from dogbot_logtool.reader.containers.sqlite.pages import Pages
+from dogbot_logtool.reader.containers.sqlite.tables import Table, columns
 from dogbot_logtool.reader.containers.sqlite.tree import (
     Cells,
     Damage,
+    cells_in,
     cells_of,
     leaves,
     with_overflow,
@@ -43,26 +43,18 @@ class MessageRows:
 class MessageTable:
     """The table of messages; safe to share among threads."""
 
-    def __init__(self, database: Database) -> None:
+    def __init__(self, pages: Pages, table: Table, damage: Damage) -> None:
         """Find the pages of the rows."""
-        self.pages = database.pages
-        self._database = database
-        self._table = database.tables["messages"]
-        self._leaves = leaves(self.pages, self._table.root, database.damage)
+        self.pages = pages
+        self._wanted = [table.columns[name] for name in _COLUMNS]
+        self._damage = damage
+        self._leaves = leaves(pages, table.root, damage)
 
     def rows(self) -> Iterator[MessageRows]:
-        """Yield all rows, by their first bytes, which mostly tell all but the message."""
+        """Yield all rows, by their first bytes, which tell all but the message."""
         first = 0
-        for cells in self._database.cells(self._table, self.pages.bytes, self._leaves):
-            rows = self._decoded(first + cells.page, cells)
-            doubtful = np.flatnonzero((cells.overflow > 0) & ~rows.sound)
-            parts = np.cumsum(cells.size[doubtful]) // PIECE
-            for part in np.split(doubtful, np.flatnonzero(np.diff(parts)) + 1):
-                few = cells.pick(part)
-                whole = self._decoded(few.page, with_overflow(self.pages, few))
-                for column in ("sound", "topic", "time", "size"):
-                    getattr(rows, column)[part] = getattr(whole, column)
-            yield rows
+        for cells in cells_in(self.pages, self._leaves, self.pages.bytes, self._damage):
+            yield self._decoded(first + cells.page, cells)
             first += len(cells.buffer) // self.pages.size - 1
 
     def between(self, *bounds: tuple[int, int]) -> MessageRows:
@@ -91,14 +83,8 @@ class MessageTable:
         return times
 
     def _decoded(self, leaf: Ints, cells: Cells) -> MessageRows:
-        wanted = [self._table.columns[name] for name in _COLUMNS]
-        (*found, data), _ = columns(cells.buffer, cells.start, cells.size, cells.held, wanted)
-        sound = data.is_blob
-        values: list[Ints] = []
-        for number, column in zip(wanted, found, strict=False):
-            is_key = (column.kind == 0) & (number == self._table.key)
-            sound &= column.is_integer | is_key
-            values.append(np.where(is_key, cells.rowid, column.integers(cells.buffer)))
-        topic, time = values
-        sound &= time >= 0
-        return MessageRows(leaf, sound, topic, time, data.start, data.size, cells.buffer)
+        (topic, time, data), _ = columns(cells, self._wanted)
+        times = time.integers(cells.buffer)
+        sound = topic.is_integer & time.is_integer & data.is_blob & (times >= 0)
+        topics = topic.integers(cells.buffer)
+        return MessageRows(leaf, sound, topics, times, data.start, data.size, cells.buffer)

@@ -1,15 +1,16 @@
 """The pages and cells of a table: a tree whose leaves hold the records."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Bytes, Flags, Ints, distinct
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints, distinct, rows_of_runs
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.sqlite.pages import Pages, in_pieces, unsigned
-from dogbot_logtool.reader.containers.sqlite.records import varints
 
+LONGEST_VARINT: Final = 9
 _INTERIOR, _LEAF = 5, 13
 _HEAD: Final = {_INTERIOR: 12, _LEAF: 8}
 """Bytes of a page before its table of cells."""
@@ -72,8 +73,6 @@ class Cells:
     """The pages."""
     page: Ints
     """(n,) index of each row's page."""
-    index: Ints
-    """(n,) index in that page."""
     rowid: Ints
     """(n,)."""
     start: Ints
@@ -87,8 +86,8 @@ class Cells:
 
     def pick(self, rows: Flags | Ints | slice) -> "Cells":
         """Return the chosen rows."""
-        columns = (self.page, self.index, self.rowid, self.start, self.size, self.held)
-        return Cells(self.buffer, *(column[rows] for column in (*columns, self.overflow)))
+        columns = (self.page, self.rowid, self.start, self.size, self.held, self.overflow)
+        return Cells(self.buffer, *(column[rows] for column in columns))
 
 
 def leaves(pages: Pages, root: int, damage: Damage) -> Ints:
@@ -154,6 +153,25 @@ def _children(pages: Pages, level: Ints, most: int, damage: Damage) -> Ints:
     return level[np.sort(first)]
 
 
+def cells_in(pages: Pages, number: Ints, most: int, damage: Damage) -> Iterator[Cells]:
+    """Yield the rows in some leaf pages, some pages at a time, as they stand there.
+
+    Args:
+        pages: of the database.
+        number: (p,) of the leaf pages.
+        most: bytes after which no more rows are taken.
+        damage: receives what is found.
+    """
+    for piece in in_pieces(number, pages.size):
+        cells = cells_of(pages, piece, damage)
+        fits = np.cumsum(cells.size) <= most
+        yield cells if fits.all() else cells.pick(fits)
+        if not fits.all():
+            damage.reasons.add(SWOLLEN)
+            return
+        most -= int(cells.size.sum())
+
+
 def cells_of(pages: Pages, number: Ints, damage: Damage) -> Cells:
     """Return the rows in some leaf pages.
 
@@ -183,8 +201,7 @@ def cells_of(pages: Pages, number: Ints, damage: Damage) -> Cells:
     good &= ~overfull
     good[page[~sound]] = False
     damage.add_pages(number[~good])
-    index = np.arange(len(page)) - np.searchsorted(page, page)
-    return Cells(buffer, page, index, rowid, start, size, held, overflow).pick(sound)
+    return Cells(buffer, page, rowid, start, size, held, overflow).pick(sound)
 
 
 def _held(size: Ints, usable: int) -> Ints:
@@ -218,19 +235,13 @@ def _cell_offsets(buffer: Bytes, number: Ints, pages: Pages, kind: int) -> tuple
     count = unsigned(buffer, head + 3, 2)
     sound = (buffer[head] == kind) & (table + 2 * count <= begin + pages.usable)
     count[~sound] = 0
-    page, index = runs(count)
+    index, page, _ = rows_of_runs(0 * count, count)
     offset = unsigned(buffer, table[page] + 2 * index, 2)
     good = (offset + begin[page] >= (table + 2 * count)[page]) & (
         offset <= pages.usable - _SMALLEST_CELL
     )
     sound[page[~good]] = False
     return page[good], (begin[page] + offset)[good], sound
-
-
-def runs(length: Ints) -> tuple[Ints, Ints]:
-    """Return, for runs of some lengths, the run of each element and its index in that."""
-    run = np.repeat(np.arange(len(length)), length)
-    return run, np.arange(len(run)) - (np.cumsum(length) - length)[run]
 
 
 def with_overflow(pages: Pages, cells: Cells) -> Cells:
@@ -243,7 +254,7 @@ def with_overflow(pages: Pages, cells: Cells) -> Cells:
     chain, complete = _chains(pages, cells.overflow[spilt], needed)
     chain = chain[np.repeat(complete, needed)]
     needed[~complete] = 0
-    row, index = runs(needed)
+    index, row, _ = rows_of_runs(0 * needed, needed)
     held, local = cells.held[spilt], cells.start[spilt]
     room = np.where(complete, held + needed * each, 0)
     begin = len(cells.buffer) + np.cumsum(room) - room
@@ -280,7 +291,7 @@ def _chains(pages: Pages, first: Ints, needed: Ints) -> tuple[Ints, Flags]:
         Numbers of all pages, chain by chain (the sum of `needed`,), and which chains are complete
         and share no page, (n,).
     """
-    owner, index = runs(needed)
+    index, owner, _ = rows_of_runs(0 * needed, needed)
     chain = first[owner] + index
     goes_on = index < needed[owner] - 1
     broken = distinct(owner[goes_on & (_links(pages, chain) != chain + 1)])
@@ -303,3 +314,30 @@ def _links(pages: Pages, number: Ints) -> Ints:
         for piece in in_pieces(number, pages.size)
     ]
     return np.concatenate(found)
+
+
+def varints(buffer: Bytes, start: Ints) -> tuple[Ints, Ints]:
+    """Read numbers of variable length.
+
+    Args:
+        buffer: (b,).
+        start: (n,), each in [0, b - `LONGEST_VARINT`].
+
+    Returns:
+        Values (n,), and the bytes that each takes (n,).
+    """
+    value = buffer[start].astype(np.int64)
+    length = np.ones(len(start), np.int64)
+    more = np.flatnonzero(value >= 0x80)
+    value[more] &= 0x7F
+    for index in range(1, LONGEST_VARINT):
+        if not len(more):
+            break
+        byte = buffer[start[more] + index].astype(np.int64)
+        length[more] += 1
+        if index == LONGEST_VARINT - 1:
+            value[more] = value[more] << 8 | byte
+        else:
+            value[more] = value[more] << 7 | byte & 0x7F
+            more = more[byte >= 0x80]
+    return value, length

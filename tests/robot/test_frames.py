@@ -1,6 +1,5 @@
 """`info --frames`: the frames of whole logs, against rosbags, message by message."""
 
-import json
 import os
 from collections.abc import Iterator, Sequence
 from io import StringIO
@@ -25,7 +24,7 @@ from dogbot_logtool.finding import Severity
 from dogbot_logtool.options import ConvertOptions, InfoOptions
 from dogbot_logtool.report.info_report import info_json, print_info
 from dogbot_logtool.results import LogInfo
-from dogbot_logtool.robot.frames.frames import Frames
+from dogbot_logtool.robot.frames import Frames
 from tests.paths import SAMPLE_LOGS
 
 LOGS = [SAMPLE_LOGS / f"dogbot_{name}" for name in ("trot.bag", "walk.mcap", "troubled.bag")]
@@ -107,12 +106,6 @@ def test_every_edge_is_what_rosbags_reads(path: Path) -> None:
         assert edge.timing.interval_s["p50"] == pytest.approx(median / 1e9, rel=2e-3)
         longest = max(5 * edge.timing.interval_s["p50"], 0.05) * 1e9
         assert edge.timing.gaps == (steps > longest * 1.002).sum()
-
-
-def test_jobs_change_nothing() -> None:
-    for log in LOGS[:2]:
-        one, four = (describe(log, InfoOptions(frames=True, jobs=jobs)) for jobs in (1, 4))
-        assert info_json(one) == info_json(four)
 
 
 def test_our_own_output_has_the_base_in_the_world(tmp_path: Path) -> None:
@@ -240,12 +233,6 @@ def test_senders_are_topics_and_nodes(tmp_path: Path) -> None:
     assert frames.senders(edge) == ["/tf (/gazebo)", "/tf (/localiser)"]
 
 
-def test_quaternions_of_zeros_are_found(tmp_path: Path) -> None:
-    info, _ = survey(foxglove_log(tmp_path / "l.mcap", {"/tf": [(20, "a", "b")]}, zeros=True))
-    assert codes(info) == {"BAD_TRANSFORMS"}
-    assert info_json(info)["frames"]["edges"][0]["zero_rotations"] == 1
-
-
 def test_messages_that_are_no_transforms_are_damage(tmp_path: Path) -> None:
     path = tmp_path / "log.mcap"
     whole = FrameTransforms(transforms=[FrameTransform(parent_frame_id="a", child_frame_id="b")])
@@ -272,15 +259,6 @@ def test_messages_that_are_no_transforms_are_damage(tmp_path: Path) -> None:
     assert [loss.messages for loss in info.damage.losses] == [3]
     assert info.damage.exit_code == 3
     assert "UNREADABLE" in codes(info)
-
-
-def test_a_quick_look_tells_no_rates() -> None:
-    told = info_json(describe(LOGS[1], InfoOptions()))["frames"]
-    assert (told["edges"], told["second_parents"]) == (None, None)
-    whole = info_json(survey(LOGS[1])[0])["frames"]
-    assert whole["parents"] == told["parents"]
-    assert {edge["static"] for edge in whole["edges"]} == {True, False}
-    json.dumps(whole, allow_nan=False)
 
 
 def test_the_tree_names_every_frame_and_fits(tmp_path: Path) -> None:

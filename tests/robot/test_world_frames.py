@@ -9,7 +9,6 @@ from typing import Any, Literal
 
 import numpy as np
 import pytest
-from mcap.reader import make_reader
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
@@ -19,7 +18,6 @@ from dogbot_logtool.results import Conversion
 from tests.oracles import walks
 from tests.oracles.annotated_file import arrows
 from tests.oracles.frames import matrix_of
-from tests.oracles.small_logs import first_seconds
 from tests.paths import SAMPLE_LOGS
 
 TROT = SAMPLE_LOGS / "dogbot_trot.bag"
@@ -33,33 +31,11 @@ def converted(log: Path, folder: Path, **options: Any) -> tuple[Conversion, Path
     return convert(log, target, chosen), target
 
 
-def messages(path: Path) -> dict[str, list[tuple[int, bytes]]]:
-    found: dict[str, list[tuple[int, bytes]]] = defaultdict(list)
-    with path.open("rb") as stream:
-        for _, channel, message in make_reader(stream).iter_messages(log_time_order=False):
-            # The robot is made of what a look into a few chunks shows, not of batches.
-            if channel.topic != "/robot_description":
-                found[channel.topic].append((message.log_time, message.data))
-    return {topic: sorted(each) for topic, each in found.items()}
-
-
 def counted(done: Conversion, what: str) -> int:
     """The number after the colon in the text of a note or warning."""
     found = {finding.text for finding in done.findings if finding.code == "TRANSFORMS_MISSING"}
     (text,) = (text for text in found if what in text and ": " in text)
     return int(text.split(": ")[1].split(";")[0].replace(",", ""))
-
-
-def test_where_batches_end_changes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    log = first_seconds(TROT)
-    at_once, target = converted(log, tmp_path, style="force")
-    whole = messages(target)
-    for batch_size, jobs in ((1, 1), (200_000, 3)):
-        monkeypatch.setattr("dogbot_logtool.reader.containers.log.BATCH_SIZE", batch_size)
-        done, target = converted(log, tmp_path, style="force", jobs=jobs)
-        assert messages(target) == whole
-        assert done.findings == at_once.findings
-    assert counted(done, "forces turned") > 1000
 
 
 def test_arrows_carry_the_robot_s_weight(tmp_path: Path) -> None:

@@ -25,7 +25,6 @@ from tests.truth.recording import (
     VectorRecording,
     about_axis,
     disturbed,
-    vector_messages,
 )
 from tests.truth.sensed import with_imu
 from tests.truth.walking import Walk
@@ -58,23 +57,6 @@ def test_both_types_of_both_versions_of_ros_are_read(tmp_path: Path, kind: str, 
     assert len(said(stats, "LOG_TIME_USED")) == (kind == "twist")
 
 
-def test_both_velocities_are_a_table(tmp_path: Path) -> None:
-    log = write_log(walk(ROBOT.commands()), tmp_path / "x.mcap")
-    walked = dl.measure(log, mass=20.0)
-    table, figures = walked.commands, walked.stats["commands"]
-    for part, key, unit in (
-        ("forward_mps", "forward", "mps"),
-        ("lateral_mps", "lateral", "mps"),
-        ("yaw_radps", "yaw", "radps"),
-    ):
-        error = table[f"measured_{part}"] - table[f"commanded_{part}"]
-        wanted = figures[key][f"rms_error_{unit}"]
-        assert float(np.sqrt((error**2).mean())) == pytest.approx(wanted)
-    assert np.diff(table["time_s"]) == pytest.approx(0.02)
-    # A stride after the start, half a stride before the end of the poses.
-    assert table["commanded_forward_mps"][0] == pytest.approx(0.3)
-
-
 def test_commands_and_accelerometer_are_in_the_report(tmp_path: Path) -> None:
     recording = with_imu(commanded_walk(ROBOT, ROBOT.commands()))
     options = MeasureOptions(mass=20.0)
@@ -91,13 +73,6 @@ def test_commands_and_accelerometer_are_in_the_report(tmp_path: Path) -> None:
     shown = drawings(html)["commands"]
     assert shown["over_time"]
     assert [each["name"] for each in shown["data"]] == ["measured", "commanded"] * 3
-
-
-def test_figures_do_not_depend_on_jobs(tmp_path: Path) -> None:
-    recording = walk(ROBOT.commands())
-    one = measured(tmp_path, recording, "a.mcap", jobs=1)
-    other = measured(tmp_path, recording, "b.mcap", jobs=2)
-    assert one["commands"] == other["commands"]
 
 
 def test_measured_twists_are_no_commands(tmp_path: Path) -> None:
@@ -159,12 +134,6 @@ def test_tracking_is_null_where_the_odometry_loses_its_way(tmp_path: Path) -> No
         assert because == (None if known else "WORLDS_DIFFER")
 
 
-def test_a_log_without_such_topics_has_no_figures_of_them(tmp_path: Path) -> None:
-    stats = measured(tmp_path, walk())
-    assert stats["commands"]["topic"] is None
-    assert stats["imu"] == dict.fromkeys(stats["imu"])
-
-
 def sensed_walk(**changes: Any) -> Recording:
     return with_imu(Walk(gait=WALK, seconds=10.0).recorded(200.0, 100.0), **changes)
 
@@ -222,10 +191,3 @@ def test_a_silence_of_commands_is_no_gap_of_the_recording(tmp_path: Path) -> Non
     stats = measured(tmp_path, walk(robot.commands()))
     assert said(stats, "NO_COMMAND")
     assert not said(stats, "GAPS")
-
-
-def test_an_empty_topic_is_nothing(tmp_path: Path) -> None:
-    nothing = vector_messages("/cmd_vel", "twist", np.array([30.0]), np.zeros((1, 3)))
-    stats = measured(tmp_path, walk(nothing))
-    assert stats["commands"]["commanded_s"] == 0.0
-    assert stats["commands"]["forward"]["rms_error_mps"] is None

@@ -1,4 +1,4 @@
-"""A URDF as a robot's file: base link, legs and feet, which leg is which, forward axis, mass."""
+"""The legs of a URDF: feet, which leg is which, forward axis, masses."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -14,16 +14,9 @@ from dogbot_logtool.core.leg_position import LegPosition, leg_names
 from dogbot_logtool.core.legs.joints import JointLimits
 from dogbot_logtool.core.rotations import multiply, rotate
 from dogbot_logtool.robot.names import leg_position
-from dogbot_logtool.robot.robot_model.urdf import (
-    Link,
-    parse_urdf,
-    urdf_joints,
-    urdf_limits,
-    urdf_links,
-)
+from dogbot_logtool.robot.robot_model.urdf import NOTHING, Link, RobotOfUrdf, joints_below
 from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, Part, words_of
 
-_WORLDS: Final = frozenset({"world", "map", "odom"})
 _HIGHEST: Final = 0.4
 """Share of the depth of the lowest foot below the base that other feet may be higher."""
 _SHORTEST: Final = 2
@@ -36,8 +29,6 @@ _SAME_LEG: Final = 0.5
 """Share of the joints of the shorter chain that two ends of one leg have in common."""
 _CENTRED: Final = 0.5
 """Share of its radius that a ball may be off its link's origin."""
-MOST_JOINTS: Final = 400
-"""Joints of a robot, fixed ones too; no robot has more."""
 _MOST_LEGS: Final = 16
 _ARMS: Final = frozenset(
     {"arm", "elbow", "finger", "fingers", "gripper", "hand", "head", "neck", "palm", "shoulder"}
@@ -46,28 +37,6 @@ _ARMS: Final = frozenset(
 _SENSORS: Final = frozenset(["camera", "force", "ft", "imu", "motor", "rotor", "screw", "sensor"])
 _SOLES: Final = frozenset({"sole", "soles", "footsole"})
 _ORIGIN: Final = (0.0, 0.0, 0.0)
-_NOTHING: Final = Link(0.0, _ORIGIN, (), ())
-
-
-@dataclass(frozen=True, slots=True)
-class RobotOfUrdf:
-    """What a robot description tells of a robot."""
-
-    base: str
-    """Its base link."""
-    joints: tuple[Joint, ...]
-    """All that make a tree of links."""
-    left_out: int
-    """How many make none."""
-    limits: Mapping[str, JointLimits]
-    links: Mapping[str, Link]
-    continuous: frozenset[str]
-    """Joints that turn without an end."""
-
-    @property
-    def mass_kg(self) -> float | None:
-        """The sum over all links; None where it has none."""
-        return sum(link.mass_kg for link in self.links.values()) or None
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,56 +46,6 @@ class Legs:
     legs: tuple[Leg, ...]
     """From front to back."""
     forward_axis: str
-
-
-def read_robot(urdf: str) -> RobotOfUrdf:
-    """Read a robot description.
-
-    Raises:
-        ValueError: it is none, or has no joints.
-    """
-    root = parse_urdf(urdf)
-    joints, left_out = urdf_joints(root)
-    if not joints:
-        raise ValueError("has no joints that make a tree of links")
-    if len(joints) > MOST_JOINTS:
-        raise ValueError(f"has {len(joints)} joints, more than {MOST_JOINTS}")
-    links = urdf_links(root)
-    turning = (joint for joint in root.findall("joint") if joint.get("type") == "continuous")
-    return RobotOfUrdf(
-        base=_base(joints, links),
-        joints=joints,
-        left_out=left_out,
-        limits=urdf_limits(root),
-        links=links,
-        continuous=frozenset(joint.get("name", "") for joint in turning),
-    )
-
-
-def _base(joints: Sequence[Joint], links: Mapping[str, Link]) -> str:
-    """Return the base link: the root of most joints, past links without a mass before it."""
-    below, children = _below(joints), {joint.child for joint in joints}
-    roots = [link for link in below if link not in children]
-    root = link = max(roots, key=lambda each: _joints_below(below, each))
-    stays = root.lower() not in _WORLDS
-    while not links.get(link, _NOTHING).mass_kg and len(below[link]) == 1:
-        (joint,) = below[link]
-        if joint.child not in below:
-            return root
-        stays &= joint.kind == "fixed" and not any(joint.translation)
-        link = joint.child
-    return root if stays else link
-
-
-def _below(joints: Sequence[Joint]) -> dict[str, list[Joint]]:
-    below: dict[str, list[Joint]] = {}
-    for joint in joints:
-        below.setdefault(joint.parent, []).append(joint)
-    return below
-
-
-def _joints_below(below: Mapping[str, list[Joint]], link: str) -> int:
-    return sum(1 + _joints_below(below, joint.child) for joint in below.get(link, ()))
 
 
 def find_legs(
@@ -142,7 +61,7 @@ def find_legs(
     Raises:
         ValueError: it has none that can be used; the sentence goes on from its description.
     """
-    below = _below(robot.joints)
+    below = joints_below(robot.joints)
     ends = [_end(robot, below, chain, posture) for chain in _chains(below, robot.base)]
     wheels = [end.leg.foot for end in ends if end.is_wheel]
     feet = _lowest([end for end in ends if not (end.is_wheel or _is_arm(end.leg))])[:_MOST_LEGS]
@@ -210,7 +129,7 @@ def _end(
     """Return where a chain ends: at a foot by its name, or what hangs lowest."""
     ends: list[tuple[bool, int, float, int, _End]] = []
     for tail in ((), *_fixed_tails(below, chain[-1].child)):
-        point, radius = _tip(robot.links.get((*chain, *tail)[-1].child, _NOTHING))
+        point, radius = _tip(robot.links.get((*chain, *tail)[-1].child, NOTHING))
         leg = Leg((*chain, *tail), point=point, radius_m=radius)
         usual = [posture.get(name, _at_rest(robot.limits.get(name))) for name in leg.measured]
         motion = leg_motion(leg, np.array([usual]))
@@ -322,7 +241,7 @@ def _carried(robot: RobotOfUrdf, below: Mapping[str, list[Joint]], leg: Leg) -> 
         hanging = [(joint.child, np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))]
         total, moment = 0.0, np.zeros(3)
         for link, place, turn in hanging:  # which grows
-            mass = robot.links.get(link, _NOTHING)
+            mass = robot.links.get(link, NOTHING)
             total += mass.mass_kg
             moment += mass.mass_kg * (place + rotate(turn, np.array([mass.centre])))[0]
             for each in below.get(link, ()):

@@ -1,0 +1,201 @@
+"""The tables of a SQLite database: their columns, and the values in many records at once."""
+
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints, distinct
+from dogbot_logtool.reader.containers.sqlite.pages import Pages
+from dogbot_logtool.reader.containers.sqlite.tree import (
+    LONGEST_VARINT,
+    SWOLLEN,
+    Cells,
+    Damage,
+    cells_in,
+    leaves,
+    varints,
+    with_overflow,
+)
+from dogbot_logtool.reader.decode.columns import gather_bytes
+
+_TEXT: Final = re.compile(r"'(?:[^']|'')*'")
+_COMMA: Final = re.compile(r",(?![^(]*\))")
+"""One that stands in no parentheses."""
+_WORD: Final = re.compile(r'"[^"]*"|[\w$]+')
+_UNUSUAL: Final = re.compile(r"--|/\*|\b(?:AS|GENERATED|WITHOUT)\b", re.IGNORECASE)
+"""Comments, columns that are computed, and rows without numbers."""
+_LONGEST_SQL: Final = 1 << 12
+_MOST_COLUMNS: Final = 256
+_CONSTRAINTS: Final = {"constraint", "primary", "unique", "check", "foreign"}
+_MOST_ROWS: Final = 1 << 16
+"""Of a small table: an MCAP has no more channels."""
+_MOST_BYTES: Final = 64 << 20
+"""Of all its rows."""
+_KEY: Final = "id"
+"""The column that is the number of the row, and NULL in the records."""
+
+_SIZES: Final = np.array([0, 1, 2, 3, 4, 6, 8, 8, 0, 0])
+"""Bytes of numbers by their type; larger types tell the sizes of texts and blobs."""
+_ELSEWHERE: Final = -1
+_NULL, _FLOAT, _ZERO, _ONE, _BLOB = 0, 7, 8, 9, 12
+
+Value = int | str | bytes | None
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A plain table: nothing in it is computed."""
+
+    root: int
+    """Number of its first page."""
+    columns: Mapping[str, int]
+    """Numbers of its columns in its records, by name in lower case."""
+
+
+_SCHEMA: Final = Table(1, {"type": 0, "name": 1, "rootpage": 3, "sql": 4})
+"""The table of all tables, views and indices."""
+
+
+def find_tables(pages: Pages, names: Collection[str], damage: Damage) -> dict[str, Table]:
+    """Find plain tables by their names, in lower case; all others are left out."""
+    found: dict[str, Table] = {}
+    for kind, name, root, sql in small_rows(pages, _SCHEMA, tuple(_SCHEMA.columns), damage):
+        key = str(name).lower()
+        columns = _columns(str(sql)) if kind == "table" and key in names else {}
+        if columns and isinstance(root, int):
+            found.setdefault(key, Table(root, columns))
+    return found
+
+
+def _columns(sql: str) -> dict[str, int]:
+    """Return the numbers of a table's columns by their names; none if it is no plain table.
+
+    Args:
+        sql: ``CREATE TABLE name (...)`` as SQLite stores it.
+    """
+    plain = _TEXT.sub("", sql[:_LONGEST_SQL])
+    start, end = plain.find("("), plain.rfind(")")
+    if len(sql) > _LONGEST_SQL or start < 0 or _UNUSUAL.search(plain):
+        return {}
+    columns: dict[str, int] = {}
+    for part in _COMMA.split(plain[start + 1 : end]):
+        words = [word.strip('"').lower() for word in _WORD.findall(part)]
+        if words and words[0] not in _CONSTRAINTS:
+            columns[words[0]] = len(columns)
+    return columns if len(columns) <= _MOST_COLUMNS else {}
+
+
+def small_rows(
+    pages: Pages, table: Table | None, names: Sequence[str], damage: Damage
+) -> Iterator[tuple[Value, ...]]:
+    """Yield some columns of the rows of a small table; rows beyond some number are left out.
+
+    Args:
+        pages: of the database.
+        table: one that there is not has no rows.
+        names: of its columns; None stands for the values of those that it has not.
+        damage: receives what is found.
+    """
+    if table is None:
+        return
+    # No record has a value for a column behind the last.
+    wanted = [table.columns.get(name, len(table.columns)) for name in names]
+    left = _MOST_ROWS
+    numbers = leaves(pages, table.root, damage)
+    for cells in cells_in(pages, numbers, min(_MOST_BYTES, pages.bytes), damage):
+        few = with_overflow(pages, cells.pick(slice(left)))
+        found, sound = columns(few, wanted)
+        damage.rows += int((~sound).sum())
+        for row in np.flatnonzero(sound).tolist():
+            values = [each.value(row, few.buffer, pages.encoding) for each in found]
+            yield tuple(
+                int(few.rowid[row]) if name == _KEY and value is None else value
+                for name, value in zip(names, values, strict=True)
+            )
+        left -= len(few.size)
+        if not left:
+            damage.reasons.add(SWOLLEN)
+            return
+
+
+@dataclass(frozen=True, slots=True)
+class Values:
+    """One column of n records."""
+
+    kind: Ints
+    """(n,) type: 0 NULL, to 6 and 8, 9 integers, 7 a float, even from 12 on blobs, odd ones texts;
+    -1 where the record is damaged."""
+    start: Ints
+    """(n,) where each begins in the buffer."""
+    size: Ints
+    """(n,) bytes."""
+
+    @property
+    def is_integer(self) -> Flags:
+        """(n,)."""
+        found: Flags = (self.kind > _NULL) & (self.kind <= _ONE) & (self.kind != _FLOAT)
+        return found
+
+    @property
+    def is_blob(self) -> Flags:
+        """(n,)."""
+        found: Flags = (self.kind >= _BLOB) & (self.kind % 2 == 0)
+        return found
+
+    def integers(self, buffer: Bytes) -> Ints:
+        """Return the values, (n,); 0 where they are no integers."""
+        values: Ints = (self.kind == _ONE).astype(np.int64)
+        for kind in distinct(self.kind[self.is_integer & (self.kind < _ZERO)]).tolist():
+            rows = np.flatnonzero(self.kind == kind)
+            width = int(_SIZES[kind])
+            wide = np.empty((len(rows), 8), np.uint8)
+            wide[:, 8 - width :] = gather_bytes(buffer, self.start[rows], width)
+            wide[:, : 8 - width] = np.where(wide[:, 8 - width] >= 0x80, 0xFF, 0)[:, None]
+            values[rows] = wide.view(">i8")[:, 0]
+        return values
+
+    def value(self, row: int, buffer: Bytes, encoding: str) -> Value:
+        """Return one value, None for a number with a point as for NULL.
+
+        Bytes that are no text of the encoding are replaced.
+        """
+        kind, start = int(self.kind[row]), int(self.start[row])
+        data = buffer[start : start + int(self.size[row])].tobytes()
+        if kind >= _BLOB:
+            return str(data, encoding, "replace") if kind % 2 else data
+        if kind in {_ZERO, _ONE}:
+            return kind - _ZERO
+        return None if kind in {_NULL, _FLOAT} else int.from_bytes(data, "big", signed=True)
+
+
+def columns(cells: Cells, wanted: Sequence[int]) -> tuple[list[Values], Flags]:
+    """Return columns of some records, and which records are sound as far as these.
+
+    Args:
+        cells: the records; the types of what is wanted must be in their buffer, and numbers that
+            are not are of the type -1.
+        wanted: numbers of the columns; what a record does not have is NULL.
+    """
+    buffer, start, size = cells.buffer, cells.start, cells.size
+    header, used = varints(buffer, start)
+    position, content = start + used, start + header
+    sound = (header >= used) & (header <= cells.held) & (content <= len(buffer) - LONGEST_VARINT)
+    found: dict[int, Values] = {}
+    for column in range(max(wanted) + 1):
+        there = sound & (position < start + header)
+        kind, used = varints(buffer, np.where(there, position, 0))
+        kind[~there], used[~there] = _NULL, 0
+        width = np.where(kind >= _BLOB, (kind - _BLOB) >> 1, _SIZES[np.clip(kind, 0, _ONE)])
+        sound &= (
+            (kind >= 0) & ((kind <= _ONE) | (kind >= _BLOB)) & (width <= start + size - content)
+        )
+        width[~sound] = 0
+        kind[(kind <= _ONE) & (content + width > start + cells.held)] = _ELSEWHERE
+        found[column] = Values(kind, content, width)
+        position, content = position + used, content + width
+    for values in found.values():
+        values.kind[~sound] = _ELSEWHERE
+    return [found[column] for column in wanted], sound

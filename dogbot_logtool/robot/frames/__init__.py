@@ -1,1 +1,0 @@
-"""The frames of a log, and where its feet are in them."""

@@ -1,0 +1,163 @@
+"""Messages of all encodings, as the official libraries and other readers take them."""
+
+import subprocess
+import sys
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+from google.protobuf.descriptor_pb2 import FileDescriptorSet
+from hypothesis import given
+from hypothesis import strategies as st
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from rosbags.highlevel import AnyReader
+
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.writer.channels import AddedChannels
+from dogbot_logtool.writer.chunks import finish_chunk
+from dogbot_logtool.writer.encodings.encoding import MessageType
+from dogbot_logtool.writer.encodings.registry import ENCODINGS
+from dogbot_logtool.writer.mcap_writer import McapWriter
+from dogbot_logtool.writer.message_records import recorded
+from tests.oracles import walks
+from tests.oracles.annotated_file import annotations, read_written
+from tests.oracles.conversion import xyz
+from tests.oracles.standing_log import BASE, FEET, write_standing_log
+
+NS = 1_000_000_000
+KIND = MessageType("a/B", "ros1msg", b"", "ros1")
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS)
+def test_labels_stand_at_the_feet(tmp_path: Path, encoding: str) -> None:
+    log = write_standing_log(tmp_path / "log.mcap")
+    convert(log, tmp_path / "out.mcap", ConvertOptions(encoding=encoding, copy=False))
+    written = read_written(tmp_path / "out.mcap")
+    kind = "foxglove.SceneUpdate" if encoding == "foxglove" else "visualization_msgs/Marker"
+    for foot, offset in FEET.items():
+        shown = removed = 0
+        for _, message in annotations(written, f"/label/{foot}", encoding, kind):
+            is_ros = hasattr(message, "header")
+            if message.action == 2 if is_ros else message.deletions:
+                # Viewers know what to remove by its name.
+                assert (
+                    (message.ns, message.id) == ("label", 0)
+                    if is_ros
+                    else message.deletions[0].id == foot
+                )
+                removed += 1
+                continue
+            one = message if is_ros else message.entities[0].texts[0]
+            assert one.text.endswith(" N ") or one.text.endswith(" N")
+            expected = [a + b for a, b in zip(BASE, offset, strict=True)]
+            assert xyz(one.pose.position)[:2] == pytest.approx(expected[:2], abs=0.1)
+            shown += 1
+        assert shown
+
+
+def test_schemas_of_protobuf_are_complete(tmp_path: Path) -> None:
+    log = write_standing_log(tmp_path / "log.mcap")
+    convert(log, tmp_path / "out.mcap", ConvertOptions(copy=False))
+    schemas = read_written(tmp_path / "out.mcap").schemas.values()
+    complete = [schema for schema in schemas if schema.encoding == "protobuf"]
+    assert len(complete) >= 4
+    for schema in complete:
+        files = FileDescriptorSet.FromString(schema.data).file
+        seen: set[str] = set()
+        for file in files:
+            assert set(file.dependency) <= seen, "a dependency must stand before what needs it"
+            seen.add(file.name)
+        names = {f"{file.package}.{each.name}" for file in files for each in file.message_type}
+        assert schema.name in names
+
+
+@pytest.mark.parametrize(
+    ("container", "copy"), [("mcap", False), ("mcap", True), ("rosbag2-sqlite3", True)]
+)
+def test_a_converted_log_is_read_by_others(tmp_path: Path, container: str, *, copy: bool) -> None:
+    kind = "gazebo_msgs/msg/ContactsState"
+    path = walks.write_walk(tmp_path, kind, container)
+    options = ConvertOptions(
+        robot=str(walks.robot_file(tmp_path, kind)), encoding="ros2", copy=copy
+    )
+    target = tmp_path / "out.mcap"
+    done = convert(path, target, options)
+
+    counts: dict[str, int] = {}
+    with target.open("rb") as stream:
+        reader = make_reader(stream, validate_crcs=True, decoder_factories=[DecoderFactory()])
+        assert reader.get_header().profile == "ros2"
+        for schema, channel, _, message in reader.iter_decoded_messages():
+            assert schema is not None
+            assert channel.message_encoding == "cdr"
+            counts[channel.topic] = counts.get(channel.topic, 0) + 1
+            if channel.topic == "/load/front_left":
+                sample = (
+                    message.stamp.sec * NS + message.stamp.nanosec - walks.START
+                ) // walks.STEP
+                assert message.in_contact == walks.TOUCHES["front_left"][sample]
+                assert message.force == walks.FORCES["front_left"][sample, 2]
+    annotations = {topic: count for topic, count in done.annotations.items() if count}
+    assert {topic: counts[topic] for topic in annotations} == annotations
+    assert annotations["/tf"] == 300
+    assert sum(counts.values()) == sum(annotations.values()) + (5 * walks.SAMPLES if copy else 0)
+
+    with AnyReader([target]) as log:
+        seen: dict[str, int] = {}
+        for connection, _, data in log.messages():
+            log.deserialize(data, connection.msgtype)
+            seen[connection.topic] = seen.get(connection.topic, 0) + 1
+    assert seen == counts
+
+
+def test_the_registry_loads_no_message_library() -> None:
+    script = (
+        "import sys, dogbot_logtool.writer.encodings.registry\n"
+        "print({'numpy', 'rosbags', 'google.protobuf', 'mcap'} & set(sys.modules))"
+    )
+    words = [sys.executable, "-c", script]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)  # noqa: S603
+    assert done.stdout.strip() == "set()"
+
+
+# --- Channels, and the file's edges ---------------------------------------------------------------
+
+
+@given(st.sets(st.integers(65000, 65535)))
+def test_ids_are_free_and_those_above_the_highest_come_first(used: set[int]) -> None:
+    added = AddedChannels(channel_ids=used | set(range(1, 65000)))
+    free = [number for number in range(65000, 65536) if number not in used]
+    taken = [added.declare(f"/{number}", KIND) for number in free]
+    assert sorted(taken) == free
+    highest = max(used | {64999})
+    assert taken[: 65535 - highest] == list(range(highest + 1, 65536))
+    with pytest.raises(LogtoolError, match="ids"):
+        added.declare("/one more", KIND)
+
+
+@pytest.mark.parametrize("times", [[], [5, 0, 7]])
+def test_a_file_may_be_empty_and_may_start_at_time_zero(times: list[int]) -> None:
+    sink = BytesIO()
+    writer, added = McapWriter(sink, ""), AddedChannels()
+    channel = added.declare("/one", KIND)
+    writer.add_schema(added.schemas[0])
+    writer.add_channel(added.channels[0])
+    for time in times:
+        zero, log_time = np.zeros(1, np.int64), np.array([time])
+        bytes_ = np.zeros(1, np.uint8)
+        records = recorded(zero + channel, zero, log_time, log_time, bytes_, zero, zero + 1)
+        writer.add_chunk(finish_chunk(records, "none"))
+    writer.finish()
+    reader = make_reader(BytesIO(sink.getvalue()), validate_crcs=True)
+    summary = reader.get_summary()
+    assert summary is not None
+    assert summary.statistics is not None
+    statistics = summary.statistics
+    assert (statistics.message_count, statistics.chunk_count) == (len(times), len(times))
+    assert statistics.message_start_time == 0
+    assert statistics.message_end_time == max(times, default=0)
+    assert [message.log_time for _, _, message in reader.iter_messages()] == sorted(times)
