@@ -227,7 +227,8 @@ def _segment(feet: Sequence[FootSteps], support: Support | None, spans: Ints) ->
     """Describe the gait in some spans, (n, 2) ns."""
     positions = [foot.leg_position for foot in feet]
     reference, within = reference_foot(feet), [foot.strides.within(spans) for foot in feet]
-    phases, hind = _phases(feet, within[reference]), [None] * len(feet)
+    phases = _phases(feet, within[reference])
+    hind: Sequence[CircularMean | None] = [None] * len(feet)
     for row, strides in enumerate(within):
         if positions[row] == ("back", "left") and len(feet[row].strides.stance):
             hind = _phases(feet, strides)

@@ -11,8 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dogbot_logtool.core.contact.contacts import FOOT_IS_COLLISION1, Contacts
-from dogbot_logtool.core.scene.arrows import classic_arrows, turn_x_to
-from dogbot_logtool.core.scene.colour import wavelength_to_rgba
+from dogbot_logtool.core.scene.arrows import classic_arrows, turn_x_to, wavelength_to_rgba
 from tests.oracles.conversion import light
 
 Vector = tuple[float, float, float]
