@@ -124,10 +124,11 @@ def _chosen(
 ) -> ChosenBase:
     """Return what is read of a candidate, with findings about what its poses are."""
     source, topic = candidate.source, candidate.topic
-    channels = []
+    channels, spelled = [], repr(source.fields)
     for channel in log.channels_by_topic[topic]:
         like, _ = sources_at([channel], candidate.element)
-        if like and (like[0].row.name, like[0].fields) == (source.row.name, source.fields):
+        # A field is equal only to itself, so that their texts are compared.
+        if like and like[0].row.name == source.row.name and repr(like[0].fields) == spelled:
             channels.append(channel)
     if candidate.is_planned:
         findings.append(found("PLANNED", "base", where=topic, name=candidate.name))

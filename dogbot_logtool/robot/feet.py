@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Final
 
 from dogbot_logtool.errors import CallError, DefinitionError
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed, shell_quoted
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Channel, Log
@@ -154,31 +154,25 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, S
     """
     named = {foot.topic for foot in robot.feet if foot.field is not None}
     topics = {*readable_topics(log, "feet"), *named & log.channels_by_topic.keys()}
-    found, offered, told = _feet_by_names(log)
+    by_names, offered, told = _feet_by_names(log)
     if any(foot.topic in topics for foot in robot.feet):
         feet = tuple(_with_element(log, foot, findings) for foot in robot.feet)
-        for foot in feet:
-            if foot.topic not in log.channels_by_topic:
-                text = f"foot {foot.name} has no messages: there is no topic {foot.topic}"
-                findings.append(_missing(text, foot.topic, foot.name))
-        unnamed = _unnamed(found, feet)
+        silent = (foot for foot in feet if foot.topic not in log.channels_by_topic)
+        findings += (_missing("no_topic", foot.topic, foot.name) for foot in silent)
+        unnamed = _unnamed(by_names, feet)
         for foot in unnamed:
-            options = f"--foot {foot.name}={shell_quoted(foot.topic)}"
-            text = f"{foot.topic} is like the feet of {robot.name}, but none of them ({options})"
-            findings.append(Finding("NO_MESSAGES", text, foot.topic))
+            call = f"--foot {foot.name}={shell_quoted(foot.topic)}"
+            values = {"topic": foot.topic, "robot": robot.name, "call": call}
+            findings.append(found("NO_MESSAGES", say="unnamed", **values))
         # Their messages are not read, so that what rests on all feet is not known.
         missing = (replace(foot, topic="", element=None, label="") for foot in unnamed)
         return replace(robot, feet=(*feet, *missing)), ()
     findings += told
-    if not found and not offered:
-        text = f"no topic with forces or contacts is named like a foot's: {listed(sorted(topics))}"
-        text += "; no arrows, no gait (--foot NAME=TOPIC names one)"
-        if not topics:
-            is_recorded = any(source_of(channel, "feet") for channel in log.channels.values())
-            text = "no contact topics can be read" if is_recorded else "there are no contact topics"
-            text += ": no arrows, no gait"
-        findings.append(Finding("NO_FEET", text))
-    return replace(robot, feet=found), () if found else offered
+    if not by_names and not offered:
+        is_recorded = any(source_of(channel, "feet") for channel in log.channels.values())
+        say = "unlike" if topics else "unread" if is_recorded else "no_topics"
+        findings.append(found("NO_FEET", say=say, topics=listed(sorted(topics))))
+    return replace(robot, feet=by_names), () if by_names else offered
 
 
 def _unnamed(found: Sequence[Foot], feet: Sequence[Foot]) -> list[Foot]:
@@ -218,8 +212,7 @@ def _feet_by_names(log: Log) -> tuple[tuple[Foot, ...], Sequence[FootSet], list[
     feet = (*part.feet, *(rest.feet if rest else ()))
     told = [_found(feet, [one for one in others if one is not rest])]
     for name in part.missing if rest is None else ():
-        text = f"foot {name} has no messages: there is no topic like those of the other feet"
-        told.append(_missing(text, name, name))
+        told.append(_missing("unlike", name, name))
         # A foot that none tells of stays a foot of the robot: what all feet carry is not known.
         feet = (*feet, Foot(name, "", leg_position=leg_position(name)))
     return (tuple(sorted(feet, key=front_to_back)) if part.missing else feet, offered, told)
@@ -250,8 +243,9 @@ def _by_source(log: Log) -> Iterator[tuple[bool, Source, list[str]]]:
         yield key[0] > 0, source, sorted(topics)
 
 
-def _missing(text: str, where: str, foot: str) -> Finding:
-    return Finding("NO_MESSAGES", text, where, cases=("foot",), feet=(foot,))
+def _missing(say: str, where: str, foot: str) -> Finding:
+    told = found("NO_MESSAGES", "foot", where=where, say=say, name=foot, topic=where)
+    return replace(told, feet=(foot,))
 
 
 def _found(feet: Sequence[Foot], others: Sequence[FootSet] = ()) -> Finding:
@@ -271,12 +265,11 @@ def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
         return foot
     positions = (foot.leg_position, leg_position(foot.name))
     names = (foot.name, *("_".join(position) for position in positions if position))
-    found = feet_of_messages(log, foot.topic)
+    told = feet_of_messages(log, foot.topic)
     for name in names:
-        for other in found:
+        for other in told:
             if foot.label == other.label if foot.label else name == other.name:
                 return replace(foot, element=other.element, label=other.label)
     if foot.element is None:
-        text = f"which element of {foot.topic} is {foot.name} is not known; the robot's file can"
-        findings.append(Finding("FEET_UNSURE", f"{text} tell", foot.topic))
+        findings.append(found("FEET_UNSURE", say="element", topic=foot.topic, name=foot.name))
     return foot

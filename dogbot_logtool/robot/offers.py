@@ -1,10 +1,11 @@
 """What is said of topics and fields that may be feet: which, why, and how to take them."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import PurePath
 from typing import Final
 
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import shell_joined, shell_quoted
 from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Log
@@ -28,11 +29,7 @@ def topics_finding(sets: Sequence[FootSet], call: str) -> Finding:
     if len(others) > _ALTERNATIVES:
         which += f" or {len(others) - _ALTERNATIVES} other sets of topics"
     command = f"{call} {alternatives([first])}"
-    text = (
-        f"feet may be among the topics, but their names do not tell surely: {which}; "
-        f"no arrows, no gait, until --foot says which they are: {command}"
-    )
-    return Finding("FEET_UNSURE", text, command=command)
+    return replace(found("FEET_UNSURE", say="topics", which=which, call=command), command=command)
 
 
 def alternatives(sets: Sequence[FootSet]) -> str:
@@ -43,37 +40,28 @@ def alternatives(sets: Sequence[FootSet]) -> str:
     )
 
 
-def candidates_finding(log: Log, found: Sequence[FootCandidates], call: str, base: str) -> Finding:
+def candidates_finding(log: Log, sets: Sequence[FootCandidates], call: str, base: str) -> Finding:
     """Return which fields may be feet, why, and the command that measures with them.
 
     Args:
         log: the log.
-        found: what `find_candidates` finds, at least one.
+        sets: what `find_candidates` finds, at least one.
         call: a call of `stats` without the feet.
         base: poses that may be the base's, as ``--odom-topic`` takes them; empty: none.
     """
-    first = found[0]
-    told = "; or ".join(f"{o.fields} ({o.points} points: {o.reasons})" for o in found[:3])
-    text = f"fields of {first.type_name} look like feet: {told}"
+    first = sets[0]
+    told = "; or ".join(f"{o.fields} ({o.points} points: {o.reasons})" for o in sets[:3])
     if any(foot.leg_position is None for foot in first.feet):
-        text += (
-            "; which leg each is, they do not say: put front_left, back_right ... for "
-            f"{first.feet[0].name} and the others, and gaits have names"
-        )
-    file = f"{PurePath(log.words[0]).stem}.toml"
-    chosen = ["--odom-topic", base] if base else []
+        told += "; which leg each is, they do not say: put front_left, back_right ... for "
+        told += f"{first.feet[0].name} and the others, and gaits have names"
+    file, chosen = f"{PurePath(log.words[0]).stem}.toml", ["--odom-topic", base] if base else []
     draft = shell_joined(["dogbot-logtool", "robots", "new", *log.words, *chosen, "-o", file])
-    if any((foot.field and foot.field.kind) or foot.sensor_of for foot in first.feet):
-        # What the fields are, and of which foot, can only be said in a robot's file.
-        text += f"; they are not used unasked. This writes a robot's file with them: {draft}"
-        return Finding("FEET_UNSURE", text, command=draft, cases=("possible",))
+    # What fields are, and of which foot, can only be said in a robot's file.
+    needs_file = any((foot.field and foot.field.kind) or foot.sensor_of for foot in first.feet)
     words = " ".join(f"--foot {foot.name}={shell_quoted(word_of(foot))}" for foot in first.feet)
-    command = f"{call} {words}"
-    text += (
-        f"; they are not used unasked. `{draft}` writes a robot's file with them; this measures "
-        f"with them: {command}"
-    )
-    return Finding("FEET_UNSURE", text, command=command, cases=("possible",))
+    say, command = ("draft", draft) if needs_file else ("fields", f"{call} {words}")
+    values = {"type": first.type_name, "told": told, "draft": draft, "call": command}
+    return replace(found("FEET_UNSURE", "possible", say=say, **values), command=command)
 
 
 def call_of(log: Log, options: RobotOptions, base: str) -> str:

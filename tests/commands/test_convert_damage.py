@@ -22,7 +22,8 @@ from tests.oracles.recorded import (
     contact_topic,
     load_topic,
 )
-from tests.oracles.ros1_logs import Entry, small_walk, transform, write_bag, write_ros1_mcap
+from tests.oracles.ros1_logs import small_walk, transform, write_bag, write_ros1_mcap
+from tests.oracles.walks import Entry
 
 
 def test_a_damaged_attachment_is_left_out_and_told(tmp_path: Path) -> None:
@@ -61,7 +62,7 @@ def test_odometry_only(tmp_path: Path, tf: Literal["auto", "never"]) -> None:
 @pytest.mark.parametrize("kind", ["bag", "mcap"])
 def test_a_malformed_message_costs_one_message(tmp_path: Path, kind: str) -> None:
     entries = list(small_walk())
-    broken = next(i for i, e in enumerate(entries) if i > 200 and e.type_name == CONTACTS_TYPE)
+    broken = next(i for i, e in enumerate(entries) if i > 200 and e.kind == CONTACTS_TYPE)
     entries[broken] = replace(entries[broken], data=entries[broken].data[:-3])
     write = write_bag if kind == "bag" else write_ros1_mcap
     log = write(tmp_path / f"log.{kind}", entries)
@@ -76,7 +77,7 @@ def test_a_malformed_message_costs_one_message(tmp_path: Path, kind: str) -> Non
         *(
             entry.log_time
             for index, entry in enumerate(entries)
-            if entry.type_name == CONTACTS_TYPE and index != broken
+            if entry.kind == CONTACTS_TYPE and index != broken
         ),
     ]
     (loss,) = conversion.damage.losses

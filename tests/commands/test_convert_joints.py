@@ -12,7 +12,8 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.options import ConvertOptions
 from tests.oracles.annotated_file import annotations, read_written
 from tests.oracles.recorded import TEXT_TYPE, decoded_log, read_log
-from tests.oracles.ros1_logs import Entry, text, write_ros1_mcap
+from tests.oracles.ros1_logs import text, write_ros1_mcap
+from tests.oracles.walks import Entry
 from tests.paths import TROT
 
 JOINTS = "/dogbot/joint_states"

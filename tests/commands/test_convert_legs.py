@@ -11,7 +11,7 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.scene.foot_style import colour_parts, foot_colour
 from dogbot_logtool.options import ConvertOptions
 from tests.oracles.annotated_file import annotations, read_written
-from tests.oracles.standing_log import (
+from tests.oracles.ros1_logs import (
     BASE,
     FEET,
     LIFTED,

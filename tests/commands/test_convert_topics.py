@@ -25,7 +25,6 @@ from tests.oracles.recorded import (
     read_log,
 )
 from tests.oracles.ros1_logs import (
-    Entry,
     contact,
     contacts,
     odometry,
@@ -34,6 +33,7 @@ from tests.oracles.ros1_logs import (
     transform,
     write_bag,
 )
+from tests.oracles.walks import Entry
 from tests.paths import TROT, TROUBLED
 
 

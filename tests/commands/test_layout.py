@@ -17,7 +17,7 @@ from dogbot_logtool.core.scene.foot_style import FOOT_COLOURS
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from dogbot_logtool.report.layouts import View, foxglove_layout, rviz_config
-from tests.oracles.standing_log import write_standing_log
+from tests.oracles.ros1_logs import write_standing_log
 from tests.paths import SAMPLE_LOGS
 
 TROUBLED = SAMPLE_LOGS / "dogbot_troubled.bag"

@@ -81,6 +81,13 @@ ELEMENTS: Final = {
 }
 
 
+_FOXGLOVE: Final[Mapping[str, Any]] = {
+    "foxglove.Odometry": Odometry,
+    "foxglove.PoseInFrame": PoseInFrame,
+    "foxglove.FrameTransforms": FrameTransforms,
+}
+
+
 @cache
 def ros() -> walks.Walk:
     walk = walks.Walk(2)
@@ -156,7 +163,8 @@ def models(walk: walks.Walk, places: Mapping[str, float]) -> bytes:
 def message(kind: str, sample: int) -> bytes:
     """Return the serialised message of a sample."""
     if kind.startswith("foxglove."):
-        return foxglove(kind, sample).SerializeToString()  # type: ignore[no-any-return]
+        made: Any = _FOXGLOVE[kind](**foxglove(kind, sample, ("seconds", "nanos")))
+        return bytes(made.SerializeToString())
     full = kind.replace("/", "/msg/")
     walk = ros_of(full)
     return walk.bytes_of(full, walk.make(full, **_FIELDS[kind](walk, sample)))
@@ -251,45 +259,21 @@ _FIELDS: Final[Mapping[str, Callable[[walks.Walk, int], Fields]]] = {
 }
 
 
-def foxglove(kind: str, sample: int) -> Any:
-    """Return a protobuf message of one of Foxglove's types."""
+def foxglove(kind: str, sample: int, parts_of_time: tuple[str, str] = ("sec", "nsec")) -> Fields:
+    """Return the fields of a message of one of Foxglove's types, as JSON has them."""
     position, quaternion, _ = pose(sample)
-    seconds, nanoseconds = divmod(walks.START + sample * walks.STEP, 1_000_000_000)
-    if kind.endswith("FrameTransforms"):
-        made: Any = FrameTransforms()
-        one = made.transforms.add(parent_frame_id="odom", child_frame_id="base_link")
-        at, turned = one.translation, one.rotation
-        stamp = one.timestamp
-    else:
-        made = Odometry(body_frame_id="base_link") if kind.endswith("Odometry") else PoseInFrame()
-        made.frame_id = "odom"
-        at, turned, stamp = made.pose.position, made.pose.orientation, made.timestamp
-    at.x, at.y, at.z = position
-    turned.x, turned.y, turned.z, turned.w = quaternion
-    stamp.seconds, stamp.nanos = seconds, nanoseconds
-    return made
-
-
-def as_json(kind: str, sample: int) -> bytes:
-    """Return the same message as Foxglove writes it in JSON."""
-    position, quaternion, _ = pose(sample)
-    seconds, nanoseconds = divmod(walks.START + sample * walks.STEP, 1_000_000_000)
-    stamp = {"sec": seconds, "nsec": nanoseconds}
+    time = divmod(walks.START + sample * walks.STEP, 1_000_000_000)
+    stamp = {"timestamp": dict(zip(parts_of_time, time, strict=True))}
     at = dict(zip("xyz", map(float, position), strict=True))
     turned = dict(zip("xyzw", map(float, quaternion), strict=True))
     if kind.endswith("FrameTransforms"):
-        one = {"timestamp": stamp, "parent_frame_id": "odom", "child_frame_id": "base_link"}
-        return json.dumps({"transforms": [one | {"translation": at, "rotation": turned}]}).encode()
-    zero = {"x": 0.0, "y": 0.0, "z": 0.0}
-    whole = {
-        "timestamp": stamp,
-        "frame_id": "odom",
-        "body_frame_id": "base_link",
-        "pose": {"position": at, "orientation": turned},
-        "linear_velocity": zero,
-        "angular_velocity": zero,
-    }
-    return json.dumps(whole).encode()
+        frames = {"parent_frame_id": "odom", "child_frame_id": "base_link"}
+        return {"transforms": [{**stamp, **frames, "translation": at, "rotation": turned}]}
+    fields = {**stamp, "frame_id": "odom", "pose": {"position": at, "orientation": turned}}
+    if kind.endswith("Odometry"):
+        zero = {"x": 0.0, "y": 0.0, "z": 0.0}
+        fields |= {"body_frame_id": "base_link", "linear_velocity": zero, "angular_velocity": zero}
+    return fields
 
 
 def write(path: Path, kind: str, *topics: str, encoding: str = "") -> Path:
@@ -306,7 +290,8 @@ def write(path: Path, kind: str, *topics: str, encoding: str = "") -> Path:
             schema = writer.register_schema(kind, "ros2msg", definition(kind).encode())
         channels = [writer.register_channel(topic, encoding, schema) for topic in topics]
         for sample in range(SAMPLES):
-            data = as_json(kind, sample) if encoding == "json" else message(kind, sample)
+            is_json = encoding == "json"
+            data = json.dumps(foxglove(kind, sample)).encode() if is_json else message(kind, sample)
             time = walks.START + sample * walks.STEP
             for channel in channels:
                 writer.add_message(channel, time, data, time)

@@ -2,17 +2,14 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
-from rosbags.rosbag1 import Writer as BagWriter
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-from rosbags.typesys.store import Typestore
 
+from tests.oracles import walks
 from tests.oracles.recorded import (
     CONTACTS_TYPE,
     ODOMETRY,
@@ -22,55 +19,25 @@ from tests.oracles.recorded import (
     S,
     contact_topic,
 )
+from tests.oracles.walks import Entry
+
+WALK = walks.Walk(1)
+START: Final = 10 * S
+"""ns."""
 
 
-def typestore(stores: Stores) -> Typestore:
-    store = get_typestore(stores)
-    vectors = "geometry_msgs/Vector3[] contact_positions\ngeometry_msgs/Vector3[] contact_normals\n"
-    state = (
-        "string info\nstring collision1_name\nstring collision2_name\n"
-        "geometry_msgs/Wrench[] wrenches\ngeometry_msgs/Wrench total_wrench\n"
-        f"{vectors}float64[] depths\n"
-    )
-    store.register(get_types_from_msg(state, "gazebo_msgs/msg/ContactState"))
-    contacts = "std_msgs/Header header\ngazebo_msgs/ContactState[] states\n"
-    store.register(get_types_from_msg(contacts, CONTACTS_TYPE))
-    if TF_TYPE not in store.fielddefs:
-        definition = "geometry_msgs/TransformStamped[] transforms\n"
-        store.register(get_types_from_msg(definition, TF_TYPE))
-    return store
+def encoded(kind: str, **fields: Any) -> bytes:
+    """Return the bytes of a message; see `walks.Walk.make`."""
+    return WALK.bytes_of(kind, WALK.make(kind, **fields))
 
 
-NOETIC = typestore(Stores.ROS1_NOETIC)
-HUMBLE = typestore(Stores.ROS2_HUMBLE)
-
-
-def make(name: str, *args: Any, **fields: Any) -> Any:
-    return NOETIC.types[name](*args, **fields)
-
-
-def vector(x: float, y: float, z: float) -> Any:
-    return make("geometry_msgs/msg/Vector3", x, y, z)
-
-
-def header(time: int, frame: str = "world") -> Any:
-    stamp = make("builtin_interfaces/msg/Time", time // S, time % S)
-    return make("std_msgs/msg/Header", 0, stamp, frame)
+def header(time: int, frame: str = "world") -> dict[str, Any]:
+    return {"stamp": divmod(time, S), "frame_id": frame}
 
 
 def odometry(time: int, position: tuple[float, float, float] = (0.0, 0.0, 0.5)) -> bytes:
-    covariance = np.zeros(36)
-    turn = make("geometry_msgs/msg/Quaternion", 0.0, 0.0, 0.0, 1.0)
-    pose = make("geometry_msgs/msg/Pose", make("geometry_msgs/msg/Point", *position), turn)
-    twist = make("geometry_msgs/msg/Twist", vector(0, 0, 0), vector(0, 0, 0))
-    message = make(
-        ODOMETRY_TYPE,
-        header=header(time),
-        child_frame_id="base_link",
-        pose=make("geometry_msgs/msg/PoseWithCovariance", pose, covariance),
-        twist=make("geometry_msgs/msg/TwistWithCovariance", twist, covariance),
-    )
-    return bytes(NOETIC.serialize_ros1(message, ODOMETRY_TYPE))
+    pose = [{"position": position}]
+    return encoded(ODOMETRY_TYPE, header=header(time), child_frame_id="base_link", pose=pose)
 
 
 def contact(
@@ -78,65 +45,36 @@ def contact(
     foot: str = "front_left",
     points: tuple[tuple[float, float, float], ...] = ((1.0, 2.0, 0.0),),
     info: str = "Debug:  i:(0/1)     my geom:a   other geom:b         time:1.000000000\n",
-) -> Any:
-    wrench = make("geometry_msgs/msg/Wrench", vector(*force), vector(0, 0, 0))
-    return make(
-        "gazebo_msgs/msg/ContactState",
-        info=info,
-        collision1_name=f"dogbot::{foot}_lowerleg::{foot}_foot_collision",
-        collision2_name="ground_plane::link::collision",
-        wrenches=[wrench] * len(points),
-        total_wrench=wrench,
-        contact_positions=[vector(*point) for point in points],
-        contact_normals=[vector(0, 0, 1)] * len(points),
-        depths=np.zeros(len(points)),
-    )
+) -> dict[str, Any]:
+    return {
+        "info": info,
+        "collision1_name": f"dogbot::{foot}_lowerleg::{foot}_foot_collision",
+        "collision2_name": "ground_plane::link::collision",
+        "wrenches": [[force]] * len(points),
+        "total_wrench": [force],
+        "contact_positions": points,
+        "contact_normals": [(0.0, 0.0, 1.0)] * len(points),
+        "depths": np.zeros(len(points)),
+    }
 
 
-def contacts(time: int, *states: Any) -> bytes:
-    message = make(CONTACTS_TYPE, header=header(time), states=list(states))
-    return bytes(NOETIC.serialize_ros1(message, CONTACTS_TYPE))
+def contacts(time: int, *states: dict[str, Any]) -> bytes:
+    return encoded(CONTACTS_TYPE, header=header(time), states=states)
 
 
 def transform(time: int, parent: str, child: str) -> bytes:
-    turn = make("geometry_msgs/msg/Quaternion", 0.0, 0.0, 0.0, 1.0)
-    one = make(
-        "geometry_msgs/msg/TransformStamped",
-        header=header(time, parent),
-        child_frame_id=child,
-        transform=make("geometry_msgs/msg/Transform", vector(0, 0, 0), turn),
-    )
-    return bytes(NOETIC.serialize_ros1(make(TF_TYPE, transforms=[one]), TF_TYPE))
+    one = {"header": header(time, parent), "child_frame_id": child}
+    return encoded(TF_TYPE, transforms=[one])
 
 
 def text(content: str) -> bytes:
-    return bytes(NOETIC.serialize_ros1(make(TEXT_TYPE, content), TEXT_TYPE))
-
-
-@dataclass(frozen=True, slots=True)
-class Entry:
-    topic: str
-    type_name: str
-    log_time: int
-    data: bytes
+    return encoded(TEXT_TYPE, data=content)
 
 
 def write_bag(
     path: Path, entries: Iterable[Entry], *, chunk_size: int = 1 << 19, compressed: bool = False
 ) -> Path:
-    writer = BagWriter(path)
-    writer.chunk_threshold = chunk_size
-    if compressed:
-        writer.set_compression(BagWriter.CompressionFormat.LZ4)
-    with writer:
-        connections: dict[str, Any] = {}
-        for entry in entries:
-            if entry.topic not in connections:
-                connections[entry.topic] = writer.add_connection(
-                    entry.topic, entry.type_name, typestore=NOETIC
-                )
-            writer.write(connections[entry.topic], entry.log_time, entry.data)
-    return path
+    return walks.write_bag(path, WALK, list(entries), chunk_size, compressed=compressed)
 
 
 def write_ros1_mcap(
@@ -155,8 +93,8 @@ def write_ros1_mcap(
         channels: dict[str, int] = {}
         for entry in entries:
             if entry.topic not in channels:
-                definition, _ = NOETIC.generate_msgdef(entry.type_name)
-                name = entry.type_name.replace("/msg/", "/")
+                definition = WALK.definition(entry.kind)
+                name = entry.kind.replace("/msg/", "/")
                 schema = writer.register_schema(name, "ros1msg", definition.encode())
                 channels[entry.topic] = writer.register_channel(
                     entry.topic, "ros1", schema, {"callerid": "/tests"}
@@ -175,7 +113,7 @@ def write_ros1_mcap(
 def small_walk(seconds: float = 1.0) -> Iterator[Entry]:
     """Yield odometry at 250 Hz, and a front left foot that presses harder and harder."""
     for index in range(round(seconds * 250)):
-        time = 10 * S + index * 4_000_000
+        time = START + index * 4_000_000
         yield Entry(ODOMETRY, ODOMETRY_TYPE, time, odometry(time, (index / 250, 0.0, 0.5)))
         states = [] if index % 50 < 10 else [contact((0.0, 3.0, 1.0 + index))]
         yield Entry(
@@ -206,10 +144,38 @@ def odd_forces() -> Iterator[tuple[float, float, float]]:
 
 def odd_contacts() -> Iterator[Entry]:
     topic = contact_topic("front_left")
-    time = 10 * S
+    time = START
     for force in odd_forces():
         time += 1_000_000
         yield Entry(topic, CONTACTS_TYPE, time, contacts(time, contact(force)))
     for states in ((), (contact((1.0, 2.0, 3.0), points=()),)):
         time += 1_000_000
         yield Entry(topic, CONTACTS_TYPE, time, contacts(time, *states))
+
+
+BASE: Final = (1.0, 2.0, 0.5)
+"""m, place of the standing robot's base in the world; it is not turned."""
+FEET: Final = {
+    "front_left": (0.3, 0.2, -0.5),
+    "front_right": (0.3, -0.2, -0.5),
+    "back_left": (-0.3, 0.2, -0.5),
+    "back_right": (-0.3, -0.2, -0.5),
+}
+"""m, from the base: +x is forward."""
+LIFTED: Final = "back_right"
+LIFTED_S: Final = (0.4, 0.8)
+"""s after the start."""
+
+
+def write_standing_log(path: Path) -> Path:
+    """Write a second of a robot that stands, and lifts a foot for a while; it has no transforms."""
+    entries = []
+    for index in range(100):
+        time = START + index * S // 100
+        entries.append(Entry(ODOMETRY, ODOMETRY_TYPE, time, odometry(time, BASE)))
+        for foot, offset in FEET.items():
+            x, y, z = (a + b for a, b in zip(BASE, offset, strict=True))
+            lifted = foot == LIFTED and LIFTED_S[0] <= index / 100 < LIFTED_S[1]
+            states = [] if lifted else [contact((0.0, 0.0, 50.0), foot, ((x, y, z),))]
+            entries.append(Entry(contact_topic(foot), CONTACTS_TYPE, time, contacts(time, *states)))
+    return write_ros1_mcap(path, entries)

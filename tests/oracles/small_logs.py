@@ -12,6 +12,9 @@ from mcap.writer import Writer as McapWriter
 from rosbags.rosbag1 import Reader as BagReader
 from rosbags.rosbag1 import Writer as BagWriter
 
+from tests.oracles.recorded import ODOMETRY_TYPE
+from tests.oracles.ros1_logs import WALK, odometry
+
 
 def string_log(path: Path, messages: Sequence[tuple[str, bytes]]) -> Path:
     """Write an MCAP of std_msgs/String messages, one channel a topic."""
@@ -29,67 +32,19 @@ def string_log(path: Path, messages: Sequence[tuple[str, bytes]]) -> Path:
     return path
 
 
-ODOMETRY = b"""\
-std_msgs/Header header
-string child_frame_id
-geometry_msgs/PoseWithCovariance pose
-geometry_msgs/TwistWithCovariance twist
-================================================================================
-MSG: std_msgs/Header
-uint32 seq
-time stamp
-string frame_id
-================================================================================
-MSG: geometry_msgs/PoseWithCovariance
-Pose pose
-float64[36] covariance
-================================================================================
-MSG: geometry_msgs/TwistWithCovariance
-Twist twist
-float64[36] covariance
-================================================================================
-MSG: geometry_msgs/Pose
-Point position
-Quaternion orientation
-================================================================================
-MSG: geometry_msgs/Twist
-Vector3 linear
-Vector3 angular
-================================================================================
-MSG: geometry_msgs/Point
-float64 x
-float64 y
-float64 z
-================================================================================
-MSG: geometry_msgs/Vector3
-float64 x
-float64 y
-float64 z
-================================================================================
-MSG: geometry_msgs/Quaternion
-float64 x
-float64 y
-float64 z
-float64 w
-"""
-
-
 def odometry_log(path: Path, topic: str, *, filler: int = 0, cut: int = 0) -> Path:
     """Write an MCAP of ten poses, megabytes of noise behind each, the last one cut short."""
     noise = os.urandom(1 << 20)
     with path.open("wb") as stream:
         writer = McapWriter(stream, 1 << 19, CompressionType.NONE)
         writer.start(profile="ros1")
-        schema = writer.register_schema("nav_msgs/Odometry", "ros1msg", ODOMETRY)
+        definition = WALK.definition(ODOMETRY_TYPE).encode()
+        schema = writer.register_schema("nav_msgs/Odometry", "ros1msg", definition)
         channel = writer.register_channel(topic, "ros1", schema)
         other = writer.register_channel("/noise", "noise", 0)
         for number in range(10):
-            seconds = 5 + number
-            payload = struct.pack("<III", number, seconds, 0)
-            for name in (b"world", b"base_link"):
-                payload += struct.pack("<I", len(name)) + name
-            payload += struct.pack("<7d", number, 0, 0, 0, 0, 0, 1) + bytes(8 * (36 + 6 + 36))
-            time_ns = seconds * 10**9
+            time_ns = (5 + number) * 10**9
+            payload = odometry(time_ns, (number, 0.0, 0.0))
             data = payload[: len(payload) - cut] if number == 9 else payload
             writer.add_message(channel, time_ns, data, time_ns)
             for _ in range(filler):

@@ -284,23 +284,27 @@ def write_walk(folder: Path, kind: str, container: str) -> Path:
     entries = messages(walk.ros, kind)
     match container:
         case "bag":
-            _write_bag(path, walk, entries)
+            write_bag(path, walk, entries)
         case "mcap":
             write_mcap(path, walk, entries)
         case _:
             plugin = StoragePlugin.MCAP if container.endswith("mcap") else StoragePlugin.SQLITE3
-            _write_rosbag2(path, walk, entries, plugin)
+            with Rosbag2Writer(path, version=9, storage_plugin=plugin) as writer:
+                _write_entries(writer, walk, entries)
     return path
 
 
-def _write_bag(path: Path, walk: Walk, entries: list[Entry]) -> None:
-    with BagWriter(path) as writer:
-        topics = {
-            topic: writer.add_connection(topic, kind, typestore=walk.store)
-            for topic, kind in {e.topic: e.kind for e in entries}.items()
-        }
-        for entry in entries:
-            writer.write(topics[entry.topic], entry.log_time, entry.data)
+def write_bag(
+    path: Path, walk: Walk, entries: list[Entry], chunk_size: int = 0, *, compressed: bool = False
+) -> Path:
+    """Write messages into a ROS 1 bag; without a size, chunks are those of its library."""
+    writer = BagWriter(path)
+    writer.chunk_threshold = chunk_size or writer.chunk_threshold
+    if compressed:
+        writer.set_compression(BagWriter.CompressionFormat.LZ4)
+    with writer:
+        _write_entries(writer, walk, entries)
+    return path
 
 
 def write_mcap(path: Path, walk: Walk, entries: list[Entry], chunk_size: int = 1 << 20) -> None:
@@ -309,14 +313,13 @@ def write_mcap(path: Path, walk: Walk, entries: list[Entry], chunk_size: int = 1
     write_entries(path, rows, walk.definition, chunk_size, "zstd")
 
 
-def _write_rosbag2(path: Path, walk: Walk, entries: list[Entry], plugin: StoragePlugin) -> None:
-    with Rosbag2Writer(path, version=9, storage_plugin=plugin) as writer:
-        topics = {
-            topic: writer.add_connection(topic, kind, typestore=walk.store)
-            for topic, kind in {e.topic: e.kind for e in entries}.items()
-        }
-        for entry in entries:
-            writer.write(topics[entry.topic], entry.log_time, entry.data)
+def _write_entries(writer: BagWriter | Rosbag2Writer, walk: Walk, entries: list[Entry]) -> None:
+    topics: dict[str, Any] = {
+        topic: writer.add_connection(topic, kind, typestore=walk.store)
+        for topic, kind in {e.topic: e.kind for e in entries}.items()
+    }
+    for entry in entries:
+        writer.write(topics[entry.topic], entry.log_time, entry.data)
 
 
 def robot_file(folder: Path, kind: str) -> Path:

@@ -50,40 +50,6 @@ def test_the_user_s_file_is_written_as_it_is(tmp_path: Path) -> None:
     assert [text for _, text in descriptions(tmp_path / "out.mcap")] == [file.read_text()]
 
 
-def test_the_log_s_own_stays(tmp_path: Path) -> None:
-    file = tmp_path / "dog.urdf"
-    file.write_text('<robot name="dog"/>')
-    convert(TROT, tmp_path / "with.mcap", ConvertOptions(urdf=file))
-    recorded = tmp_path / "recorded.mcap"
-    _unmarked(tmp_path / "with.mcap", recorded)
-    done = convert(recorded, tmp_path / "again.mcap", ConvertOptions())
-    assert [text for _, text in descriptions(tmp_path / "again.mcap")] == [file.read_text()]
-    assert "ROBOT_DESCRIPTION" in {finding.code for finding in done.findings}
-
-
-def _unmarked(source: Path, target: Path) -> None:
-    """Write a log with a robot description of its own."""
-    from mcap.writer import Writer  # noqa: PLC0415
-
-    with source.open("rb") as stream, target.open("wb") as sink:
-        writer = Writer(sink)
-        writer.start(profile="ros1")
-        channels: dict[int, int] = {}
-        for schema, channel, message in make_reader(stream).iter_messages():
-            assert schema is not None
-            if channel.topic != "/robot_description" and not channel.topic.startswith("/dogbot/"):
-                continue
-            if channel.id not in channels:
-                number = writer.register_schema(schema.name, schema.encoding, schema.data)
-                channels[channel.id] = writer.register_channel(
-                    channel.topic, channel.message_encoding, number
-                )
-            writer.add_message(
-                channels[channel.id], message.log_time, message.data, message.publish_time
-            )
-        writer.finish()
-
-
 @pytest.mark.parametrize(
     ("content", "why"),
     [

@@ -117,7 +117,7 @@ def states(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequ
                                    walk.bytes_of(STATE, message)))  # fmt: skip
     if request.param == 1:
         path = folder / "states.bag"
-        walks._write_bag(path, walk, entries)
+        walks.write_bag(path, walk, entries)
     else:
         path = folder / "states.mcap"
         walks.write_mcap(path, walk, entries)

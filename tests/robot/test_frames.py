@@ -15,8 +15,6 @@ from mcap.writer import Writer as McapWriter
 from mcap_protobuf.schema import build_file_descriptor_set
 from rich.console import Console
 from rosbags.highlevel import AnyReader
-from rosbags.rosbag1 import Writer as BagWriter
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
@@ -204,33 +202,6 @@ def every(step: int, start: int, end: int, parent: str, child: str) -> Iterator[
 def test_findings(topics: dict[str, Sequence[Sent]], wanted: set[str], tmp_path: Path) -> None:
     info, _ = survey(foxglove_log(tmp_path / "log.mcap", topics))
     assert codes(info) == wanted
-
-
-def test_senders_are_topics_and_nodes(tmp_path: Path) -> None:
-    store = get_typestore(Stores.ROS1_NOETIC)
-    definition = "geometry_msgs/TransformStamped[] transforms"
-    store.register(get_types_from_msg(definition, "tf2_msgs/msg/TFMessage"))
-    kinds: Any = store.types
-    clock, header = kinds["builtin_interfaces/msg/Time"], kinds["std_msgs/msg/Header"]
-    pose = kinds["geometry_msgs/msg/Transform"](
-        kinds["geometry_msgs/msg/Vector3"](0.0, 0.0, 0.0),
-        kinds["geometry_msgs/msg/Quaternion"](0.0, 0.0, 0.0, 1.0),
-    )
-    stamped = kinds["geometry_msgs/msg/TransformStamped"](
-        header(0, clock(1, 0), "world"), "base", pose
-    )
-    message = kinds["tf2_msgs/msg/TFMessage"]([stamped])
-    data = store.serialize_ros1(message, "tf2_msgs/msg/TFMessage")
-    path = tmp_path / "nodes.bag"
-    with BagWriter(path) as writer:
-        for number, node in enumerate(("/gazebo", "/localiser")):
-            connection = writer.add_connection(
-                "/tf", "tf2_msgs/msg/TFMessage", typestore=store, callerid=node
-            )
-            writer.write(connection, SECOND + number, data)
-    _, frames = survey(path)
-    (edge,) = frames.recorded.edges
-    assert frames.senders(edge) == ["/tf (/gazebo)", "/tf (/localiser)"]
 
 
 def test_messages_that_are_no_transforms_are_damage(tmp_path: Path) -> None:

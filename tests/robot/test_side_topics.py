@@ -1,22 +1,14 @@
 """Velocity commands and inertial units of whole logs."""
 
-import re
 from dataclasses import replace
-from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 import dogbot_logtool as dl
-from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.metrics import NEEDS
-from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.report.page.render import page
-from dogbot_logtool.report.text.stats_text import print_report
-from tests.report.page.page_data import drawings
 from tests.truth.commanded import Commanded, commanded_walk
 from tests.truth.gaits import WALK
 from tests.truth.log_file import write_log
@@ -57,24 +49,6 @@ def test_both_types_of_both_versions_of_ros_are_read(tmp_path: Path, kind: str, 
     assert len(said(stats, "LOG_TIME_USED")) == (kind == "twist")
 
 
-def test_commands_and_accelerometer_are_in_the_report(tmp_path: Path) -> None:
-    recording = with_imu(commanded_walk(ROBOT, ROBOT.commands()))
-    options = MeasureOptions(mass=20.0)
-    done = measure(write_log(recording, tmp_path / "x.mcap"), options)
-    console = Console(width=100, record=True, file=StringIO())
-    print_report(console, done)
-    text = console.export_text()
-    assert re.search(r"Commands +/cmd_vel: RMS error 0\.\d+ m/s forward", text)
-    assert re.search(r"Accelerometer +/imu/data: 9\.8", text)
-    html = page(done, 0)
-    # What a screen reader says stands below the figure, too.
-    words = rb"Forward: error 0\.\d+ m/s \(root mean square\)\."
-    assert len(re.findall(words, html)) == 2
-    shown = drawings(html)["commands"]
-    assert shown["over_time"]
-    assert [each["name"] for each in shown["data"]] == ["measured", "commanded"] * 3
-
-
 def test_measured_twists_are_no_commands(tmp_path: Path) -> None:
     topics = ("/odom_twist", "/base_velocity", "/cmd_vel_measured", "/twist")
     stats = measured(tmp_path, walk(*(ROBOT.commands(topic=topic) for topic in topics)))
@@ -109,16 +83,6 @@ def test_commands_that_are_no_numbers_are_said(tmp_path: Path) -> None:
     stats = measured(tmp_path, walk(given))
     (text,) = said(stats, "NOT_FINITE")
     assert "2 messages of 801" in text
-
-
-def test_topics_of_nothing_but_bad_numbers_are_said(tmp_path: Path) -> None:
-    recording = with_imu(walk(ROBOT.commands()))
-    for topic in recording.beside:
-        topic.vector[:] = np.inf
-    stats = measured(tmp_path, recording)
-    assert stats["commands"]["yaw"] == dict.fromkeys(stats["commands"]["yaw"])
-    assert stats["imu"] == dict.fromkeys(stats["imu"])
-    assert len(said(stats, "NOT_FINITE")) == 2
 
 
 def test_tracking_is_null_where_the_odometry_loses_its_way(tmp_path: Path) -> None:

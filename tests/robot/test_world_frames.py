@@ -1,7 +1,5 @@
 """Forces and places that the log's own frames tell, from log to arrow."""
 
-import json
-from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -36,24 +34,6 @@ def counted(done: Conversion, what: str) -> int:
     found = {finding.text for finding in done.findings if finding.code == "TRANSFORMS_MISSING"}
     (text,) = (text for text in found if what in text and ": " in text)
     return int(text.split(": ")[1].split(";")[0].replace(",", ""))
-
-
-def test_arrows_carry_the_robot_s_weight(tmp_path: Path) -> None:
-    """Over whole strides, the vertical impulse of all arrows is the weight's (FACTS 1.9)."""
-    truth = json.loads(TROT.with_suffix(".truth.json").read_text(encoding="utf-8"))
-    _, target = converted(TROT, tmp_path, style="force")
-    vertical: dict[int, float] = defaultdict(float)
-    for _, _, marker in arrows(target):
-        stamp = marker.header.stamp
-        # In units of 4 ms, the sensors' interval, so that all feet meet.
-        sample = round((stamp.sec + stamp.nanosec / 1e9) / 0.004)
-        along = matrix_of(marker.pose.orientation)[:, 0]
-        vertical[sample] += 100.0 * marker.scale.x * along[2]
-    start = truth["log"]["start_stamp_s"]
-    touchdowns = truth["feet"]["front_left"]["touchdown_s"]
-    first, last = (round((start + touchdowns[k]) / 0.004) for k in (0, -1))
-    mean = np.mean([vertical[sample] for sample in range(first, last)])
-    assert mean == pytest.approx(truth["robot"]["mass_kg"] * 9.81, rel=0.02)
 
 
 class SwingingSensors(walks.Walk):

@@ -26,7 +26,7 @@ from dogbot_logtool.writer.message_records import recorded
 from tests.oracles import walks
 from tests.oracles.annotated_file import annotations, read_written
 from tests.oracles.conversion import xyz
-from tests.oracles.standing_log import BASE, FEET, write_standing_log
+from tests.oracles.ros1_logs import BASE, FEET, write_standing_log
 
 NS = 1_000_000_000
 KIND = MessageType("a/B", "ros1msg", b"", "ros1")

@@ -53,7 +53,7 @@ def write(folder: Path, ros: int, part: Callable[[walks.Entry], str]) -> list[Pa
 def write_file(folder: Path, ros: int, name: str, entries: list[walks.Entry]) -> Path:
     walk = walks.Walk(ros)
     if ros == 1:
-        walks._write_bag(folder / f"{name}.bag", walk, entries)
+        walks.write_bag(folder / f"{name}.bag", walk, entries)
         return folder / f"{name}.bag"
     walks.write_mcap(folder / f"{name}.mcap", walk, entries, chunk_size=20_000)
     return folder / f"{name}.mcap"

@@ -1,5 +1,6 @@
 """Paths to fields of a message: which bytes they read, of whole and of odd arrays."""
 
+import re
 from typing import Final
 
 import numpy as np
@@ -7,8 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.decode.columns import Nested, Table
 from dogbot_logtool.reader.decode.definition import parse_definition
+from dogbot_logtool.reader.decode.field_path import parse_field_path, readable_fields
 from dogbot_logtool.reader.decode.fields import Kind, check_fields
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
 from dogbot_logtool.reader.decode.paths import MOST_ELEMENTS, Want, merged, path_of
@@ -20,11 +23,25 @@ Leg[] legs
 float64[4] loads
 float32[] cells
 int8 mode
+bool down
+string name
 ================================================================================
 MSG: odd/Leg
-float64 force
-string name
+string label
+geometry_msgs/Vector3 force
+geometry_msgs/Quaternion turn
 uint8[2] flags
+================================================================================
+MSG: geometry_msgs/Vector3
+float64 x
+float64 y
+float64 z
+================================================================================
+MSG: geometry_msgs/Quaternion
+float64 x
+float64 y
+float64 z
+float64 w
 """,
     "ros2msg",
 )
@@ -35,9 +52,9 @@ uint8[2] flags
     [
         ("mode", "number"),
         ("mode&8", "number"),
-        ("legs[].name", "text"),
-        ("legs[2].force", "number"),
-        ("legs[-1].force", "number"),
+        ("legs[].label", "text"),
+        ("legs[2].force.x", "number"),
+        ("legs[-1].force.x", "number"),
         ("legs[].flags[1]", "number"),
         ("loads[0:3 by 3]", "xyz"),
         ("loads[3]", "number"),
@@ -58,9 +75,9 @@ def test_what_is_no_path_is_refused(text: str) -> None:
 
 
 def test_fields_of_one_array_are_decoded_together() -> None:
-    paths = [path_of("legs[].name", "text", STATE), path_of("legs[].force", "number", STATE)]
+    paths = [path_of("legs[].label", "text", STATE), path_of("legs[].force.x", "number", STATE)]
     (legs,) = merged(field for path in paths for field in path.fields)
-    assert (legs.kind, [field.path for field in legs.inside]) == (Kind.TABLE, ["name", "force"])
+    assert (legs.kind, [field.path for field in legs.inside]) == (Kind.TABLE, ["label", "force.x"])
 
 
 def table(lists: list[list[float]], order: list[int]) -> Table:
@@ -104,3 +121,56 @@ def test_vectors_of_arrays_of_another_length_are_not_known(condition: str, fits:
     assert found.shape == (5, 1, 3)
     for values, row in zip(lists, found[:, 0], strict=True):
         assert np.isnan(row).all() if len(values) not in fits else row.tolist() == [1.0, 2.0, 3.0]
+
+
+# Paths that users name
+
+
+@pytest.mark.parametrize(
+    ("path", "width", "is_integer"),
+    [
+        ("down", 1, True),
+        ("loads[3]", 1, False),
+        ("cells[70]", 1, False),
+        ("legs[2].force", 3, False),
+        ("legs[2].force.z", 1, False),
+        ("legs[0].flags[1]", 1, True),
+        ("legs[0].turn.w", 1, False),
+        ("legs[0].flags[1]&4", 1, True),
+        ("down&0x1", 1, True),
+    ],
+)
+def test_paths_that_fit(path: str, width: int, *, is_integer: bool) -> None:
+    found = parse_field_path(STATE, path)
+    assert (found.width, found.is_integer) == (width, is_integer)
+
+
+@pytest.mark.parametrize(
+    ("path", "expected"),
+    [
+        ("zz", "it has"),
+        ("dawn", "nearest are down (bool)"),
+        ("name", "nearest are mode (int8)"),
+        ("legs[0].turn", "nearest are legs[].turn.x"),
+        ("legs.force", "nearest are legs[].force"),
+        ("loads[4]", "at least 5 numbers"),
+        ("legs[0].flags", "nearest are legs[].flags[] (uint8)"),
+        ("down[0]", "nearest are down (bool)"),
+        ("", "is no path"),
+        ("loads[-1]", "is no path"),
+        ("loads[9999999]", "is no path"),
+        ("loads[0]&1", "only integers have bits"),
+        ("down&0", "only integers have bits"),
+        ("down&x", "is no path"),
+        ("legs[0].force&1", "only integers have bits"),
+    ],
+)
+def test_paths_that_do_not_fit_say_what_there_is(path: str, expected: str) -> None:
+    with pytest.raises(DefinitionError, match=re.escape(expected)):
+        parse_field_path(STATE, path)
+
+
+def test_all_numbers_and_vectors_are_listed() -> None:
+    paths = [path for path, _ in readable_fields(STATE)]
+    assert {"legs[].force", "legs[].force.x", "legs[].flags[]", "loads[]", "down"} <= {*paths}
+    assert not {"name", "legs[].turn"} & {*paths}
