@@ -1,6 +1,5 @@
 """A robot, as known before its log is opened: feet, topics, frames, mass, thresholds."""
 
-from collections.abc import Sequence
 from dataclasses import MISSING, dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -158,7 +157,6 @@ def parse_robot(text: str, source: str) -> Robot:
     table.refuse_leftovers(_ALL_KEYS)
     values["name"] = values.get("name") or Path(source).stem
     robot = Robot(**values, feet=found)
-    _check_elements(robot.feet, file)
     on, off = robot.contact_on_n, robot.contact_off_n
     if on is not None and off is not None and off > on:
         raise file.fault(
@@ -175,20 +173,3 @@ def _foot(table: TomlTable, name: str) -> Foot:
         raise table.fault(key, f"{table.path(key)} needs {table.path('field')}")
     table.refuse_leftovers(_ALL_KEYS)
     return Foot(name, **values, field=field)
-
-
-def _check_elements(feet: Sequence[Foot], file: TomlFile) -> None:
-    """Refuse two feet that one element of a message would tell of."""
-    seen: dict[str, list[int | str | None]] = {}
-    for foot in feet:
-        others = seen.setdefault(foot.topic, [])
-        own = foot.element if foot.field is None else foot.field.path
-        if others and (own is None or None in others or own in others):
-            key = "topic" if own is None or None in others else "element"
-            key = "field" if foot.field is not None and own in others else key
-            text = (
-                f"two feet have the topic {foot.topic}; where its messages tell of several "
-                "feet, each needs an element or a field of its own"
-            )
-            raise file.fault(("feet", foot.name, key), text)
-        others.append(own)
