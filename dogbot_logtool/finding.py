@@ -173,6 +173,10 @@ class _Words(Formatter):
         return super().format_field(value, format_spec)
 
 
+Words = dict[str, Any]
+"""What a sentence names."""
+
+
 def counted(number: int, thing: str) -> str:
     """Return a number with its noun, in the plural where it is not one."""
     return f"{number} {thing}" if number == 1 else f"{number} {thing}s"

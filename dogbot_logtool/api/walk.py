@@ -15,7 +15,7 @@ from dogbot_logtool.api.keywords import PathOrName
 from dogbot_logtool.api.table import POINTS, Curves, Table, curves_of, texts
 from dogbot_logtool.commands.stats import measure_log
 from dogbot_logtool.core.arrays import Floats, Ints, norms
-from dogbot_logtool.core.checks.voids import void_columns, void_patterns
+from dogbot_logtool.core.checks.engine import void_columns
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.corrected import usable_samples
@@ -90,7 +90,7 @@ class Walk:
 
         What a cut stance shows is there as well: a metric of whole stances leaves it out.
         """
-        feet, void = self._walk.feet, void_patterns(self._measured.findings)
+        feet, void = self._walk.feet, self._measured.findings
         rows = [foot.stances for foot in feet]
         cuts = [_CUTS[Cut(cut)] for each in rows for cut in each.cut.tolist()]
         known = [

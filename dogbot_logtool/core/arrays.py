@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 Floats = NDArray[np.float64]
 """float64; the docstring of the field gives shape and unit."""
 Float32s = NDArray[np.float32]
+Complexes = NDArray[np.complex128]
 Ints = NDArray[np.int64]
 """int64: times in nanoseconds, or row numbers."""
 Flags = NDArray[np.bool_]

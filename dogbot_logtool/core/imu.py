@@ -95,13 +95,6 @@ class Mounting:
         """Whether it is turned against the frame that it is said to be in."""
         return self.tilt_rad is not None and self.tilt_rad > TILTED_RAD
 
-    @property
-    def roll_pitch_rad(self) -> tuple[float, float]:
-        """How it is turned about the base's x and y axis."""
-        size = float(np.linalg.norm(self.turn[:3]))
-        share = (self.tilt_rad or 0.0) / size if size > 0.0 else 0.0
-        return share * self.turn[0], share * self.turn[1]
-
 
 @dataclass(frozen=True, slots=True)
 class ForceComparison:
@@ -111,8 +104,6 @@ class ForceComparison:
     """Vertical force over the mass over what the levelled accelerometer reads; 1 is right."""
     magnitude_ratio: float
     """The same of |F|."""
-    turned_rad: float | None
-    """Turn of the horizontal forces against those of poses; None: none that is clear."""
     is_common: bool | None
     """Whether one factor for all feet explains as much as one for each: the mass is wrong, or all
     sensors alike. None: the load does not shift, so that it cannot be told."""
@@ -197,10 +188,10 @@ def compare_imu(
         level = rotate(attitude, rotate(np.array([seat.turn]), body))
         level *= GRAVITY_MPS2 if seat.reading is Reading.IN_G else 1.0
         level[:, 2] += GRAVITY_MPS2 if seat.reading is Reading.WITHOUT_GRAVITY else 0.0
-        world, horizontal = _integral(at, level), poses[:, :2]
-        turn_rad = find_turn(world.mean(time, 2 * half)[:, :2], horizontal)
+        world = _integral(at, level)
+        turn_rad = find_turn(world.mean(time, 2 * half)[:, :2], poses[:, :2])
         if mass_kg is not None:
-            forces = _compare_forces(feet, mass_kg, world, time, half, horizontal, strides)
+            forces = _compare_forces(feet, mass_kg, world, time, half, strides)
     seconds = len(time) / CELL_RATE_HZ
     return ImuComparison(sensed.topic, mounting is not None, seconds, seat, turn_rad, forces)
 
@@ -284,7 +275,6 @@ def _compare_forces(
     world: Integral,
     time: Ints,
     half_ns: int,
-    poses: Floats,
     strides: Ints,
 ) -> ForceComparison | None:
     """Return what the forces say; None where they are not known for long enough.
@@ -295,7 +285,6 @@ def _compare_forces(
         world: of the levelled accelerometer, gravity included, m/s along the world's axes.
         time: (n,) ns, 25 a second: means over the window about them are known.
         half_ns: half of the window, which is a stride.
-        poses: (n, 2) m/s^2, means of the base's horizontal acceleration from poses.
         strides: (s, 2) ns, time in which the feet carry the robot.
     """
     loaded = [foot for foot in feet if len(foot.in_contact)]
@@ -303,7 +292,7 @@ def _compare_forces(
         return None
     known = timespans.intersect([strides, *(foot.vertical_known for foot in feet)])
     rows = timespans.hold_window(known, time, half_ns, half_ns)
-    time, poses = time[rows], poses[rows]
+    time = time[rows]
     if len(time) < FEWEST:
         return None
     expected = mass_kg * float(world.mean(time, 2 * half_ns)[:, 2].mean())
@@ -315,18 +304,7 @@ def _compare_forces(
         float(mean_impulses(feet, impulse, time, half_ns).sum(axis=1).mean())
         for impulse in ("vertical_impulse", "force_impulse")
     )
-    pushed = np.zeros((len(time), 2))
-    for foot in loaded:
-        standing = foot.down & np.isfinite(foot.track.vertical_force)
-        force = np.where(standing[:, None], foot.track.horizontal_force, 0.0)
-        pushed += _integral(foot.track.time, force).mean(time, 2 * half_ns) / mass_kg
-    return ForceComparison(
-        ratio=vertical / expected,
-        magnitude_ratio=magnitude / expected,
-        turned_rad=find_turn(pushed, poses),
-        is_common=is_common,
-        odd_foot=odd_foot,
-    )
+    return ForceComparison(vertical / expected, magnitude / expected, is_common, odd_foot)
 
 
 def odd_scale(

@@ -13,11 +13,6 @@ from dogbot_logtool.core.arrays import AnyColumns, Flags, Floats, all_finite
 
 LARGEST: Final = 1e9
 """m, m/s, rad/s or N: beyond the moon, faster than light, stronger than any rocket."""
-IMPLAUSIBLE: Final = (
-    "poses or contacts with numbers that no robot reaches (beyond 1e9 m, m/s or N), which are "
-    "not used"
-)
-"""The name of their number."""
 _BOUNDED: Final = ("position", "linear_velocity", "angular_velocity", "force")
 
 

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Ints, header_time, rows_by_group
+from dogbot_logtool.core.arrays import Ints, rows_by_group
 from dogbot_logtool.core.base.poses import concatenate_odometry
 from dogbot_logtool.core.contact.contacts import Samples, samples_by_foot
 from dogbot_logtool.core.frames.transforms import RecordedTransforms
-from dogbot_logtool.core.legs.joints import MOST_JOINTS, JointSamples, JointTable
+from dogbot_logtool.core.legs.joints import MOST_JOINTS, JointTable
 from dogbot_logtool.core.plausible import plausible
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss
 from dogbot_logtool.reader.messages.bases import BasePoses
@@ -155,17 +155,13 @@ def _add_transforms(part: Part, wanted: Wanted, batch: Batch, whole: Batch) -> N
 def _joint_tables(part: Part, batch: Batch, wanted: Wanted) -> Iterator[JointTable]:
     """Yield the joint states of each channel."""
     for joints in wanted.joints:
-        for read in read_joints(batch, joints.channel):
-            part.add_malformed(read.malformed)
-            columns = [
-                column for column, name in enumerate(read.names) if name not in joints.left_out
-            ][:MOST_JOINTS]
-            if columns and len(read.log_time):
-                stamp = header_time(read.stamp, read.log_time)
-                values = read.position, read.velocity, read.effort
-                samples = JointSamples(read.log_time, stamp, *values).only(np.array(columns))
-                names = tuple(read.names[column] for column in columns)
-                yield JointTable(joints.channel.topic, names, samples)
+        for read, malformed in read_joints(batch, joints.channel):
+            part.add_malformed(malformed)
+            wanted_names = [name for name in read.names if name not in joints.left_out]
+            names = tuple(wanted_names[:MOST_JOINTS])
+            if names and len(read.samples.log_time):
+                columns = np.array([read.names.index(name) for name in names])
+                yield JointTable(read.topic, names, read.samples.only(columns))
 
 
 def _stamped(

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Aggregate, Floats
-from dogbot_logtool.core.checks.voids import void_columns, void_patterns
+from dogbot_logtool.core.checks.engine import void_columns
 from dogbot_logtool.core.metrics import Foot, Phase, Stride, WalkMetrics
 from dogbot_logtool.core.records import MetricPath, fields_of
 from dogbot_logtool.core.walk import Walk
@@ -105,9 +105,9 @@ def why_null(metrics: WalkMetrics, path: MetricPath) -> str:
 
 def stride_table(walk: Walk) -> StrideTable:
     """Gather the strides of all feet; what findings void is NaN."""
-    void = void_patterns(walk.findings)
     feet = [
-        void_columns(_strides_of(walk, row), foot.name, void) for row, foot in enumerate(walk.feet)
+        void_columns(_strides_of(walk, row), foot.name, walk.findings)
+        for row, foot in enumerate(walk.feet)
     ]
     columns = {
         field.name: np.concatenate([np.empty(0), *(foot[field.name] for foot in feet)])

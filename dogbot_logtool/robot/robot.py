@@ -7,9 +7,9 @@ from typing import Final
 
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.toml_table import (
-    TomlFile,
     TomlTable,
     one_of,
+    parse_toml,
     read_toml,
     take_fields,
     toml_field,
@@ -29,7 +29,7 @@ _ALL_KEYS: Final = "'dogbot-logtool robots dogbot' shows all that are."
 def _not_negative(table: TomlTable, key: str) -> float | None:
     number = table.number(key)
     if number is not None and number < 0.0:
-        raise table.fault(key, f"{table.path(key)} is {number:g}; it must be a number from 0")
+        raise table.fault(f"{table.path(key)} is {number:g}; it must be a number from 0")
     return number
 
 
@@ -145,23 +145,20 @@ def parse_robot(text: str, source: str) -> Robot:
         source: what to call it in errors.
 
     Raises:
-        CallError: naming the key and the line.
+        CallError: naming the key.
     """
-    file = TomlFile(text, source)
-    table = TomlTable(file)
+    table = TomlTable(parse_toml(text, source), source)
     values = take_fields(Robot, table, _ALL_KEYS)
     feet = table.section("feet")
     if len(feet.names) > MOST_FEET:
-        raise feet.fault("", f"there are {len(feet.names)} feet; there may be {MOST_FEET}")
+        raise feet.fault(f"there are {len(feet.names)} feet; there may be {MOST_FEET}")
     found = tuple(_foot(feet.section(name), name) for name in feet.names)
     table.refuse_leftovers(_ALL_KEYS)
     values["name"] = values.get("name") or Path(source).stem
     robot = Robot(**values, feet=found)
     on, off = robot.contact_on_n, robot.contact_off_n
     if on is not None and off is not None and off > on:
-        raise file.fault(
-            ("contact", "off_n"), "contact.off_n is above contact.on_n; it must not be"
-        )
+        raise table.fault("contact.off_n is above contact.on_n; it must not be")
     return robot
 
 
@@ -170,6 +167,6 @@ def _foot(table: TomlTable, name: str) -> Foot:
     of_field = take_fields(FootField, table, _ALL_KEYS)
     field = FootField(**of_field) if of_field.get("path") else None
     for key in of_field.keys() - {"path"} if field is None else ():
-        raise table.fault(key, f"{table.path(key)} needs {table.path('field')}")
+        raise table.fault(f"{table.path(key)} needs {table.path('field')}")
     table.refuse_leftovers(_ALL_KEYS)
     return Foot(name, **values, field=field)

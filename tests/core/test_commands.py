@@ -92,13 +92,9 @@ def test_a_silence_is_no_command() -> None:
     assert found.commanded_s == pytest.approx(22.0 - 0.01 - found.no_command_s, abs=0.03)
 
 
-def test_drift_while_straight_is_commanded() -> None:
+def test_drift_while_straight_is_commanded_and_of_steps_in_place() -> None:
     robot = Commanded(((0.0, (0.4, 0.0, 0.0)), (12.0, (0.4, 0.0, 0.5))), drift=(0.0, 0.03, -0.02))
-    straight = followed(robot).drifts["straight"]
-    assert straight[1:] == pytest.approx([0.03, -0.02], abs=0.001)
-
-
-def test_drift_of_steps_in_place() -> None:
+    assert followed(robot).drifts["straight"][1:] == pytest.approx([0.03, -0.02], abs=0.001)
     robot = Commanded(((0.0, (0.0, 0.0, 0.0)),), drift=(0.05, -0.02, 0.01))
     stepping = START_NS + np.array([[2, 12]], np.int64) * 1_000_000_000
     in_place = followed(robot, stepping=stepping).drifts["in place"]

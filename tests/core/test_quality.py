@@ -5,7 +5,6 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.quality import (
     TopicQuality,
-    mean_rate_hz,
     topic_quality,
     topic_times,
 )
@@ -24,28 +23,51 @@ def steady(count: int = 1001, interval_ms: int = 10) -> Ints:
     return S + np.arange(count, dtype=np.int64) * interval_ms * MS
 
 
-def test_a_steady_topic() -> None:
-    quality = watched(steady() + 2 * MS, steady())
-    assert (quality.messages, quality.gaps, quality.longest_gap_s) == (1001, 0, 0.0)
-    assert quality.rate_hz == pytest.approx(100.0)
-    assert quality.interval_s == {"p50": 0.01, "p95": 0.01, "max": 0.01}
-    assert quality.offset_median_s == pytest.approx(0.002)
-    assert quality.offset_drift_ppm == pytest.approx(0.0, abs=1e-6)
-
-
-def test_gaps_are_counted_and_added_up() -> None:
+def without(*rows: slice) -> Ints:
     kept = np.ones(1001, np.bool_)
-    kept[100:150] = False
-    kept[600:606] = False
-    quality = watched(steady()[kept], steady()[kept])
-    assert quality.gaps == 2
-    assert quality.gaps_total_s == pytest.approx(0.51 + 0.07)
-    assert quality.longest_gap_s == pytest.approx(0.51)
-    assert quality.rate_hz == pytest.approx(94.4)
+    for each in rows:
+        kept[each] = False
+    return steady()[kept]
 
 
-def test_a_slow_topic_has_no_gaps() -> None:
-    assert watched(steady(interval_ms=500), steady(interval_ms=500)).gaps == 0
+def faulty() -> Ints:
+    stamp = steady(10)
+    stamp[3], stamp[6] = stamp[2], stamp[4]
+    return stamp
+
+
+TWO_GAPS = without(slice(100, 150), slice(600, 606))
+ON_LOG: dict[str, object] = {"clock": TimeSource.LOG, "offset_median_s": None, "rate_hz": 100.0}
+BURST = S + np.arange(12, dtype=np.int64) * 20_000
+
+
+@pytest.mark.parametrize(
+    ("log_time", "stamp", "expected"),
+    [
+        (steady() + 2 * MS, steady(), {"messages": 1001, "gaps": 0, "longest_gap_s": 0.0}),
+        (steady() + 2 * MS, steady(), {"rate_hz": 100.0, "offset_median_s": 0.002}),
+        (steady(), steady(), {"interval_s": {"p50": 0.01, "p95": 0.01, "max": 0.01}}),
+        (TWO_GAPS, TWO_GAPS, {"gaps": 2, "gaps_total_s": 0.58, "longest_gap_s": 0.51}),
+        (TWO_GAPS, TWO_GAPS, {"rate_hz": 94.4}),
+        (steady(interval_ms=500), steady(interval_ms=500), {"gaps": 0}),
+        (steady(10), faulty(), {"duplicate_stamps": 1, "backward_stamps": 1, "zero_stamps": 0}),
+        (steady(10), faulty(), {"duplicate_log_times": 0, "backward_log_times": 0}),
+        (steady(10), np.zeros(10, np.int64), {**ON_LOG, "zero_stamps": 10}),
+        (steady(10), None, {**ON_LOG, "zero_stamps": None}),
+        (BURST[:2], BURST[:2], {"rate_hz": None}),
+        (BURST, BURST, {"rate_hz": None}),
+        (steady(9), steady(9), {"rate_hz": None}),
+        (2 * steady() - S, steady(), {"offset_drift_ppm": 1e6}),
+        (2 * steady(620) - S, steady(620), {"offset_drift_ppm": 1e6}),
+        (2 * steady(480) - S, steady(480), {"offset_drift_ppm": None}),
+        (np.array([S, 101 * S]), np.array([S, 101 * S]), {"offset_drift_ppm": None}),
+    ],
+)
+def test_times_of_a_topic(log_time: Ints, stamp: Ints | None, expected: dict[str, object]) -> None:
+    quality = watched(log_time, stamp)
+    for name, value in expected.items():
+        own = getattr(quality, name)
+        assert own == (pytest.approx(value, rel=1e-3) if isinstance(value, float) else value), name
 
 
 def random_times(kind: str, count: int, seed: int) -> Ints:
@@ -123,63 +145,12 @@ def test_messages_on_events_are_never_late() -> None:
         np.concatenate([start, [10e9, 42e9, 90e9]]),
     ):
         stamps = S + np.round(times).astype(np.int64)
-        quality = watched(stamps, stamps)
-        assert quality.gaps == 0
-
-
-def test_a_rate_needs_messages_and_time() -> None:
-    two = S + np.array([0, 20_291], np.int64)
-    assert watched(two, two).rate_hz is None
-    burst = S + np.arange(12, dtype=np.int64) * 20_000
-    assert watched(burst, burst).rate_hz is None
-    assert watched(steady(9), steady(9)).rate_hz is None
-    assert watched(steady(10), steady(10)).rate_hz == pytest.approx(100.0)
-    assert mean_rate_hz(1, 20_291) is None
-    nanoseconds = S + np.arange(200, dtype=np.int64) * 2
-    assert (watched(nanoseconds, nanoseconds).rate_hz) is None
+        assert watched(stamps, stamps).gaps == 0
 
 
 @pytest.mark.parametrize("size", [2, 5, 40])
 def test_the_rate_of_bursts_is_that_of_all_messages(size: int) -> None:
     times = random_times(f"{size} in a burst", 2400, 5)
     times[1200:] += 60 * S
-    quality = watched(times, times)
-    assert quality.rate_hz == pytest.approx(2400 / (2400 / size * 0.2 + 60), rel=0.05)
-
-
-def test_faults_of_stamps_are_counted() -> None:
-    stamp = steady(10)
-    stamp[3] = stamp[2]
-    stamp[6] = stamp[4]
-    quality = watched(steady(10), stamp)
-    assert (quality.duplicate_stamps, quality.backward_stamps, quality.zero_stamps) == (1, 1, 0)
-    assert (quality.duplicate_log_times, quality.backward_log_times) == (0, 0)
-
-
-def test_zero_stamps_put_a_topic_on_log_time() -> None:
-    quality = watched(steady(10), np.zeros(10, np.int64))
-    assert quality.clock is TimeSource.LOG
-    assert quality.zero_stamps == 10
-    assert quality.offset_median_s is None
-    assert quality.rate_hz == pytest.approx(100.0)
-
-
-def test_messages_without_header_are_on_log_time() -> None:
-    quality = watched(steady(10), None)
-    assert quality.clock is TimeSource.LOG
-    assert quality.zero_stamps is None
-
-
-def test_a_slow_simulation_drifts() -> None:
-    stamp = steady()
-    quality = watched(S + 2 * (stamp - S), stamp)
-    assert quality.offset_drift_ppm == pytest.approx(1e6, rel=1e-3)
-
-
-def test_two_messages_and_short_logs_tell_no_drift() -> None:
-    far_apart = np.array([S, 101 * S])
-    assert watched(far_apart, far_apart).offset_drift_ppm is None
-    short = steady()[:620]
-    assert watched(S + 2 * (short - S), short).offset_drift_ppm is not None
-    shorter = steady()[:480]
-    assert watched(S + 2 * (shorter - S), shorter).offset_drift_ppm is None
+    rate_hz = 2400 / (2400 / size * 0.2 + 60)
+    assert watched(times, times).rate_hz == pytest.approx(rate_hz, rel=0.05)

@@ -3,7 +3,6 @@ import pytest
 
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.rotations import (
-    conjugate,
     multiply,
     normalised,
     roll_pitch_yaw,
@@ -26,20 +25,6 @@ def test_a_quarter_turn_about_z_takes_x_to_y() -> None:
 def test_angles_come_back_from_their_quaternion() -> None:
     quaternion = multiply(multiply(about(2, 2.5), about(1, -0.4)), about(0, 0.3))
     np.testing.assert_allclose(roll_pitch_yaw(quaternion), [[0.3, -0.4, 2.5]], atol=1e-12)
-
-
-def test_a_product_is_one_rotation_after_the_other() -> None:
-    first, second = about(0, 0.7), about(2, -1.1)
-    vector = np.array([[0.2, -0.5, 1.3]])
-    np.testing.assert_allclose(
-        rotate(multiply(first, second), vector), rotate(first, rotate(second, vector)), atol=1e-12
-    )
-
-
-def test_the_conjugate_turns_back() -> None:
-    vector = np.array([[0.2, -0.5, 1.3]])
-    turn = about(1, 0.9)
-    np.testing.assert_allclose(rotate(conjugate(turn), rotate(turn, vector)), vector, atol=1e-12)
 
 
 def test_half_way_between_two_turns_is_half_the_turn() -> None:

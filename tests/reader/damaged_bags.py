@@ -80,7 +80,7 @@ def bags_with_damaged_records() -> Iterator[Case]:
             yield Case("connection", *case, what)
             described = [Connection(0, "/left"), Connection(1, "/right"), later]
             case = built(small_bag(), in_index_section=described)
-            yield Case("connection in index", *case, "it describes a connection in two ways")
+            yield Case("connection in index", *case, "are damaged or described in two ways")
 
 
 def bags_with_damaged_chunks() -> Iterator[Case]:

@@ -145,7 +145,10 @@ def mcaps_without_chunks() -> Iterator[Case]:
     at = data.index(whole)
     for by in (-3, 4, 60, 1 << 20, 1 << 62):
         harmed = put(data, at + 1, u64(len(whole) - 9 + by))
-        yield Case(f"length {by}", log, harmed, ANY, (6,), number=None, bytes=len(whole))
+        # A length that no record has is no head, and so the record before it may be too short.
+        lost = (5, 6) if by == 1 << 62 else (6,)
+        size = len(lost) * len(whole)
+        yield Case(f"length {by}", log, harmed, ANY, lost, number=None, bytes=size)
     for opcode in (0x10, 0x7F):
         harmed = data[:at] + record(opcode, b"\xff" * 30) + data[at:]
         # One that no version of MCAP has may be damage.

@@ -173,16 +173,11 @@ def _under_checksums(reading: Reading) -> list[Read]:
     Those are all but the ones of chunks whose damaged heads say that there is no checksum, and of
     chunks that are cut off or of which no head is left.
     """
-    heads = [bytes(loaded.stored[:37]) for loaded in reading.chunks if loaded.chunk.is_record]
-    any_checked = any(head[33:37] != bytes(4) for head in heads)
-    cut_off = "is cut off" in reading.sentences
     messages: list[Read] = []
     for loaded, rows in zip(reading.chunks, reading.rows, strict=True):
-        if loaded.chunk.is_record:
-            believed = bytes(loaded.stored[33:37]) != bytes(4)
-        else:
-            believed = any_checked and not cut_off
-        if believed:
+        head = bytes(loaded.stored[:37])
+        is_whole = len(loaded.stored) >= 9 + int.from_bytes(head[1:9], "little")
+        if loaded.chunk.is_record and is_whole and head[33:37] != bytes(4):
             messages.extend(reading.messages[rows])
     return messages
 

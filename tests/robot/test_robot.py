@@ -146,61 +146,10 @@ FIELD threshold = "x" | feet.left.threshold
 
 
 @pytest.mark.parametrize("row", WRONG.strip().splitlines())
-def test_an_error_names_the_file_the_key_and_the_line(row: str) -> None:
+def test_an_error_names_the_file_and_the_key(row: str) -> None:
     text, _, key = row.rpartition(" | ")
     text = text.replace("FIELD ", f'{FOOT}field = "data"\n').replace("FOOT ", FOOT)
     tomllib.loads(text)  # the fault is not one of TOML
     message = refused(text)
     assert re.search(rf"(?<![\w.]){re.escape(key)}(?![\w.])", message)
-    assert message.startswith("mine.toml, line ")
-
-
-PROFILE = """\
-# A robot of our own.
-name = "walker"
-description = '''
-mass_kg = "this is no key"
-'''
-mass_kg = 12.0
-
-[frames]
-base = "trunk"
-
-[contact]
-on_n = 20.0
-off_n = 10.0
-
-[feet.left]
-topic = "/left"
-place = [
-    "front",
-    "left",
-]
-
-[feet."right"]
-topic = "/both"
-element = 0
-
-# The last one.
-[feet.third]
-topic = "/both"
-element = 1
-"""
-
-
-@pytest.mark.parametrize(
-    ("spoilt", "by", "key", "line"),
-    [
-        ("mass_kg = 12.0", "mass_kg = -12.0", "mass_kg", 6),
-        ('base = "trunk"', 'base = "/trunk"', "frames.base", 9),
-        ("off_n = 10.0", "off_n = 30.0", "contact.off_n", 13),
-        ('    "front",', '    "up",', "feet.left.place", 17),
-        ('topic = "/left"', "topic = 1", "feet.left.topic", 16),
-        ("element = 1", "elements = 1\nelement = 1", "feet.third.elements", 29),
-        ("mass_kg = 12.0", "frames.world = 3\nmass_kg = 12.0", "frames", 9),
-    ],
-)
-def test_a_fault_is_told_by_its_line(spoilt: str, by: str, key: str, line: int) -> None:
-    message = refused(PROFILE.replace(spoilt, by, 1))
-    assert key in message
-    assert f"line {line}" in message
+    assert message.startswith("mine.toml: ")

@@ -39,6 +39,7 @@ def worlds() -> Iterator[Case]:
     )
     for name, walk, faults, says, skip in rows:
         yield Case(f"odometry {name}", walk, faults, says, skip=skip)
+    yield Case("contact points drift by 8 %", LONG, (world.points_drifting(0.08),), WORLDS)
     yield Case("the body leans 4 cm to the side from 3 s on", TROT,
                (world.leaning(3.0, (0.0, 0.04, 0.0)),), skip="margin")
 

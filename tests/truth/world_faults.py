@@ -9,6 +9,7 @@ from tests.truth.recording import (
     BaseRecording,
     Disturbance,
     Floats,
+    FootRecording,
     Recording,
     about_axis,
     inverse,
@@ -33,6 +34,22 @@ def _moved(base: BaseRecording, by: Floats) -> BaseRecording:
 def from_zero(base: BaseRecording) -> BaseRecording:
     """Let the odometry begin at the origin, wherever the base is."""
     return _moved(base, -base.position[0])
+
+
+def points_drifting(share: float) -> Disturbance:
+    """Let contact points be placed by another odometry, which drifts by a share of the way."""
+
+    def change(recording: Recording) -> Recording:
+        base = recording.base
+
+        def moved(_: int, foot: FootRecording) -> FootRecording:
+            at = [np.interp(foot.time, base.time, axis) for axis in base.position[:, :2].T]
+            way = np.stack([*at, np.zeros(len(foot.time))], axis=1)
+            return replace(foot, point=foot.point + share * way)
+
+        return recording.each_foot(moved)
+
+    return change
 
 
 @of_base

@@ -1,14 +1,13 @@
-"""Poses against a second witness of the same motion: the feet, or the twist beside them."""
+"""Poses against a second witness of the same motion, over whole strides: feet, or the twist."""
 
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Complexes, Flags, Floats, Ints, all_finite
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.base.witness import Motion, Witness, motion_in
-from dogbot_logtool.core.rotations import along_heading
 
 FEWEST_STRIDES: Final = 2
 SHORTEST_WAY_M: Final = 0.2
@@ -20,81 +19,121 @@ SWINGS: Final = 0.3
 
 
 @dataclass(frozen=True, slots=True)
+class Motion:
+    """How far a base moves in each of k windows; NaN where that is not known."""
+
+    way: Complexes
+    """(k,) m, ahead + i x to the left, along its own heading."""
+    turn: Floats
+    """(k,) rad."""
+    rise: Floats
+    """(k,) m."""
+
+    @property
+    def walked_m(self) -> float:
+        """The length of all ways, m."""
+        return float(np.abs(self.way).sum())
+
+    def pick(self, rows: Flags) -> "Motion":
+        """Return the chosen windows."""
+        return Motion(self.way[rows], self.turn[rows], self.rise[rows])
+
+
+def stride_windows(strides: Ints, period_s: float) -> Ints:
+    """Return spans, each as long as the usual stride, one after another while a robot walks.
+
+    Args:
+        strides: (s, 2) ns, merged spans with strides.
+        period_s: s, the usual stride.
+    """
+    period = round(period_s * 1e9)
+    starts = [
+        np.arange(start, end - period + 1, period, dtype=np.int64)
+        for start, end in strides.tolist()
+    ]
+    first = np.concatenate([np.empty(0, np.int64), *starts])
+    return np.stack([first, first + period], axis=1)
+
+
+def motion_in(base: BaseHistory, windows: Ints, forward_rad: float = 0.0) -> Motion:
+    """Add up a base's steps in some windows.
+
+    Args:
+        base: poses.
+        windows: (k, 2) ns.
+        forward_rad: from the heading of its poses to forward.
+    """
+    if len(base.time) < 2:
+        unknown = np.full(len(windows), np.nan)
+        return Motion(unknown + 0j, unknown, unknown)
+    x, y, z = base.position.T
+    yaw = base.angles[:, 2]
+    step = np.diff(x + 1j * y) * np.exp(-1j * ((yaw[1:] + yaw[:-1]) / 2.0 + forward_rad))
+    way = np.concatenate([[0.0], np.cumsum(step)])
+    edges, since = windows - base.time[0], (base.time - base.time[0]).astype(np.float64)
+    outside = (edges[:, 0] < 0) | (edges[:, 1] > since[-1])
+    outside |= timespans.touches(base.gaps, windows[:, 0], windows[:, 1])
+    changes = [np.diff(np.interp(edges, since, each))[:, 0] for each in (way, yaw, z)]
+    return Motion(*(np.where(outside, np.nan, each) for each in changes))
+
+
+@dataclass(frozen=True, slots=True)
 class Comparison:
     """The motion by poses against that by a witness, over whole strides that both tell of."""
 
     by: str
     """The witness."""
-    way: Floats
-    """(k, 2) m, ahead and to the left, by the poses; `told_way` by the witness."""
-    told_way: Floats
-    turn: Floats | None
-    """(k,) rad, by the poses; None: the witness tells none; `told_turn` by the witness."""
-    told_turn: Floats
-    rise: Floats
-    """(k,) m, by the poses; `told_rise` by the witness."""
-    told_rise: Floats
+    own: Motion
+    """By the poses; `told`, by the witness."""
+    told: Motion
+    tells_turn: bool
+    """Whether the witness tells turns, and not only the way; `tells_heading`, directions."""
     tells_heading: bool
-    """Whether the witness tells directions."""
 
     @property
-    def walked_m(self) -> tuple[float, float]:
-        """How far the poses go and how far the witness does, m, stride by stride."""
-        return tuple(float(np.hypot(*way.T).sum()) for way in (self.way, self.told_way))  # type: ignore[return-value]
-
-    @property
-    def is_telling(self) -> bool:
-        """Whether the witness goes somewhere."""
-        told = self.walked_m[1]
-        turned = float(np.abs(self.told_turn).sum()) if self.turn is not None else 0.0
-        return len(self.way) >= FEWEST_STRIDES and told > max(SHORTEST_WAY_M, SWINGS * turned)
+    def strides(self) -> int:
+        """The strides that are compared."""
+        return len(self.own.turn)
 
     @property
     def scale(self) -> float | None:
         """How many times as far as the witness the poses go; None: it does not tell."""
-        if not self.is_telling:
+        factor, coherence, _ = self._fit
+        if not self._is_telling:
             return None
-        walked, told = self.walked_m
-        return self._common[0] if self._common[1] >= COHERENT else walked / told
+        return factor if coherence >= COHERENT else self.own.walked_m / self.told.walked_m
 
     @property
     def direction_rad(self) -> float | None:
         """From the witness's way to that of the poses, to the left; None: it does not tell."""
-        if not (self.is_telling and self.tells_heading and self._common[1] >= COHERENT):
-            return None
-        return self._common[2]
+        _, coherence, angle = self._fit
+        return angle if self._is_telling and self.tells_heading and coherence >= COHERENT else None
 
     @property
-    def _common(self) -> tuple[float, float, float]:
+    def _is_telling(self) -> bool:
+        """Whether the witness goes somewhere."""
+        turned = float(np.abs(self.told.turn).sum()) if self.tells_turn else 0.0
+        return self.told.walked_m > max(SHORTEST_WAY_M, SWINGS * turned)
+
+    @property
+    def _fit(self) -> tuple[float, float, float]:
         """Return the factor, the coherence and the angle between both ways."""
-        one, other = (way[:, 0] + 1j * way[:, 1] for way in (self.way, self.told_way))
-        squares, products = float((np.abs(other) ** 2).sum()), complex(np.vdot(other, one))
-        if not squares or not products:
+        own, told = self.own.way, self.told.way
+        squares, product = float(np.vdot(told, told).real), complex(np.vdot(told, own))
+        if not squares or not product:
             return 0.0, 0.0, 0.0
-        both = np.sqrt(squares * float((np.abs(one) ** 2).sum()))
-        return abs(products) / squares, abs(products) / both, float(np.angle(products))
+        both = np.sqrt(squares * float(np.vdot(own, own).real))
+        return abs(product) / squares, abs(product) / both, float(np.angle(product))
 
 
 def compare(
-    poses: BaseHistory, witness: Witness, windows: Ints, forward_rad: float
+    by: str, own: Motion, told: Motion, *, tells_turn: bool, tells_heading: bool
 ) -> Comparison | None:
-    """Compare poses with what the feet tell; None: they have too few strides in common.
-
-    Args:
-        poses: recorded, without jumps.
-        witness: the base's motion by the feet.
-        windows: (k, 2) ns, strides.
-        forward_rad: from the poses' heading to forward.
-    """
-    # Legs tell of the body's own axes, contact points of where fore and hind feet are.
-    turned = forward_rad if witness.by == "legs" else 0.0
-    return _compared(
-        witness.by,
-        motion_in(poses, windows, forward_rad),
-        motion_in(witness.poses, windows, turned),
-        tells_turn=witness.tells_turn,
-        tells_heading=witness.tells_heading,
-    )
+    """Compare the motion by poses with that by a witness; None: too few strides in common."""
+    both = np.isfinite(own.turn) & np.isfinite(told.turn)
+    if both.sum() < FEWEST_STRIDES:
+        return None
+    return Comparison(by, own.pick(both), told.pick(both), tells_turn, tells_heading)
 
 
 def compare_twist(poses: BaseHistory, windows: Ints, forward_rad: float) -> Comparison | None:
@@ -103,47 +142,18 @@ def compare_twist(poses: BaseHistory, windows: Ints, forward_rad: float) -> Comp
     Sources give it in the world's or in the body's axes: those count that fit better.
     """
     velocity = poses.velocity
-    if len(velocity) != len(poses.time) or not len(poses.time) or not velocity.any():
+    if len(velocity) != len(poses.time) or not velocity.any():
         return None
     velocity = np.where(all_finite(velocity)[:, None], velocity, 0.0)
-    seconds = np.diff(poses.time)[:, None] / 1e9
-    step = (velocity[1:] + velocity[:-1]) / 2.0 * seconds
-    yaw = (poses.angles[1:, 2] + poses.angles[:-1, 2]) / 2.0
-    in_body = np.stack(along_heading(step, -yaw), axis=1)
-    found = []
-    own = motion_in(poses, windows, forward_rad)
-    for flat in (step[:, :2], in_body):
-        position = np.zeros_like(poses.position)
-        position[1:, :2] = np.cumsum(flat, axis=0)
+    step = (velocity[1:] + velocity[:-1]) / 2.0 * (np.diff(poses.time)[:, None] / 1e9)
+    flat, heading = step[:, 0] + 1j * step[:, 1], (poses.angles[1:, 2] + poses.angles[:-1, 2]) / 2.0
+    found, own = [], motion_in(poses, windows, forward_rad)
+    for way in (flat, flat * np.exp(1j * heading)):
+        at = np.concatenate([[0.0], np.cumsum(way)])
+        position = np.stack([at.real, at.imag, np.zeros(len(at))], axis=1)
         told = motion_in(replace(poses, position=position), windows, forward_rad)
-        compared = _compared(
-            "the twist beside them", own, told, tells_turn=False, tells_heading=True
+        found.append(
+            compare("the twist beside them", own, told, tells_turn=False, tells_heading=True)
         )
-        if compared is not None:
-            found.append(compared)
-    return min(found, key=lambda each: abs(each.direction_rad or 0.0), default=None)
-
-
-def _compared(
-    by: str, own: Motion, told: Motion, *, tells_turn: bool, tells_heading: bool
-) -> Comparison | None:
-    both = own.known & told.known
-    if both.sum() < FEWEST_STRIDES:
-        return None
-    return Comparison(
-        by=by,
-        way=own.way[both],
-        told_way=told.way[both],
-        turn=own.turn[both] if tells_turn else None,
-        told_turn=told.turn[both],
-        rise=own.rise[both],
-        told_rise=told.rise[both],
-        tells_heading=tells_heading,
-    )
-
-
-def usual_way_m(poses: BaseHistory, windows: Ints) -> float | None:
-    """Return how far poses usually go in a stride, m; None: not known."""
-    motion = motion_in(poses, windows)
-    known = motion.way[motion.known]
-    return float(median_of(np.hypot(*known.T))) if len(known) else None
+    known = [each for each in found if each is not None]
+    return min(known, key=lambda each: abs(each.direction_rad or 0.0), default=None)

@@ -12,8 +12,9 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints, median_of
+from dogbot_logtool.core.base.comparison import motion_in, stride_windows
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.base.witness import Witness, motion_in, stride_windows
+from dogbot_logtool.core.base.witness import Witness
 from dogbot_logtool.core.contact.foot_history import FootHistory
 
 SHORTEST_STRIDES: Final = 1.5
@@ -55,21 +56,20 @@ def find_frozen(
     if not period_s or len(base.time) < 2:
         return None
     spans = _one_pose(base, SHORTEST_STRIDES * period_s * 1e9)
-    stepping = [_touchdowns(feet, span) >= FEWEST_TOUCHDOWNS for span in spans]
-    spans = spans[np.array(stepping, np.bool_)] if len(spans) else spans
+    steps = [_touchdowns(feet, span) >= FEWEST_TOUCHDOWNS for span in spans]
+    spans = spans[np.array(steps, np.bool_)]
     if not len(spans):
         return None
-    motion = None
+    speeds, turns, by = np.empty(0), np.empty(0), ""
     if witness is not None:
         motion = motion_in(witness.poses, stride_windows(spans, period_s))
-    left = without_frozen(base, spans)
-    if witness is None or motion is None or not motion.known.any():
-        return Frozen(spans, len(left.time) < 2, None, None, "")
-    ways, turns = np.hypot(*motion.way[motion.known].T), np.abs(motion.turn[motion.known])
-    speed, turn = (float(median_of(each)) / period_s for each in (ways, turns))
-    if speed < STAYS_MPS and turn < STAYS_RADPS:
+        known = np.isfinite(motion.turn)
+        speeds, turns = np.abs(motion.way[known]) / period_s, np.abs(motion.turn[known]) / period_s
+        by = witness.by if known.any() else ""
+    moves, turned = (float(median_of(each)) if by else None for each in (speeds, turns))
+    if by and (moves or 0.0) < STAYS_MPS and (turned or 0.0) < STAYS_RADPS:
         return None
-    return Frozen(spans, len(left.time) < 2, speed, turn, witness.by)
+    return Frozen(spans, len(without_frozen(base, spans).time) < 2, moves, turned, by)
 
 
 def without_frozen(base: BaseHistory, spans: Ints) -> BaseHistory:

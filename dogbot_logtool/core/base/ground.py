@@ -72,14 +72,28 @@ def height_drift_m(base: BaseHistory, height_m: Floats, strides: Ints) -> float:
     walks = timespans.covers(timespans.merge(strides), base.time) & np.isfinite(height_m)
     if len(strides) < FEWEST_STRIDES or walks.sum() < 2 * FEWEST_STRIDES:
         return 0.0
-    height = height_m[walks] - height_m[walks].mean()
-    time = (base.time[walks] - base.time[walks][0]).astype(np.float64)
-    time -= time.mean()
-    slope = float((time @ height) / (time @ time))
-    unexplained, total = float(((height - slope * time) ** 2).sum()), float(height @ height)
-    rise = slope * float(np.ptp(time))
-    steady = unexplained <= (1.0 - STEADY) * total
-    return rise if steady and abs(rise) > RISES * median_of(height_m[walks]) else 0.0
+    seconds, height = (base.time[walks] - base.time[walks][0]) / 1e9, height_m[walks]
+    slope, steadiness = trend(seconds - seconds.mean(), (height - height.mean())[:, None])
+    rise = float(slope[0]) * float(np.ptp(seconds))
+    steady = steadiness >= STEADY
+    return rise if steady and abs(rise) > RISES * median_of(height) else 0.0
+
+
+def trend(time: Floats, values: Floats) -> tuple[Floats, float]:
+    """Fit a straight line to values over time, both about their means.
+
+    Args:
+        time: (n,)
+        values: (n, k)
+
+    Returns:
+        (k,) the slope, and the share of the variance along it that it explains; 0 of none.
+    """
+    slope = (time @ values) / (time @ time)
+    size = float(np.linalg.norm(slope))
+    along = values @ (slope / max(size, np.finfo(float).tiny))
+    total, rest = float(along @ along), along - size * time
+    return slope, 1.0 - float(rest @ rest) / total if total else 0.0
 
 
 def _base_from_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
@@ -134,10 +148,9 @@ def _ground_normal(feet: Sequence[FootHistory], within: Ints | None) -> Floats |
 def _standing_points(foot: FootHistory, within: Ints | None) -> Floats:
     """(n, 3) m, one contact point of each stance: the one nearest to its middle."""
     time, point = foot.track.contact_points
-    begin, end = foot.stances.touchdown, foot.stances.liftoff
-    row = np.searchsorted(time, begin + (end - begin) // 2)
+    row = np.searchsorted(time, foot.stances.middle)
     inside = row < len(time)
-    row, begin, end = row[inside], begin[inside], end[inside]
+    row, end = row[inside], foot.stances.liftoff[inside]
     hit = time[row] < end
     if within is not None:
         hit &= timespans.covers(within, time[row])
@@ -204,11 +217,21 @@ def swapped_pairs(
 
 def _usual_place(base: BaseHistory, foot: FootHistory) -> Floats | None:
     """(2,) m, along the body's x and y: the mean of a foot's contact points from the base."""
+    _, place = seen_from_base(foot, base)
+    return place.mean(axis=0) if len(place) else None
+
+
+def seen_from_base(foot: FootHistory, base: BaseHistory) -> tuple[Ints, Floats]:
+    """Return when and where a foot touches, as far as that is known.
+
+    Returns:
+        (n,) ns; and (n, 2) m along the body's x and y (yaw only), from the base.
+    """
     time, point = foot.track.contact_points
-    way = point[:, :2] - base.position_at(time)[:, :2]
-    in_body = np.stack(along_heading(way, base.angles_at(time)[:, 2]), axis=1)
-    in_body = in_body[all_finite(in_body)]
-    return in_body.mean(axis=0) if len(in_body) else None
+    away = point - base.position_at(time)
+    place = np.stack(along_heading(away, base.angles_at(time)[:, 2]), axis=1)
+    known = all_finite(away) & all_finite(place)
+    return time[known], place[known]
 
 
 def nearest_axis(direction: Floats) -> str | None:

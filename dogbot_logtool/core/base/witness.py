@@ -1,4 +1,4 @@
-"""The base's motion by the feet alone, and a comparison of poses with it over whole strides.
+"""The base's motion by the feet alone.
 
 Contact points in the world rest while the base moves on. From footfall to footfall a foot goes as
 far as the base, so that the centroid of all feet goes where the base goes, and their directions
@@ -12,14 +12,21 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, distinct, median_of, norms
+from dogbot_logtool.core.arrays import (
+    Complexes,
+    Floats,
+    Ints,
+    all_finite,
+    distinct,
+    median_of,
+    norms,
+)
 from dogbot_logtool.core.base.foot_path import RATE_HZ, FootPath
 from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.leg_position import LegPosition
-from dogbot_logtool.core.rotations import along_heading
 
 TICK_NS: Final = 50_000_000
 """ns, how often feet that rest in the world are looked at."""
@@ -134,10 +141,7 @@ def _interpolated(at: Ints, place: Floats, time: Ints) -> Floats:
     return np.stack([np.interp(time - at[0], since, axis) for axis in place.T], axis=1)
 
 
-def _heading(
-    places: "np.ndarray[tuple[int], np.dtype[np.complex128]]",
-    positions: Sequence[LegPosition | None],
-) -> float | None:
+def _heading(places: Complexes, positions: Sequence[LegPosition | None]) -> float | None:
     """Return the direction of forward by where fore and hind, left and right feet are, rad.
 
     Args:
@@ -195,74 +199,6 @@ def by_legs(
 
 def _history(time: Ints, position: Floats, angles: Floats) -> BaseHistory:
     return BaseHistory(len(time), 0, 0, time, position, angles, timespans.no_spans())
-
-
-@dataclass(frozen=True, slots=True)
-class Motion:
-    """How far a base moves in each of k windows."""
-
-    way: Floats
-    """(k, 2) m, ahead and to the left along its own heading; NaN: not known. Likewise the rest."""
-    turn: Floats
-    """(k,) rad."""
-    rise: Floats
-    """(k,) m."""
-
-    @property
-    def known(self) -> Flags:
-        """(k,) whether the motion is known."""
-        return np.isfinite(self.turn)
-
-
-def stride_windows(strides: Ints, period_s: float) -> Ints:
-    """Return spans, each as long as the usual stride, one after another while a robot walks.
-
-    Args:
-        strides: (s, 2) ns, merged spans with strides.
-        period_s: s, the usual stride.
-    """
-    period = round(period_s * 1e9)
-    starts = [
-        np.arange(start, end - period + 1, period, dtype=np.int64)
-        for start, end in strides.tolist()
-    ]
-    first = np.concatenate([np.empty(0, np.int64), *starts])
-    return np.stack([first, first + period], axis=1)
-
-
-def motion_in(base: BaseHistory, windows: Ints, forward_rad: float = 0.0) -> Motion:
-    """Add up a base's steps in some windows.
-
-    Args:
-        base: poses.
-        windows: (k, 2) ns.
-        forward_rad: from the heading of its poses to forward.
-    """
-    if len(base.time) < 2:
-        return Motion(*(np.full((len(windows), *more), np.nan) for more in ((2,), (), ())))
-    yaw = base.angles[:, 2]
-    step = np.diff(base.position[:, :2], axis=0)
-    ahead, left = along_heading(step, (yaw[1:] + yaw[:-1]) / 2.0 + forward_rad)
-    since = (base.time - base.time[0]).astype(np.float64)
-    edges = windows - base.time[0]
-
-    def change(column: Floats) -> Floats:
-        at = np.interp(edges, since, column)
-        return np.asarray(at[:, 1] - at[:, 0])
-
-    changes = np.stack(
-        [
-            change(np.concatenate([[0.0], np.cumsum(ahead)])),
-            change(np.concatenate([[0.0], np.cumsum(left)])),
-            change(yaw),
-            change(base.position[:, 2]),
-        ],
-        axis=1,
-    )
-    outside = (edges[:, 0] < 0) | (edges[:, 1] > since[-1])
-    outside |= timespans.touches(base.gaps, windows[:, 0], windows[:, 1])
-    changes[outside] = np.nan
-    return Motion(changes[:, :2], changes[:, 2], changes[:, 3])
 
 
 def feet_witness(

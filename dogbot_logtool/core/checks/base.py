@@ -13,7 +13,7 @@ from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.consistency.worlds import Worlds
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.finding import Finding, found
+from dogbot_logtool.finding import Finding, Words, found
 
 STANDS: Final = 0.5
 """Share of a drift that the points of standing feet would go with it, if they drifted, too."""
@@ -26,17 +26,8 @@ def worlds_differ(walk: Walk) -> Iterator[Finding]:
     """
     worlds = walk.worlds
     if worlds is not None and walk.worlds_differ:
-        yield found(
-            "WORLDS_DIFFER",
-            "aside",
-            *(("loses_way",) if walk.loses_way else ()),
-            feet=_feet_astray(walk, worlds),
-            where="stability",
-            distance=worlds.distance_m,
-            largest=worlds.largest_m,
-            spread=worlds.spread_m,
-            change=max(worlds.change_m, worlds.drift_m),
-        )
+        cases, feet = ("loses_way",) if walk.loses_way else (), _feet_astray(walk, worlds)
+        yield found("WORLDS_DIFFER", "aside", *cases, feet=feet, where="stability", worlds=worlds)
     elif worlds is not None and walk.base is not None and walk.base.height_m is None:
         yield found("WORLDS_DIFFER", "below", where="base.height_m")
 
@@ -65,14 +56,12 @@ def _travels_less(foot: FootSteps, share: float) -> bool:
 
 def falls(walk: Walk) -> Iterator[Finding]:
     """Yield when the robot falls, or tips over as the recording ends."""
-    tipping = walk.tipping
     if len(walk.fallen):
         at, seconds = walk.seconds(walk.fallen[:, 0])[0], timespans.total(walk.fallen) / 1e9
         yield found("FALL", where="base", at=at, seconds=seconds)
-    elif tipping is not None:
-        at, last = (tipping.since - walk.origin) / 1e9, tipping.last_rad
-        where, angle = f"base.{tipping.angle}_rad", tipping.angle
-        yield found("FALL", where=where, say="tips", angle=angle, at=at, last=last)
+    elif (tips := walk.tipping) is not None:
+        at, where = (tips.since - walk.origin) / 1e9, f"base.{tips.angle}_rad"
+        yield found("FALL", where=where, say="tips", tipping=tips, at=at)
 
 
 def poses(walk: Walk) -> Iterator[Finding]:
@@ -81,14 +70,14 @@ def poses(walk: Walk) -> Iterator[Finding]:
     if walk.base is None and (walk.leaning_rad is not None or walk.frozen is not None):
         return
     if record.messages and record.not_usable == record.messages:
-        yield found("NOT_FINITE", "base", where="base", say="useless", poses=record.messages)
+        yield found("NOT_FINITE", "base", where="base", say="useless", record=record)
     elif walk.base is None:
         yield found("NO_BASE", "few_poses", where="base")
     else:
         if record.not_usable:
-            yield found("NOT_FINITE", "base", where="base", say="poses", poses=record.not_usable)
+            yield found("NOT_FINITE", "base", where="base", say="poses", record=record)
         if record.not_advancing:
-            yield found("BAD_STAMPS", where="base", say="poses", poses=record.not_advancing)
+            yield found("BAD_STAMPS", where="base", say="poses", record=record)
 
 
 def by_feet(walk: Walk) -> Iterator[Finding]:
@@ -108,9 +97,8 @@ def up_axis(walk: Walk) -> Iterator[Finding]:
 def height_drifts(walk: Walk) -> Iterator[Finding]:
     """Yield that the base rises or sinks over the contact points while it walks."""
     if walk.rise_m:
-        goes, does = ("rises", "stretches") if walk.rise_m > 0.0 else ("sinks", "bends")
-        where, metres = "base.height_m", abs(walk.rise_m)
-        yield found("HEIGHT_DRIFTS", where=where, goes=goes, does=does, metres=metres)
+        say = "plain" if walk.rise_m > 0.0 else "sinks"
+        yield found("HEIGHT_DRIFTS", where="base.height_m", say=say, metres=abs(walk.rise_m))
 
 
 def sides_swapped(walk: Walk) -> Iterator[Finding]:
@@ -134,22 +122,14 @@ def sides_swapped(walk: Walk) -> Iterator[Finding]:
 def forward_axis(walk: Walk) -> Iterator[Finding]:
     """Yield that another axis than the guessed one is forward, or may be."""
     settings, base = walk.settings, walk.base
-    if base is None:
-        return
-    axis, why = settings.forward_axis, settings.forward_axis_reason
-    if why:
-        yield found("FORWARD_AXIS", where="settings.forward_axis", axis=axis, why=why)
+    if base is not None and settings.forward_axis_reason:
+        yield found("FORWARD_AXIS", where="settings.forward_axis", settings=settings)
     forward, left = ways_m(base)
     if abs(left) > max(WALKED_M, 2.0 * abs(forward)):
-        yield found(
-            "FORWARD_AXIS",
-            where="base.forward_speed_mps",
-            say="sideways",
-            side="left" if left > 0.0 else "right",
-            axis=axis,
-            speed=abs(base.lateral_speed_mps or 0.0),
-            forward=base.forward_speed_mps,
-        )
+        side = "left" if left > 0.0 else "right"
+        where, speed = "base.forward_speed_mps", abs((base and base.lateral_speed_mps) or 0.0)
+        words: Words = {"settings": settings, "base": base, "side": side, "speed": speed}
+        yield found("FORWARD_AXIS", where=where, say="sideways", **words)
 
 
 def pose_jumps(walk: Walk) -> Iterator[Finding]:

@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.finding import Finding, found
+from dogbot_logtool.finding import Finding, Words, found
 
 FAR_S: Final = 10.0
 """s: stamps further from log time are on another clock, not only delayed."""
@@ -40,36 +40,22 @@ def clock_set(walk: Walk) -> Iterator[Finding]:
 
 def clocks_differ(walk: Walk) -> Iterator[Finding]:
     """Yield topics whose clocks differ from that of the feet, by stamps or by physics."""
-    base_topic, delay = walk.settings.odometry_topic, walk.base_delay
+    base_topic, delay, feet = walk.settings.odometry_topic, walk.base_delay, walk.feet_on_poses
     for each in walk.clocks:
         if not each.is_apart:
             continue
         case = "base" if each.topic == base_topic else "feet"
+        case = case if each.topic in walk.clocks_apart else "little"
         steady_s = max(each.jitter_s, 0.5 * abs(each.behind_s))
         drifts = f", drifting by {each.drift_s:+.3f} s over the log"
-        yield found(
-            "CLOCK_OFFSET",
-            case if each.topic in walk.clocks_apart else "little",
-            topic=each.topic,
-            behind=abs(each.behind_s),
-            way="behind" if each.behind_s > 0.0 else "ahead of",
-            jitter=each.jitter_s,
-            drifts=drifts if abs(each.drift_s) > steady_s else "",
-            feet=walk.feet_on_poses,
-        )
+        drifts = drifts if abs(each.drift_s) > steady_s else ""
+        seconds, way = abs(each.behind_s), "behind" if each.behind_s > 0.0 else "ahead of"
+        words: Words = {"topic": each.topic, "seconds": seconds, "way": way, "drifts": drifts}
+        yield found("CLOCK_OFFSET", case, feet=feet, clock=each, **words)
     if delay is not None:
-        yield found(
-            "CLOCK_OFFSET",
-            "base",
-            say="heave",
-            feet=walk.feet_on_poses,
-            topic=base_topic,
-            delay=abs(delay.delay_s),
-            way="after" if delay.delay_s > 0.0 else "before",
-            low=delay.low_s,
-            high=delay.high_s,
-            correlation=delay.correlation,
-        )
+        seconds, way = abs(delay.delay_s), "after" if delay.delay_s > 0.0 else "before"
+        words = {"topic": base_topic, "seconds": seconds, "way": way}
+        yield found("CLOCK_OFFSET", "base", say="heave", feet=feet, delay=delay, **words)
 
 
 def feet_silent(walk: Walk) -> Iterator[Finding]:
@@ -77,9 +63,8 @@ def feet_silent(walk: Walk) -> Iterator[Finding]:
     silent = all_silent(walk.records, walk.poses)
     if len(silent):
         first, seconds = walk.seconds(silent[:, 0])[0], np.diff(silent).sum() / 1e9
-        yield found(
-            "ALL_FEET_SILENT", where="feet", times=len(silent), first=first, seconds=seconds
-        )
+        words: Words = {"times": len(silent), "first": first, "seconds": seconds}
+        yield found("ALL_FEET_SILENT", where="feet", **words)
 
 
 def topics_timed(walk: Walk) -> Iterator[Finding]:
@@ -87,8 +72,7 @@ def topics_timed(walk: Walk) -> Iterator[Finding]:
     for each in walk.topics:
         topic, offset_s, drift_ppm = each.topic, each.offset_median_s, each.offset_drift_ppm
         if each.gaps and topic != walk.settings.command_topic:
-            seconds, longest = each.gaps_total_s, each.longest_gap_s
-            yield found("GAPS", topic=topic, gaps=each.gaps, seconds=seconds, longest=longest)
+            yield found("GAPS", where=topic, timing=each)
         for code, field, what in _ODD_TIMES:
             if count := getattr(each, field):
                 yield found(code, topic=topic, count=count, messages=each.messages, what=what)

@@ -13,7 +13,7 @@ from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.loads import mean_impulses
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.finding import Finding, found
+from dogbot_logtool.finding import Finding, Words, found
 
 FEWEST_DOWN: Final = 1.2
 """Feet of four or more that must be down on average, unless the robot flies."""
@@ -139,18 +139,10 @@ def sampled_slowly(walk: Walk) -> Iterator[Finding]:
         for foot in walk.feet
         if foot.record.median_interval_s and len(foot.strides.stance)
     }
-    slow = tuple(name for name, number in told.items() if number < 1.0 / UNCERTAIN)
-    if slow:
-        least = min(told.values())
-        yield found(
-            "SAMPLED_SLOWLY",
-            "contact",
-            where="feet",
-            feet=slow,
-            names=", ".join(slow),
-            least=least,
-            share=1.0 / least,
-        )
+    feet, least = tuple(n for n, number in told.items() if number < 1.0 / UNCERTAIN), told.values()
+    if feet:
+        words: Words = {"names": ", ".join(feet), "least": min(least), "share": 1.0 / min(least)}
+        yield found("SAMPLED_SLOWLY", "contact", where="feet", feet=feet, **words)
 
 
 def payload(walk: Walk) -> Iterator[Finding]:
@@ -166,15 +158,16 @@ def payload(walk: Walk) -> Iterator[Finding]:
     before, after = float(weight[:row].mean()), float(weight[row + 1 :].mean())
     scatter = float(np.sqrt(min(rests) / max(len(weight) - 2, 1)))
     if abs(after - before) >= max(CHANGES * max(before, after), OVER_NOISE * scatter):
-        yield found(
-            "PAYLOAD",
-            where="forces",
-            before=before,
-            after=after,
-            since=walk.seconds(time[row : row + 1])[0],
-            load=abs(after - before),
-            verb="taken off" if after < before else "put on",
-        )
+        since, load = walk.seconds(time[row : row + 1])[0], abs(after - before)
+        verb = "taken off" if after < before else "put on"
+        words: Words = {
+            "before": before,
+            "after": after,
+            "since": since,
+            "load": load,
+            "verb": verb,
+        }
+        yield found("PAYLOAD", where="forces", **words)
 
 
 def _weights(walk: Walk) -> tuple[Ints, Floats]:

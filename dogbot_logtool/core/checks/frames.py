@@ -5,83 +5,62 @@ from math import atan, degrees
 
 from dogbot_logtool.core.frames.wrench_frame import FrameFit, WrenchFrame, WrenchFrameEvidence
 from dogbot_logtool.core.known_frames import KnownFrames
-from dogbot_logtool.core.plausible import IMPLAUSIBLE
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.core.world_frames import PlacedCounts, WorldFrames
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, found
 
 
 def frames_known(walk: Walk) -> Iterator[Finding]:
-    """Say what is odd in the names of frames, and which frame the wrenches are in."""
+    """Yield what is odd in the names of frames, and which frame the wrenches are in."""
     yield from name_findings(walk.frames)
-    settings = walk.settings
+    settings, seen = walk.settings, walk.frames.wrench_frame
     if not settings.contact_from and any(foot.has_force for foot in settings.feet):
-        yield wrench_frame_finding(walk.frames.wrench_frame)
+        cases = ("unknown",) if seen.frame is WrenchFrame.UNKNOWN else ()
+        yield found("WRENCH_FRAME", *cases, say=seen.frame, evidence=_evidence(seen))
 
 
 def columns_corrected(walk: Walk) -> Iterator[Finding]:
-    """Say what was left out, what transforms did not tell, and which plan is apart."""
-    settings = walk.settings
-    if zero := [foot.name for foot in settings.feet if foot.forces_are_zero]:
-        text = f"all wrenches of {', '.join(zero)} are zero: contacts without forces"
-        yield Finding("NO_FORCE", text)
+    """Yield what was left out, what transforms did not tell, and which plan is apart."""
+    if zero := [foot.name for foot in walk.settings.feet if foot.forces_are_zero]:
+        yield found("NO_FORCE", say="zero", names=", ".join(zero))
     if walk.recording.implausible:
-        yield Finding("NOT_FINITE", f"{walk.recording.implausible:,} {IMPLAUSIBLE}")
+        yield found("NOT_FINITE", say="implausible", count=walk.recording.implausible)
     if walk.turned is not None:
         yield from transform_findings(*walk.turned)
-    if topic := walk.plan_apart:
-        text = f"{topic} is a plan on another clock than the feet: they are not compared"
-        yield Finding("PLANNED", text, cases=("not_compared",))
+    if walk.plan_apart:
+        yield found("PLANNED", "not_compared", plan=walk.plan_apart)
 
 
 def zero_stamps(recording: Recording, settings: WalkSettings) -> frozenset[str]:
     """Return the topics of feet and base whose header stamps are all zero."""
     used = {*(foot.topic for foot in settings.feet), settings.odometry_topic}
-    found = {topic: times.stamp for topic, times in recording.topics.items() if topic in used}
+    stamps = {topic: times.stamp for topic, times in recording.topics.items() if topic in used}
     return frozenset(
-        topic for topic, stamp in found.items() if stamp is not None and not stamp.any()
+        topic for topic, stamp in stamps.items() if stamp is not None and not stamp.any()
     )
 
 
 def stamp_findings(recording: Recording, settings: WalkSettings) -> Iterator[Finding]:
-    """Say which topics have no header stamps."""
+    """Yield which topics have no header stamps."""
     if zeros := zero_stamps(recording, settings):
         used = {foot.topic for foot in settings.feet} | {settings.odometry_topic or min(zeros)}
         topics = "everywhere" if zeros >= used else "on " + ", ".join(sorted(zeros))
-        yield Finding("BAD_STAMPS", f"header stamps are zero {topics}: log time is used instead")
+        yield found("BAD_STAMPS", say="zero", topics=topics)
 
 
 def name_findings(frames: KnownFrames) -> Iterator[Finding]:
-    """Say what is odd in the names of frames."""
+    """Yield what is odd in the names of frames."""
     if frames.slashed_frames:
-        names = ", ".join(frames.slashed_frames)
-        text = f"frame ids begin with a slash, which viewers of today do not accept: {names}"
-        yield Finding("FRAME_NAMES", text)
+        yield found("FRAME_NAMES", say="slashed", names=", ".join(frames.slashed_frames))
     if len(frames.world_frames) > 1 or len(frames.base_frames) > 1:
         names = ", ".join((*frames.world_frames, *frames.base_frames))
-        yield Finding("FRAME_NAMES", f"the odometry names several frames: {names}")
-
-
-def wrench_frame_finding(seen: WrenchFrameEvidence) -> Finding:
-    """Say which frame the wrenches are in."""
-    if seen.frame is WrenchFrame.UNKNOWN:
-        text = (
-            f"the frame of the wrenches is not known ({_evidence(seen)}): only magnitudes are "
-            "used; --set wrench_frame says which"
-        )
-        return Finding("WRENCH_FRAME", text, cases=("unknown",))
-    if seen.frame is WrenchFrame.WORLD:
-        return Finding("WRENCH_FRAME", f"wrenches are in the world frame ({_evidence(seen)})")
-    return Finding(
-        "WRENCH_FRAME",
-        f"wrenches are not in the world frame but in a link's ({_evidence(seen)})",
-    )
+        yield found("FRAME_NAMES", say="several", names=names)
 
 
 def _evidence(seen: WrenchFrameEvidence) -> str:
-    """Return the numbers that decided the frame, in words."""
+    """Return the numbers that decided the frame of the wrenches, in words."""
     if seen.world is None:
         if seen.frame is WrenchFrame.UNKNOWN:
             return "too few loaded samples with normals were seen"
@@ -100,18 +79,14 @@ def _fit_text(fit: FrameFit) -> str:
 
 
 def transform_findings(frames: WorldFrames, counts: PlacedCounts) -> Iterator[Finding]:
-    """Say how often the frames told what was asked of them."""
-    forces = "link-frame forces turned into the world by the log's own transforms"
-    recorded = "positions of feet in the base's frame turned into the world"
-    origins = "contacts without a point placed at the origins of the feet's frames"
+    """Yield how often the frames told what was asked of them."""
     points = [point for point in frames.points if point]
-    for wanted, (done, left), cases, text in (
-        (any(frames.links), counts.forces, ("forces",), forces),
-        (any(point.recorded for point in points), counts.points, (), recorded),
-        (not all(point.recorded for point in points), counts.points, (), origins),
+    for wanted, (done, left), what in (
+        (any(frames.links), counts.forces, "forces"),
+        (any(point.recorded for point in points), counts.points, "positions"),
+        (not all(point.recorded for point in points), counts.points, "origins"),
     ):
-        if wanted and left:
-            missing = f"{text}: {done:,}; transforms were missing for {left:,}"
-            yield Finding("TRANSFORMS_MISSING", missing, cases=cases)
-        elif wanted:
-            yield Finding("TRANSFORMS_MISSING", f"{text}: {done:,}", cases=("none",))
+        if wanted:
+            cases = ("none",) if not left else ("forces",) if what == "forces" else ()
+            missing = f"; transforms were missing for {left:,}" if left else ""
+            yield found("TRANSFORMS_MISSING", *cases, say=what, done=done, missing=missing)

@@ -20,10 +20,24 @@ def no_class(walk: Walk) -> Iterator[Finding]:
     if main is None:
         say = "clocks" if walk.feet_clocks_are_apart else "no_strides"
         yield found("CLASS_UNKNOWN", where=where, say=say)
-    elif main.gait.name is None and not (main.moves_without_steps or main.is_lifted):
-        yield found("CLASS_UNKNOWN", where=where, why=_why_no_class(walk, main))
+        return
+    feet = [*zip([foot.name for foot in walk.feet], main.phases, strict=True)]
+    if main.gait.name is None and not (main.moves_without_steps or main.is_lifted):
+        say, names = "phases", ", ".join(name for name, phase in feet if phase is None)
+        if legs_in_order([foot.leg_position for foot in walk.feet]) is None:
+            say = "positions"
+        if len(feet) not in {2, 4, 6}:
+            say = "number"
+        yield found("CLASS_UNKNOWN", where=where, say=say, names=names, number=len(feet))
     elif main.gait.name == IRREGULAR:
-        yield found("CLASS_UNKNOWN", where=where, why=_why_irregular(walk, main))
+        loose = [
+            f"{name} (R = {phase.consistency:.2f})"
+            for name, phase in feet
+            if phase is not None and phase.consistency <= CONSISTENT
+        ]
+        say = "flight" if (main.gait.distance or 0.0) <= TOLERANCE else "nearest"
+        say, names = "loose" if loose else say, ", ".join(loose)
+        yield found("CLASS_UNKNOWN", where=where, say=say, names=names, gait=main.gait)
 
 
 def other_reference_foot(walk: Walk) -> Iterator[Finding]:
@@ -80,24 +94,13 @@ def several_gaits(walk: Walk) -> Iterator[Finding]:
 def against_plan(walk: Walk) -> Iterator[Finding]:
     """Yield how the feet follow their plan."""
     for foot, plan in zip(walk.feet, walk.planned, strict=False):
-        if plan is None or not plan.touchdowns:
-            continue
-        delay, median = plan.metrics.delay_s, ""
-        if delay is not None:
-            when = "late" if delay.median >= 0.0 else "early"
-            median = f"; {1e3 * abs(delay.median):.0f} ms {when} in the median"
-        yield found(
-            "AGAINST_PLAN",
-            where=f"feet.{foot.name}.planned",
-            foot=foot.name,
-            topic=plan.topic,
-            planned=plan.touchdowns,
-            early=plan.early,
-            late=plan.late,
-            missed=plan.metrics.missed,
-            unplanned=plan.metrics.unplanned,
-            median=median,
-        )
+        if plan is not None and plan.touchdowns:
+            delay, median = plan.metrics.delay_s, ""
+            if delay is not None:
+                when = "late" if delay.median >= 0.0 else "early"
+                median = f"; {1e3 * abs(delay.median):.0f} ms {when} in the median"
+            where = f"feet.{foot.name}.planned"
+            yield found("AGAINST_PLAN", where=where, foot=foot.name, plan=plan, median=median)
 
 
 def slips(walk: Walk) -> Iterator[Finding]:
@@ -108,30 +111,3 @@ def slips(walk: Walk) -> Iterator[Finding]:
         if far and walk.settings.foot_rolling_m is None and foot.slip_from is None:
             where, metres = f"feet.{foot.name}.contact_travel_m", np.nanmax(reach)
             yield found("SLIPS", where=where, foot=foot.name, metres=metres, stances=far)
-
-
-def _why_no_class(walk: Walk, main: Segment) -> str:
-    if len(walk.feet) not in {2, 4, 6}:
-        return f"only gaits of two, four or six feet have names; this robot has {len(walk.feet)}"
-    if legs_in_order([foot.leg_position for foot in walk.feet]) is None:
-        return (
-            "a gait's name needs to know which foot is front or back, left or right: names such as "
-            "--foot front_left=TOPIC say so, or `place` in a robot's file"
-        )
-    feet = zip(walk.feet, main.phases, strict=True)
-    missing = ", ".join(foot.name for foot, phase in feet if phase is None)
-    return f"{missing} has no touchdowns in the strides of the reference foot"
-
-
-def _why_irregular(walk: Walk, main: Segment) -> str:
-    loose = [
-        f"{foot.name} (R = {phase.consistency:.2f})"
-        for foot, phase in zip(walk.feet, main.phases, strict=True)
-        if phase is not None and phase.consistency <= CONSISTENT
-    ]
-    nearest, distance = main.gait.nearest, main.gait.distance or 0.0
-    if loose:
-        return f"phases are not consistent: {', '.join(loose)}"
-    if distance <= TOLERANCE:
-        return f"its footfalls are those of an {nearest}, but it has flight"
-    return f"the phases fit no class; the nearest is {nearest}, {distance:.2f} cycles off"

@@ -7,7 +7,7 @@ from dogbot_logtool.core.gait.feet import net_push
 from dogbot_logtool.core.loads import REFUTED, WEIGHT_TOLERANCE, is_stuck
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.finding import Finding, found
+from dogbot_logtool.finding import Finding, Words, found
 
 WHOLE_TOLERANCE: Final = 0.05
 """By how much the ratio may miss a whole number of summed physics steps, relative to it."""
@@ -50,31 +50,22 @@ def impulse_is_not_weight(walk: Walk) -> Iterator[Finding]:
     ratio, magnitude = loads.vertical_impulse_over_weight, loads.magnitude_over_weight
     tolerance = REFUTED if walk.settings.contact_from else WEIGHT_TOLERANCE
     missing = walk.settings.lacks_feet and (ratio or 0.0) < 1.0
-    told: list[tuple[str, float | None]] = []
     if magnitude is not None and "shares" in loads.refuted:
-        told.append(("magnitude", magnitude))
+        words: Words = {"ratio": magnitude, "cause": _likely_cause(walk, magnitude)}
+        yield found("IMPULSE_IS_NOT_WEIGHT", *loads.refuted, where=_RATIO, say="magnitude", **words)
     if ratio is None and (loads.mean_vertical_n or 0.0) < 0.0:
-        told.append(("downwards", None))
-    if ratio is not None and not missing and abs(ratio - 1.0) > tolerance:
-        told.append(("plain", ratio))
-    for say, each in told:
         yield found(
-            "IMPULSE_IS_NOT_WEIGHT",
-            *loads.refuted,
-            where=_RATIO,
-            say=say,
-            ratio=each,
-            newtons=loads.mean_vertical_n,
-            cause="" if each is None else _likely_cause(walk, each),
+            "IMPULSE_IS_NOT_WEIGHT", *loads.refuted, where=_RATIO, say="downwards", loads=loads
         )
+    if ratio is not None and not missing and abs(ratio - 1.0) > tolerance:
+        words = {"ratio": ratio, "cause": _likely_cause(walk, ratio)}
+        yield found("IMPULSE_IS_NOT_WEIGHT", *loads.refuted, where=_RATIO, say="plain", **words)
 
 
 def forces_lean(walk: Walk) -> Iterator[Finding]:
     """Yield that forces may be in the frames of legs that swing."""
-    loads = walk.loads
     if _may_lean(walk):
-        magnitude, vertical = loads.mean_magnitude_n, loads.mean_vertical_n
-        yield found("DIRECTION_UNKNOWN", where="feet", magnitude=magnitude, vertical=vertical)
+        yield found("DIRECTION_UNKNOWN", where="feet", loads=walk.loads)
 
 
 def forces_push(walk: Walk) -> Iterator[Finding]:

@@ -1,16 +1,21 @@
 """Checks of the base's poses against second witnesses: feet, twist. A pose is a sensor, too."""
 
-from collections.abc import Iterator
-from typing import Final
+from collections.abc import Iterator, Sequence
+from typing import Any, Final
 
 import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of, percentiles_of
 from dogbot_logtool.core.base.attitude import turns_and_up
-from dogbot_logtool.core.base.comparison import Comparison, compare, compare_twist, usual_way_m
+from dogbot_logtool.core.base.comparison import (
+    Comparison,
+    compare,
+    compare_twist,
+    motion_in,
+    stride_windows,
+)
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
-from dogbot_logtool.core.base.witness import motion_in, stride_windows
 from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.walk import Walk
@@ -64,78 +69,95 @@ def frozen(walk: Walk) -> Iterator[Finding]:
         why = f"by {still.by} the base moves at {still.moves_mps or 0.0:.2f} m/s"
         if still.turns_radps:
             why += f" and turns at {still.turns_radps:.2f} rad/s"
-    case = "whole" if still.whole else "part"
-    yield _doubted(
-        walk,
-        "POSE_FROZEN",
-        *(() if walk.base_by_feet else (case,)),
-        seconds=timespans.total(still.spans) / 1e9,
-        at=walk.seconds(still.spans[:, 0])[0],
-        steps=sum(len(foot.record.stances.touchdown) for foot in walk.feet),
-        why=why,
-    )
+    cases = () if walk.base_by_feet else ("whole",) if still.whole else ("part",)
+    seconds, at = timespans.total(still.spans) / 1e9, walk.seconds(still.spans[:, 0])[0]
+    steps = sum(len(record.stances.touchdown) for record in walk.records)
+    yield _doubted(walk, "POSE_FROZEN", *cases, seconds=seconds, at=at, steps=steps, why=why)
 
 
-def scale(walk: Walk) -> Iterator[Finding]:
+def contradicted(walk: Walk) -> Iterator[Finding]:
+    """Yield where a second witness of the base's motion contradicts the poses, stride by stride."""
+    windows = _windows(walk)
+    told = [*_comparisons(walk, windows)]
+    yield from _scale(walk, told, windows)
+    yield from _direction(walk, told)
+    yield from _orientation(walk, told, windows)
+    yield from _planar(walk, told, windows)
+
+
+def _windows(walk: Walk) -> Ints:
+    """(k, 2) ns, strides one after another while the robot walks."""
+    period_s = walk.period_s
+    if not period_s or len(walk.poses.time) < 2:
+        return timespans.no_spans()
+    walks = any_strides(walk.records, walk.fallen, walk.standing.without_steps)
+    return stride_windows(timespans.merge(walks), period_s)
+
+
+def _comparisons(walk: Walk, windows: Ints) -> Iterator[Comparison]:
+    """Yield comparisons of the poses, the surest first."""
+    if not len(windows) or walk.ground is not None or walk.base_by_feet:
+        return
+    forward_rad, feet = FORWARD_ANGLES[walk.settings.forward_axis], walk.witness
+    if feet is not None:
+        # Legs tell of the body's own axes, contact points of where fore and hind feet are.
+        own = motion_in(walk.poses, windows, forward_rad)
+        told = motion_in(feet.poses, windows, forward_rad if feet.by == "legs" else 0.0)
+        turn, heading = feet.tells_turn, feet.tells_heading
+        by_feet = compare(feet.by, own, told, tells_turn=turn, tells_heading=heading)
+        yield from () if by_feet is None else (by_feet,)
+    by_twist = compare_twist(walk.poses, windows, forward_rad)
+    yield from () if by_twist is None else (by_twist,)
+
+
+def _scale(walk: Walk, told: Sequence[Comparison], windows: Ints) -> Iterator[Finding]:
     """Yield that poses go further, or less far, than the feet walk or the twist tells."""
-    told = [each for each in _comparisons(walk) if each.scale is not None]
-    way = usual_way_m(walk.track.history, _windows(walk))
+    ways = np.abs(motion_in(walk.track.history, windows).way)
+    way_m = float(median_of(ways[np.isfinite(ways)])) if np.isfinite(ways).any() else 0.0
     longest = FURTHEST_LEGS * LONGEST_LEG_M * (walk.settings.mass_kg or HEAVIEST_KG) ** (1.0 / 3.0)
-    if told and not SCALES[0] <= (factor := told[0].scale or 0.0) <= SCALES[1]:
+    surest = next((each for each in told if each.scale is not None), None)
+    factor = 1.0 if surest is None or surest.scale is None else surest.scale
+    if surest is not None and not SCALES[0] <= factor <= SCALES[1]:
         near = [each for number, each in UNITS.items() if 0.8 <= factor / number <= 1.25]
         unit = f"positions in {near[0]}? --set odometry_scale={1.0 / factor:.3g}" if near else OTHER
-        walked, by_witness = told[0].walked_m
-        yield _doubted(
-            walk,
-            "POSE_SCALE",
-            factor=factor,
-            by=told[0].by,
-            strides=len(told[0].way),
-            walked=walked,
-            told=by_witness,
-            unit=unit,
-        )
-    elif way is not None and way > longest:
-        yield _doubted(walk, "POSE_SCALE", say="stride", way=way, longest=longest)
+        yield _doubted(walk, "POSE_SCALE", factor=factor, witness=surest, unit=unit)
+    elif way_m > longest:
+        yield _doubted(walk, "POSE_SCALE", say="stride", way=way_m, longest=longest)
 
 
-def direction(walk: Walk) -> Iterator[Finding]:
+def _direction(walk: Walk, told: Sequence[Comparison]) -> Iterator[Finding]:
     """Yield that positions go another way than the body's axes and the feet tell."""
-    told = [each for each in _comparisons(walk) if each.direction_rad is not None]
-    angle = (told[0].direction_rad or 0.0) if told else 0.0
+    surest = next((each for each in told if each.direction_rad is not None), None)
+    angle = (surest and surest.direction_rad) or 0.0
     if abs(angle) > ASIDE_RAD:
-        yield _doubted(
-            walk,
-            "POSE_DIRECTION",
-            degrees=abs(np.degrees(angle)),
-            side="left" if angle > 0.0 else "right",
-            by=told[0].by,
-            strides=len(told[0].way),
-        )
+        degrees, side = abs(np.degrees(angle)), "left" if angle > 0.0 else "right"
+        yield _doubted(walk, "POSE_DIRECTION", degrees=degrees, side=side, witness=surest)
 
 
-def orientation(walk: Walk) -> Iterator[Finding]:
+def _orientation(walk: Walk, told: Sequence[Comparison], windows: Ints) -> Iterator[Finding]:
     """Yield that the orientation does not turn although the robot does."""
-    for own, told, by in _turns(walk):
+    for own, turned, by in _turns(walk, told, windows):
         least = 2.0 * TURNS_RAD if by == COURSE else TURNS_RAD
-        if abs(told) > least and own * np.sign(told) < TURNS_WITH * abs(told):
-            degrees = np.degrees([own, told]).tolist()
+        if abs(turned) > least and own * np.sign(turned) < TURNS_WITH * abs(turned):
+            degrees = np.degrees([own, turned]).tolist()
             yield _doubted(walk, "POSE_ORIENTATION", own=degrees[0], told=degrees[1], by=by)
             return
 
 
-def _turns(walk: Walk) -> Iterator[tuple[float, float, str]]:
+def _turns(
+    walk: Walk, told: Sequence[Comparison], windows: Ints
+) -> Iterator[tuple[float, float, str]]:
     """Yield by how much poses turn and by how much a witness says; only feet are asked, if any."""
-    feet = [each for each in _comparisons(walk) if each.turn is not None]
-    if feet and feet[0].turn is not None:
-        yield float(feet[0].turn.sum()), float(feet[0].told_turn.sum()), feet[0].by
+    feet = next((each for each in told if each.tells_turn), None)
+    if feet is not None:
+        yield float(feet.own.turn.sum()), float(feet.told.turn.sum()), feet.by
         return
-    poses, windows = walk.poses, _windows(walk)
-    own, (turns, _) = motion_in(poses, windows), _inertial(walk, windows)
-    both = np.isfinite(own.turn) & np.isfinite(turns)
-    yield float(own.turn[both].sum()), float(turns[both].sum()), "the gyroscope"
+    poses = walk.poses
+    own, (turns, _) = motion_in(poses, windows).turn, _inertial(walk, windows)
+    both = np.isfinite(own) & np.isfinite(turns)
+    yield float(own[both].sum()), float(turns[both].sum()), "the gyroscope"
     # An orientation that is one to the bit, beside a course that turns.
-    if len(windows) and len(poses.time) and not np.ptp(poses.angles, axis=0).any():
+    if len(windows) and not np.ptp(poses.angles, axis=0).any():
         step = np.diff(poses.position_at(windows.ravel())[:, :2].reshape(-1, 2, 2), axis=1)[:, 0]
         step = step[np.hypot(*step.T) > CLIMBS_M]
         course = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
@@ -151,12 +173,12 @@ def _inertial(walk: Walk, windows: Ints) -> tuple[Floats, Floats]:
     return np.full(len(windows), np.nan), np.full((len(windows), 3), np.nan)
 
 
-def _leans_rad(walk: Walk) -> float:
+def _leans_rad(walk: Walk, windows: Ints) -> float:
     """Return how far the accelerometer leans in a quarter of the strides or more, rad.
 
     Where its mounting is known, from the base's upright; else from its own usual direction.
     """
-    _, up = _inertial(walk, _windows(walk))
+    _, up = _inertial(walk, windows)
     up, inertial = up[all_finite(up)], walk.recording.accelerations
     if not len(up) or inertial is None:
         return 0.0
@@ -169,22 +191,20 @@ def _leans_rad(walk: Walk) -> float:
     return float(percentiles_of(np.arccos(cosine), 75.0))
 
 
-def planar(walk: Walk) -> Iterator[Finding]:
+def _planar(walk: Walk, told: Sequence[Comparison], windows: Ints) -> Iterator[Finding]:
     """Yield that poses are those of a plane: z, roll and pitch never change."""
     poses = walk.poses
-    if walk.base_by_feet or len(poses.time) < 2 or not len(_windows(walk)):
-        return
     flat = np.column_stack([poses.position[:, 2], poses.angles[:, :2]])
-    if float(np.ptp(flat, axis=0).max()) > 0.0:
+    if walk.base_by_feet or not len(windows) or float(np.ptp(flat, axis=0).max()) > 0.0:
         return
-    climbs = [float(each.told_rise.sum()) for each in _comparisons(walk) if each.by == POINTS]
+    climb = next((float(each.told.rise.sum()) for each in told if each.by == POINTS), 0.0)
     slope = (walk.base and walk.base.slope_rad) or 0.0
     while_feet = ""
-    if climbs and abs(climbs[0]) > CLIMBS_M:
-        while_feet = f", while the feet go {climbs[0]:+.2f} m up"
+    if abs(climb) > CLIMBS_M:
+        while_feet = f", while the feet go {climb:+.2f} m up"
     elif walk.witness is not None and slope > LEAST_SLOPE_RAD:
         while_feet = f", while the feet's plane leans by {np.degrees(slope):.0f} degrees"
-    elif (lean := _leans_rad(walk)) > LEANS_RAD:
+    elif (lean := _leans_rad(walk, windows)) > LEANS_RAD:
         while_feet = f", while the accelerometer leans by {np.degrees(lean):.0f} degrees"
     if while_feet or poses.position[0, 2] == 0.0:
         cases = ("contradicted",) if while_feet else ()
@@ -204,40 +224,18 @@ def rate(walk: Walk) -> Iterator[Finding]:
         # Where the base goes after the last pose is not known.
         cases = (*cases, "short")
     if poses.repeated or cases:
-        yield found(
-            "POSE_REPEATED",
-            *cases,
-            where="base",
-            say="plain" if poses.repeated else "rare",
-            repeated=poses.repeated,
-            poses=poses.messages,
-            rates=f"{1.0 / interval_s:.2g} distinct poses a second, {per_stride:.1f} a stride",
-        )
+        say = "plain" if poses.repeated else "rare"
+        rates = f"{1.0 / interval_s:.2g} distinct poses a second, {per_stride:.1f} a stride"
+        yield found("POSE_REPEATED", *cases, where="base", say=say, poses=poses, rates=rates)
 
 
-def _windows(walk: Walk) -> Ints:
-    """(k, 2) ns, strides one after another while the robot walks."""
-    period_s = walk.period_s
-    if not period_s or len(walk.poses.time) < 2:
-        return timespans.no_spans()
-    walks = any_strides(walk.records, walk.fallen, walk.standing.without_steps)
-    return stride_windows(timespans.merge(walks), period_s)
-
-
-def _comparisons(walk: Walk) -> Iterator[Comparison]:
-    """Yield comparisons of the poses, the surest first."""
-    windows = _windows(walk)
-    if not len(windows) or walk.ground is not None or walk.base_by_feet:
-        return
-    forward_rad = FORWARD_ANGLES[walk.settings.forward_axis]
-    if walk.witness is not None:
-        by_feet = compare(walk.poses, walk.witness, windows, forward_rad)
-        yield from () if by_feet is None else (by_feet,)
-    by_twist = compare_twist(walk.poses, windows, forward_rad)
-    yield from () if by_twist is None else (by_twist,)
-
-
-def _doubted(walk: Walk, code: str, *cases: str, say: str = "plain", **values: object) -> Finding:
+def _doubted(
+    walk: Walk,
+    code: str,
+    *cases: str,
+    say: str = "plain",
+    **values: Any,  # noqa: ANN401 - as `found` has it
+) -> Finding:
     """Return a finding about the poses, and about the feet whose places rest on them."""
     names = () if walk.base_by_feet else walk.feet_on_poses
     placed = ("placed",) if names else ()

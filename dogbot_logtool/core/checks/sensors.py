@@ -1,17 +1,17 @@
 """Checks of the feet's sensors: what they read without load, and whether they work."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import median_of
-from dogbot_logtool.core.contact.contact_rule import HEAVILY_FILTERED, FootSensor
+from dogbot_logtool.core.contact.contact_rule import HEAVILY_FILTERED
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.loads import is_stuck
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.finding import Finding, found
+from dogbot_logtool.finding import Finding, Words, found
 
 PLAIN: Final = 0.02
 """Share of the weight from which an offset is worth a finding."""
@@ -25,47 +25,24 @@ SOME_S: Final = 0.1
 
 def unloaded_levels(walk: Walk) -> Iterator[Finding]:
     """Yield feet whose contact cannot be told, and offsets of sensors."""
-    settings = walk.settings
-    names = [foot.name for foot in settings.feet]
-    sensors = [settings.sensor(row) for row in range(len(names))]
-    weight_n = settings.body_weight_n or settings.estimated_weight_n
-    yield from sensor_findings(names, sensors, weight_n)
-
-
-def sensor_findings(
-    names: Sequence[str], sensors: Sequence[FootSensor], weight_n: float | None
-) -> Iterator[Finding]:
-    """Yield what a user should know of the feet's sensors.
-
-    Args:
-        names: of the feet.
-        sensors: of the feet.
-        weight_n: N, given or estimated; None: not known.
-    """
-    for name, sensor in zip(names, sensors, strict=True):
+    weight_n = walk.settings.body_weight_n or walk.settings.estimated_weight_n
+    for row, foot in enumerate(walk.settings.feet):
+        sensor, name = walk.settings.sensor(row), foot.name
         level, where = sensor.level, f"feet.{name}.force_offset_n"
         why = sensor.rule.unusable
         if why and why != HEAVILY_FILTERED:
-            yield found(
-                "CONTACT_UNKNOWN", where=f"feet.{name}.contact_fraction", feet=(name,), why=why
-            )
+            unknown = f"feet.{name}.contact_fraction"
+            yield found("CONTACT_UNKNOWN", where=unknown, feet=(name,), why=why)
         if level.reason:
             yield found("OFFSET_UNKNOWN", where=where, foot=name, why=level.reason)
             continue
         if level.moved_n:
             yield found("SENSOR_OFFSET", where=where, say="moves", foot=name, newtons=level.moved_n)
-        offset_n = float(np.linalg.norm(level.offset_n))
-        scale_n = weight_n or level.loaded_n
-        if scale_n and offset_n > PLAIN * scale_n:
-            yield found(
-                "SENSOR_OFFSET",
-                where=where,
-                foot=name,
-                newtons=offset_n,
-                share=offset_n / scale_n,
-                scale="weight" if weight_n else "usual load",
-                origin=level.origin,
-            )
+        newtons, scale_n = float(np.linalg.norm(level.offset_n)), weight_n or level.loaded_n
+        if scale_n and newtons > PLAIN * scale_n:
+            share, of = newtons / scale_n, "weight" if weight_n else "usual load"
+            words: Words = {"newtons": newtons, "share": share, "scale": of, "origin": level.origin}
+            yield found("SENSOR_OFFSET", where=where, foot=name, **words)
 
 
 def filtered(walk: Walk) -> Iterator[Finding]:
@@ -74,16 +51,11 @@ def filtered(walk: Walk) -> Iterator[Finding]:
     for say, resolved in (("plain", True), ("heavy", False)):
         some = {name: each.tau_s for name, each in told if each.resolved is resolved}
         if some:
-            tau_s = max(some.values())
+            feet, tau_s, cases = tuple(some), max(some.values()), () if resolved else ("heavy",)
+            words: Words = {"milliseconds": 1e3 * tau_s, "hertz": 1.0 / (2.0 * np.pi * tau_s)}
+            names, where = ", ".join(some), "feet"
             yield found(
-                "FORCE_FILTERED",
-                *(() if resolved else ("heavy",)),
-                where="feet",
-                say=say,
-                feet=tuple(some),
-                names=", ".join(some),
-                milliseconds=1e3 * tau_s,
-                hertz=1.0 / (2.0 * np.pi * tau_s),
+                "FORCE_FILTERED", *cases, where=where, say=say, feet=feet, names=names, **words
             )
 
 
@@ -104,44 +76,40 @@ def some_feet(walk: Walk) -> Iterator[Finding]:
         yield found("NO_MESSAGES", "others", where="gait", say="others", names=names)
 
 
-def dead(walk: Walk) -> Iterator[Finding]:
-    """Yield feet that never touch, where nothing says that they are lifted."""
+def broken(walk: Walk) -> Iterator[Finding]:
+    """Yield sensors that show one constant force under load, have stopped, or never feel ground."""
     for foot in _telling(walk):
-        if foot.is_dead and not (_is_stuck(walk, foot) or len(foot.record.stopped)):
-            yield found("DEAD", feet=(foot.name,))
-
-
-def stuck(walk: Walk) -> Iterator[Finding]:
-    """Yield sensors that show one constant force under load while others vary."""
-    for foot in _telling(walk):
-        if _is_stuck(walk, foot):
+        feet, spans = (foot.name,), foot.record.stopped
+        if is_stuck(foot.record, [other.record for other in walk.feet if other is not foot]):
             cases = () if len(foot.stances.touchdown) > 1 else ("never_lifts",)
-            yield found("STUCK", *cases, feet=(foot.name,))
-
-
-def stopped(walk: Walk) -> Iterator[Finding]:
-    """Yield sensors that tell nothing for a time in which other feet step."""
-    for foot in _telling(walk):
-        spans = foot.record.stopped
-        if len(spans) and not _is_stuck(walk, foot):
+            yield found("STUCK", *cases, feet=feet)
+        elif len(spans):
+            cases = ("throughout",) if foot.is_dead else ()
             start, end = walk.seconds(spans.ravel()[[0, -1]])
-            yield found(
-                "STOPPED",
-                *(("throughout",) if foot.is_dead else ()),
-                feet=(foot.name,),
-                start=start,
-                end=end,
-                seconds=timespans.total(spans) / 1e9,
-            )
+            seconds = timespans.total(spans) / 1e9
+            yield found("STOPPED", *cases, feet=feet, start=start, end=end, seconds=seconds)
+        elif foot.is_dead:
+            yield found("DEAD", feet=feet)
 
 
-def saturated(walk: Walk) -> Iterator[Finding]:
-    """Yield sensors that are cut off at a limit."""
+def odd_forces(walk: Walk) -> Iterator[Finding]:
+    """Yield sensors that are cut off at a limit, have lone spikes, flicker, or are too slow."""
     for row, foot in enumerate(walk.feet):
-        if foot_is_saturated(walk, row) and len(foot.stances.touchdown):
+        if not len(foot.stances.touchdown):
+            continue
+        name, record, whole = foot.name, foot.record, foot.stances.whole
+        if foot_is_saturated(walk, row):
             limit_n = walk.settings.sensor(row).level.limit_n
-            at = "" if limit_n is None else f" at {limit_n:.4g} N"
-            yield found("SATURATED", feet=(foot.name,), at=at)
+            yield found("SATURATED", feet=(name,), limit_n=limit_n)
+        if foot.spikes:
+            where = f"feet.{name}.peak_force_n"
+            yield found("SPIKES", where=where, foot=name, spikes=foot.spikes)
+        if record.filled_swings + record.dropped_stances > max(2.0, 0.2 * len(whole)):
+            yield found("CHATTER", where=f"feet.{name}.chatter", foot=name, record=record)
+        rates = foot.stances.figures.loading_rate_nps[whole]
+        if whole.any() and record.has_force and not np.isfinite(rates).any():
+            where = f"feet.{name}.loading_rate_nps"
+            yield found("SAMPLED_SLOWLY", "loading", where=where, feet=(name,))
 
 
 def foot_is_saturated(walk: Walk, row: int) -> bool:
@@ -157,20 +125,12 @@ def foot_is_saturated(walk: Walk, row: int) -> bool:
     return walk.settings.sensor(row).level.limit_n is not None and not carries_all
 
 
-def spikes(walk: Walk) -> Iterator[Finding]:
-    """Yield sensors with lone spikes."""
-    for foot in _touching(walk):
-        if foot.spikes:
-            where = f"feet.{foot.name}.peak_force_n"
-            yield found("SPIKES", where=where, foot=foot.name, spikes=foot.spikes)
-
-
 def samples_left_out(walk: Walk) -> Iterator[Finding]:
     """Yield how many messages of feet are left out, and contact that no pose is near to."""
     for row, foot in enumerate(walk.feet):
+        record, name = foot.record, foot.name
         if not len(foot.stances.touchdown):
             continue
-        record, name = foot.record, foot.name
         if count := record.not_finite:
             what = "with a force that is not finite"
             if walk.settings.sensor(row).level.drops_out:
@@ -183,36 +143,8 @@ def samples_left_out(walk: Walk) -> Iterator[Finding]:
             yield found("GAPS", say="no_pose", foot=name, seconds=seconds)
 
 
-def chatter(walk: Walk) -> Iterator[Finding]:
-    """Yield feet whose contact flickers."""
-    for foot in _touching(walk):
-        filled, dropped = foot.record.filled_swings, foot.record.dropped_stances
-        if filled + dropped > max(2.0, 0.2 * len(foot.stances.touchdown)):
-            where = f"feet.{foot.name}.chatter"
-            yield found("CHATTER", where=where, foot=foot.name, filled=filled, dropped=dropped)
-
-
-def sampled_slowly(walk: Walk) -> Iterator[Finding]:
-    """Yield feet that are loaded within one sampling interval."""
-    for foot in _touching(walk):
-        whole = foot.stances.whole
-        rates = foot.stances.figures.loading_rate_nps[whole]
-        if whole.any() and foot.record.has_force and not np.isfinite(rates).any():
-            where = f"feet.{foot.name}.loading_rate_nps"
-            yield found("SAMPLED_SLOWLY", "loading", where=where, feet=(foot.name,))
-
-
 def _telling(walk: Walk) -> Iterator[FootSteps]:
     """Yield the feet with usable messages from which contact can be told."""
     for row, foot in enumerate(walk.feet):
         if foot.record.start is not None and not walk.settings.sensor(row).rule.unusable:
             yield foot
-
-
-def _touching(walk: Walk) -> Iterator[FootSteps]:
-    """Yield those that touch the ground."""
-    return (foot for foot in _telling(walk) if len(foot.stances.touchdown))
-
-
-def _is_stuck(walk: Walk, foot: FootSteps) -> bool:
-    return is_stuck(foot.record, [other.record for other in walk.feet if other is not foot])

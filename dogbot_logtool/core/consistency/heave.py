@@ -1,6 +1,6 @@
 """Whether the base goes up and down when the feet's forces drive it: clocks compared by physics."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -14,54 +14,6 @@ from dogbot_logtool.core.corrections.clock import CLOCK_SHARE_OF_STRIDE, LONGEST
 from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 
-
-@dataclass(frozen=True, slots=True)
-class Delay:
-    """The straight line measured = offset + gain x command(t - delay) that fits best."""
-
-    correlation: float
-    """At that delay."""
-    gain: float
-    delay_s: float
-    low_s: float
-    """s: delays from here are as likely for all that the log can tell."""
-    high_s: float
-    """s, up to here."""
-
-
-def fit_delay(measured: Floats, delayed: Callable[[float], Floats], lags_s: Floats) -> Delay | None:
-    """Find the delay at which a curve explains another best (least squares).
-
-    A curve that repeats itself is explained nearly as well by a whole period more.
-
-    Args:
-        measured: (n,)
-        delayed: returns the other curve, (n,), delayed by some seconds.
-        lags_s: (k,) s: the delays that are tried.
-
-    Returns:
-        None where either does not vary.
-    """
-    there = measured - measured.mean()
-    others = np.stack([delayed(lag) for lag in lags_s.tolist()])
-    others -= others.mean(axis=1, keepdims=True)
-    squares, products = (others * others).sum(axis=1), others @ there
-    total = float(there @ there)
-    if total <= 0.0 or not squares.all():
-        return None
-    explained = products**2 / squares
-    best = int(explained.argmax())
-    likely = lags_s[explained >= LIKELY * explained[best]]
-    gain = float(products[best] / squares[best])
-    return Delay(
-        correlation=float(np.sign(gain) * np.sqrt(min(explained[best] / total, 1.0))),
-        gain=gain,
-        delay_s=float(lags_s[best]),
-        low_s=float(likely.min()),
-        high_s=float(likely.max()),
-    )
-
-
 LIKELY: Final = 0.97
 """Share of what the best delay explains, from which another is as likely."""
 FOLLOWS: Final = 0.9
@@ -72,9 +24,23 @@ LEAST_STRIDES: Final = 6
 _LONGEST_S: Final = 120.0
 _CELL_NS: Final = round(1e9 / CELL_RATE_HZ)
 _LATEST_S: Final = 0.5
-_LAGS: Final = 101
+_LAGS_S: Final = np.linspace(-_LATEST_S, _LATEST_S, 101)
 
 
+@dataclass(frozen=True, slots=True)
+class Delay:
+    """By how much the base comes after the forces that drive it, by the best fit."""
+
+    correlation: float
+    """At that delay."""
+    delay_s: float
+    low_s: float
+    """s: delays from here are as likely for all that the log can tell."""
+    high_s: float
+    """s, up to here."""
+
+
+@np.errstate(over="ignore", invalid="ignore")
 def long_delay(
     feet: Sequence[FootHistory], base: BaseHistory, period_s: float, strides: Ints
 ) -> Delay | None:
@@ -88,26 +54,15 @@ def long_delay(
         base: poses without jumps.
         period_s: s, the usual stride.
         strides: (s, 2) ns, strides, in which nothing but the feet carries the robot.
-    """
-    found = heave_delay(feet, base, period_s, timespans.merge(strides))
-    least = max(CLOCK_SHARE_OF_STRIDE * period_s, LONGEST_DELAY_S)
-    is_long = found is not None and (found.low_s > least or found.high_s < -least)
-    return found if is_long else None
-
-
-@np.errstate(over="ignore", invalid="ignore")
-def heave_delay(
-    feet: Sequence[FootHistory], base: BaseHistory, period_s: float, strides: Ints
-) -> Delay | None:
-    """Return by how much the base comes after the feet's forces; see `long_delay`.
 
     Returns:
-        None where vertical forces are not known over strides enough in a row, or the base does not
-        follow them closely.
+        None also where vertical forces are not known over strides enough in a row, or the base does
+        not follow them closely.
     """
     if not all(vertical_is_known(foot) for foot in feet):
         return None
-    spans = timespans.intersect([strides, base.known, *(foot.vertical_known for foot in feet)])
+    walked = timespans.merge(strides)
+    spans = timespans.intersect([walked, base.known, *(foot.vertical_known for foot in feet)])
     if not len(spans):
         return None
     start, end = spans[np.argmax(spans[:, 1] - spans[:, 0])].tolist()
@@ -121,20 +76,39 @@ def heave_delay(
         return None
     # The sum of cells is known at their ends, the sum of those half a cell later.
     driven, at = _way(force, window), (time - start) / 1e9 + 1.5 / CELL_RATE_HZ
-    base_at = time + 3 * _CELL_NS // 2
-    heave = _about_mean(base.position_at(base_at)[:, 2], window)
+    heave = _about_mean(base.position_at(time + 3 * _CELL_NS // 2)[:, 2], window)
     edge = 2 * window + int(_LATEST_S * CELL_RATE_HZ) + 2
-    rows = slice(edge, cells - edge)
-    inside = np.isfinite(heave[rows])
+    inside = np.isfinite(heave) & (np.arange(cells) >= edge) & (np.arange(cells) < cells - edge)
     if not inside.any():
         return None
-    found = fit_delay(
-        heave[rows][inside],
-        lambda lag: np.interp(at[rows][inside] - lag, at, driven),
-        np.linspace(-_LATEST_S, _LATEST_S, _LAGS),
-    )
-    follows = found is not None and found.correlation >= FOLLOWS
-    return found if follows and found and AS_FAR[0] <= found.gain <= AS_FAR[1] else None
+    found = _best_fit(heave[inside], [np.interp(at[inside] - lag, at, driven) for lag in _LAGS_S])
+    least = max(CLOCK_SHARE_OF_STRIDE * period_s, LONGEST_DELAY_S)
+    return found if found and (found.low_s > least or found.high_s < -least) else None
+
+
+def _best_fit(heave: Floats, driven: Sequence[Floats]) -> Delay | None:
+    """Find the delay at which what forces drive explains the heave best (least squares).
+
+    Args:
+        heave: (n,) m.
+        driven: (n,) m for each of the delays that are tried.
+
+    Returns:
+        None where it does not explain it closely.
+    """
+    there, others = heave - heave.mean(), np.stack(driven)
+    others -= others.mean(axis=1, keepdims=True)
+    squares, products = (others * others).sum(axis=1), others @ there
+    total = float(there @ there)
+    if total <= 0.0 or not squares.all():
+        return None
+    explained = products**2 / squares
+    best = int(explained.argmax())
+    likely = _LAGS_S[explained >= LIKELY * explained[best]]
+    gain, correlation = products[best] / squares[best], np.sqrt(min(explained[best] / total, 1.0))
+    if correlation < FOLLOWS or not AS_FAR[0] <= gain <= AS_FAR[1]:
+        return None
+    return Delay(float(correlation), float(_LAGS_S[best]), float(likely.min()), float(likely.max()))
 
 
 def _way(force: Floats, window: int) -> Floats:

@@ -7,18 +7,16 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite, distinct, median_of
+from dogbot_logtool.core.base.ground import seen_from_base, trend
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.stances import Stances
-from dogbot_logtool.core.contact.track import FootTrack
-from dogbot_logtool.core.rotations import along_heading
 
-WINDOW_S: Final = 2.0
-"""s: a foot's position is averaged over so long: a stride or more of most gaits."""
+WINDOW_NS: Final = 2_000_000_000
+"""ns: a foot's position is averaged over so long: a stride or more of most gaits."""
 _MOST_WINDOWS: Final = 60
 FEWEST_TICKS: Final = 25
 """Ticks of 40 ms with contact points of a foot from which its usual position is known."""
-_TICK_S: Final = 0.04
+_TICK_NS: Final = 40_000_000
 FEWEST_FEET: Final = 2
 MOST_BEYOND: Final = 0.05
 """Share of the time in which the base may be further from the feet than they are spread."""
@@ -59,6 +57,11 @@ class Worlds:
     """m, how far that position goes steadily; 0 where it does not, or too few stances tell."""
 
     @property
+    def shift_m(self) -> float:
+        """The larger of change and drift, m."""
+        return max(self.change_m, self.drift_m)
+
+    @property
     def agree(self) -> bool:
         """Whether base and feet are in one world, throughout."""
         steady = self.change_m <= MOST_CHANGE * self.spread_m
@@ -70,35 +73,38 @@ class Worlds:
         return not self.agree and self.drift_m > MOST_OF_WAY * path_m
 
 
-def compare_worlds(
-    tracks: Sequence[FootTrack], base: BaseHistory, stances: Sequence[Stances] | None = None
-) -> Worlds | None:
+def compare_worlds(feet: Sequence[FootHistory], base: BaseHistory) -> Worlds | None:
     """Compare where the feet touch with where the base is.
 
     Args:
-        tracks: of all feet, with contact points in the world.
+        feet: histories of all feet, with contact points in the world.
         base: poses.
-        stances: of the same feet, for the drift; None: it is not looked at.
 
     Returns:
         None where contact points of two feet around the base are not known for a second each.
     """
     if len(base.time) < 2:
         return None
-    feet = [_from_base(track, base)[1] for track in tracks]
-    feet = [seen for seen in feet if _ticks(seen) >= FEWEST_TICKS]
-    if len(feet) < FEWEST_FEET:
+    seen = [seen_from_base(foot, base) for foot in feet]
+    told = [each for each in seen if len(distinct(each[0] // _TICK_NS)) >= FEWEST_TICKS]
+    if len(told) < FEWEST_FEET:
         return None
-    usual = np.stack([median_of(seen[:, 1:], axis=0) for seen in feet])
+    usual = np.stack([median_of(place, axis=0) for _, place in told])
     centroid = usual.mean(axis=0)
     spread = float(np.hypot(*(usual - centroid).T).max())
-    seconds = max(float(seen[-1, 0]) for seen in feet)
-    edges = np.linspace(0.0, seconds, _windows(seconds) + 1)
-    shift = np.stack([_shift(*each, edges) for each in zip(feet, usual, strict=True)])
+    start, last = int(base.time[0]), max(int(time[-1]) for time, _ in told)
+    windows = int(np.clip((last - start) / WINDOW_NS, 1, _MOST_WINDOWS))
+    edges = np.linspace(0, last - start, windows + 1)[1:-1]
+    shift = np.stack(
+        [
+            _means(np.searchsorted(edges, time - start, side="right"), place - own, windows)
+            for (time, place), own in zip(told, usual, strict=True)
+        ]
+    )
     known = np.isfinite(shift[:, :, 0]).any(axis=0)
     away = centroid + np.nanmean(shift[:, known], axis=0)
     distance = np.hypot(away[:, 0], away[:, 1])
-    farthest = spread if len(feet) == len(tracks) else PART_OF_FEET * spread
+    farthest = spread if len(told) == len(feet) else PART_OF_FEET * spread
     third = max(len(away) // 3, 1)
     change = median_of(away[-third:], axis=0) - median_of(away[:third], axis=0)
     return Worlds(
@@ -107,7 +113,7 @@ def compare_worlds(
         spread_m=spread,
         beyond_fraction=float((distance > farthest).mean()),
         change_m=float(np.hypot(*change)),
-        drift_m=0.0 if stances is None else drift_m(tracks, stances, base) or 0.0,
+        drift_m=_drift_m(feet, seen, start),
     )
 
 
@@ -121,93 +127,53 @@ def placed_poses(
         recorded: poses as recorded, jumps and all.
         base: poses without jumps.
     """
-    tracks, stances = [each.track for each in records], [each.stances for each in records]
-    worlds = compare_worlds(tracks, recorded, stances)
+    worlds = compare_worlds(records, recorded)
     if recorded is base or worlds is None:
         return recorded, worlds
-    without = compare_worlds(tracks, base, stances)
-    if (
-        without is None
-        or not without.agree
-        or (worlds.agree and worlds.change_m <= without.change_m)
-    ):
+    without = compare_worlds(records, base)
+    agrees = without is not None and without.agree
+    if without is None or not agrees or (worlds.agree and worlds.change_m <= without.change_m):
         return recorded, worlds
     return base, without
 
 
-def _windows(seconds: float) -> int:
-    return int(np.clip(seconds / WINDOW_S, 1, _MOST_WINDOWS))
-
-
-def _from_base(track: FootTrack, base: BaseHistory) -> tuple[Ints, Floats]:
-    """Return where a foot touches, seen from the base, as far as that is known.
-
-    Returns:
-        (n,) ns; and (n, 3) s since the first pose, m ahead and m to the left.
-    """
-    time, point = track.contact_points
-    away = point - base.position_at(time)
-    ahead, left = along_heading(away, base.angles_at(time)[:, 2])
-    seen = np.column_stack([(time - base.time[0]) / 1e9, ahead, left])
-    known = all_finite(seen)
-    return time[known], seen[known]
-
-
-def _ticks(seen: Floats) -> int:
-    """Count the ticks in which a foot is seen, (n, 3); see `_from_base`."""
-    return len(distinct(seen[:, 0] // _TICK_S))
-
-
-def _shift(seen: Floats, usual: Floats, edges: Floats) -> Floats:
-    """(w, 2) m, a foot's mean position in each window less its usual one; NaN where not seen."""
-    window = np.clip(np.searchsorted(edges, seen[:, 0], side="right") - 1, 0, len(edges) - 2)
-    count = np.bincount(window, minlength=len(edges) - 1)
-    sums = [np.bincount(window, column, len(edges) - 1) for column in (seen[:, 1:] - usual).T]
+def _means(group: Ints, values: Floats, groups: int) -> Floats:
+    """(groups, k) means of the rows of each group; NaN of none."""
+    sums = [np.bincount(group, column, groups) for column in values.T]
     with np.errstate(invalid="ignore"):
-        shift: Floats = np.column_stack(sums) / count[:, None]
-    return shift
+        mean: Floats = np.column_stack(sums) / np.bincount(group, minlength=groups)[:, None]
+    return mean
 
 
-def drift_m(
-    tracks: Sequence[FootTrack], stances: Sequence[Stances], base: BaseHistory
-) -> float | None:
-    """Return how far the base goes among its feet, steadily, over all stances.
+def _drift_m(feet: Sequence[FootHistory], seen: Sequence[tuple[Ints, Floats]], start: int) -> float:
+    """Return how far the base goes among its feet, steadily, over all stances, m.
 
     A foot's position is its mean one over a whole stance, in the body's axes: acceleration, which
     lets a foot land further ahead, hardly moves it. All feet have one trend.
 
     Args:
-        tracks: of all feet, with contact points in the world.
-        stances: of the same feet.
-        base: poses.
+        feet: histories of all feet.
+        seen: when and where each foot is seen from the base.
+        start: ns, the first pose.
 
     Returns:
-        m; 0 without a trend, None with too few stances.
+        0 without a trend, or with too few stances.
     """
-    seen = [_positions(*foot, base) for foot in zip(tracks, stances, strict=True)]
+    positions = []
+    for foot, (time, place) in zip(feet, seen, strict=True):
+        begin, end = foot.stances.touchdown, foot.stances.liftoff
+        begin, end = begin[foot.stances.whole], end[foot.stances.whole]
+        stance = np.searchsorted(begin, time, side="right") - 1
+        inside = (stance >= 0) & (time < np.append(end, 0)[stance])
+        rows = np.column_stack([(time - start) / 1e9, place])[inside]
+        mean = _means(stance[inside], rows, len(begin))
+        positions.append(mean[all_finite(mean)])
     # Each foot has a position of its own, and each its own mean time.
-    centred = [foot - foot.mean(axis=0) for foot in seen if len(foot) > 1]
-    if sum(map(len, centred)) < FEWEST_STANCES:
-        return None
-    positions = np.concatenate(centred)
-    time, position = positions[:, 0], positions[:, 1:]
-    slope = (time @ position) / (time @ time)
-    along = position @ (slope / max(float(np.hypot(*slope)), np.finfo(float).tiny))
-    explained = float(np.hypot(*slope)) * time
-    total = float(along @ along)
-    if total == 0.0 or float(((along - explained) ** 2).sum()) > (1.0 - STEADY) * total:
+    centred = np.concatenate(
+        [np.empty((0, 3)), *(each - each.mean(axis=0) for each in positions if len(each) > 1)]
+    )
+    if len(centred) < FEWEST_STANCES:
         return 0.0
-    return float(np.hypot(*slope)) * float(np.ptp(np.concatenate([foot[:, 0] for foot in seen])))
-
-
-def _positions(track: FootTrack, stances: Stances, base: BaseHistory) -> Floats:
-    """(s, 3) s, and m ahead and to the left of the base: mean positions of whole stances."""
-    time, seen = _from_base(track, base)
-    begin, end = stances.touchdown[stances.whole], stances.liftoff[stances.whole]
-    stance = np.searchsorted(begin, time, side="right") - 1
-    inside = (stance >= 0) & (time < end[np.maximum(stance, 0)]) if len(begin) else stance >= 0
-    stance, seen = stance[inside], seen[inside]
-    count = np.bincount(stance, minlength=len(begin))
-    sums = [np.bincount(stance, column, len(begin)) for column in seen.T]
-    mean: Floats = np.column_stack(sums)[count > 0] / count[count > 0][:, None]
-    return mean
+    slope, steadiness = trend(centred[:, 0], centred[:, 1:])
+    seconds = float(np.ptp(np.concatenate(positions)[:, 0]))
+    return float(np.hypot(*slope)) * seconds if steadiness >= STEADY else 0.0

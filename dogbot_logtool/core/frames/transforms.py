@@ -254,7 +254,7 @@ def _interpolated(track: FrameTrack, time: Ints, log_time: Ints) -> tuple[Flags,
 
 def static_tracks(recorded: RecordedTransforms, channels: AbstractSet[int]) -> TransformBuffer:
     """Return the transforms of channels whose transforms hold for ever."""
-    held = np.flatnonzero(np.isin(recorded.channel, list(channels)))
+    held = np.flatnonzero(np.isin(recorded.channel, np.array([*channels], np.int64)))
     return _tracks(recorded, held, recorded.stamp, None)
 
 

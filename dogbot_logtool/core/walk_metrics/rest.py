@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.checks.questions import checks_of
+from dogbot_logtool.core.checks.engine import questions_of
 from dogbot_logtool.core.metrics import (
     Commands,
     FootQuality,
@@ -77,7 +77,7 @@ def quality_metrics(walk: Walk, findings: Sequence[Finding]) -> Quality:
         overlap_s=_overlap_s(walk),
         base_to_feet_m=None if worlds is None else worlds.distance_m,
         feet_spread_m=None if worlds is None else worlds.spread_m,
-        checks=checks_of(walk, findings),
+        checks=questions_of(walk, findings),
     )
 
 

@@ -86,15 +86,26 @@ class ChunkedLog(Log):
     def _corrected(self, span: Span) -> Batch:
         """Read chunks as the log's index describes them, else as their own headers do."""
         batch, damaged = self._of_chunks(span)
-        corrected = {
-            chunk.offset: own for chunk in damaged if (own := self._scan.by_own_header(chunk))
-        }
+        corrected = {chunk.offset: own for chunk in damaged if (own := self._own_header(chunk))}
         if not corrected:
             return self._with_times(batch)
         batch, damaged = self._of_chunks([corrected.get(chunk.offset, chunk) for chunk in span])
         readable = corrected.keys() - {chunk.offset for chunk in damaged}
-        wrong = (_wrong_index(corrected[offset]) for offset in sorted(readable))
+        what = "the log's index is wrong about the compression or size of the chunk at byte {}; "
+        what += "the chunk's own header was used"
+        wrong = (Loss(offset, what.format(offset)) for offset in sorted(readable))
         return self._with_times(replace(batch, losses=(*batch.losses, *wrong)))
+
+    def _own_header(self, chunk: Chunk) -> Chunk | None:
+        """Return a chunk as its own header has it; None: that is damaged, or says the same."""
+        try:
+            own = self._scan.chunk_at(chunk.offset)
+        except ChunkDamage:
+            return None
+        names = ("data_offset", "data_size", "compression", "size")
+        corrected = replace(chunk, **{name: getattr(own, name) for name in names})
+        is_sound = own.end == chunk.end == own.data_offset + own.data_size
+        return corrected if is_sound and corrected != chunk else None
 
     def _with_times(self, batch: Batch) -> Batch:
         return replace(batch, losses=tuple(map(self.located, batch.losses)))
@@ -121,7 +132,6 @@ class ChunkedLog(Log):
         loaded: list[LoadedChunk] = []
         parts: list[Messages] = []
         base = row = 0
-        kept = self.channels.values()
         for chunk, data in zip(sound, stored, strict=True):
             target = buffer[base : base + chunk.size]
             try:
@@ -130,14 +140,16 @@ class ChunkedLog(Log):
                 losses.append(left_out(chunk, damage))
                 damaged.append(chunk)
                 continue
+            described = self._scan.described_in(content, target)
             messages, found = self._described(chunk, content)
+            found += self._scan.descriptions.compare(described, chunk.offset)
             rows = slice(row, row + len(messages))
             has_index = len(data) > chunk.end - chunk.offset
             whole = (
                 chunk.is_record
                 and not found
                 and content.indexed == has_index
-                and not (self.hidden and self._scan.describes_others(kept, content, target))
+                and (not self.hidden or self._are_kept(described))
             )
             copied = data if self.copies_chunks else memoryview(b"")
             loaded.append(LoadedChunk(chunk, copied, base, rows, whole, content.indexed))
@@ -147,12 +159,17 @@ class ChunkedLog(Log):
         batch = Batch(buffer, concatenate_messages(parts), tuple(loaded), tuple(losses))
         return batch, damaged
 
+    def _are_kept(self, described: Sequence[bytes]) -> bool:
+        """Tell whether records describe no other channels than those that are not left out."""
+        kept = {("channel", number) for number in self.channels}
+        kept |= {("schema", each.schema.id) for each in self.channels.values() if each.schema}
+        found = map(self._scan.descriptions.decode, described)
+        return all(each and (each.kind, each.number) in kept for each in found)
+
     def _parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
-        """See `Scan.parse`; what contradicts the log's descriptions is said as well."""
+        """See `Scan.parse`."""
         counts = chunk.counts and {self._numbers[each]: n for each, n in chunk.counts.items()}
-        content = self._scan.parse(replace(chunk, counts=counts), stored, target)
-        found = self._scan.contradictions(content, target, chunk)
-        return replace(content, losses=(*content.losses, *found)) if found else content
+        return self._scan.parse(replace(chunk, counts=counts), stored, target)
 
     def _described(self, chunk: Chunk, content: ChunkContent) -> tuple[Messages, list[Loss]]:
         """Give messages the ids of their channels; leave out those that are nowhere described."""
@@ -165,14 +182,6 @@ class ChunkedLog(Log):
             losses.append(undescribed(chunk, len(unknown), size))
             messages = messages.pick(known)
         return messages, losses
-
-
-def _wrong_index(chunk: Chunk) -> Loss:
-    what = (
-        f"the log's index is wrong about the compression or size of the chunk at byte "
-        f"{chunk.offset}; the chunk's own header was used"
-    )
-    return Loss(chunk.offset, what)
 
 
 def open_chunked(scan_of: Callable[[ByteSource], Scan], source: ByteSource) -> ChunkedLog:

@@ -57,7 +57,7 @@ def decompress_into(target: Bytes, data: memoryview, compression: str) -> int:
     try:
         match compression:
             case "" | "none":
-                size, whole = _copy_into(target, data), True
+                size, whole = _copy_into(target, data), False
             case "zstd":
                 size, whole = _unzstd_into(target, data), True
             case "lz4":

@@ -40,20 +40,6 @@ class Loss:
     """Name of the file among several; empty where there is only one."""
 
 
-def described_twice(what: str, chosen: str, other: str, offset: int) -> Loss:
-    """Say that a log describes something in two ways.
-
-    Args:
-        what: a channel, schema or connection with its number.
-        chosen: as what it is read.
-        other: as what it is described as well.
-        offset: byte in the file, of the chunk if that stands in one.
-    """
-    one, two = chosen[:LONGEST_NAME], other[:LONGEST_NAME]
-    text = f"{what} is described in two ways: as {one} and, at byte {offset}, as {two}"
-    return Loss(offset, f"{text}; the former was used")
-
-
 def differing_counts(
     channels: Mapping[int, HasTopic], stated: Mapping[int, int], found: Mapping[int, int]
 ) -> str:
@@ -96,20 +82,20 @@ class Losses:
         self._rest: Loss | None = None
         self._rest_count = 0
 
-    def add(self, loss: Loss) -> None:
-        """Take one more."""
-        if len(self._first) < _MOST:
-            self._first.append(loss)
-            return
-        self._rest_count += 1
-        rest = self._rest or Loss(loss.offset, "")
-        unknown = rest.messages is None or loss.messages is None
-        self._rest = Loss(
-            rest.offset,
-            f"{self._rest_count} more places are damaged, the first at byte {rest.offset}",
-            rest.bytes + loss.bytes,
-            None if unknown else (rest.messages or 0) + (loss.messages or 0),
-        )
+    def add(self, *losses: Loss) -> None:
+        """Take some more."""
+        for loss in losses:
+            if len(self._first) < _MOST:
+                self._first.append(loss)
+                continue
+            self._rest_count += 1
+            rest = self._rest or Loss(loss.offset, "")
+            self._rest = Loss(
+                rest.offset,
+                f"{self._rest_count} more places are damaged, the first at byte {rest.offset}",
+                rest.bytes + loss.bytes,
+                lost_messages([rest, loss]),
+            )
 
     def all(self) -> tuple[Loss, ...]:
         """Return all losses."""

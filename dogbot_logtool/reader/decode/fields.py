@@ -5,7 +5,7 @@ fields with the recorded definition once, before any message is decoded, so that
 cannot fail.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from typing import Final, assert_never
@@ -57,39 +57,33 @@ Fields = tuple[Field, ...]
 
 def column_paths(fields: Fields) -> tuple[str, ...]:
     """Return the paths of all columns that are read, as `compile_layout` wants them."""
-    return tuple(_column_paths(fields))
-
-
-def _column_paths(fields: Fields) -> Iterator[str]:
+    paths: list[str] = []
     for field in fields:
-        match field.kind:
-            case Kind.TABLE:
-                yield from (f"{field.path}.{inner}" for inner in _column_paths(field.inside))
-            case Kind.TIME:
-                yield from (f"{field.path}.{part}" for part in _TIME_PARTS)
-            case _:
-                yield field.path
+        inside = _TIME_PARTS if field.kind is Kind.TIME else column_paths(field.inside)
+        paths += [f"{field.path}.{inner}" for inner in inside] or [field.path]
+    return tuple(paths)
 
 
-def check_fields(definition: Struct, fields: Fields, type_name: str) -> None:
+def check_fields(definition: Struct, fields: Fields, type_name: str, prefix: str = "") -> None:
     """Check that a definition has all fields as they are declared.
+
+    Args:
+        definition: of a message, or of an element of its arrays.
+        fields: inside of that.
+        type_name: of the message, for errors.
+        prefix: path that leads to the definition, with a dot behind it.
 
     Raises:
         DefinitionError: it lacks one, or has one of another kind or shape.
     """
-    _check_inside(definition, fields, type_name, "")
-
-
-def _check_inside(struct: Struct, fields: Fields, type_name: str, prefix: str) -> None:
     for field in fields:
-        found, path = _found(struct, field.path, type_name, prefix)
+        found, path = _found(definition, field.path, type_name, prefix)
         if not _fits(found, field):
             expected = field.kind.value.format(length=field.length).replace("at least 0 ", "")
             raise _mismatch(type_name, path, expected, f"has {type_text(found)}")
-        if field.kind is Kind.TABLE:
-            element = _element(found)
-            if isinstance(element, Struct):
-                _check_inside(element, field.inside, type_name, f"{path}.")
+        element = _element(found)
+        if field.kind is Kind.TABLE and isinstance(element, Struct):
+            check_fields(element, field.inside, type_name, f"{path}.")
 
 
 def _found(struct: Struct, path: str, type_name: str, prefix: str) -> tuple[FieldType, str]:
@@ -118,6 +112,7 @@ def _mismatch(type_name: str, path: str, expected: str, found: str) -> Definitio
 
 
 def _fits(found: FieldType, field: Field) -> bool:
+    is_long_enough = not isinstance(found, FixedArray) or found.length >= field.length
     match field.kind:
         case Kind.NUMBER:
             return isinstance(found, Primitive)
@@ -125,18 +120,14 @@ def _fits(found: FieldType, field: Field) -> bool:
             return isinstance(found, Text)
         case Kind.TIME:
             return _is_time(found)
+        case Kind.TABLE:
+            return isinstance(_element(found), Struct) and is_long_enough
         case Kind.FIXED_NUMBERS:
-            return (
-                isinstance(found, FixedArray)
-                and isinstance(found.element, Primitive)
-                and found.length >= field.length
-            )
+            is_fixed = isinstance(found, FixedArray) and isinstance(found.element, Primitive)
+            return is_fixed and is_long_enough
         case Kind.NUMBERS | Kind.TEXTS:
             element = Primitive if field.kind is Kind.NUMBERS else Text
             return isinstance(found, VariableArray) and isinstance(found.element, element)
-        case Kind.TABLE:
-            is_short = isinstance(found, FixedArray) and found.length < field.length
-            return isinstance(_element(found), Struct) and not is_short
         case _:
             assert_never(field.kind)
 
@@ -146,13 +137,8 @@ def _element(found: FieldType) -> FieldType | None:
 
 
 def _is_time(found: FieldType) -> bool:
-    if not isinstance(found, Struct):
-        return False
-    parts = dict(found.fields)
-    return all(_is_time_part(parts.get(name)) for name in _TIME_PARTS)
-
-
-def _is_time_part(found: FieldType | None) -> bool:
-    return (
-        isinstance(found, Primitive) and found.dtype[0] in "iu" and found.size <= _WIDEST_TIME_PART
+    parts = dict(found.fields) if isinstance(found, Struct) else {}
+    numbers = [part for name in _TIME_PARTS if isinstance(part := parts.get(name), Primitive)]
+    return len(numbers) == len(_TIME_PARTS) and all(
+        part.dtype[0] in "iu" and part.size <= _WIDEST_TIME_PART for part in numbers
     )

@@ -6,8 +6,9 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints, concatenated
+from dogbot_logtool.core.arrays import Floats, Ints, concatenated, header_time
 from dogbot_logtool.core.frames.transforms import RecordedTransforms
+from dogbot_logtool.core.legs.joints import JointSamples, JointTable
 from dogbot_logtool.core.plausible import plausible_translations
 from dogbot_logtool.core.vectors import VectorSamples
 from dogbot_logtool.reader.containers.batch import Batch
@@ -47,32 +48,20 @@ def _decoded(
 # Joints
 
 
-@dataclass(frozen=True, slots=True)
-class JointStates:
-    """Values of k joints in n messages, in the order of the log; NaN where a message has none."""
+def read_joints(batch: Batch, channel: Channel) -> list[tuple[JointTable, Mapping[int, int]]]:
+    """Read the joint states of a batch that a channel has, one entry a definition.
 
-    log_time: Ints
-    """(n,) ns."""
-    stamp: Ints
-    """(n,) ns, header stamp as recorded; 0: none."""
-    names: tuple[str, ...]
-    position: Floats
-    """(n, k) rad or m."""
-    velocity: Floats
-    """(n, k) rad/s or m/s."""
-    effort: Floats
-    """(n, k) N m or N."""
-    malformed: Mapping[int, int]
-    """Messages that could not be decoded, by channel id."""
+    Returns:
+        each with the malformed messages by channel id.
+    """
+    return [
+        (JointTable(channel.topic, *_joints(source, each)), each.malformed)
+        for source, each in _decoded(batch, [channel], "joints")
+    ]
 
 
-def read_joints(batch: Batch, channel: Channel) -> list[JointStates]:
-    """Read the joint states of a batch that a channel has, one entry a definition."""
-    return [_joints(source, each) for source, each in _decoded(batch, [channel], "joints")]
-
-
-def _joints(source: Source, messages: DecodedMessages) -> JointStates:
-    """Return values as matrices.
+def _joints(source: Source, messages: DecodedMessages) -> tuple[tuple[str, ...], JointSamples]:
+    """Return the names of joints, and their values as matrices; NaN where a message has none.
 
     Joints are left out where messages that each name others would make the matrices huge.
     """
@@ -102,9 +91,8 @@ def _joints(source: Source, messages: DecodedMessages) -> JointStates:
         twice = (matrix[cells] != own) & ~np.isnan(own)
         matrix[cells[0][twice], cells[1][twice]] = np.nan
         found.append(matrix)
-    position, velocity, effort = found
-    times = messages.log_time, source.stamps(messages)
-    return JointStates(*times, names[:most], position, velocity, effort, messages.malformed)
+    stamp = header_time(source.stamps(messages), messages.log_time)
+    return names[:most], JointSamples(messages.log_time, stamp, *found)
 
 
 def _named_joints(name: FieldPath, table: Table) -> tuple[Ints, Ints, tuple[str, ...]]:

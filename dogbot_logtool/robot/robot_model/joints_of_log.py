@@ -124,7 +124,7 @@ def joint_channels(log: Log) -> list[Channel]:
 def joint_names(log: Log, channel: Channel) -> frozenset[str]:
     """Return the joints that the first messages of a channel name."""
     for batch in first_batches(log, channel):
-        for told in read_joints(batch, channel):
-            if len(told.log_time):
+        for told, _ in read_joints(batch, channel):
+            if len(told.samples.log_time):
                 return frozenset(told.names)
     return frozenset()

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dogbot_logtool.core.base.poses import Odometry, base_transforms, usable_poses
+from dogbot_logtool.core.base.poses import Odometry, usable_poses
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 
 NAN: Final = math.nan
@@ -17,23 +17,6 @@ UPRIGHT: Final = (0.0, 0.0, 0.0, 1.0)
 EPOCH_NS: Final = 1_600_000_000 * 1_000_000_000
 
 generated = settings(max_examples=100, deadline=None)
-
-
-def odometry(
-    *,
-    position: tuple[float, ...] = (1, 2, 3),
-    orientation: tuple[float, ...] = UPRIGHT,
-    stamp: int = 50,
-    count: int = 1,
-) -> Odometry:
-    return Odometry(
-        log_time=np.arange(count) + 100,
-        stamp=np.full(count, stamp),
-        position=np.tile(np.array(position, np.float64), (count, 1)),
-        orientation=np.tile(np.array(orientation, np.float64), (count, 1)),
-        linear_velocity=np.full((count, 3), NAN),
-        angular_velocity=np.full((count, 3), NAN),
-    )
 
 
 def chosen(times: list[int], rate_hz: float) -> list[bool]:
@@ -78,35 +61,30 @@ def test_a_sample_is_chosen_if_a_tick_lies_between_it_and_the_one_before(
 
 
 @pytest.mark.parametrize(
-    "orientation",
+    ("position", "orientation", "usable"),
     [
-        (0.0, 0.0, 0.0, 0.0),
-        (0.0, -0.0, 0.0, -0.0),
-        (NAN, 0.0, 0.0, 1.0),
-        (0.0, 0.0, 0.0, NAN),
-        (0.0, INF, 0.0, 1.0),
-        (0.0, 0.0, -INF, 0.0),
+        ((1, 2, 3), (0.0, 0.0, 0.0, 0.0), False),
+        ((1, 2, 3), (0.0, -0.0, 0.0, -0.0), False),
+        ((1, 2, 3), (NAN, 0.0, 0.0, 1.0), False),
+        ((1, 2, 3), (0.0, 0.0, -INF, 0.0), False),
+        ((NAN, 0, 0), UPRIGHT, False),
+        ((0, 0, -INF), UPRIGHT, False),
+        ((1, 2, 3), UPRIGHT, True),
+        ((1, 2, 3), (0, 0, 0, -1), True),
+        ((1, 2, 3), (0.5, 0, 0, 0), True),
+        ((1, 2, 3), (0, 1e-300, 0, 0), True),
     ],
 )
-def test_a_zero_or_infinite_quaternion_is_no_pose(orientation: tuple[float, ...]) -> None:
-    assert usable_poses(odometry(orientation=orientation)).tolist() == [False]
-
-
-@pytest.mark.parametrize("position", [(NAN, 0, 0), (0, INF, 0), (0, 0, -INF)])
-def test_a_position_that_is_not_finite_is_no_pose(position: tuple[float, ...]) -> None:
-    assert usable_poses(odometry(position=position)).tolist() == [False]
-
-
-@pytest.mark.parametrize("orientation", [UPRIGHT, (0, 0, 0, -1), (0.5, 0, 0, 0), (0, 1e-300, 0, 0)])
-def test_any_other_quaternion_is_a_pose_whatever_its_norm(orientation: tuple[float, ...]) -> None:
-    # Velocities do not matter to a transform: here they are NaN.
-    assert usable_poses(odometry(orientation=orientation)).tolist() == [True]
-
-
-def test_poses_become_transforms_verbatim() -> None:
-    transforms = base_transforms(odometry(orientation=(0.1, 0.2, 0.3, 5.0), count=2))
-
-    assert transforms.translation.tolist() == [[1, 2, 3]] * 2
-    assert transforms.rotation.tolist() == [[0.1, 0.2, 0.3, 5.0]] * 2
-    assert transforms.log_time.tolist() == [100, 101]
-    assert transforms.stamp.tolist() == [50, 50]
+def test_any_finite_pose_but_a_zero_quaternion_can_be_used(
+    position: tuple[float, ...], orientation: tuple[float, ...], *, usable: bool
+) -> None:
+    """Velocities do not matter to a transform: here they are NaN."""
+    poses = Odometry(
+        log_time=np.array([100]),
+        stamp=np.array([50]),
+        position=np.array([position], np.float64),
+        orientation=np.array([orientation], np.float64),
+        linear_velocity=np.full((1, 3), NAN),
+        angular_velocity=np.full((1, 3), NAN),
+    )
+    assert usable_poses(poses).tolist() == [usable]

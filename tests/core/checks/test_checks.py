@@ -1,7 +1,6 @@
 """What was checked of a walk; what each finding voids is in `test_voids.py`."""
 
-from dogbot_logtool.core.checks.engine import findings_of
-from dogbot_logtool.core.checks.questions import checks_of
+from dogbot_logtool.core.checks.engine import findings_of, questions_of
 from dogbot_logtool.core.metrics import Check
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Severity, finding_kinds
@@ -11,7 +10,7 @@ from tests.truth.sequences import then
 
 
 def checks(stats: Walk) -> tuple[Check, ...]:
-    return checks_of(stats, findings_of(stats))
+    return questions_of(stats, findings_of(stats))
 
 
 def test_a_sound_walk_passes_every_check() -> None:

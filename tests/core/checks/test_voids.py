@@ -5,7 +5,7 @@ from fnmatch import fnmatchcase
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.checks.voids import void_columns, void_patterns
+from dogbot_logtool.core.checks.engine import void_columns
 from dogbot_logtool.core.metrics import Stride, WalkMetrics
 from dogbot_logtool.core.records import fields_of, metric_paths
 from dogbot_logtool.finding import Finding, FindingKind, finding_kinds
@@ -76,8 +76,7 @@ def test_columns_of_tables_are_voided_by_the_same_patterns() -> None:
         Finding("SATURATED", "", feet=("left",)),
         Finding("CLOCK_OFFSET", "", cases=("base",), feet=("left", "right")),
     ]
-    patterns = void_patterns(found)
-    left, right = (void_columns(columns, foot, patterns) for foot in ("left", "right"))
+    left, right = (void_columns(columns, foot, found) for foot in ("left", "right"))
     assert all(np.isnan(each).all() for each in left.values())
     assert right["peak_force_n"].tolist() == [1.0, 1.0]
     assert np.isnan(right["length_m"]).all()

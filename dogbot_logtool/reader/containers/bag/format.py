@@ -1,7 +1,6 @@
 """How ROS 1 bags write records: messages by their columns, and the search for sound records."""
 
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -20,17 +19,6 @@ from dogbot_logtool.reader.containers.bag.records import (
 from dogbot_logtool.reader.containers.salvage.records import Readable, Records, blank_messages
 from dogbot_logtool.reader.decode.columns import gather, gather_bytes, rows_like
 
-INDEX_ENTRY_SIZE: Final = 12
-_ENTRY_SIZES: Final[Mapping[int, int]] = {BagOp.INDEX: INDEX_ENTRY_SIZE, BagOp.CHUNK_INFO: 8}
-_FIELDS: Final[Mapping[int, Mapping[str, int | None]]] = {
-    BagOp.MESSAGE: {"conn": 4, "time": 8},
-    BagOp.CONNECTION: {"conn": 4, "topic": None},
-    BagOp.CHUNK: {"size": 4, "compression": None},
-    BagOp.INDEX: {"conn": 4},
-    BagOp.CHUNK_INFO: {"chunk_pos": 8},
-    BagOp.BAG_HEADER: {"index_pos": 8},
-}
-"""Fields that the headers of records must have, and their sizes in bytes; None: any."""
 _MOST_TEMPLATES: Final = 8
 """Recorders write all their message headers alike; more kinds are decoded one by one."""
 _LONGEST_HEADER: Final = 4096
@@ -103,33 +91,12 @@ class BagFormat:
         """See `RecordFormat.sound`."""
         try:
             record = record_in_file(source, offset)
-            op = record.fields.op()
             if record.end > end:
-                return op == BagOp.CHUNK and bool(record.fields.raw("compression"))
-            sound = is_sound(record, op)
+                is_chunk = record.fields.op() == BagOp.CHUNK
+                return is_chunk and bool(record.fields.raw("compression"))
+            return record.is_sound() and _may_follow(source, record.end, end)
         except MalformedRecord:
             return False
-        return sound and _may_follow(source, record.end, end)
-
-    def resembles(self, records: Bytes, before: int, offset: int, end: int) -> bool:
-        """See `RecordFormat.resembles`."""
-        size = 4 + int(U32.unpack_from(records.data, before)[0])
-        here = records[offset : min(offset + size, end)]
-        alike = np.count_nonzero(here == records[before : before + len(here)])
-        return bool(2 * alike >= len(here) >= 8 or self.record_start.match(here.tobytes()))
-
-
-def is_sound(record: Record, op: int) -> bool:
-    """Tell whether a record has the fields of its kind, and its data the right size.
-
-    Raises:
-        MalformedRecord: a field is missing.
-    """
-    for name, size in _FIELDS.get(op, {}).items():
-        record.fields.raw(name, size)
-    if op in _ENTRY_SIZES:
-        return record.end - record.data == record.fields.u32("count") * _ENTRY_SIZES[op]
-    return op in _FIELDS
 
 
 def _may_follow(source: Readable, offset: int, end: int) -> bool:
@@ -170,7 +137,7 @@ def _template(records: Bytes, offset: int, record: Record) -> _Template | None:
     try:
         if record.fields.op() != BagOp.MESSAGE or size > _LONGEST_HEADER:
             return None
-        is_sound(record, BagOp.MESSAGE)
+        record.is_sound()
     except MalformedRecord:
         return None
     connection, time = (4 + record.fields.offsets[name] for name in ("conn", "time"))

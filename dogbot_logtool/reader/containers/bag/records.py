@@ -5,6 +5,7 @@ its length.
 """
 
 import struct
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final
@@ -12,10 +13,10 @@ from typing import Final
 from dogbot_logtool.reader.containers.salvage.records import Readable
 
 U32: Final = struct.Struct("<I")
-_TIME: Final = struct.Struct("<II")
 _MAX_HEADER_SIZE: Final = 1 << 20
 HEAD_SIZE: Final = 512
 """Bytes that hold nearly every record's header."""
+INDEX_ENTRY_SIZE: Final = 12
 
 
 class BagOp(IntEnum):
@@ -27,6 +28,18 @@ class BagOp(IntEnum):
     CHUNK = 0x05
     CHUNK_INFO = 0x06
     CONNECTION = 0x07
+
+
+_ENTRY_SIZES: Final[Mapping[int, int]] = {BagOp.INDEX: INDEX_ENTRY_SIZE, BagOp.CHUNK_INFO: 8}
+_FIELDS: Final[Mapping[int, Mapping[str, int | None]]] = {
+    BagOp.MESSAGE: {"conn": 4, "time": 8},
+    BagOp.CONNECTION: {"conn": 4, "topic": None},
+    BagOp.CHUNK: {"size": 4, "compression": None},
+    BagOp.INDEX: {"conn": 4},
+    BagOp.CHUNK_INFO: {"chunk_pos": 8},
+    BagOp.BAG_HEADER: {"index_pos": 8},
+}
+"""Fields that the headers of records must have, and their sizes in bytes; None: any."""
 
 
 class MalformedRecord(Exception):  # noqa: N818 - it never reaches a user
@@ -42,7 +55,7 @@ class Fields:
         Raises:
             MalformedRecord: it is no list of fields.
         """
-        self._values: dict[str, bytes] = {}
+        self.values: dict[str, bytes] = {}
         self.offsets: dict[str, int] = {}
         """Where the value of each field begins."""
         data = bytes(data)
@@ -57,19 +70,8 @@ class Fields:
                 raise MalformedRecord("a header field is damaged")
             offset += 4 + size
             key = name.decode("utf-8", "replace")
-            self._values[key] = value
+            self.values[key] = value
             self.offsets[key] = offset - len(value)
-
-    def op(self) -> int:
-        """Return the kind of the record."""
-        value = self.raw("op")
-        if len(value) != 1:
-            raise MalformedRecord("a record's kind is damaged")
-        return value[0]
-
-    def has(self, name: str) -> bool:
-        """Tell whether there is a field of the name."""
-        return name in self._values
 
     def raw(self, name: str, size: int | None = None) -> bytes:
         """Return a field, of a size in bytes if that is given.
@@ -77,29 +79,29 @@ class Fields:
         Raises:
             MalformedRecord: there is none of the name, or of another size.
         """
-        value = self._values.get(name)
+        value = self.values.get(name)
         if value is None:
             raise MalformedRecord(f"the header field {name!r} is missing")
         if size is not None and len(value) != size:
             raise MalformedRecord(f"the header field {name!r} has a wrong size")
         return value
 
-    def u32(self, name: str) -> int:
-        """Return a 32-bit number."""
-        return int.from_bytes(self.raw(name, 4), "little")
+    def number(self, name: str, size: int = 4) -> int:
+        """Return a number of some bytes."""
+        return int.from_bytes(self.raw(name, size), "little")
 
-    def u64(self, name: str) -> int:
-        """Return a 64-bit number."""
-        return int.from_bytes(self.raw(name, 8), "little")
+    def op(self) -> int:
+        """Return the kind of the record."""
+        return self.number("op", 1)
 
     def time_ns(self, name: str) -> int:
         """Return a time, ns."""
-        seconds, nanoseconds = _TIME.unpack(self.raw(name, 8))
-        return int(seconds) * 1_000_000_000 + int(nanoseconds)
+        nanoseconds, seconds = divmod(self.number(name, 8), 1 << 32)
+        return seconds * 1_000_000_000 + nanoseconds
 
     def texts(self) -> dict[str, str]:
         """Return all fields as texts; bytes that are not UTF-8 are replaced."""
-        return {name: value.decode("utf-8", "replace") for name, value in self._values.items()}
+        return {name: value.decode("utf-8", "replace") for name, value in self.values.items()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +113,19 @@ class Record:
     """First byte of the data."""
     end: int
     """First byte after the record."""
+
+    def is_sound(self) -> bool:
+        """Tell whether it has the fields of its kind, and its data the right size.
+
+        Raises:
+            MalformedRecord: a field is missing.
+        """
+        op = self.fields.op()
+        for name, size in _FIELDS.get(op, {}).items():
+            self.fields.raw(name, size)
+        if op in _ENTRY_SIZES:
+            return self.end - self.data == self.fields.number("count") * _ENTRY_SIZES[op]
+        return op in _FIELDS
 
 
 def record_bounds(data: bytes | memoryview, offset: int, end: int) -> tuple[int, int]:

@@ -1,34 +1,33 @@
 """The chunks and connections of a ROS 1 bag: by its index, or by all of its records."""
 
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Bytes
-from dogbot_logtool.reader.containers.bag.chunk import (
-    chunk_at,
-    indexed_times,
-    parse_bag_chunk,
-)
-from dogbot_logtool.reader.containers.bag.connections import Connections
-from dogbot_logtool.reader.containers.bag.format import INDEX_ENTRY_SIZE, BagFormat, is_sound
+from dogbot_logtool.reader.containers.bag.format import BagFormat, nanoseconds
 from dogbot_logtool.reader.containers.bag.records import (
     HEAD_SIZE,
+    INDEX_ENTRY_SIZE,
     BagOp,
+    Fields,
     MalformedRecord,
     Record,
     record_at,
+    record_bounds,
     record_in_file,
 )
 from dogbot_logtool.reader.containers.chunked_log import ChunkedLog, open_chunked
-from dogbot_logtool.reader.containers.compression import check_claimed_size
-from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, time_range
+from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Schema, time_range
+from dogbot_logtool.reader.containers.descriptions import Description, Descriptions
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage
-from dogbot_logtool.reader.containers.salvage.scan import IndexEntry, ReadChunk, Scan
-from dogbot_logtool.reader.containers.signatures import BAG_MAGIC
+from dogbot_logtool.reader.containers.registry import BAG_MAGIC
+from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
+from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
+from dogbot_logtool.reader.containers.salvage.scan import IndexEntry, Scan
 from dogbot_logtool.reader.containers.sources.source import ByteSource, in_groups
 
 _UNSUSPICIOUS_SIZE: Final = 64 << 20
@@ -38,6 +37,9 @@ _LARGEST_PADDING: Final = 4096
 """Some recorders leave zero bytes before the index."""
 _INDEX_RECORD_SIZE: Final = 55
 """Bytes of an index record besides its entries, as every recorder writes it."""
+_INDEX_ENTRY: Final = np.dtype([("seconds", "<u4"), ("nanoseconds", "<u4"), ("offset", "<u4")])
+_RECURRING_SIZE: Final = 64
+"""Headers of index records are mostly shorter, and come again behind every chunk."""
 _NOT_CLOSED: Final = "the bag has no index (its recording was not closed); it was read without it"
 
 
@@ -46,12 +48,10 @@ class BagScan(Scan):
 
     container = "ROS 1 bag"
     magic = BAG_MAGIC
+    describing = frozenset({int(BagOp.CONNECTION)})
 
     def __init__(self, source: ByteSource) -> None:
-        super().__init__(source, BagFormat())
-        self.connections = Connections()
-        self._outside: list[tuple[int, int]] = []
-        """Offset and end of connection records outside chunks."""
+        super().__init__(source, BagFormat(), Descriptions(_connection))
 
     def indexed(self) -> tuple[Contents | None, Loss | None]:
         """See `Scan.indexed`."""
@@ -60,16 +60,16 @@ class BagScan(Scan):
             header = record_in_file(self.source, start)
             if header.fields.op() != BagOp.BAG_HEADER:
                 raise MalformedRecord("the bag's header is missing")
-            index_start = header.fields.u64("index_pos")
+            index_start = header.fields.number("index_pos", 8)
             if index_start == 0:
                 return None, Loss(start, _NOT_CLOSED)
             self._read_section(index_start)
-            if len(self._index_entries) != header.fields.u32("chunk_count"):
+            if len(self._index_entries) != header.fields.number("chunk_count"):
                 raise MalformedRecord("it names another number of chunks than the bag's header")
             chunks = self._indexed_chunks(index_start)
             if not self._fills(header.end, chunks, index_start):
                 raise MalformedRecord("it contradicts the chunks")
-            if not _times_hold(self.source, chunks):
+            if not self._times_hold(chunks):
                 raise MalformedRecord("it tells wrong times")
         except (MalformedRecord, ChunkDamage) as fault:
             what = f"the bag's index is damaged ({fault}); the bag was read without it"
@@ -92,10 +92,8 @@ class BagScan(Scan):
             record = record_at(section, offset, len(section))
             op = record.fields.op()
             if op == BagOp.CONNECTION:
-                data = section[offset : record.end]
-                self.connections.add(data)
-                if self.connections.contradiction(data, start + offset) is not None:
-                    raise MalformedRecord("it describes a connection in two ways")
+                if self.descriptions.add([section[offset : record.end]], start + offset):
+                    raise MalformedRecord("its connections are damaged or described in two ways")
             elif op == BagOp.CHUNK_INFO:
                 self._take_info(record, section)
             else:
@@ -113,34 +111,45 @@ class BagScan(Scan):
             MalformedRecord: it is damaged.
         """
         fields = record.fields
-        count = fields.u32("count")
+        count = fields.number("count")
         if record.end - record.data != count * 8:
             raise MalformedRecord("a chunk's message counts are damaged")
         counts = np.frombuffer(data, "<u4", count * 2, record.data).reshape(-1, 2).tolist()
         times = fields.time_ns("start_time"), fields.time_ns("end_time")
-        self._index_entries[fields.u64("chunk_pos")] = IndexEntry(*times, dict(counts))
+        self._index_entries[fields.number("chunk_pos", 8)] = IndexEntry(*times, dict(counts))
 
     def _indexed_chunks(self, index_start: int) -> list[Chunk]:
         """Return the chunks that the index names, and the index records behind each."""
         entries = sorted(self._index_entries.items())
         offsets = [offset for offset, _ in entries]
         heads = in_groups(self.source, [(offset, HEAD_SIZE) for offset in offsets])
-        ids = self.connections.channel_ids
+        ids = self.ids
         chunks: list[Chunk] = []
         for (offset, entry), end, head in zip(
             entries, [*offsets[1:], index_start][: len(offsets)], heads, strict=True
         ):
-            chunk = chunk_at(self.source, offset, head)
+            chunk = self.chunk_at(offset, head)
             counts = entry.counts or {}
-            if not counts.keys() <= ids.keys():
-                raise MalformedRecord("it contradicts the chunks")
             named = _INDEX_RECORD_SIZE * len(counts) + INDEX_ENTRY_SIZE * sum(counts.values())
             # Index records of the usual size need not be looked at.
-            if end - chunk.end != named and not self._fills(chunk.end, (), end):
+            is_filled = end - chunk.end == named or self._fills(chunk.end, (), end)
+            if not counts.keys() <= ids.keys() or not is_filled:
                 raise MalformedRecord("it contradicts the chunks")
             known = {ids[number]: count for number, count in counts.items()}
             chunks.append(replace(entry.added_to(chunk), index_end=end, counts=known))
         return chunks
+
+    def _times_hold(self, chunks: Sequence[Chunk]) -> bool:
+        """Tell whether the index records behind chunks confirm when the log begins and ends.
+
+        They are compared for the first and the last chunk, in the file and by the times stated.
+        """
+        first = sorted(chunks, key=lambda chunk: chunk.start_time or 0)[:1]
+        last = sorted(chunks, key=lambda chunk: chunk.end_time or 0)[-1:]
+        return all(
+            self.own_times(chunk) in {None, (chunk.start_time, chunk.end_time)}
+            for chunk in (*chunks[:1], *chunks[-1:], *first, *last)
+        )
 
     def _between(self, offset: int, stop: int) -> int | None:
         size = stop - offset
@@ -152,10 +161,10 @@ class BagScan(Scan):
     def _step(self, offset: int) -> int | None:
         try:
             record = record_in_file(self.source, offset)
-            if record.fields.has("compression"):
+            if "compression" in record.fields.values:
                 return self._chunk_record(offset, record)
             op = record.fields.op()
-            if record.end > self.source.size or not is_sound(record, op):
+            if record.end > self.source.size or not record.is_sound():
                 return None
             if op == BagOp.MESSAGE:
                 return self._bare(offset, record.end)
@@ -173,11 +182,13 @@ class BagScan(Scan):
         return record.end
 
     def _chunk_record(self, offset: int, record: Record) -> int:
-        chunk = chunk_at(self.source, offset)
+        chunk = self.chunk_at(offset)
         if chunk.is_compressed:
             return self._take_chunk(chunk, chunk.end)
-        stated = record.fields.u32("size")
-        return self._take_chunk(replace(chunk, data_size=stated), chunk.data_offset + stated)
+        stated = record.fields.number("size")
+        return self._take_chunk(
+            replace(chunk, data_size=stated, size=stated), chunk.data_offset + stated
+        )
 
     def _passed_zeros(self, offset: int) -> int | None:
         """Pass over the zero bytes that some recorders leave before the index."""
@@ -189,82 +200,101 @@ class BagScan(Scan):
             return following
         return None
 
-    def _describe(self, op: int, record: Bytes, chunk: Chunk) -> None:
-        if op == BagOp.CONNECTION:
-            self._connect(record.tobytes(), chunk.offset)
-
-    def _connect(self, record: bytes, offset: int) -> str:
-        """Take a connection record; return why it cannot be, or nothing."""
+    def chunk_at(self, offset: int, head: bytes = b"") -> Chunk:
+        """See `Scan.chunk_at`; its first bytes may have been read."""
         try:
-            self.connections.add(record)
+            record = record_in_file(self.source, offset, head)
+            compression = record.fields.raw("compression").decode("utf-8", "replace")
+            size = record.fields.number("size")
         except MalformedRecord as fault:
-            return str(fault)
-        loss = self.connections.contradiction(record, offset)
-        if loss is not None:
-            self._losses.add(loss)
-        return ""
+            raise ChunkDamage(f"its header is damaged ({fault})") from fault
+        data_size = record.end - record.data
+        return Chunk(
+            offset=offset,
+            data_offset=record.data,
+            data_size=data_size,
+            end=record.end,
+            index_end=record.end,
+            compression=sys.intern(compression),
+            size=data_size if compression in {"", "none"} else size,
+        )
 
-    def check(self, chunk: Chunk) -> None:
-        """See `Scan.check`."""
-        if chunk.is_compressed:
-            check_claimed_size(chunk.size, chunk.data_size)
-        if chunk.end > self.source.size:
-            raise ChunkDamage("it reaches beyond the end of the file")
+    def _index_of(self, behind: memoryview) -> Index | None:
+        return read_index(behind, _index_record, _INDEX_ENTRY, nanoseconds)
 
-    def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
-        """See `Scan.parse`."""
-        return parse_bag_chunk(chunk, stored, target, self._format)
-
-    def contradictions(self, content: ChunkContent, data: Bytes, chunk: Chunk) -> Sequence[Loss]:
-        """See `Scan.contradictions`."""
-        found = {
-            self.connections.contradiction(data[offset:end].tobytes(), chunk.offset): None
-            for op, offset, end in content.others.tolist()
-            if op == BagOp.CONNECTION
-        }
-        return [loss for loss in found if loss is not None]
+    def _checksum(self, chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]:
+        del chunk, stored
+        return 0, ()
 
     def own_times(self, chunk: Chunk) -> tuple[int | None, int | None] | None:
         """See `Scan.own_times`: those that the index records behind it name."""
-        return indexed_times(self.source, [chunk])[0]
+        index = self._index_of(memoryview(self.source.read(chunk.end, chunk.index_end - chunk.end)))
+        if index is None or not index.complete or not len(index.log_time):
+            return None
+        return int(index.log_time.min()), int(index.log_time.max())
 
     @property
     def ids(self) -> Mapping[int, int]:
-        """See `Scan.ids`."""
-        return self.connections.channel_ids
-
-    def _with_ids(self, read: Sequence[ReadChunk]) -> list[Chunk]:
-        # Those in chunks come first: a compressed chunk's checksum vouches for them.
-        for offset, end in self._outside:
-            if fault := self._connect(self.source.read(offset, end - offset), offset):
-                what = f"the connection record at byte {offset} is damaged ({fault})"
-                self._losses.add(Loss(offset, what))
-        return super()._with_ids(read)
+        """See `Scan.ids`: channels are numbered from 1 in the order in which they are met."""
+        connections = self.descriptions.of_kind("connection")
+        return {each.number: id_ for id_, each in enumerate(connections, start=1)}
 
     def _channels(self) -> Mapping[int, Channel]:
-        return self.connections.channels
+        schemas: dict[tuple[str, bytes], Schema] = {}
+        channels: dict[int, Channel] = {}
+        for id_, each in enumerate(self.descriptions.of_kind("connection"), start=1):
+            facts = each.facts
+            name, data = facts["type"], facts["definition"]
+            new = Schema(len(schemas) + 1, name, "ros1msg", data)
+            schema = schemas.setdefault((name, data), new)
+            channels[id_] = Channel(id_, facts["topic"], "ros1", schema, facts["header"])
+        return channels
 
     def _profile(self) -> str:
         return "ros1"
 
 
-def _times_hold(source: ByteSource, chunks: Sequence[Chunk]) -> bool:
-    """Tell whether the index records behind chunks confirm when the log begins and ends.
+def _connection(record: bytes) -> Description | None:
+    """Decode a connection record: its data is the header that the publisher sent."""
+    try:
+        found = record_at(record, 0, len(record))
+        number = found.fields.number("conn")
+        # The topic of the record is the one under which it was recorded, after any remapping.
+        topic = found.fields.raw("topic").decode("utf-8", "replace")
+        texts = Fields(record[found.data : found.end]).texts()
+    except MalformedRecord:
+        return None
+    name, definition = texts.pop("type", ""), texts.pop("message_definition", "").encode()
+    texts.pop("topic", None)
+    facts = {"topic": topic, "type": name, "definition": definition, "header": texts}
+    described = Description("connection", number, f"{topic} of type {name}", facts)
+    return described if name else None
 
-    They are compared for the first and the last chunk, in the file and by the times stated.
+
+def _index_record(behind: memoryview, offset: int) -> IndexRecord | None:
+    try:
+        header_end, end = record_bounds(behind, offset, len(behind))
+        header = bytes(behind[offset + 4 : header_end])
+        recurs = len(header) <= _RECURRING_SIZE
+        connection = (_recurring_connection if recurs else _indexed_connection)(header)
+    except MalformedRecord:
+        return None
+    return connection, behind[header_end + 4 : end], end
+
+
+def _indexed_connection(header: bytes) -> int:
+    """Return the connection whose messages an index record names.
+
+    Raises:
+        MalformedRecord: it is no index record.
     """
-    if not chunks:
-        return True
-    by_time = (
-        min(chunks, key=lambda chunk: chunk.start_time or 0),
-        max(chunks, key=lambda chunk: chunk.end_time or 0),
-    )
-    compared = {each.offset: each for each in (chunks[0], chunks[-1], *by_time)}.values()
-    found = indexed_times(source, list(compared))
-    return all(
-        times in {None, (chunk.start_time, chunk.end_time)}
-        for chunk, times in zip(compared, found, strict=True)
-    )
+    fields = Fields(header)
+    if fields.op() != BagOp.INDEX:
+        raise MalformedRecord("it is a record of another kind")
+    return fields.number("conn")
+
+
+_recurring_connection: Final = lru_cache(maxsize=1024)(_indexed_connection)
 
 
 def open_log(source: ByteSource, distribution: str) -> ChunkedLog:

@@ -2,7 +2,7 @@
 
 import re
 import struct
-from collections.abc import Collection
+from collections.abc import Callable
 from dataclasses import fields
 from typing import Final
 
@@ -18,8 +18,8 @@ from dogbot_logtool.reader.containers.mcap.records import (
     WHOLE_SMALL_RECORD,
     decode_record,
 )
+from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
 from dogbot_logtool.reader.containers.salvage.records import Readable, Records, blank_messages
-from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.decode.columns import gather
 from dogbot_logtool.reader.decode.message_table import Messages, no_messages
 
@@ -40,14 +40,11 @@ FIRST_PRIVATE_OPCODE: Final = 0x80
 """Opcodes from here on belong to applications, and are passed over."""
 _MOST_FOLLOWING: Final = 2
 """Records that are looked at to be sure of the one before them."""
-LARGEST_PASSING: Final = 1 << 16
-"""Bytes up to which a message's content is compared with other kinds of records."""
 LARGEST_OPCODE: Final = int(max(Opcode))
 _HEAD: Final = np.dtype([("opcode", "u1"), ("length", "<u8")])
 _MAY_STAND_IN_CHUNK: Final = np.arange(256) > LARGEST_OPCODE
 """(256,) by opcode; of those that are known, only three."""
 _MAY_STAND_IN_CHUNK[[Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE]] = True
-_HOUR: Final = 3_600_000_000_000
 _DECODED: Final = {
     Opcode.HEADER: records.Header,
     Opcode.FOOTER: records.Footer,
@@ -71,14 +68,14 @@ class McapFormat:
     record_start = re.compile(rb"(?s)(?=[\x01-\x0f].{4}\0{4})")
     """Every known opcode, with a length below 4 GiB."""
 
-    def __init__(self, channels: Collection[int] = ()) -> None:
+    def __init__(self, may_be_channel: Callable[[int], bool]) -> None:
         """Prepare.
 
         Args:
-            channels: those described so far; a message of another is not taken for a sound one
-                when looking for the next sound record. Empty: nothing is known.
+            may_be_channel: tells whether a channel is described; a message of another is not
+                taken for a sound one when looking for the next sound record.
         """
-        self._channels = channels
+        self._may_be_channel = may_be_channel
 
     def chain(self, data: memoryview, offset: int, end: int, limit: int) -> list[int]:
         """See `RecordFormat.chain`."""
@@ -126,7 +123,7 @@ class McapFormat:
             return not head or 1 <= head[0] <= LARGEST_OPCODE or MCAP_MAGIC.startswith(head)
         opcode, length = RECORD_HEAD.unpack_from(head)
         if opcode == Opcode.CHUNK:
-            return _is_chunk(head[RECORD_HEAD.size :], length)
+            return is_chunk(head[RECORD_HEAD.size :], length)
         following = offset + RECORD_HEAD.size + length
         is_known = opcode in _KNOWN
         may_be_later = opcode > LARGEST_OPCODE and following < end
@@ -154,8 +151,7 @@ class McapFormat:
         """
         if opcode == Opcode.MESSAGE:
             channel = int.from_bytes(source.read(content, 2), "little")
-            known = not self._channels or channel in self._channels
-            return known and length >= MESSAGE_CONTENT_SIZE
+            return length >= MESSAGE_CONTENT_SIZE and self._may_be_channel(channel)
         if opcode in {Opcode.MESSAGE_INDEX, Opcode.ATTACHMENT}:
             return 0 <= length - _content_size(source, content, opcode) <= LARGEST_PADDING
         kind = _DECODED.get(Opcode(opcode)) if opcode in _DECODED else None
@@ -164,35 +160,6 @@ class McapFormat:
             and length <= WHOLE_SMALL_RECORD
             and decode_record(kind, source.read(content, length)) is not None
         )
-
-    def is_chunk(self, source: Readable, content: int, length: int) -> bool:
-        """Tell whether a record's content is a chunk's, whatever its opcode says."""
-        return _is_chunk(source.read(content, 64), length)
-
-    def passes_for_another(self, source: Readable, content: int, length: int) -> bool:
-        """Tell whether a message's content is that of another kind of record, to the last byte."""
-        if length > LARGEST_PASSING:
-            return False
-        if _content_size(source, content, Opcode.MESSAGE_INDEX) == length:
-            return True
-        body = source.read(content, length)
-        return any(decode_record(kind, body, padding=0) for kind in _DECODED.values())
-
-    def resembles(self, records: Bytes, before: int, offset: int, end: int) -> bool:
-        """See `RecordFormat.resembles`."""
-        data = records[offset : min(offset + MESSAGE_HEAD.itemsize, end)].tobytes()
-        if len(data) < RECORD_HEAD.size:
-            return False
-        agree = [1 <= data[0] <= LARGEST_OPCODE, data[5:9] == b"\0\0\0\0"]
-        may_be_message = data[0] == Opcode.MESSAGE or not agree[0]
-        if len(data) == MESSAGE_HEAD.itemsize and may_be_message:
-            head = np.frombuffer(data, MESSAGE_HEAD)[0]
-            agree.append(not self._channels or int(head["channel"]) in self._channels)
-            if records[before] == Opcode.MESSAGE:
-                earlier = records[before : before + MESSAGE_HEAD.itemsize].view(MESSAGE_HEAD)[0]
-                apart = int(head["log_time"]) - int(earlier["log_time"])
-                agree.append(abs(apart) < _HOUR)
-        return sum(agree) >= max(len(agree) - 1, 2)
 
 
 def _content_size(source: Readable, content: int, opcode: int) -> int:
@@ -218,7 +185,7 @@ def _messages(records: Bytes, offset: Ints, end: Ints) -> Messages:
     return Messages(channel, log_time, publish_time, sequence, start, end)
 
 
-def _is_chunk(head: bytes, length: int) -> bool:
+def is_chunk(head: bytes, length: int) -> bool:
     """Tell whether a chunk record's content begins here, by the agreement of its lengths.
 
     Args:

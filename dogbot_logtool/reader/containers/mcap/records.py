@@ -11,6 +11,7 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.reader.containers.contents import Channel, Extra, Schema
+from dogbot_logtool.reader.containers.descriptions import Description
 
 RECORD_HEAD: Final = struct.Struct("<BQ")
 """Opcode and length of the content, before every record."""
@@ -20,6 +21,7 @@ WHOLE_SMALL_RECORD: Final = 16 << 20
 """Larger records that describe something are not believed to be sound."""
 LARGEST_PADDING: Final = 64
 """Bytes that a record may have behind the fields that are known: later versions may add some."""
+DESCRIBING: Final = frozenset({int(Opcode.SCHEMA), int(Opcode.CHANNEL)})
 _MALFORMED: Final = (McapError, struct.error, ValueError, OverflowError)
 
 _Record = TypeVar(
@@ -71,6 +73,22 @@ def decode_record(
     except _MALFORMED:
         return None
     return record if len(body) - stream.count <= padding else None
+
+
+def described(record: bytes) -> Description | None:
+    """Decode the record of a schema or a channel; None: it is malformed."""
+    body = record[RECORD_HEAD.size :]
+    facts: dict[str, object]
+    if record[0] == Opcode.SCHEMA:
+        if (schema := decode_record(records.Schema, body)) is None:
+            return None
+        facts = {"encoding": schema.encoding, "definition": schema.data}
+        return Description("schema", schema.id, schema.name, facts)
+    if (channel := decode_record(records.Channel, body)) is None:
+        return None
+    facts = {"encoding": channel.message_encoding, "schema": channel.schema_id}
+    facts["metadata"] = channel.metadata
+    return Description("channel", channel.id, channel.topic, facts)
 
 
 def schema_record(schema: Schema) -> records.Schema:

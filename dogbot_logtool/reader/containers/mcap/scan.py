@@ -1,29 +1,38 @@
 """The chunks, descriptions and other records of an MCAP file: by its summary, or by all records."""
 
-from collections.abc import Collection, Mapping, Sequence
+import struct
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from operator import itemgetter
 from typing import Final
 
 import numpy as np
 from mcap import records
 from mcap.opcode import Opcode
 
-from dogbot_logtool.core.arrays import Bytes, distinct
+from dogbot_logtool.core.arrays import distinct
 from dogbot_logtool.reader.containers.chunked_log import ChunkedLog, open_chunked
-from dogbot_logtool.reader.containers.compression import check_claimed_size
-from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra
-from dogbot_logtool.reader.containers.loss import Loss, differing_counts, lost_messages
-from dogbot_logtool.reader.containers.mcap.chunk import chunk_at, parse_chunk
-from dogbot_logtool.reader.containers.mcap.descriptions import DESCRIBING, Descriptions, Trust
+from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra, Schema
+from dogbot_logtool.reader.containers.descriptions import Descriptions
+from dogbot_logtool.reader.containers.loss import (
+    LONGEST_NAME,
+    Loss,
+    differing_counts,
+    lost_messages,
+)
 from dogbot_logtool.reader.containers.mcap.format import (
     FIRST_PRIVATE_OPCODE,
     LARGEST_OPCODE,
+    MESSAGE_CONTENT_SIZE,
     McapFormat,
+    is_chunk,
 )
 from dogbot_logtool.reader.containers.mcap.records import (
+    CHUNK_HEAD,
+    DESCRIBING,
     RECORD_HEAD,
-    WHOLE_SMALL_RECORD,
     decode_record,
+    described,
 )
 from dogbot_logtool.reader.containers.mcap.summary import (
     DATA_END_SIZE,
@@ -32,18 +41,20 @@ from dogbot_logtool.reader.containers.mcap.summary import (
     indexed_chunk,
     read_summary,
 )
-from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage
+from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
+from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
+from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
 from dogbot_logtool.reader.containers.salvage.scan import IndexEntry, Scan
-from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource, in_groups
 
 _LARGEST_HEADER: Final = 1 << 20
-_MOST_FIRST_CHUNKS: Final = 8
-_LARGEST_FIRST_CHUNK: Final = 16 << 20
-"""Larger chunks, decompressed, are not read when a log is opened."""
-_SUMMARY_CONTRADICTS: Final = (
-    "the summary contradicts itself or the chunks; the log was read without it"
-)
+_LONGEST_NAME: Final = 16
+"""Bytes of the name of a compression."""
+_NO_ACCIDENT: Final = 4
+"""So many messages behind each other are believed, though their channel is not described yet."""
+_INDEX_ENTRY: Final = np.dtype([("log_time", "<i8"), ("offset", "<u8")])
+_INDEX_HEAD: Final = struct.Struct("<BQHI")
+"""Opcode and length of an index record, channel, and bytes of its entries."""
 _BETWEEN: Final = (
     Opcode.HEADER,
     Opcode.SCHEMA,
@@ -62,11 +73,12 @@ class McapScan(Scan):
     container = "MCAP"
     magic = MCAP_MAGIC
     copies_chunks = True
+    describing = DESCRIBING
 
     def __init__(self, source: ByteSource) -> None:
-        self.descriptions = Descriptions()
-        self._mcap_format = McapFormat(self.descriptions.channels)
-        super().__init__(source, self._mcap_format)
+        self._mcap_format = McapFormat(self._may_be_channel)
+        self._outside_channels: set[int] = set()
+        super().__init__(source, self._mcap_format, Descriptions(described))
         self._statistics: records.Statistics | None = None
         self._data_end: int | None = None
         self._closed = False
@@ -79,21 +91,19 @@ class McapScan(Scan):
             return None, problem
         statistics = self._statistics = summary.statistics
         channels = self._channels()
-        missing = any(self.descriptions.without_schema())
-        if missing or not summary.is_complete(statistics, channels.keys()):
+        if self._without_schema() or not summary.is_complete(statistics, channels.keys()):
             return None, None
-        counts = {**dict.fromkeys(channels, 0), **statistics.channel_message_counts}
         if not (summary.agrees(statistics) and self._holds(summary)):
-            return None, Loss(summary.offset, _SUMMARY_CONTRADICTS)
-        if self._chunks_contradict(_first_chunks(summary.chunks, counts)):
-            return None, Loss(0, _SUMMARY_CONTRADICTS)
+            what = "the summary contradicts itself or the chunks; the log was read without it"
+            return None, Loss(summary.offset, what)
         profile = self._profile()
         if loss := check_data(self.source, summary.offset - DATA_END_SIZE, thorough=False):
             self._losses.add(loss)
-        losses = self._losses.all()
-        times = summary.times(statistics) if statistics.message_count else (None, None)
-        found = channels, summary.chunks, counts, *times, profile, self._extras, losses
-        return Contents(*found), None
+        counts = {**dict.fromkeys(channels, 0), **statistics.channel_message_counts}
+        times, losses = summary.times(statistics), self._losses.all()
+        return Contents(
+            channels, summary.chunks, counts, *times, profile, self._extras, losses
+        ), None
 
     def _holds(self, summary: Summary) -> bool:
         """Tell whether a summary agrees with the file.
@@ -102,26 +112,39 @@ class McapScan(Scan):
         summary.
         """
         return (
-            (summary.verified or _are_there(self.source, summary.chunks))
+            (summary.verified or self._are_there(summary.chunks))
             and self._fills(len(MCAP_MAGIC), summary.chunks, summary.offset)
             and [extra.offset for extra in self._extras] == summary.extras
-            and not any(self.descriptions.contradictions())
+            and not self._take_outside()
+            and self._is_described(summary.chunks[:1])
         )
 
-    def _chunks_contradict(self, chunks: Sequence[Chunk]) -> bool:
-        """Tell whether chunks describe channels otherwise than the summary, or describe others."""
-        ranges = [(chunk.offset, chunk.index_end - chunk.offset) for chunk in chunks]
-        for chunk, stored in zip(chunks, self.source.read_many(ranges), strict=True):
-            target = np.empty(chunk.size, np.uint8)
+    def _is_described(self, first: Sequence[Chunk]) -> bool:
+        """Tell whether the first chunk, if it can be read, describes channels as the summary does.
+
+        Recorders describe most channels there.
+        """
+        for chunk in first:
             try:
                 self.check(chunk)
+                stored = self.source.read(chunk.offset, chunk.index_end - chunk.offset)
+                target = np.empty(chunk.size, np.uint8)
                 content = self.parse(chunk, memoryview(stored), target)
             except ChunkDamage:
-                continue
-            numbers = distinct(content.messages.channel).tolist()
-            if self.contradictions(content, target, chunk) or not self.ids.keys() >= {*numbers}:
                 return True
-        return False
+            described = self.descriptions.compare(self.described_in(content, target), chunk.offset)
+            return (
+                not described and {*distinct(content.messages.channel).tolist()} <= self.ids.keys()
+            )
+        return True
+
+    def _are_there(self, chunks: Sequence[Chunk]) -> bool:
+        """Tell whether each chunk's record begins where its index says, and ends there, too."""
+        heads = in_groups(self.source, [(chunk.offset, RECORD_HEAD.size) for chunk in chunks])
+        return all(
+            head == RECORD_HEAD.pack(Opcode.CHUNK, chunk.end - chunk.offset - RECORD_HEAD.size)
+            for head, chunk in zip(heads, chunks, strict=True)
+        )
 
     def _between(self, offset: int, stop: int) -> int | None:
         head = self.source.read(offset, RECORD_HEAD.size)
@@ -135,42 +158,54 @@ class McapScan(Scan):
 
     def _step(self, offset: int) -> int | None:
         size = self.source.size
-        head = self.source.read(offset, RECORD_HEAD.size)
+        head = self.source.read(offset, RECORD_HEAD.size + CHUNK_HEAD.size + _LONGEST_NAME + 8)
         if len(head) < RECORD_HEAD.size:
             return size if head == MCAP_MAGIC else None
-        opcode, length = RECORD_HEAD.unpack(head)
+        opcode, length = RECORD_HEAD.unpack_from(head)
         content = offset + RECORD_HEAD.size
         end: int = content + length
-        if opcode == Opcode.CHUNK:
+        is_private = opcode >= FIRST_PRIVATE_OPCODE and end <= size
+        # One bit makes a private record of a chunk, but not the other way round.
+        if opcode == Opcode.CHUNK or (is_private and is_chunk(head[RECORD_HEAD.size :], length)):
             return self._chunk_record(offset)
-        if opcode >= FIRST_PRIVATE_OPCODE and end <= size:
-            # One bit makes a private record of a chunk, but not the other way round.
-            is_chunk = self._mcap_format.is_chunk(self.source, content, length)
-            return self._chunk_record(offset) if is_chunk else end
-        sound = end <= size and (
-            self._mcap_format.has_sound_content(self.source, content, opcode, length)
-            # Their channel may be described later, or in the summary.
-            or (opcode == Opcode.MESSAGE and self._runs.begins(offset, end))
-        )
-        if not sound or (opcode == Opcode.MESSAGE and self._is_no_message(content, length)):
+        if is_private:
+            return end
+        if end > size:
             return None
-        return self._record(opcode, offset, content, end)
+        if opcode == Opcode.MESSAGE:
+            return self._message(offset, content, end)
+        is_sound = self._mcap_format.has_sound_content(self.source, content, opcode, length)
+        return self._record(opcode, offset, content, end) if is_sound else None
 
-    def _is_no_message(self, content: int, length: int) -> bool:
-        """Tell whether a record is of another kind than its opcode says, where that is likely."""
-        unlikely = self._data_end is not None or self._some_checked
-        return unlikely and self._mcap_format.passes_for_another(self.source, content, length)
+    def _message(self, offset: int, content: int, end: int) -> int | None:
+        """Take messages outside of chunks, which do not stand behind the end of the data.
+
+        Their channel may be described later, or in the summary.
+        """
+        is_short = end - content < MESSAGE_CONTENT_SIZE
+        if is_short or self._data_end is not None:
+            return None
+        channel = int.from_bytes(self.source.read(content, 2), "little")
+        if self._may_be_channel(channel) or len(self._run(offset, end)[1]) > _NO_ACCIDENT:
+            return self._bare(offset, end)
+        return None
+
+    def _may_be_channel(self, number: int) -> bool:
+        """Tell whether a channel was met; before any was met, all may be."""
+        met = self._outside_channels
+        is_first = not met and not self.descriptions.first
+        return is_first or number in met or ("channel", number) in self.descriptions.first
 
     def _record(self, opcode: int, offset: int, content: int, end: int) -> int | None:
         match opcode:
-            case Opcode.MESSAGE:
-                return self._bare(offset, end)
             case Opcode.FOOTER if self.source.read(end, len(MCAP_MAGIC)) == MCAP_MAGIC:
-                return self._close(offset, end + len(MCAP_MAGIC))
+                self._closed = True
+                return self._end(end + len(MCAP_MAGIC))
             case Opcode.SCHEMA | Opcode.CHANNEL:
-                body = self.source.read(content, min(end - content, WHOLE_SMALL_RECORD))
-                trust = Trust.DATA if self._data_end is None else Trust.SUMMARY
-                self.descriptions.add(opcode, body, offset, trust)
+                self._outside.append((offset, end))
+                if opcode == Opcode.CHANNEL:
+                    number = int.from_bytes(self.source.read(content, 2), "little")
+                    self._outside_channels.add(number)
             case Opcode.STATISTICS:
                 body = self.source.read(content, end - content)
                 self._statistics = decode_record(records.Statistics, body)
@@ -188,87 +223,109 @@ class McapScan(Scan):
                 self._data_end = offset
         return end
 
-    def _close(self, footer: int, end: int) -> int:
-        """Stop behind the footer of a recording that was closed properly."""
-        self._closed = True
-        if self._data_end is None and self._chunks and self._chunks[-1].end == footer:
-            # The record that ends the data is missing: a false message may have taken it.
-            self._doubtful.add(self._chunks[-1].offset)
-        return self._end(end)
-
     def _chunk_record(self, offset: int) -> int | None:
         try:
-            chunk = chunk_at(self.source, offset)
+            chunk = self.chunk_at(offset)
         except ChunkDamage:
             return None
         return self._take_chunk(chunk, chunk.data_offset + chunk.data_size)
 
-    def check(self, chunk: Chunk) -> None:
-        """See `Scan.check`."""
-        check_claimed_size(chunk.size, chunk.data_size)
-        if chunk.data_offset + chunk.data_size > self.source.size:
-            raise ChunkDamage("it is cut off by the end of the file", chunk.messages)
-
-    def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
-        """See `Scan.parse`."""
-        return parse_chunk(chunk, stored, target, self._mcap_format)
-
-    def by_own_header(self, chunk: Chunk) -> Chunk | None:
-        """See `Scan.by_own_header`."""
-        if chunk.is_scanned or not chunk.is_record:
-            return None
-        try:
-            own = chunk_at(self.source, chunk.offset)
-        except ChunkDamage:
-            return None
-        if own.end != chunk.end or own.data_offset + own.data_size != own.end:
-            return None
-        corrected = replace(
-            chunk,
-            data_offset=own.data_offset,
-            data_size=own.data_size,
-            compression=own.compression,
-            size=own.size,
+    def chunk_at(self, offset: int) -> Chunk:
+        """See `Scan.chunk_at`. The record's two lengths may disagree."""
+        name_start = RECORD_HEAD.size + CHUNK_HEAD.size
+        head = self.source.read(offset, name_start + _LONGEST_NAME + 8)
+        if len(head) < name_start + 8:
+            raise ChunkDamage("its header is cut off")
+        _, length = RECORD_HEAD.unpack_from(head)
+        start, end, size, crc, name_size = CHUNK_HEAD.unpack_from(head, RECORD_HEAD.size)
+        name = head[name_start : name_start + name_size]
+        data_start = name_start + name_size + 8
+        is_name = name_size <= _LONGEST_NAME and (not name or name.isalnum())
+        record_size = RECORD_HEAD.size + length
+        if not is_name or data_start > min(len(head), record_size):
+            raise ChunkDamage("its header is damaged")
+        (data_size,) = struct.unpack_from("<Q", head, data_start - 8)
+        return Chunk(
+            offset=offset,
+            data_offset=offset + data_start,
+            data_size=data_size,
+            end=offset + record_size,
+            index_end=offset + record_size,
+            compression=str(name, "utf-8", "replace"),
+            size=size,
+            crc=crc,
+            start_time=start,
+            end_time=end,
         )
-        return corrected if corrected != chunk else None
+
+    def _checksum(self, chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]:
+        """See `Scan._checksum`; a chunk that the end of the file cuts off has none."""
+        head_size = RECORD_HEAD.size + CHUNK_HEAD.size
+        if len(stored) < head_size:
+            raise ChunkDamage("it is cut off")
+        opcode, length = RECORD_HEAD.unpack_from(stored)
+        start, end, size, crc, name_size = CHUNK_HEAD.unpack_from(stored, RECORD_HEAD.size)
+        name = bytes(stored[head_size:][:name_size])
+        data_size = bytes(stored[head_size + name_size :][:8])
+        record_end = chunk.offset + RECORD_HEAD.size + length
+        if chunk.is_scanned and record_end > chunk.end == self.source.size:
+            return 0, ()
+        if (
+            opcode == Opcode.CHUNK
+            and record_end == chunk.end
+            and size == chunk.size
+            and name == chunk.compression.encode()
+            and data_size == struct.pack("<Q", chunk.data_size)
+            and (chunk.is_scanned or (start, end) == (chunk.start_time, chunk.end_time))
+        ):
+            return crc, ()
+        what = (
+            f"the header of the chunk at byte {chunk.offset} is damaged; it was read nevertheless"
+        )
+        return crc, (Loss(chunk.offset, what),)
+
+    def _index_of(self, behind: memoryview) -> Index | None:
+        return read_index(behind, _index_record, _INDEX_ENTRY, itemgetter("log_time"))
 
     def own_times(self, chunk: Chunk) -> tuple[int | None, int | None] | None:
         """See `Scan.own_times`: those of its header."""
         try:
-            own = chunk_at(self.source, chunk.offset)
+            own = self.chunk_at(chunk.offset)
         except ChunkDamage:
             return None
         return own.start_time, own.end_time
 
-    def contradictions(self, content: ChunkContent, data: Bytes, chunk: Chunk) -> Sequence[Loss]:
-        """See `Scan.contradictions`."""
-        return self.descriptions.contradictions_in(data, content.others, chunk.offset)
-
-    def describes_others(
-        self, channels: Collection[Channel], content: ChunkContent, data: Bytes
-    ) -> bool:
-        """See `Scan.describes_others`."""
-        schemas = {each.schema.id for each in channels if each.schema is not None}
-        ids = {Opcode.CHANNEL: {each.id for each in channels}, Opcode.SCHEMA: schemas}
-        return any(
-            int.from_bytes(data[start + RECORD_HEAD.size :][:2].tobytes(), "little") not in ids[op]
-            for op, start, _ in content.others.tolist()
-            if op in ids
-        )
-
-    def _describe(self, op: int, record: Bytes, chunk: Chunk) -> None:
-        if op in DESCRIBING:
-            body = record[RECORD_HEAD.size :].tobytes()
-            trust = Trust.VERIFIED if chunk.crc else Trust.DATA
-            self.descriptions.add(op, body, chunk.offset, trust)
-
     @property
     def ids(self) -> Mapping[int, int]:
         """See `Scan.ids`."""
-        return {number: number for number in self.descriptions.channels}
+        return {each.number: each.number for each in self.descriptions.of_kind("channel")}
 
     def _channels(self) -> Mapping[int, Channel]:
-        return self.descriptions.channels_by_id()
+        schemas = {
+            number: Schema(number, each.name, each.facts["encoding"], each.facts["definition"])
+            for each in self.descriptions.of_kind("schema")
+            for number in (each.number,)
+        }
+        channels: dict[int, Channel] = {}
+        for each in self.descriptions.of_kind("channel"):
+            encoding, schema, metadata = each.facts.values()
+            channels[each.number] = Channel(
+                each.number, each.name, encoding, schemas.get(schema), metadata
+            )
+        return channels
+
+    def _without_schema(self) -> list[Loss]:
+        """Return what to say of channels whose schema is nowhere described."""
+        wanted = [
+            (each.facts["schema"], each.name[:LONGEST_NAME])
+            for each in self.descriptions.of_kind("channel")
+        ]
+        what = "schema {} of {} is nowhere described: its messages can be copied, but not read"
+        return [
+            Loss(0, what.format(schema, name))
+            for schema, name in wanted
+            if schema and ("schema", schema) not in self.descriptions.first
+        ]
 
     def _profile(self) -> str:
         """Return the profile that the file's header names; say if that cannot be read."""
@@ -285,11 +342,19 @@ class McapScan(Scan):
         return ""
 
     def _conclude(self, counts: Mapping[int, int]) -> None:
-        for loss in (*self.descriptions.contradictions(), *self.descriptions.without_schema()):
-            self._losses.add(loss)
+        self._losses.add(*self._without_schema())
         if self._statistics is not None:
             self._compare_statistics(counts, self._statistics)
-        self._check_data()
+        if self._data_end is not None:
+            bare = any(not chunk.is_record for chunk in self._chunks)
+            loss = check_data(self.source, self._data_end, thorough=bare)
+            if loss is not None:
+                # Outside chunks, a message may be lost without a trace.
+                unknown = bare and self._statistics is None
+                self._losses.add(replace(loss, messages=None) if unknown else loss)
+        elif self._closed:
+            what = "the record that ends the log's data is missing, and maybe others before it"
+            self._losses.add(Loss(self.source.size, what, 0, None))
 
     def _compare_statistics(
         self, counts: Mapping[int, int], statistics: records.Statistics
@@ -303,45 +368,15 @@ class McapScan(Scan):
         elif what := differing_counts(self._channels(), statistics.channel_message_counts, counts):
             self._losses.add(Loss(0, f"the summary counts {what}"))
 
-    def _check_data(self) -> None:
-        if self._data_end is not None:
-            bare = any(not chunk.is_record for chunk in self._chunks)
-            loss = check_data(self.source, self._data_end, thorough=bare)
-            if loss is not None:
-                # Outside chunks, a message may be lost without a trace.
-                unknown = bare and self._statistics is None
-                self._losses.add(replace(loss, messages=None) if unknown else loss)
-        elif self._closed:
-            what = "the record that ends the log's data is missing, and maybe others before it"
-            self._losses.add(Loss(self.source.size, what, 0, None))
 
-
-def _first_chunks(chunks: Sequence[Chunk], counts: Mapping[int, int]) -> list[Chunk]:
-    """Return the chunks in which channels have their first messages, but not too many.
-
-    A channel is described before its first message, mostly in the same chunk.
-    """
-    missing = {number for number, count in counts.items() if count}
-    first: list[Chunk] = []
-    for chunk in chunks:
-        if not missing or len(first) == _MOST_FIRST_CHUNKS:
-            break
-        # Without an index, the first chunk may hold messages of any channel.
-        own = dict.fromkeys(missing, 1) if chunk.counts is None else chunk.counts
-        found = {number for number, count in own.items() if count and number in missing}
-        if found and chunk.size <= _LARGEST_FIRST_CHUNK:
-            first.append(chunk)
-        missing -= found
-    return first
-
-
-def _are_there(source: ByteSource, chunks: Sequence[Chunk]) -> bool:
-    """Tell whether each chunk's record begins where its index says, and ends there, too."""
-    heads = in_groups(source, [(chunk.offset, RECORD_HEAD.size) for chunk in chunks])
-    return all(
-        head == RECORD_HEAD.pack(Opcode.CHUNK, chunk.end - chunk.offset - RECORD_HEAD.size)
-        for head, chunk in zip(heads, chunks, strict=True)
-    )
+def _index_record(behind: memoryview, offset: int) -> IndexRecord | None:
+    if offset + _INDEX_HEAD.size > len(behind):
+        return None
+    opcode, length, channel, size = _INDEX_HEAD.unpack_from(behind, offset)
+    start, end = offset + _INDEX_HEAD.size, offset + RECORD_HEAD.size + length
+    if opcode != Opcode.MESSAGE_INDEX or not start + size <= end <= len(behind):
+        return None
+    return channel, behind[start : start + size], end
 
 
 def open_log(source: ByteSource, distribution: str) -> ChunkedLog:

@@ -13,10 +13,15 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.reader.containers.contents import Chunk, time_range
+from dogbot_logtool.reader.containers.descriptions import Descriptions
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.mcap.descriptions import DESCRIBING, Descriptions, Trust
-from dogbot_logtool.reader.containers.mcap.records import CHUNK_HEAD, RECORD_HEAD, decode_record
-from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
+from dogbot_logtool.reader.containers.mcap.records import (
+    CHUNK_HEAD,
+    DESCRIBING,
+    RECORD_HEAD,
+    decode_record,
+)
+from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 _FOOTER_SIZE: Final = RECORD_HEAD.size + 20
@@ -74,28 +79,22 @@ class Summary:
 
     def agrees(self, statistics: records.Statistics) -> bool:
         """Tell whether its parts agree with each other, its own statistics among them."""
+        stated = Counter(statistics.channel_message_counts)
+        known = [chunk.counts for chunk in self.chunks if chunk.counts is not None]
+        counts: Counter[int] = Counter()
+        for each in known:
+            counts.update(each)
         return (
-            sum(statistics.channel_message_counts.values()) == statistics.message_count
-            and self._chunk_indexes_agree(statistics)
+            stated.total() == statistics.message_count
+            and (len(known) < len(self.chunks) or counts == stated)
             and all(each.data_offset + each.data_size <= each.end for each in self.chunks)
             and all(each.end <= each.index_end for each in self.chunks)
         )
 
-    def _chunk_indexes_agree(self, statistics: records.Statistics) -> bool:
-        """Tell whether the chunk indexes give the statistics, as far as they tell of messages."""
-        counts: Counter[int] = Counter()
-        for chunk in self.chunks:
-            if chunk.counts is None:
-                return True
-            counts.update(chunk.counts)
-        if counts != Counter(statistics.channel_message_counts):
-            return False
-        start, end = self.times(statistics)
-        # A time of 0 is left out of the statistics by a writer that takes it for none.
-        return start in {0, statistics.message_start_time} and end == statistics.message_end_time
-
     def times(self, statistics: records.Statistics) -> tuple[int | None, int | None]:
         """Return the log times of the first and the last message, by the chunks if they tell."""
+        if not statistics.message_count:
+            return None, None
         if self.chunks and all(chunk.messages for chunk in self.chunks):
             return time_range(self.chunks)
         return statistics.message_start_time, statistics.message_end_time
@@ -125,11 +124,13 @@ def read_summary(
     crc = crc32(data + tail[: _FOOTER_SIZE - 4]) if footer.summary_crc else 0
     summary = Summary(start, bool(crc))
     sound = honest and crc == footer.summary_crc
-    for opcode, body in _split(data) if sound else ():
+    described: list[bytes] = []
+    for opcode, record in _split(data) if sound else ():
         if opcode in DESCRIBING:
-            sound &= descriptions.add(opcode, body, 0, Trust.SUMMARY)
+            described.append(record)
         else:
-            sound &= opcode > 0 and summary.take(opcode, body)
+            sound &= opcode > 0 and summary.take(opcode, record[RECORD_HEAD.size :])
+    sound &= not descriptions.add(described, start)
     if not sound:
         return None, Loss(start, "the summary is damaged; the log was read without it")
     summary.chunks.sort(key=lambda chunk: chunk.offset)
@@ -138,13 +139,13 @@ def read_summary(
 
 
 def _split(data: bytes) -> Iterator[tuple[int, bytes]]:
-    """Yield opcode and content of the records in a section; the opcode 0 if they do not fill it."""
+    """Yield opcode and bytes of the records in a section; the opcode 0 if they do not fill it."""
     offset = 0
     while offset + RECORD_HEAD.size <= len(data):
-        opcode, length = RECORD_HEAD.unpack_from(data, offset)
-        content = offset + RECORD_HEAD.size
-        offset = content + length
-        yield opcode, data[content:offset]
+        start = offset
+        opcode, length = RECORD_HEAD.unpack_from(data, start)
+        offset += RECORD_HEAD.size + length
+        yield opcode, data[start:offset]
     if offset != len(data):
         yield 0, b""
 

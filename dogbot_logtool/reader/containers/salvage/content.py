@@ -75,18 +75,18 @@ def read_content(
 
     Args:
         fmt: how its records are written.
-        records: (n,) uint8, the chunk.
+        records: (n,) uint8, the chunk, or as much of it as there is.
         index: what the index behind it names, if there is one.
         chunk: what is known of it; its counts are by channel as numbered in the records.
         verified: its checksum holds, so that its records are true whatever an index says.
     """
-    true_index = index
-    found = None if index is None else find_indexed(fmt, records, index)
+    true_index = index if len(records) == chunk.size else None
+    found = None if true_index is None else find_indexed(fmt, records, true_index)
     if found is None:
         true_index = None
         found = find_all(fmt, records, 0, len(records))
-    check = _Check(chunk, found, found.messages.messages)
-    if index is not None and true_index is None:
+    check = _Check(chunk, found, found.messages.messages, chunk.size - len(records))
+    if index is not None and true_index is None and not check.missing:
         check.compare_index(index, verified=verified)
     check.compare_times(believed=verified or true_index is not None)
     # Unsigned log times that do not fit 64 bits with a sign.
@@ -108,11 +108,17 @@ class _Check:
     chunk: Chunk
     found: FoundRecords
     messages: Messages
+    missing: int
+    """Bytes at its end that are damaged or cut off."""
     keep: Flags = field(init=False)
     losses: list[Loss] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.keep = np.ones(len(self.messages), np.bool_)
+
+    @property
+    def _is_whole(self) -> bool:
+        return not self.found.skipped and not self.missing
 
     @property
     def _name(self) -> str:
@@ -149,7 +155,7 @@ class _Check:
             | (self.messages.log_time[row] != index.log_time)
         )
         # One that merely names fewer messages was cut off, or never meant to be complete.
-        if not self.found.skipped and (differs.any() or not same_offset.all()):
+        if self._is_whole and (differs.any() or not same_offset.all()):
             self._say(f"the index of {self._name} is wrong; it was read without it")
         if verified:
             return
@@ -177,13 +183,13 @@ class _Check:
         mostly = 2 * int(outside.sum()) > len(times)
         if outside.any() and not believed and not mostly:
             self.leave_out(outside, "of times outside the range that is stated for it")
-        elif self.keep.all() and not self.found.skipped:
+        elif self.keep.all() and self._is_whole:
             self._say(f"the range of times stated for {self._name} is wrong")
 
     def account(self, index: Index | None, true_index: Index | None) -> None:
         """Account for the bytes that are no records, and for messages that an index promises."""
         skipped, chunk = self.found.skipped, self.chunk
-        if not skipped:
+        if self._is_whole:
             if chunk.counts is not None:
                 self._compare_counts(chunk.counts, true_index)
             return
@@ -192,20 +198,26 @@ class _Check:
             promised = len(index.offset)
         lost = None if promised is None else max(promised - len(self.messages), 0)
         size = sum(end - start for start, end in skipped)
-        where = "" if len(skipped) == 1 else f" in {len(skipped)} places"
-        what = f"{self._name} holds {size} bytes{where} that are no record"
-        offset = chunk.offset if chunk.is_compressed else chunk.data_offset + skipped[0][0]
+        if self.missing:
+            # A record that the cut goes through is no other damage.
+            what = f"the last {self.missing} bytes in {self._name} are damaged or cut off"
+            size = 0 if chunk.is_compressed else size
+        else:
+            where = "" if len(skipped) == 1 else f" in {len(skipped)} places"
+            what = f"{self._name} holds {size} bytes{where} that are no record"
+        first = skipped[0][0] if skipped else chunk.size - self.missing
+        offset = chunk.offset if chunk.is_compressed else chunk.data_offset + first
         self.losses.append(Loss(offset, what, size, lost))
 
     def _compare_counts(self, stated: Mapping[int, int], true_index: Index | None) -> None:
         """Say where the log's index names other numbers of messages."""
-        found, promised, of_channel = len(self.messages), sum(stated.values()), ""
+        by_index = None if true_index is None else true_index.counts
+        counts = Counter(self.messages.channel.tolist()) if by_index is None else by_index
+        wrong = [n for n in sorted({*stated, *counts}) if stated.get(n, 0) != counts.get(n, 0)]
+        if not wrong:
+            return
+        found, promised, of_channel = sum(counts.values()), sum(stated.values()), ""
         if found == promised:
-            by_index = None if true_index is None else true_index.counts
-            counts = Counter(self.messages.channel.tolist()) if by_index is None else by_index
-            wrong = [n for n in sorted({*stated, *counts}) if stated.get(n, 0) != counts.get(n, 0)]
-            if not wrong:
-                return
             found, promised = counts.get(wrong[0], 0), stated.get(wrong[0], 0)
             of_channel = f" of channel {wrong[0]}"
         what = f"{self._name} holds {found} messages{of_channel} where the log's index names "

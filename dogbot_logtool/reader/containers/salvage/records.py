@@ -22,6 +22,10 @@ _LARGEST_WINDOW: Final = 1 << 20
 """Bytes that are searched at a time. The next sound record is mostly near."""
 _OVERLAP: Final = 1 << 12
 """Bytes of the next window that a candidate may need to be seen as one."""
+LONGEST_START: Final = 64
+"""Bytes in which a record's head is seen as one."""
+SHORTEST_RECORD: Final = 24
+"""Fewer bytes at the end are taken for a record that is cut off."""
 _FIRST_BLOCK: Final = 64
 _LARGEST_BLOCK: Final = 1 << 16
 
@@ -150,18 +154,6 @@ class RecordFormat(Protocol):
     def sound(self, source: Readable, offset: int, end: int) -> bool:
         """Tell whether a record begins here, beyond reasonable doubt."""
 
-    def resembles(self, records: Bytes, before: int, offset: int, end: int) -> bool:
-        """Tell whether this may be a damaged record's head, by its likeness to an earlier one.
-
-        A few bytes that are no whole head do not resemble one.
-
-        Args:
-            records: the bytes.
-            before: offset of the sound record that ends at `offset`.
-            offset: where the next record should begin.
-            end: where the bytes end.
-        """
-
 
 @dataclass(frozen=True, slots=True)
 class FoundRecords:
@@ -216,27 +208,26 @@ def find_indexed(fmt: RecordFormat, records: Bytes, index: Index) -> FoundRecord
 
 
 def find_all(fmt: RecordFormat, records: Bytes, start: int, end: int) -> FoundRecords:
-    """Follow the records; behind damage go on at the next sound one.
-
-    Where a record's length leads nowhere, either that length is wrong or the next record's head
-    is. The bytes there decide: if they resemble a head, the record before it is kept; if not, or
-    if a sound record is found inside of it, it is given up as well.
-    """
+    """Follow the records; behind damage go on at the next sound one."""
     parts: list[Records] = []
     skipped: list[tuple[int, int]] = []
     offset, block = start, _FIRST_BLOCK
     while offset < end:
         bounds = fmt.chain(records.data, offset, end, block)
-        count = 0
-        if len(bounds) > 1:
-            part = fmt.decode(records, np.array(bounds[:-1], np.int64))
-            count = int(np.append(part.op == 0, True).argmax())
+        part = fmt.decode(records, np.array(bounds[:-1], np.int64))
+        count = int(np.append(part.op == 0, True).argmax())
+        if count:
             parts.append(part.pick(slice(count)))
         offset = bounds[count]
         if count == block:
             block = min(2 * block, _LARGEST_BLOCK)
         elif offset < end:
-            damage = _start_of_damage(fmt, records, offset, end, parts)
+            damage = offset
+            is_behind = bool(parts) and int(parts[-1].messages.end[-1]) == offset
+            if is_behind and not may_begin(fmt, records, offset, end):
+                damage = int(parts[-1].offset[-1])
+                last = parts.pop()
+                parts += [last.pick(slice(len(last) - 1))] if len(last) > 1 else []
             offset = next_sound(fmt, Memory(records), damage + 1, end)
             skipped.append((damage, offset))
             block = _FIRST_BLOCK
@@ -245,19 +236,13 @@ def find_all(fmt: RecordFormat, records: Bytes, start: int, end: int) -> FoundRe
     return FoundRecords(found.pick(is_message), found.pick(~is_message), skipped)
 
 
-def _start_of_damage(
-    fmt: RecordFormat, records: Bytes, offset: int, end: int, parts: list[Records]
-) -> int:
-    """Return where damage begins, taking back a last record whose length is doubtful."""
-    while parts and not len(parts[-1]):
-        parts.pop()
-    if not parts or parts[-1].messages.end[-1] != offset:
-        return offset
-    before = int(parts[-1].offset[-1])
-    if fmt.resembles(records, before, offset, end):
-        return offset
-    parts[-1] = parts[-1].pick(slice(len(parts[-1]) - 1))
-    return before
+def may_begin(fmt: RecordFormat, records: Bytes, offset: int, end: int) -> bool:
+    """Tell whether bytes that are no whole record look like the head of one.
+
+    Where they do not, the record before them is given up, too: its length may be wrong.
+    """
+    head = records[offset : min(offset + LONGEST_START, end)].tobytes()
+    return offset + SHORTEST_RECORD > end or fmt.record_start.match(head) is not None
 
 
 def blank_messages(offset: Ints) -> Messages:

@@ -1,28 +1,40 @@
 """The chunks of a file: by its index, or where that is missing or wrong, by all of its records."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
+from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.arrays import Bytes
+from dogbot_logtool.reader.containers.compression import check_claimed_size, decompress_into
 from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra, time_range
+from dogbot_logtool.reader.containers.descriptions import Descriptions
 from dogbot_logtool.reader.containers.loss import Loss, Losses
 from dogbot_logtool.reader.containers.salvage.content import (
     ChunkContent,
     ChunkDamage,
     left_out,
+    read_content,
     undescribed,
 )
-from dogbot_logtool.reader.containers.salvage.records import RecordFormat, next_sound
-from dogbot_logtool.reader.containers.salvage.runs import Runs
+from dogbot_logtool.reader.containers.salvage.records import (
+    Index,
+    RecordFormat,
+    may_begin,
+    next_sound,
+)
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
-_SHORTEST_HEAD: Final = 12
-"""Fewer bytes at the end of the file are taken for a record that is cut off."""
+_REGION_SIZE: Final = 1 << 20
+"""Messages outside of chunks are read in runs of about this many bytes."""
+_REGION_RECORDS: Final = 1 << 16
+_FIRST_RECORDS: Final = 16
+_READ_AT_ONCE: Final = 4 << 20
 _LARGEST_PADDING: Final = 64
+_LARGEST_DESCRIPTION: Final = 16 << 20
 
 
 class IndexEntry(NamedTuple):
@@ -61,22 +73,22 @@ class Scan(ABC):
     magic: bytes
     copies_chunks = False
     """See `Log.copies_chunks`."""
+    describing: frozenset[int]
+    """Kinds of the records that describe channels."""
 
-    def __init__(self, source: ByteSource, fmt: RecordFormat) -> None:
+    def __init__(self, source: ByteSource, fmt: RecordFormat, descriptions: Descriptions) -> None:
         self.source = source
+        self.descriptions = descriptions
         self._format = fmt
-        self._runs = Runs(source, fmt)
         self._losses = Losses()
         self._chunks: list[Chunk] = []
         self._extras: list[Extra] = []
-        self._some_checked = False
-        """A chunk has a checksum."""
         self._index_entries: dict[int, IndexEntry] = {}
         """By offset of the chunk."""
-        self._searched = False
-        """Damage was skipped, so that the next bare messages may belong to a damaged chunk."""
-        self._doubtful: set[int] = set()
-        """Offsets of runs of messages that may be a damaged chunk's."""
+        self._outside: list[tuple[int, int]] = []
+        """Offset and end of descriptions outside of chunks."""
+        self._window_offset, self._window = 0, b""
+        """What was read last of messages outside of chunks, and where it stands."""
 
     @abstractmethod
     def indexed(self) -> tuple[Contents | None, Loss | None]:
@@ -96,49 +108,24 @@ class Scan(ABC):
         """Take a record that may stand before an indexed chunk; None: there is another one."""
 
     @abstractmethod
-    def check(self, chunk: Chunk) -> None:
-        """Check what a chunk claims before memory is set aside for it.
+    def chunk_at(self, offset: int) -> Chunk:
+        """Read a chunk record's own header. Its data may reach beyond the end of the file.
 
         Raises:
-            ChunkDamage: it cannot be true.
+            ChunkDamage: there is no chunk, or its header makes no sense.
         """
 
     @abstractmethod
-    def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
-        """Decompress a chunk into the target and find its messages.
-
-        Args:
-            chunk: the chunk; its counts are by channel as numbered in the records.
-            stored: the file's bytes from `chunk.offset` to `chunk.index_end`, or fewer.
-            target: (chunk.size,) uint8.
-
-        Raises:
-            ChunkDamage: nothing in the chunk can be trusted.
-        """
+    def _index_of(self, behind: memoryview) -> Index | None:
+        """Return what the records behind a chunk name."""
 
     @abstractmethod
-    def _describe(self, op: int, record: Bytes, chunk: Chunk) -> None:
-        """Take a record from inside a chunk that may describe a channel."""
-
-    @abstractmethod
-    def contradictions(self, content: ChunkContent, data: Bytes, chunk: Chunk) -> Sequence[Loss]:
-        """Compare the descriptions in a chunk, whose bytes are given, with those that are used."""
+    def _checksum(self, chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]:
+        """Return the CRC of a chunk, 0 for none, and what its own header contradicts."""
 
     @abstractmethod
     def own_times(self, chunk: Chunk) -> tuple[int | None, int | None] | None:
         """Return the log times, ns, that a chunk itself tells; None if nothing of it does."""
-
-    def by_own_header(self, chunk: Chunk) -> Chunk | None:
-        """Return a chunk as its own header has it; None: that is damaged, or says the same."""
-        del chunk
-        return None
-
-    def describes_others(
-        self, channels: Collection[Channel], content: ChunkContent, data: Bytes
-    ) -> bool:
-        """Tell whether a chunk, whose bytes are given, describes other channels than some."""
-        del channels, content, data
-        return False
 
     @property
     @abstractmethod
@@ -161,6 +148,51 @@ class Scan(ABC):
         """
         del counts
 
+    def check(self, chunk: Chunk) -> None:
+        """Check what a chunk claims before memory is set aside for it.
+
+        Raises:
+            ChunkDamage: it cannot be true.
+        """
+        check_claimed_size(chunk.size, chunk.data_size)
+        if chunk.data_offset + chunk.data_size > self.source.size:
+            raise ChunkDamage("it is cut off by the end of the file")
+
+    def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
+        """Decompress a chunk into the target and find its messages.
+
+        Args:
+            chunk: the chunk; its counts are by channel as numbered in the records.
+            stored: the file's bytes from `chunk.offset` to `chunk.index_end`, or fewer.
+            target: (chunk.size,) uint8.
+
+        Raises:
+            ChunkDamage: nothing in the chunk can be trusted.
+        """
+        index = self._index_of(stored[chunk.end - chunk.offset :])
+        data = stored[chunk.data_offset - chunk.offset :][: chunk.data_size]
+        try:
+            crc, losses = self._checksum(chunk, stored) if chunk.is_record else (0, ())
+            size = decompress_into(target, data, chunk.compression)
+            if size < len(target) and (crc or not size):
+                raise ChunkDamage(f"its {chunk.compression} data is damaged or cut off")
+            if crc and crc32(target.data) != crc:
+                raise ChunkDamage("its checksum does not hold")
+            if losses and not crc:
+                raise ChunkDamage("its header is damaged, and it has no checksum")
+        except ChunkDamage as damage:
+            raise ChunkDamage(str(damage), len(index.offset) if index else None) from damage
+        content = read_content(self._format, target[:size], index, chunk, verified=bool(crc))
+        return replace(content, losses=(*losses, *content.losses))
+
+    def described_in(self, content: ChunkContent, data: Bytes) -> list[bytes]:
+        """Return the records of a chunk, whose bytes are given, that describe channels."""
+        return [
+            data[start:end].tobytes()
+            for op, start, end in content.others.tolist()
+            if op in self.describing
+        ]
+
     def _fills(self, start: int, chunks: Sequence[Chunk], end: int) -> bool:
         """Tell whether chunks that an index names, and records known beside them, tile the file."""
         offset = start
@@ -182,19 +214,29 @@ class Scan(ABC):
             problem: what is wrong with the index.
         """
         profile = self._profile()
-        if problem is not None:
-            self._losses.add(problem)
+        self._losses.add(*[problem] if problem else [])
         offset = len(self.magic)
         while offset < self.source.size:
             following = self._step(offset)
             offset = self._search(offset) if following is None else following
-        self._runs.forget()
-        chunks = self._read_chunks()
+        self._window = b""
+        read = self._read_chunks()
+        self._losses.add(*self._take_outside())
+        chunks = self._with_ids(read)
         counts = self._counts(chunks)
         self._conclude(counts)
         losses = self._losses.all()
         times = time_range(chunks)
         return Contents(self._channels(), chunks, counts, *times, profile, self._extras, losses)
+
+    def _take_outside(self) -> list[Loss]:
+        """Take the descriptions that stand outside of chunks; return what to say of them."""
+        return [
+            loss
+            for offset, end in self._outside
+            for record in (self.source.read(offset, min(end - offset, _LARGEST_DESCRIPTION)),)
+            for loss in self.descriptions.add([record], offset)
+        ]
 
     def _counts(self, chunks: Sequence[Chunk]) -> dict[int, int]:
         """Return the messages of each channel, by its id."""
@@ -206,7 +248,6 @@ class Scan(ABC):
 
     def _search(self, offset: int) -> int:
         """Go on at the next sound record; say what was passed over."""
-        self._searched = True
         following = next_sound(self._format, self.source, offset + 1, self.source.size)
         count = following - offset
         if following == self.source.size:
@@ -234,28 +275,18 @@ class Scan(ABC):
         size = self.source.size
         for end in (chunk.end, derived_end):
             if end <= size and self._follows(end):
-                return self._append(chunk, end)
-        if chunk.end <= size:
-            return self._append(chunk, chunk.end)
-        if not chunk.is_compressed and 0 <= chunk.end - derived_end < _LARGEST_PADDING:
-            what = f"the chunk at byte {chunk.offset} is cut off; its whole messages were read"
-            # What is missing comes after its whole messages.
-            self._losses.add(Loss(size, what, 0, None))
-            self._searched = False
-            return chunk.data_offset
-        end = next_sound(self._format, self.source, chunk.data_offset, size)
-        if end < size or chunk.compression == "bz2":
-            return self._append(chunk, end)
-        what = f"the chunk at byte {chunk.offset} is cut off; nothing in it can be used"
-        self._losses.add(Loss(chunk.offset, what, size - chunk.offset, None))
-        return size
-
-    def _append(self, chunk: Chunk, end: int) -> int:
-        data_size = min(chunk.data_size, end - chunk.data_offset)
-        size = chunk.size if chunk.is_compressed else data_size
-        sized = replace(chunk, data_size=data_size, size=size, end=end, index_end=end)
-        self._chunks.append(sized)
-        self._some_checked = self._some_checked or bool(chunk.crc)
+                break
+        else:
+            end = min(chunk.end, size)
+            is_plain = not chunk.is_compressed and 0 <= chunk.end - derived_end < _LARGEST_PADDING
+            if chunk.end > size and not is_plain:
+                # It is cut off, or its length is damaged.
+                end = next_sound(self._format, self.source, chunk.data_offset, size)
+        known = replace(chunk, end=end, index_end=end, is_scanned=True)
+        known = replace(known, data_size=min(chunk.data_size, end - chunk.data_offset))
+        if not chunk.is_compressed and end < size:
+            known = replace(known, size=known.data_size)
+        self._chunks.append(known)
         return end
 
     def _take_index(self, offset: int, end: int) -> None:
@@ -274,58 +305,73 @@ class Scan(ABC):
             offset: where the first begins.
             end: where it ends.
         """
-        window, count, bounds = self._runs.at(offset, end)
-        if not count:
+        window, bounds = self._run(offset, end)
+        if len(bounds) == 1:
             return None
-        stop = bounds[count]
-        goes_on = (
-            (offset + len(window) < self.source.size and count == len(bounds) - 1)
-            or self.source.size - offset - stop < _SHORTEST_HEAD
-            or self._follows(offset + stop)
-        )
+        stop = bounds[-1]
+        goes_on = self._follows(offset + stop) or may_begin(self._format, window, stop, len(window))
         if not goes_on:
-            before = bounds[count - 1]
-            goes_on = self._format.resembles(window, before, stop, len(window))
-            stop = stop if goes_on else before
+            stop = bounds[-2]
         behind = offset + stop
         if stop:
-            if self._searched:
-                self._doubtful.add(offset)
-            self._chunks.append(Chunk(offset, offset, stop, behind, behind, "", stop))
+            self._chunks.append(
+                Chunk(offset, offset, stop, behind, behind, "", stop, is_scanned=True)
+            )
         return behind if goes_on else self._search(behind)
 
-    def _read_chunks(self) -> list[Chunk]:
+    def _run(self, offset: int, end: int) -> tuple[Bytes, list[int]]:
+        """Return bytes, and where the messages with which they begin begin and end.
+
+        More and more records are looked at: where runs of messages are short, looking at all that
+        follows each of them would take the square of the time.
+
+        Args:
+            offset: where the first message begins.
+            end: where it ends.
+        """
+        size = max(_REGION_SIZE, end - offset)
+        start, behind = self._window_offset, self._window_offset + len(self._window)
+        if not start <= offset <= min(offset + size, self.source.size) <= behind:
+            self._window_offset = offset
+            self._window = self.source.read(offset, max(size, _READ_AT_ONCE))
+        view = memoryview(self._window)[offset - self._window_offset :][:size]
+        window = np.frombuffer(view, np.uint8)
+        limit = _FIRST_RECORDS
+        while True:
+            bounds = self._format.chain(window.data, 0, len(window), limit)
+            found = self._format.decode(window, np.array(bounds[:-1], np.int64))
+            count = int(np.append(found.op != self._format.message, True).argmax())
+            if count < limit or limit == _REGION_RECORDS:
+                return window, bounds[: count + 1]
+            limit = min(limit * 8, _REGION_RECORDS)
+
+    def _read_chunks(self) -> list[ReadChunk]:
         """Read every chunk for counts, times and descriptions; return those that can be used."""
         read: list[ReadChunk] = []
-        behind_damage = False
+        has_checksums = any(chunk.crc for chunk in self._chunks)
         for chunk in self._chunks:
-            # A damaged chunk may seem to end before its end, and messages to follow it.
-            doubtful = behind_damage or chunk.offset in self._doubtful
-            if self._some_checked and doubtful and not chunk.is_record:
+            if has_checksums and not chunk.is_record:
                 what = (
-                    f"the {chunk.size} bytes from byte {chunk.offset} on were left out: they "
-                    "belong to a damaged chunk"
+                    f"the {chunk.size} bytes from byte {chunk.offset} on were left out: messages "
+                    "outside of the chunks, which belong to a damaged one"
                 )
                 self._losses.add(Loss(chunk.offset, what, chunk.size, None))
                 continue
             entry = self._index_entries.get(chunk.offset)
+            known = entry.added_to(chunk) if entry else chunk
             try:
-                read.append(self._read_chunk(entry.added_to(chunk) if entry else chunk))
-                behind_damage = False
+                read.append(self._read_chunk(known))
             except ChunkDamage as damage:
-                self._losses.add(left_out(chunk, damage))
-                behind_damage = True
-        return self._with_ids(read)
+                self._losses.add(left_out(known, damage))
+        return read
 
     def _read_chunk(self, chunk: Chunk) -> ReadChunk:
         self.check(chunk)
         stored = self.source.read(chunk.offset, chunk.index_end - chunk.offset)
         target = np.empty(chunk.size, np.uint8)
         content = self.parse(chunk, memoryview(stored), target)
-        for op, offset, end in content.others.tolist():
-            self._describe(op, target[offset:end], chunk)
-        for loss in content.losses:
-            self._losses.add(loss)
+        described = self.descriptions.add(self.described_in(content, target), chunk.offset)
+        self._losses.add(*content.losses, *described)
         messages, times = content.messages, content.messages.log_time
         start, end = (int(times.min()), int(times.max())) if len(times) else (None, None)
         numbers, code = np.unique(messages.channel, return_inverse=True)
@@ -333,8 +379,7 @@ class Scan(ABC):
             dict(zip(numbers.tolist(), np.bincount(code, weight, len(numbers)), strict=True))
             for weight in (None, messages.end - messages.start)
         )
-        known = replace(chunk, start_time=start, end_time=end, is_scanned=True)
-        return ReadChunk(known, counts, sizes)
+        return ReadChunk(replace(chunk, start_time=start, end_time=end), counts, sizes)
 
     def _with_ids(self, read: Sequence[ReadChunk]) -> list[Chunk]:
         """Count by channel id, and say which messages no channel describes."""

@@ -1,0 +1,90 @@
+"""Checks of what is recorded beside feet and base: velocity commands and the accelerometer."""
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.checks.loads import origin_of_mass
+from dogbot_logtool.core.corrections.clock import TimeSource
+from dogbot_logtool.core.imu import ForceComparison, Reading
+from dogbot_logtool.core.loads import WEIGHT_TOLERANCE
+from dogbot_logtool.core.walk import Walk
+from dogbot_logtool.finding import Finding, Words, found
+
+_NAMES: Final = {"forward": "forward speed", "lateral": "sideways speed", "yaw": "yaw rate"}
+
+
+def refused(walk: Walk) -> Iterator[Finding]:
+    """Yield messages of commands or of the accelerometer that are left out for their numbers."""
+    for each in walk.beside:
+        if each.refused:
+            case = "commands" if each.topic == walk.settings.command_topic else "imu"
+            yield found("NOT_FINITE", case, where=each.topic, say="beside", beside=each)
+
+
+def followed(walk: Walk) -> Iterator[Finding]:
+    """Yield what is odd in the commands' axes and times, and where the base does the opposite."""
+    track = walk.command_track
+    if track is None:
+        return
+    if track.axes is None:
+        names = ", ".join(track.history.frames)
+        frames = f" (their frame is {names})" if names else ""
+        yield found("COMMAND_AXES", "unknown", where="commands.axes", frames=frames)
+    for axis in track.opposed:
+        yield found("COMMAND_AXES", where=f"commands.{axis}", axis=_NAMES[axis])
+    if track.history.on_log_time and walk.settings.clock is TimeSource.HEADER:
+        where, topic = "commands.on_log_time", track.history.topic
+        yield found("LOG_TIME_USED", "no_header", where=where, topic=topic)
+    without, timeout = track.no_command_s, track.timeout_ns / 1e9
+    if without > timeout:
+        where, seconds = "commands.no_command_s", without + track.commanded_s
+        yield found("NO_COMMAND", where=where, without=without, seconds=seconds, timeout=timeout)
+
+
+def mounting(walk: Walk) -> Iterator[Finding]:
+    """Yield what the accelerometer reads instead of gravity, and how it is turned."""
+    imu = walk.imu
+    if imu is None:
+        return
+    seat = imu.mounting
+    if seat.reading is not Reading.SOUND:
+        cases = ("undecided",) if seat.reading in {Reading.NOTHING, Reading.UNCLEAR} else ()
+        yield found("IMU_READS", *cases, where=imu.topic, say=seat.reading, imu=imu)
+    if seat.is_tilted:
+        tilt = np.degrees(seat.tilt_rad or 0.0)
+        said = "the recorded transforms have it" if imu.mounting_recorded else "the base is"
+        yield found(
+            "IMU_TURNED", where="imu.tilt_rad", say="tilted", topic=imu.topic, said=said, tilt=tilt
+        )
+    if imu.turned_rad is not None:
+        yield found("IMU_TURNED", topic=imu.topic, degrees=np.degrees(imu.turned_rad))
+
+
+def forces(walk: Walk) -> Iterator[Finding]:
+    """Yield that sensors' forces are not what the accelerometer and the poses say."""
+    compared = walk.imu.forces if walk.imu else None
+    if compared is None or walk.settings.contact_from:
+        return
+    if abs(compared.ratio - 1.0) > WEIGHT_TOLERANCE:
+        yield _odd_forces(walk, compared)
+
+
+def _odd_forces(walk: Walk, forces: ForceComparison) -> Finding:
+    """Return which of mass, feet and frame is wrong, as far as it can be told."""
+    case, code = "accelerometer", "IMPULSE_IS_NOT_WEIGHT"
+    dead = [foot.name for foot in walk.feet if foot.is_dead]
+    if dead and forces.ratio < 1.0:
+        where, names = f"feet.{dead[0]}", " and ".join(dead)
+        return found(code, case, where=where, say="missing", forces=forces, names=names)
+    if forces.ratio < 1.0 and abs(forces.magnitude_ratio - 1.0) <= WEIGHT_TOLERANCE:
+        return found("DIRECTION_UNKNOWN", case, where="settings.wrench_frame", forces=forces)
+    if forces.odd_foot is not None:
+        row, factor = forces.odd_foot
+        return found("FOOT_SCALE", feet=(walk.feet[row].name,), forces=forces, share=1.0 / factor)
+    if forces.is_common:
+        where, mass, origin = "settings.mass_kg", walk.settings.mass_kg or 0.0, origin_of_mass(walk)
+        words: Words = {"mass": mass, "right": mass * forces.ratio, "origin": origin}
+        return found(code, case, where=where, say="mass", forces=forces, **words)
+    return found(code, case, where="imu.forces.over_accelerometer", forces=forces)

@@ -1,0 +1,110 @@
+"""What a log says of its channels, and where it says it in two ways.
+
+Of records that describe one thing the first one holds. What stands in chunks comes before what
+stands outside of them, since checksums vouch for it.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+from zlib_ng.zlib_ng import crc32
+
+from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss
+
+_MOST_BYTES: Final = 64 << 20
+"""A log that describes its channels in more words is not honest."""
+_MOST_RECORDS: Final = 1 << 17
+"""All channels and schemas that an MCAP can have; more are not looked at."""
+
+
+@dataclass(frozen=True, slots=True)
+class Description:
+    """What a record says of a channel, a schema or a connection."""
+
+    kind: str
+    """``channel``, ``schema`` or ``connection``."""
+    number: int
+    name: str
+    facts: Mapping[str, Any]
+    """All that it says besides its name."""
+
+
+_Key = tuple[str, int]
+"""Kind and number."""
+
+
+class Descriptions:
+    """The first description of each thing, in the order in which they were met."""
+
+    def __init__(self, decode: Callable[[bytes], Description | None]) -> None:
+        """Begin with none.
+
+        Args:
+            decode: returns what a record describes; None: it is malformed.
+        """
+        self.decode = decode
+        self.first: dict[_Key, Description] = {}
+        self._agreeing: set[int] = set()
+        """Hashes of the records that were met: most are repeated as they are."""
+        self._bytes = 0
+
+    def of_kind(self, kind: str) -> list[Description]:
+        """Return those of a kind."""
+        return [each for each in self.first.values() if each.kind == kind]
+
+    def add(self, records: Iterable[bytes], offset: int) -> list[Loss]:
+        """Compare records as `compare` does; what is not described yet is now."""
+        return self.compare(records, offset, adding=True)
+
+    def compare(self, records: Iterable[bytes], offset: int, *, adding: bool = False) -> list[Loss]:
+        """Return what to say of records that differ from the first ones, or are malformed.
+
+        Args:
+            records: whole.
+            offset: byte in the file, of the chunk if they stand in one.
+            adding: keep those that are the first of their kind and number.
+        """
+        said: dict[_Key | None, Loss] = {}
+        for record in records:
+            digest = hash(record)
+            if digest in self._agreeing or len(self._agreeing) > _MOST_RECORDS:
+                continue
+            found = self.decode(record)
+            self._bytes += len(record) if adding else 0
+            if found is None or self._bytes > _MOST_BYTES:
+                what = f"a description of a channel at byte {offset} is damaged"
+                said.setdefault(None, Loss(offset, what))
+                continue
+            key = found.kind, found.number
+            known = self.first.get(key, found)
+            if adding:
+                self.first[key] = known
+            if known == found:
+                self._agreeing.add(digest)
+            else:
+                said.setdefault(key, _described_twice(known, found, offset))
+        return list(said.values())
+
+
+def _described_twice(known: Description, other: Description, offset: int) -> Loss:
+    """Say that a log describes something in two ways.
+
+    Args:
+        known: as what it is read.
+        other: as what it is described as well.
+        offset: byte in the file, of the chunk if that stands in one.
+    """
+    one, two = known.name[:LONGEST_NAME], other.name[:LONGEST_NAME]
+    if one == two:
+        key = next(key for key, value in known.facts.items() if value != other.facts[key])
+        one += f" with {key} {_shown(known.facts[key])}"
+        two += f" with {key} {_shown(other.facts[key])}"
+    what = f"{known.kind} {known.number} is described in two ways: as {one} and, at byte {offset},"
+    return Loss(offset, f"{what} as {two}; the former was used")
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, bytes):
+        return f"{crc32(value):08x} ({len(value)} bytes)"
+    return str(value)[:LONGEST_NAME]
