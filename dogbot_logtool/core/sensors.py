@@ -23,8 +23,6 @@ from dogbot_logtool.core.settings import FootSettings, WalkSettings
 
 WORSE: Final = 0.05
 """By how much offsets may worsen the sum of all loads over the weight."""
-FAR: Final = 0.3
-"""By how much of the weight loads may miss it for a mass that is wrong, rather than a level."""
 TURNED: Final = "swing and stance look alike, so that either may be the unloaded level"
 
 Levels = tuple[SensorLevel, ...]
@@ -52,7 +50,7 @@ def with_sensors(settings: WalkSettings, feet: Sequence[Samples]) -> WalkSetting
     trusted = None if settings.mass_is_assumed else weight
     pairs = zip(settings.feet, feet, strict=True)
     alone = [_level(foot, samples, takes=settings.takes_offsets) for foot, samples in pairs]
-    levels = weighed_levels(turned_levels(alone, trusted), trusted)
+    levels = _weighed(_alike(settings, feet, alone, trusted), trusted)
     estimated = weight_of_levels(levels) if weight is None else None
     found = []
     for foot, level in zip(settings.feet, levels, strict=True):
@@ -72,18 +70,21 @@ def _is_stuck(level: SensorLevel) -> bool:
     return level.reason == CONSTANT and bool(level.loaded_n)
 
 
-def _level(foot: FootSettings, samples: Samples, *, takes: bool) -> SensorLevel:
+def _level(
+    foot: FootSettings, samples: Samples, *, takes: bool, raises: bool | None = None
+) -> SensorLevel:
     """Estimate a foot's level, or take the one that is given.
 
     Args:
         foot: what is known of it.
         samples: as recorded.
         takes: offsets that are not given are estimated.
+        raises: whether load raises what it reads; None: not known.
     """
     if foot.offset_n is None and (level := _zero(foot, samples)) is not None:
         return level
     if foot.offset_n is None and takes:
-        level = estimate_level(samples.log_time, samples.force)
+        level = estimate_level(samples.log_time, samples.force, raises=raises)
         if level.zero_in_swing or level.reason:
             return level
         return follow_level(samples.log_time, samples.force, level)
@@ -158,86 +159,67 @@ def weight_of_levels(levels: Sequence[SensorLevel]) -> float | None:
     return total if known and len(known) == len(levels) and total > 0.0 else None
 
 
-def turned_levels(levels: Sequence[SensorLevel], weight_n: float | None) -> Levels:
-    """Decide which way loads turn what sensors read: alike on all feet, and to the weight.
+def _alike(
+    settings: WalkSettings,
+    feet: Sequence[Samples],
+    alone: Sequence[SensorLevel],
+    weight_n: float | None,
+) -> Levels:
+    """Let loads turn what all sensors read alike, where one alone does not show it surely.
+
+    That is as most of them show it, or else as the loads add up to the weight.
+    """
+    total = sum(each.lead if each.raises else -each.lead for each in alone if each.lead < np.inf)
+
+    def turned(*, raises: bool) -> Levels:
+        again = (
+            _level(foot, samples, takes=True, raises=raises)
+            if level.lead < SURE and level.raises is not raises
+            else level
+            for foot, samples, level in zip(settings.feet, feet, alone, strict=True)
+        )
+        return tuple(replace(new, lead=old.lead) for new, old in zip(again, alone, strict=True))
+
+    likely, other = turned(raises=total >= 0.0), turned(raises=total < 0.0)
+    misses = [_miss(weight_of_levels(each), weight_n) for each in (likely, other)]
+    if misses[1] <= WORSE < misses[0]:
+        return other
+    doubtful = misses[0] > 2.0 * WORSE or (abs(total) < UNSURE and not misses[0] <= WORSE)
+    return tuple(
+        _without_offset(each, TURNED)
+        if each.lead < SURE and (doubtful or (each.reason and not old.reason))
+        else each
+        for each, old in zip(likely, alone, strict=True)
+    )
+
+
+def _miss(total_n: float | None, weight_n: float | None) -> float:
+    """Return by what share a sum of loads misses the weight; NaN where either is not known."""
+    return np.nan if total_n is None or weight_n is None else abs(total_n / weight_n - 1.0)
+
+
+def _weighed(levels: Levels, weight_n: float | None) -> Levels:
+    """Take no offsets off that are not sure, and would worsen the sum of all loads over the weight.
 
     Args:
-        levels: of all feet, each as its own samples show it.
+        levels: of all feet.
         weight_n: N, the robot's; None: not known.
     """
-    raises = sum(x.lead if x.raises else -x.lead for x in levels if x.opposite) >= 0.0
-    likely = tuple(
-        _opposite(level) if level.raises is not raises and level.lead < SURE else level
-        for level in levels
-    )
-    if all(level.opposite is None for level in likely):
-        return likely
-    others = (level.opposite and (level.opposite.alternative or level.opposite) for level in likely)
-    turned = tuple(other or level for other, level in zip(others, likely, strict=True))
-    miss, other_miss = (_miss(weight_of_levels(each), weight_n) for each in (likely, turned))
-    sure = all(level.lead >= SURE for level in likely if level.opposite)
-    if other_miss <= WORSE and miss > (FAR if sure else WORSE):
-        return tuple(_opposite(level) for level in likely)
-    if miss <= WORSE < other_miss:
-        return likely
-    needed = SURE if miss > 2.0 * WORSE else UNSURE
-    return tuple(
-        _without_offset(level, TURNED) if level.opposite and level.lead < needed else level
-        for level in likely
-    )
-
-
-def _opposite(level: SensorLevel) -> SensorLevel:
-    """Turn a level; one that is too clear for that, or not clear then, is not known."""
-    other = level.opposite
-    if other is None:
-        return level
-    if other.reason or level.lead >= SURE:
-        return _without_offset(level, TURNED)
-    return replace(other, opposite=replace(level, opposite=None))
-
-
-def _miss(total: float | None, weight_n: float | None) -> float:
-    """Return by how much of the weight a sum of loads, N, misses it.
-
-    NaN, which is neither more nor less than anything, where that is not known.
-    """
-    return np.nan if total is None or weight_n is None else abs(total / weight_n - 1.0)
-
-
-def weighed_levels(levels: Levels, weight_n: float | None) -> Levels:
-    """Take the lower of two alternating loads for none where only so all add up to the weight.
-
-    Offsets that are only estimated are kept if they do not worsen that sum. Where swings and
-    stances are beyond doubt, so are the offsets: the mass is wrong then.
-    """
-    if weight_n is None:
-        return levels
-    others = tuple(level.alternative or level for level in levels)
-    if any(level.alternative for level in levels):
-        after = _miss(weight_of_levels(others), weight_n)
-        if after <= WORSE and _miss(_recorded_n(others), weight_n) > 2.0 * WORSE:
-            levels = others
-    estimated = [
-        level.origin == "estimated" and not level.zero_in_swing and level.lead < SURE
-        for level in levels
-    ]
     total = weight_of_levels(levels)
-    if total is None or _miss(total, weight_n) <= _miss(_recorded_n(levels), weight_n) + WORSE:
+    recorded = sum(each.mean_recorded_n or each.mean_n or 0.0 for each in levels)
+    if weight_n is None or total is None:
         return levels
-    if total < weight_n and any(level.limit_n is not None for level in levels):
-        # What a sensor cuts off is missing.
+    # What a sensor cuts off is missing.
+    cut_off = total < weight_n and any(each.limit_n is not None for each in levels)
+    if cut_off or _miss(total, weight_n) <= _miss(recorded, weight_n) + WORSE:
         return levels
     why = f"taking it off would make the loads add up to {total / weight_n:.2f} of the weight"
     return tuple(
-        _without_offset(level, why) if one else level
-        for level, one in zip(levels, estimated, strict=True)
+        _without_offset(each, why)
+        if each.origin == "estimated" and not each.zero_in_swing and each.lead < SURE
+        else each
+        for each in levels
     )
-
-
-def _recorded_n(levels: Levels) -> float:
-    """Return the sum of the feet's mean loads with the offsets left in, N."""
-    return sum(level.mean_recorded_n or level.mean_n or 0.0 for level in levels)
 
 
 def _without_offset(level: SensorLevel, why: str) -> SensorLevel:
@@ -253,5 +235,4 @@ def _without_offset(level: SensorLevel, why: str) -> SensorLevel:
         origin="default",
         reason=why,
         refuted=why,
-        opposite=None,
     )

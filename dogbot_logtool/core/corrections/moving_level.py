@@ -91,7 +91,6 @@ def follow_level(log_time: Ints, force: Floats, level: SensorLevel) -> SensorLev
         drift_n_per_min=None if bends else found.drift_n_per_min,
         moved_n=float(np.ptp(moves)),
         lead=level.lead,
-        opposite=level.opposite,
     )
 
 
