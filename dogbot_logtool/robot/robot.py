@@ -1,6 +1,5 @@
 """A robot, as known before its log is opened: feet, topics, frames, mass, thresholds."""
 
-from collections.abc import Sequence
 from dataclasses import MISSING, dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -157,7 +156,6 @@ def parse_robot(text: str, source: str) -> Robot:
     table.refuse_leftovers(_ALL_KEYS)
     values["name"] = values.get("name") or Path(source).stem
     robot = Robot(**values, feet=found)
-    _check_elements(robot.feet, table)
     on, off = robot.contact_on_n, robot.contact_off_n
     if on is not None and off is not None and off > on:
         raise table.fault("contact.off_n is above contact.on_n; it must not be")
@@ -172,17 +170,3 @@ def _foot(table: TomlTable, name: str) -> Foot:
         raise table.fault(f"{table.path(key)} needs {table.path('field')}")
     table.refuse_leftovers(_ALL_KEYS)
     return Foot(name, **values, field=field)
-
-
-def _check_elements(feet: Sequence[Foot], table: TomlTable) -> None:
-    """Refuse two feet that one element of a message would tell of."""
-    seen: dict[str, list[int | str | None]] = {}
-    for foot in feet:
-        others = seen.setdefault(foot.topic, [])
-        own = foot.element if foot.field is None else foot.field.path
-        if others and (own is None or None in others or own in others):
-            raise table.fault(
-                f"two feet have the topic {foot.topic}; where its messages tell of several "
-                "feet, each needs an element or a field of its own"
-            )
-        others.append(own)
