@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from dogbot_logtool.core.analysis import analyse
+from dogbot_logtool.core.analysis import NO_LOG, analyse, judge
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contact_rule import FootSensor, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.corrections.sensor import estimate_level
 from dogbot_logtool.core.gait.feet import foot_metrics
-from dogbot_logtool.core.metrics import Foot
+from dogbot_logtool.core.metrics import Foot, WalkMetrics
 from dogbot_logtool.core.recording import Recording, Times, VectorTopic
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.walk import Walk
@@ -48,3 +48,8 @@ def analysed(
 def feet_of(stats: Walk) -> list[Foot]:
     """Return the metrics of each foot over the whole log, before any is void."""
     return [foot_metrics(foot, stats.loads.weight_n, stats.origin) for foot in stats.feet]
+
+
+def metrics(walk: Walk) -> WalkMetrics:
+    """Return what is reported of a walk, less what findings void."""
+    return judge(walk, NO_LOG).metrics

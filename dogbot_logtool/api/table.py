@@ -120,25 +120,14 @@ class Curves:
     start_s: Floats
     """(n,) s since the walk's `start_ns`, touchdown of each stride."""
     values: Mapping[str, Floats]
-    """(n, p) each, the unit at the end of the name; NaN where not known. Read-only."""
-
-    def __post_init__(self) -> None:
-        for array in (self.percent, self.start_s, *self.values.values()):
-            array.flags.writeable = False
+    """(n, p) each, the unit at the end of the name; NaN where not known."""
 
     def __len__(self) -> int:
         return len(self.start_s)
 
     def __getitem__(self, name: str) -> Floats:
-        """Return the curves of a quantity, (n, p).
-
-        Raises:
-            KeyError: there is no such quantity; the message lists those there are.
-        """
-        try:
-            return self.values[name]
-        except KeyError:
-            raise KeyError(f"{name!r}: there are {', '.join(self.values)}") from None
+        """Return the curves of a quantity, (n, p)."""
+        return self.values[name]
 
 
 def curves_of(foot: str, samples: Table, start_s: Floats, period_s: Floats, points: int) -> Curves:

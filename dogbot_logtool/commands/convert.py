@@ -12,8 +12,9 @@ from dogbot_logtool.finding import Severity, by_severity, found
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.options import ConvertOptions
-from dogbot_logtool.reader.containers.log import Log, Loss
-from dogbot_logtool.reader.losses import (
+from dogbot_logtool.reader.containers.log import (
+    Log,
+    Loss,
     damage_of,
     malformed_messages,
     wrong_statistics,

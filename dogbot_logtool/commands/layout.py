@@ -16,7 +16,7 @@ from dogbot_logtool.core.known_frames import DEFAULT_BASE, DEFAULT_WORLD
 from dogbot_logtool.core.plausible import LARGEST
 from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.options import MeasureOptions, RobotOptions
-from dogbot_logtool.reader.losses import damage_of
+from dogbot_logtool.reader.containers.log import damage_of
 from dogbot_logtool.report.layouts import View, upper_bound
 from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.feet import assign_feet

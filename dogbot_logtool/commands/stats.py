@@ -9,8 +9,9 @@ from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.reader.containers.log import Log, Loss
-from dogbot_logtool.reader.losses import (
+from dogbot_logtool.reader.containers.log import (
+    Log,
+    Loss,
     damage_of,
     malformed_messages,
     wrong_statistics,

@@ -32,8 +32,7 @@ from dogbot_logtool.comparison.windows import (
 )
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.losses import damage_of
+from dogbot_logtool.reader.containers.log import Channel, Log, damage_of
 
 
 def compare_logs(expected: Log, actual: Log, rules: Rules, max_differences: int) -> Comparison:

@@ -25,10 +25,8 @@ from dogbot_logtool.core.hulls import NEAR_NS
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.scene.arrows import Arrows, force_arrows, pressure_arrows, removals
 from dogbot_logtool.core.scene.feet import DrawnFoot, drawn_foot
-from dogbot_logtool.core.scene.labels import foot_labels
-from dogbot_logtool.core.scene.legs import leg_lines
-from dogbot_logtool.core.scene.loads import Loads, foot_loads, opening_load, silences
-from dogbot_logtool.core.scene.support_scene import support_scene
+from dogbot_logtool.core.scene.loads import Loads, foot_labels, foot_loads, opening_load, silences
+from dogbot_logtool.core.scene.support_scene import leg_lines, support_scene
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.recording import in_time_order

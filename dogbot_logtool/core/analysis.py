@@ -28,6 +28,7 @@ from dogbot_logtool.core.gait.segments import (
     reference_foot,
 )
 from dogbot_logtool.core.gait.strides import any_strides
+from dogbot_logtool.core.imu import ImuComparison, compare_imu
 from dogbot_logtool.core.leg_position import quadruped
 from dogbot_logtool.core.masks import loads_in, mask_walk, stability_in, support_in
 from dogbot_logtool.core.metrics import Log
@@ -42,7 +43,6 @@ from dogbot_logtool.finding import Finding
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands import CommandTrack
     from dogbot_logtool.core.frames.transforms import TransformBuffer
-    from dogbot_logtool.core.imu import ImuComparison
     from dogbot_logtool.core.legs.paths import LegSettings
     from dogbot_logtool.core.vectors import VectorHistory
 
@@ -149,12 +149,10 @@ def _command_track(
     return follow_commands(commands, poses, jumps, axis, stepping, walk.period_s)
 
 
-def _imu(walk: Walk, inertial: "VectorHistory | None") -> "ImuComparison | None":
+def _imu(walk: Walk, inertial: "VectorHistory | None") -> ImuComparison | None:
     """Compare accelerometer, forces and poses, in logs that have all of them."""
     if inertial is None:
         return None
-    from dogbot_logtool.core.imu import compare_imu  # noqa: PLC0415
-
     apart = walk.feet_clocks_are_apart or walk.base_is_apart
     comparable = walk.vertical_known and not (apart or walk.settings.lacks_feet)
     strides = any_strides(walk.records, walk.fallen, walk.standing.without_steps)

@@ -38,7 +38,6 @@ from dogbot_logtool.core.quality import (
     TopicTimes,
     topic_quality,
     topic_times,
-    with_gaps,
 )
 from dogbot_logtool.core.recording import Recording, VectorTopic
 from dogbot_logtool.core.sensors import with_sensors, without_offset
@@ -261,12 +260,12 @@ def _topic_qualities(
 
     Such a topic has a gap where none of its feet is known to swing or to stand.
     """
-    found = {topic: topic_quality(each, settings.clock) for topic, each in times.items()}
     gaps: dict[str, list[Ints]] = {}
     for foot, record in zip(settings.feet, feet, strict=True):
         if foot.silent_in_swing and record.start is not None:
             gaps.setdefault(foot.topic, []).append(record.gaps)
-    for topic, spans in gaps.items():
-        if topic in found:
-            found[topic] = with_gaps(found[topic], timespans.intersect(spans))
-    return tuple(quality for _, quality in sorted(found.items()))
+    silences = {topic: timespans.intersect(spans) for topic, spans in gaps.items()}
+    return tuple(
+        topic_quality(each, settings.clock, silences.get(topic))
+        for topic, each in sorted(times.items())
+    )

@@ -1,6 +1,6 @@
 """What the times of each topic's messages say."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -181,23 +181,29 @@ def topic_times(topic: str, log_time: Ints, stamp: Ints | None) -> TopicTimes:
     return TopicTimes(topic, log_time, stamp, check)
 
 
-def topic_quality(times: TopicTimes, clock: TimeSource) -> TopicQuality:
+def topic_quality(
+    times: TopicTimes, clock: TimeSource, silences: Ints | None = None
+) -> TopicQuality:
     """Measure the timing of one topic.
 
     Args:
         times: of at least one message.
         clock: the clock that the log is measured on; a topic whose messages have no usable
             header stamps is measured on log time all the same.
+        silences: (g, 2) ns, its gaps, where these are known better than from its messages' times.
     """
     log_time, stamp = times.usable()
     used = clock if times.has_stamps else TimeSource.LOG
     time = stamp if used is TimeSource.HEADER else times.log_time
     step, log_step = np.diff(time), np.diff(times.log_time)
     gaps = step[step > gap_ns(usual_interval_ns(step))]
+    if silences is not None:
+        gaps = silences[:, 1] - silences[:, 0]
+    # Zeros are no stamps that repeat or step back.
+    told = None if times.stamp is None else np.diff(times.stamp[times.stamp > 0])
     number, span = len(times.log_time) - 1, int(time.max()) - int(time.min())
     offset, drift = _offset(log_time, stamp) if times.has_stamps else (None, None)
     check = times.check
-    duplicates, backwards = _stamp_faults(times.stamp)
     return TopicQuality(
         topic=times.topic,
         messages=len(times.log_time),
@@ -209,8 +215,8 @@ def topic_quality(times: TopicTimes, clock: TimeSource) -> TopicQuality:
         gaps=len(gaps),
         gaps_total_s=_total(gaps) / 1e9,
         longest_gap_s=int(gaps.max(initial=0)) / 1e9,
-        duplicate_stamps=duplicates,
-        backward_stamps=backwards,
+        duplicate_stamps=None if told is None else int((told == 0).sum()),
+        backward_stamps=None if told is None else int((told < 0).sum()),
         zero_stamps=None if check is None else check.zeros,
         stamps_ahead=None if check is None else check.ahead,
         clock_steps=() if check is None else check.steps,
@@ -221,14 +227,6 @@ def topic_quality(times: TopicTimes, clock: TimeSource) -> TopicQuality:
     )
 
 
-def _stamp_faults(stamp: Ints | None) -> tuple[int | None, int | None]:
-    """Count stamps that repeat and that step back, as recorded; zeros are left out."""
-    if stamp is None:
-        return None, None
-    step = np.diff(stamp[stamp > 0])
-    return int((step == 0).sum()), int((step < 0).sum())
-
-
 def _offset(log_time: Ints, stamp: Ints) -> tuple[float, float | None]:
     """Median of log time minus stamp, s, and its slope over the stamps' time, ppm."""
     rows = np.flatnonzero(first_at_each_tick(log_time, OFFSET_RATE_HZ))
@@ -236,22 +234,6 @@ def _offset(log_time: Ints, stamp: Ints) -> tuple[float, float | None]:
     first = int(offset[0])
     behind = (offset - first).astype(np.float64)
     return float(median_of(behind) + first) / 1e9, _slope_ppm(since.astype(np.float64), behind)
-
-
-def with_gaps(topic: TopicQuality, spans: Ints) -> TopicQuality:
-    """Return a topic's timing with gaps that are known better than from its messages' times.
-
-    Args:
-        topic: the timing.
-        spans: (g, 2) ns, the gaps.
-    """
-    lengths = spans[:, 1] - spans[:, 0]
-    return replace(
-        topic,
-        gaps=len(spans),
-        gaps_total_s=int(lengths.sum()) / 1e9,
-        longest_gap_s=int(lengths.max(initial=0)) / 1e9,
-    )
 
 
 def _percentiles(step: Ints) -> dict[str, float] | None:

@@ -3,12 +3,14 @@
 fsspec comes with the extra `fleet` and is imported only when a URL is met.
 """
 
+import atexit
 import errno
 import os
 import re
 import stat
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final, TypeVar
@@ -287,7 +289,7 @@ def asked(path: Location, request: Callable[[], Result]) -> Result:
         try:
             return request()
         except Exception as error:
-            failure = _failure(path, _meant(error))
+            failure = _failure(path, error)
             if failure is None:
                 raise
             if not left or not isinstance(failure, StoreError):
@@ -296,17 +298,13 @@ def asked(path: Location, request: Callable[[], Result]) -> Result:
     raise AssertionError("unreachable: the last try returns or raises")
 
 
-def _meant(error: Exception) -> BaseException:
-    """Return the error behind "no such file", which fsspec makes of all that a server refuses."""
-    cause = error.__cause__
-    is_web = isinstance(cause, TimeoutError) or _family(cause) == "aiohttp"
-    hides = isinstance(error, FileNotFoundError) and getattr(cause, "status", 0) not in _ABSENT
-    return cause if cause is not None and is_web and hides else error
-
-
 def _failure(path: Location, error: BaseException) -> LogtoolError | None:
     """Return what to say of a store's error; None: it is none, but a fault of ours."""
-    status = getattr(error, "status", 0) if _family(error) == "aiohttp" else 0
+    cause = error.__cause__
+    # fsspec makes "no such file" of all that a server refuses.
+    if isinstance(error, FileNotFoundError) and cause is not None:
+        error = cause if isinstance(cause, TimeoutError) or _is_web(cause) else error
+    status = getattr(error, "status", 0) if _is_web(error) else 0
     if isinstance(error, FileNotFoundError) or status in _ABSENT:
         return CallError(f"{shown(path)}: no such file")
     what = _first_line(error)
@@ -314,13 +312,17 @@ def _failure(path: Location, error: BaseException) -> LogtoolError | None:
         return CallError(f"{shown(path)}: access is denied ({what})")
     if 400 <= status < 500 and status not in _LATER:
         return CallError(f"{shown(path)}: the server refuses the request ({what})")
-    if isinstance(error, OSError) or _family(error) in _STORES:
+    if isinstance(error, OSError) or _package_of(error) in _STORES:
         return StoreError(f"{shown(path)}: the store fails: {what}")
     return None
 
 
-def _family(error: BaseException | None) -> str:
-    """Return the package that an error comes from."""
+def _is_web(error: BaseException) -> bool:
+    """Tell whether an error comes from the client of web servers."""
+    return _package_of(error) == "aiohttp"
+
+
+def _package_of(error: BaseException) -> str:
     return type(error).__module__.partition(".")[0]
 
 
@@ -329,3 +331,22 @@ def _first_line(error: BaseException) -> str:
     # The text of an answer has the URL, and in that perhaps a signature.
     text = f"{status} {message}" if status and message else without_secrets(str(error))
     return (text.splitlines() or [""])[0] or type(error).__name__
+
+
+@contextmanager
+def scratch_folder() -> Iterator[Path]:
+    """Make a directory for copies that are read once, which is gone when the block ends.
+
+    A file that is still open then loses its name, and its bytes when it is closed. Windows
+    does not remove open files: there the directory is removed when the process ends.
+    """
+    import shutil  # noqa: PLC0415 - few logs need a copy
+    import tempfile  # noqa: PLC0415
+
+    folder = Path(tempfile.mkdtemp(prefix="dogbot-logtool."))
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+        if folder.exists():
+            atexit.register(shutil.rmtree, folder, ignore_errors=True)

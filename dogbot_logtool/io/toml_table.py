@@ -1,10 +1,9 @@
-"""TOML tables whose errors name key and line, and records whose fields stand in them."""
+"""TOML tables whose errors name the key, and records whose fields stand in them."""
 
 import json
 import re
 import tomllib
-from bisect import bisect_left
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import field, fields
 from pathlib import Path
 from typing import Any, Final
@@ -21,11 +20,6 @@ _LONG_KEY: Final = re.compile(
     r"""(?<![\w"'-])(?:(?:"[^"\n]*"|'[^'\n]*'|[\w-]+)[ \t]*\.[ \t]*){16}"""
 )
 """A key of so many parts takes the parser's time and memory by their square."""
-_TOKEN: Final = re.compile(
-    r"""\"{3}(?:\\.|[^\\])*?\"{3,5}|'{3}.*?'{3,5}|"(?:\\.|[^"\\\n])*"|'[^'\n]*'|#[^\n]*|[][{}\n]""",
-    re.DOTALL,
-)
-"""All that matters for where the statements of a valid file end."""
 
 
 def read_toml(path: Path, what: str) -> str:
@@ -96,91 +90,29 @@ def toml_number(value: object, where: str, least: float = -_MOST) -> float:
     return float(value)
 
 
-class TomlFile:
-    """A parsed TOML file that knows where its keys stand."""
-
-    def __init__(self, text: str, source: str) -> None:
-        """Parse.
-
-        Args:
-            text: the TOML.
-            source: what to call it in errors.
-
-        Raises:
-            CallError: it is no TOML; the sentence gives line and column.
-        """
-        self._text = text
-        self._source = source
-        self.values = parse_toml(text, source)
-
-    def fault(self, keys: Sequence[str], text: str) -> CallError:
-        """Return the error of a key.
-
-        Args:
-            keys: where it stands: ``("feet", "left", "topic")``.
-            text: what is wrong, a sentence that follows file and line.
-        """
-        line = self._line_of(keys)
-        where = self._source if line is None else f"{self._source}, line {line}"
-        return CallError(f"{where}: {text}")
-
-    def _line_of(self, keys: Sequence[str]) -> int | None:
-        """Return the first line of what defines a key; None: nothing does.
-
-        The parser keeps no lines. But a file cut off behind any of its statements is valid, and
-        once a key stands in it, it stays; so the statement is found by halving.
-        """
-        if not _has(self.values, keys):
-            return None
-        ends = _statement_ends(self._text)
-        number = bisect_left(
-            ends, 1, key=lambda end: int(_has(tomllib.loads(self._text[:end]), keys))
-        )
-        start = ends[number - 1] if number else 0
-        return self._text.count("\n", 0, start) + 1
-
-
-def _statement_ends(text: str) -> list[int]:
-    """Return where the statements of valid TOML end; blank lines and remarks count as such."""
-    ends: list[int] = []
-    depth = 0
-    for token in _TOKEN.finditer(text):
-        if token[0] in "[{":
-            depth += 1
-        elif token[0] in "]}":
-            depth -= 1
-        elif token[0] == "\n" and not depth:
-            ends.append(token.end())
-    return [*ends, len(text)]
-
-
-def _has(value: Any, keys: Sequence[str]) -> bool:  # noqa: ANN401 - any TOML value
-    for key in keys:
-        if not isinstance(value, dict) or key not in value:
-            return False
-        value = value[key]
-    return True
-
-
 class TomlTable:
     """A table whose keys are taken out one by one, so that unknown keys remain and show."""
 
-    def __init__(self, file: TomlFile, keys: tuple[str, ...] = ()) -> None:
-        self._file = file
+    def __init__(self, values: Mapping[str, Any], source: str, keys: tuple[str, ...] = ()) -> None:
+        """Begin with all keys.
+
+        Args:
+            values: of the table.
+            source: what to call its file in errors.
+            keys: the tables that it stands in.
+        """
+        self._values = dict(values)
+        self._source = source
         self._keys = keys
-        values: Any = file.values
-        for key in keys:
-            values = values.get(key, {})
-        self._values: dict[str, Any] = dict(values)
 
     @property
     def names(self) -> tuple[str, ...]:
         """Keys that have not been taken."""
         return tuple(self._values)
 
-    def fault(self, key: str, text: str) -> CallError:
-        """Return the error of a key; without one, of the table itself."""
-        return self._file.fault((*self._keys, key) if key else self._keys, text)
+    def fault(self, text: str) -> CallError:
+        """Return an error: what is wrong, a sentence that follows the file's name."""
+        return CallError(f"{self._source}: {text}")
 
     def path(self, key: str) -> str:
         """Return a key with the tables that it stands in."""
@@ -191,7 +123,7 @@ class TomlTable:
         value = self._values.pop(key, {})
         if not isinstance(value, dict):
             raise self._wrong(key, value, "a table")
-        return TomlTable(self._file, (*self._keys, key))
+        return TomlTable(value, self._source, (*self._keys, key))
 
     def take(self, key: str, is_right: Callable[[Any], bool], wanted: str) -> Any:  # noqa: ANN401 - any TOML value
         """Take a value; None where there is none.
@@ -260,10 +192,10 @@ class TomlTable:
             CallError: there is one; `hint` ends the sentence.
         """
         for key in self._values:
-            raise self.fault(key, f"the key {self.path(key)} is not known. {hint}")
+            raise self.fault(f"the key {self.path(key)} is not known. {hint}")
 
     def _wrong(self, key: str, value: object, wanted: str) -> CallError:
-        return self.fault(key, f"{self.path(key)} is {shortened(value)}; it must be {wanted}")
+        return self.fault(f"{self.path(key)} is {shortened(value)}; it must be {wanted}")
 
 
 def _is_text(value: object) -> bool:

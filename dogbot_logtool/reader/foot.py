@@ -16,14 +16,14 @@ _PLACES: Final = (
 def _scale(table: TomlTable, key: str) -> float | None:
     scale = table.number(key)
     if scale == 0.0:
-        raise table.fault(key, f"{table.path(key)} is 0; nothing would be left")
+        raise table.fault(f"{table.path(key)} is 0; nothing would be left")
     return scale
 
 
 def _topic(table: TomlTable, key: str) -> str:
     topic = table.text(key)
     if not topic:
-        raise table.fault(key if topic is not None else "", f"{table.path(key)} is missing")
+        raise table.fault(f"{table.path(key)} is missing")
     return topic
 
 

@@ -3,9 +3,13 @@
 import re
 from typing import Final
 
-from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC, ROSBAG2_METADATA, ZSTD_MAGIC
+from dogbot_logtool.reader.containers.registry import (
+    CONTAINERS,
+    MCAP_MAGIC,
+    ROSBAG2_METADATA,
+    ZSTD_MAGIC,
+)
 from dogbot_logtool.reader.containers.sources.source import ByteSource
-from dogbot_logtool.reader.registry import CONTAINERS
 
 _HEAD: Final = 4096
 _SAMPLES: Final = 64

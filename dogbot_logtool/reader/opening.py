@@ -10,9 +10,13 @@ from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader import not_a_log
 from dogbot_logtool.reader.containers.log import BATCH_SIZE, Log, Loss
-from dogbot_logtool.reader.containers.signatures import is_zstd
+from dogbot_logtool.reader.containers.registry import (
+    CONTAINERS,
+    ROSBAG2_SUFFIXES,
+    Container,
+    is_zstd,
+)
 from dogbot_logtool.reader.containers.sources.source import ByteSource
-from dogbot_logtool.reader.registry import CONTAINERS, ROSBAG2_SUFFIXES, Container
 
 _MAGIC_SIZE: Final = 16
 _MOST_AT_ONCE: Final = 8 * BATCH_SIZE

@@ -94,10 +94,10 @@ def read_part(wanted: Wanted, log: Log, whole: Batch) -> Part:
     _add_transforms(part, wanted, batch, whole)
     for kind, vectors in (("commands", wanted.commands), ("accelerations", wanted.accelerations)):
         if vectors is not None:
-            found = read_vectors(batch, vectors.channels, vectors.part)
-            part.columns[kind, ONLY].append(found.samples)
-            part.names[kind, ONLY].update(found.frames)
-            part.add_malformed(found.malformed)
+            samples, frames, malformed = read_vectors(batch, vectors.channels, vectors.part)
+            part.columns[kind, ONLY].append(samples)
+            part.names[kind, ONLY].update(frames)
+            part.add_malformed(malformed)
     part.joints.extend(_joint_tables(part, batch, wanted))
     return part
 

@@ -114,7 +114,7 @@ def channels_of_feet(log: Log, robot: Robot) -> dict[Channel, tuple[int, ...]]:
             names = f"{'foot' if len(feet) == 1 else 'feet'} {listed([foot.name for foot in feet])}"
             raise CallError(f"{shown(log.source.path)}: {names}, {topic}: {because}")
         if because := _same_foot(feet, [*sources.values()]):
-            raise CallError(f"{shown(log.source.path)}: --foot {because}")
+            raise CallError(f"{shown(log.source.path)}: foot {because}")
         indices = tuple(index for index, foot in enumerate(robot.feet) if foot.topic == topic)
         found |= dict.fromkeys(sources, indices)
     return found

@@ -14,9 +14,8 @@ from dogbot_logtool.core.frames.frame_tree import (
 )
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
-from dogbot_logtool.reader.containers.log import Channel, Chunk, Log, Loss
+from dogbot_logtool.reader.containers.log import Channel, Chunk, Log, Loss, malformed_messages
 from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS
-from dogbot_logtool.reader.losses import malformed_messages
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES, is_static
 from dogbot_logtool.reader.recording import read_recording

@@ -5,12 +5,12 @@ One name alone misleads: ``rl_controller`` is no left hind leg and the ``front``
 
 1. Every name is read in all ways that name a leg: as one of four or six legs (`LETTERS`, or an end
    and a side), as one of two (a side), as one of several that are numbered. The words that name the
-   leg are replaced by a slot; where a name has several such words, as ``/left_leg/left_foot``, the
-   last one is tried first, then others and more of them. The rest of the name is the template.
+   leg are replaced by a slot; the rest of the name is the template.
 2. Names with the same template are siblings: they differ in nothing but the leg. Words that all of
-   them share, such as a robot's or a controller's name, thereby stay in the template.
-3. A set of siblings is dropped if its template says that it is no foot (`PARTS`), or that its
-   topics are several sensors of one foot (``/left_foot/front_{side}``).
+   them share, such as a robot's or a controller's name, thereby stay in the template. Names that
+   differ in a place on the foot, too, are sensors of the feet, if each foot has the same ones.
+3. A set of siblings is dropped if its template says that it is no foot (`PARTS`) or names one foot,
+   whose sensors its topics are (``/left_foot/front_{side}``).
 4. The rest are ranked: by the part of the leg that they name, then by what they tell of it
    (`MERITS`: a measured force before a planned one, one without offset before the raw one).
    A single best one that is clear is chosen. All others are offered to the user.

@@ -1,6 +1,5 @@
 """A robot, as known before its log is opened: feet, topics, frames, mass, thresholds."""
 
-from collections.abc import Sequence
 from dataclasses import MISSING, dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -8,9 +7,9 @@ from typing import Final
 
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.toml_table import (
-    TomlFile,
     TomlTable,
     one_of,
+    parse_toml,
     read_toml,
     take_fields,
     toml_field,
@@ -30,7 +29,7 @@ _ALL_KEYS: Final = "'dogbot-logtool robots dogbot' shows all that are."
 def _not_negative(table: TomlTable, key: str) -> float | None:
     number = table.number(key)
     if number is not None and number < 0.0:
-        raise table.fault(key, f"{table.path(key)} is {number:g}; it must be a number from 0")
+        raise table.fault(f"{table.path(key)} is {number:g}; it must be a number from 0")
     return number
 
 
@@ -146,24 +145,20 @@ def parse_robot(text: str, source: str) -> Robot:
         source: what to call it in errors.
 
     Raises:
-        CallError: naming the key and the line.
+        CallError: naming the key.
     """
-    file = TomlFile(text, source)
-    table = TomlTable(file)
+    table = TomlTable(parse_toml(text, source), source)
     values = take_fields(Robot, table, _ALL_KEYS)
     feet = table.section("feet")
     if len(feet.names) > MOST_FEET:
-        raise feet.fault("", f"there are {len(feet.names)} feet; there may be {MOST_FEET}")
+        raise feet.fault(f"there are {len(feet.names)} feet; there may be {MOST_FEET}")
     found = tuple(_foot(feet.section(name), name) for name in feet.names)
     table.refuse_leftovers(_ALL_KEYS)
     values["name"] = values.get("name") or Path(source).stem
     robot = Robot(**values, feet=found)
-    _check_elements(robot.feet, file)
     on, off = robot.contact_on_n, robot.contact_off_n
     if on is not None and off is not None and off > on:
-        raise file.fault(
-            ("contact", "off_n"), "contact.off_n is above contact.on_n; it must not be"
-        )
+        raise table.fault("contact.off_n is above contact.on_n; it must not be")
     return robot
 
 
@@ -172,23 +167,6 @@ def _foot(table: TomlTable, name: str) -> Foot:
     of_field = take_fields(FootField, table, _ALL_KEYS)
     field = FootField(**of_field) if of_field.get("path") else None
     for key in of_field.keys() - {"path"} if field is None else ():
-        raise table.fault(key, f"{table.path(key)} needs {table.path('field')}")
+        raise table.fault(f"{table.path(key)} needs {table.path('field')}")
     table.refuse_leftovers(_ALL_KEYS)
     return Foot(name, **values, field=field)
-
-
-def _check_elements(feet: Sequence[Foot], file: TomlFile) -> None:
-    """Refuse two feet that one element of a message would tell of."""
-    seen: dict[str, list[int | str | None]] = {}
-    for foot in feet:
-        others = seen.setdefault(foot.topic, [])
-        own = foot.element if foot.field is None else foot.field.path
-        if others and (own is None or None in others or own in others):
-            key = "topic" if own is None or None in others else "element"
-            key = "field" if foot.field is not None and own in others else key
-            text = (
-                f"two feet have the topic {foot.topic}; where its messages tell of several "
-                "feet, each needs an element or a field of its own"
-            )
-            raise file.fault(("feet", foot.name, key), text)
-        others.append(own)

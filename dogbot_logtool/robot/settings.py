@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.printable import listed
-from dogbot_logtool.io.toml_table import TomlFile, TomlTable, declared_fields, to_toml
+from dogbot_logtool.io.toml_table import TomlTable, declared_fields, parse_toml, to_toml
 from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.robot.robot import Robot
@@ -94,7 +94,7 @@ def _value(take: Callable[[TomlTable, str], Any], key: str, path: str, text: str
     wrong = ""
     for toml in (text, f"[{text}]", to_toml(text), to_toml(tuple(text.split(",")))):
         try:
-            table = TomlTable(TomlFile(f"{key} = {toml}", "--set"))
+            table = TomlTable(parse_toml(f"{key} = {toml}", "--set"), "--set")
         except CallError:
             continue
         try:

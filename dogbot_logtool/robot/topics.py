@@ -10,10 +10,9 @@ from dogbot_logtool.errors import CallError, DefinitionError, LogError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import MOST, listed, printable
 from dogbot_logtool.io.storage import shown
-from dogbot_logtool.reader.containers.log import Batch, Channel, Log
+from dogbot_logtool.reader.containers.log import Batch, Channel, Log, damage_of
 from dogbot_logtool.reader.decode.fields import Fields
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.reader.losses import damage_of
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.message_type import Part

@@ -51,6 +51,8 @@ _FOOT: Final = (
     "ankle ankles feet foot footpad footsole forefoot heel heels hindfoot hoof insole insoles "
     "midfoot paw paws shoe shoes sole soles toe toes"
 )
+SOLES: Final = frozenset({"sole", "soles", "footsole"})
+"""Words of what touches the ground, and not of an ankle or a knee."""
 _LEG: Final = "leg legs"
 _UPPER_LEG: Final = (
     "abad calf coxa femur haunch hip hips knee knees lowerleg shank shin thigh tibia upperleg"

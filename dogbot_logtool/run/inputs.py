@@ -12,8 +12,12 @@ from typing import TYPE_CHECKING, Final
 from dogbot_logtool.errors import CallError, LogtoolError
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.reader.containers.signatures import ANNOTATED, ROSBAG2_METADATA
-from dogbot_logtool.reader.registry import CONTAINERS, ROSBAG2_SUFFIXES
+from dogbot_logtool.reader.containers.registry import (
+    ANNOTATED,
+    CONTAINERS,
+    ROSBAG2_METADATA,
+    ROSBAG2_SUFFIXES,
+)
 from dogbot_logtool.run.search import Unreadable, matches, walk
 
 if TYPE_CHECKING:

@@ -14,10 +14,8 @@ from dogbot_logtool.core.base.poses import Transforms
 from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.core.scene.foot_style import short_names
-from dogbot_logtool.core.scene.labels import Labels
-from dogbot_logtool.core.scene.legs import LegLines
-from dogbot_logtool.core.scene.loads import Loads
-from dogbot_logtool.core.scene.support_scene import SupportScene
+from dogbot_logtool.core.scene.loads import Labels, Loads
+from dogbot_logtool.core.scene.support_scene import LegLines, SupportScene
 from dogbot_logtool.writer import drawing
 from dogbot_logtool.writer.channels import AddedChannels
 from dogbot_logtool.writer.drawing import Drawing, Look, parts

@@ -13,10 +13,9 @@ import numpy as np
 from dogbot_logtool.core.arrays import Float32s, Floats
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.core.scene.foot_style import FOOT_COLOURS, colour_parts, foot_colour
-from dogbot_logtool.core.scene.labels import Labels
-from dogbot_logtool.core.scene.legs import LegLines
+from dogbot_logtool.core.scene.loads import Labels
 from dogbot_logtool.core.scene.styles import LIFETIME_S
-from dogbot_logtool.core.scene.support_scene import SupportScene
+from dogbot_logtool.core.scene.support_scene import LegLines, SupportScene
 from dogbot_logtool.writer.template import Columns, Of, Slot
 
 Point = tuple[Slot, Slot, Slot]

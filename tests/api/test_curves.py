@@ -46,6 +46,3 @@ def test_wrong_words_are_refused(walk: dl.Walk) -> None:
         walk.curves("left")
     with pytest.raises(dl.CallError, match="points=1: a curve has at least 2"):
         walk.curves(FOOT, points=1)
-    curves = walk.curves(FOOT, points=2)
-    with pytest.raises(KeyError, match="there are force_n, force_x_n, force_y_n, force_z_n"):
-        curves["force"]

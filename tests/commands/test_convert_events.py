@@ -1,17 +1,11 @@
 """`/events` and `/gait` in a converted log: what they say, and when."""
 
 import sys
-import tempfile
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
-from mcap.reader import make_reader
-from mcap_protobuf.decoder import DecoderFactory as ProtobufDecoder
-from mcap_ros1.decoder import DecoderFactory as Ros1Decoder
-from mcap_ros2.decoder import DecoderFactory as Ros2Decoder
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.conversion import plan
@@ -19,29 +13,14 @@ from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.writer.encodings import registry
 from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
+from tests.commands.conversions import converted
 from tests.measured import measured
-from tests.paths import SAMPLE_LOGS
-
-TROUBLED = SAMPLE_LOGS / "dogbot_troubled.bag"
-TROT = SAMPLE_LOGS / "dogbot_trot.bag"
+from tests.oracles.annotated_file import read_written
+from tests.paths import TROT, TROUBLED
 
 
-def messages_of(path: Path, topic: str) -> list[tuple[int, Any]]:
-    factories = [ProtobufDecoder(), Ros1Decoder(), Ros2Decoder()]
-    with path.open("rb") as stream:
-        reader = make_reader(stream, validate_crcs=True, decoder_factories=factories)
-        found = reader.iter_decoded_messages(topics=[topic])
-        return [(message.log_time, decoded) for _, _, message, decoded in found]
-
-
-_FOLDER = tempfile.TemporaryDirectory(prefix="events")
-
-
-@cache
-def converted(source: Path, encoding: str) -> Path:
-    target = Path(_FOLDER.name) / f"{source.stem}.{encoding}.mcap"
-    convert(source, target, ConvertOptions(copy=False, encoding=encoding))
-    return target
+def messages_of(folder: Path, log: Path, encoding: str, topic: str) -> list[tuple[int, Any]]:
+    return converted(folder, log, copy=False, encoding=encoding).written.decoded(topic)
 
 
 @pytest.mark.parametrize(
@@ -49,12 +28,11 @@ def converted(source: Path, encoding: str) -> Path:
     [("foxglove", "message", 3), ("ros1", "msg", 4), ("ros2", "msg", 30)],
 )
 def test_every_event_is_a_log_message_at_its_log_time(
-    encoding: str, text: str, warning: int
+    folder: Path, encoding: str, text: str, warning: int
 ) -> None:
-    target = converted(TROUBLED, encoding)
     stats = measured(TROUBLED).walk
     events = stats_json(measured(TROUBLED))["events"]
-    found = messages_of(target, "/events")
+    found = messages_of(folder, TROUBLED, encoding, "/events")
     assert len(found) == len(events)
     for (log_time, message), event in zip(found, events, strict=True):
         # The stamps of this log are zero: it is measured on log time.
@@ -65,14 +43,13 @@ def test_every_event_is_a_log_message_at_its_log_time(
         assert (message.level >= warning) is not is_step
 
 
-def test_onsets_on_stamps_are_written_at_log_times() -> None:
-    target = converted(TROT, "foxglove")
+def test_onsets_on_stamps_are_written_at_log_times(folder: Path) -> None:
     stats = measured(TROT).walk
     record = stats.feet[0].record
     recorded = dict(zip(record.track.time.tolist(), record.track.log_time.tolist(), strict=True))
     found = [
         (log_time, message.timestamp.ToNanoseconds())
-        for log_time, message in messages_of(target, "/events")
+        for log_time, message in messages_of(folder, TROT, "foxglove", "/events")
     ]
     at_samples = [(log_time, stamp) for log_time, stamp in found if stamp in recorded]
     assert len(at_samples) > 20
@@ -81,9 +58,8 @@ def test_onsets_on_stamps_are_written_at_log_times() -> None:
 
 
 @pytest.mark.parametrize("encoding", ["foxglove", "ros1", "ros2"])
-def test_the_gait_is_written_where_it_changes_and_ends(encoding: str) -> None:
-    target = converted(TROT, encoding)
-    (_, begins), (_, ends) = messages_of(target, "/gait")
+def test_the_gait_is_written_where_it_changes_and_ends(folder: Path, encoding: str) -> None:
+    (_, begins), (_, ends) = messages_of(folder, TROT, encoding, "/gait")
     assert begins.gait == "trot"
     assert begins.duty_factor == pytest.approx(0.714, abs=0.01)
     assert begins.stride_frequency_hz == pytest.approx(1.0 / 1.142, abs=0.01)
@@ -92,13 +68,12 @@ def test_the_gait_is_written_where_it_changes_and_ends(encoding: str) -> None:
     assert ends.duty_factor != ends.duty_factor
 
 
-def test_events_are_spans_where_the_schemas_have_them() -> None:
+def test_events_are_spans_where_the_schemas_have_them(folder: Path) -> None:
     pytest.importorskip("foxglove_schemas_protobuf.Event_pb2")
-    target = converted(TROUBLED, "foxglove")
     stats = measured(TROUBLED).walk
     events = stats_json(measured(TROUBLED))["events"]
     odd = [each for each in events if each["type"] not in {"touchdown", "lift_off"}]
-    found = messages_of(target, "/events/spans")
+    found = messages_of(folder, TROUBLED, "foxglove", "/events/spans")
     assert [message.start_time.ToNanoseconds() for _, message in found] == [
         stats.origin + round(each["onset_s"] * 1e9) for each in odd
     ]
@@ -123,5 +98,6 @@ def test_without_spans_in_the_schemas_the_rest_is_written(
     monkeypatch.setattr(plan, "ENCODINGS", {"foxglove": older})
     target = tmp_path / "out.mcap"
     convert(TROUBLED, target, ConvertOptions(copy=False, jobs=1))
-    assert messages_of(target, "/events/spans") == []
-    assert messages_of(target, "/events")
+    written = read_written(target)
+    assert written.decoded("/events/spans") == []
+    assert written.decoded("/events")

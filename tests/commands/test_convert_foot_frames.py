@@ -6,13 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from mcap.reader import make_reader
-from mcap_ros2.decoder import DecoderFactory
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.option import part_of
 from dogbot_logtool.options import ConvertOptions, MeasureOptions
 from tests.oracles import state_walks, walks
+from tests.oracles.annotated_file import arrows
 from tests.oracles.state_walks import StateWalk
 
 FT = "pronto_msgs/msg/QuadrupedForceTorqueSensors"
@@ -51,15 +50,10 @@ def test_arrows_start_at_the_frames_of_the_feet(tmp_path: Path) -> None:
     topics = MeasureOptions(mass=walks.MASS_KG)
     convert(path, target, replace(part_of(topics, ConvertOptions), encoding="ros2", copy=False))
     drawn = 0
-    with target.open("rb") as stream:
-        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
-        for _, channel, message, marker in reader.iter_decoded_messages():
-            leg = channel.topic.removeprefix("/marker_basic_").removesuffix("_foot")
-            if leg not in walks.LEGS or marker.action != 0:
-                continue
-            sample = (message.log_time - walks.START) // walks.STEP
-            at = marker.pose.position
-            expected = state_walks.foot_position(leg, sample)
-            assert (at.x, at.y, at.z) == pytest.approx(expected, abs=1e-6)
-            drawn += 1
+    for topic, log_time, marker in arrows(target):
+        leg = topic.removeprefix("/marker_basic_").removesuffix("_foot")
+        at = marker.pose.position
+        expected = state_walks.foot_position(leg, (log_time - walks.START) // walks.STEP)
+        assert (at.x, at.y, at.z) == pytest.approx(expected, abs=1e-6)
+        drawn += 1
     assert drawn == sum(int(touch.sum()) for touch in walks.TOUCHES.values())

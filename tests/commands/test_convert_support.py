@@ -2,11 +2,9 @@
 
 import math
 from bisect import bisect_right
-from collections.abc import Sequence
-from functools import cache
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -16,10 +14,10 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.core.scene.support_scene import margin_colour
 from dogbot_logtool.options import ConvertOptions
-from dogbot_logtool.results import Conversion
+from tests.commands.conversions import converted
 from tests.measured import measured_contact
 from tests.oracles import walks
-from tests.oracles.annotated_file import Written, annotations, arrows, read_written
+from tests.oracles.annotated_file import Written, annotations, read_written, written_arrows
 from tests.oracles.conversion import expected_poses, norm, sample_of, xyz
 from tests.oracles.foot_logs import CONTACTS, write_log
 from tests.oracles.recorded import (
@@ -32,26 +30,8 @@ from tests.paths import ROOT, TROT, TROUBLED, WALK
 DOGBOT = ROOT / "dogbot_logtool/robot/known/dogbot.toml"
 MS = 1_000_000
 NEAR_MS = 60
-LOGS = (TROT, WALK, TROUBLED)
 VERTICAL_KNOWN = {TROT: False, WALK: True, TROUBLED: False}
 Vector = tuple[float, float, float]
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("support")
-
-
-_WRITTEN: dict[tuple[Path, str], tuple[Conversion, Written]] = {}
-
-
-def converted(folder: Path, log: Path, encoding: str) -> tuple[Conversion, Written]:
-    key = log, encoding
-    if key not in _WRITTEN:
-        target = folder / f"{len(_WRITTEN)}.mcap"
-        done = convert(log, target, ConvertOptions(encoding=encoding, copy=False))
-        _WRITTEN[key] = done, read_written(target)
-    return _WRITTEN[key]
 
 
 class Shown:
@@ -90,21 +70,16 @@ def shown_in(written: Written, encoding: str, *, with_first: bool = False) -> li
     return [Shown(message.log_time, decoded) for message, decoded in shown]
 
 
-@cache
-def turned_forces(log: Path) -> dict[tuple[str, int], float]:
+def turned_forces(folder: Path, log: Path) -> dict[tuple[str, int], float]:
     """Vertical forces of arrows along the force, which test_world_frames.py holds to the truth."""
-    if log != TROT:
-        return {}
-    with TemporaryDirectory() as folder:
-        target = Path(folder) / "force.mcap"
-        convert(log, target, ConvertOptions(style="force", encoding="ros2", copy=False))
-        found = {}
-        for topic, log_time, arrow in arrows(target):
-            turn = arrow.pose.orientation
-            upward = 2.0 * (turn.x * turn.z - turn.w * turn.y)
-            foot = topic.removeprefix("/marker_basic_").removesuffix("_foot")
-            found[foot, log_time] = 100.0 * arrow.scale.x * upward
-        return found
+    written = converted(folder, log, style="force", encoding="ros2", copy=False).written
+    found = {}
+    for foot in FEET if log == TROT else ():
+        for arrow in written_arrows(written, foot, "ros2", "force"):
+            if arrow.position:
+                x, y, z, w = arrow.orientation
+                found[foot, arrow.log_time] = 100.0 * arrow.length * 2.0 * (x * z - w * y)
+    return found
 
 
 # --- A message at a time --------------------------------------------------------------------------
@@ -113,7 +88,7 @@ def turned_forces(log: Path) -> dict[tuple[str, int], float]:
 class Foot:
     """A foot that is listened to, one message after the other."""
 
-    def __init__(self, log: Path, name: str) -> None:
+    def __init__(self, log: Path, name: str, turned: Mapping[tuple[str, int], float]) -> None:
         self.messages: list[tuple[int, bool, Vector | None, float]] = []
         contact = measured_contact(log, name)
         self.works = contact is not None
@@ -124,8 +99,8 @@ class Foot:
             if math.isfinite(force):
                 on = contact is not None and contact[one.log_time]
                 known = sample.in_world or VERTICAL_KNOWN[log] or force == 0.0
-                turned = turned_forces(log).get((name, one.log_time), math.nan)
-                vertical = sample.force[2] if known else turned
+                other = turned.get((name, one.log_time), math.nan)
+                vertical = sample.force[2] if known else other
                 self.messages.append((one.log_time, on, sample.position, vertical))
 
     def at(self, time: int) -> tuple[bool, Vector | None, float] | None:
@@ -163,8 +138,10 @@ def margin_of(outline: Sequence[Vector], body: Vector) -> float:
 def test_support_is_what_message_by_message_listening_gives(
     folder: Path, log: Path, encoding: str
 ) -> None:
-    conversion, written = converted(folder, log, encoding)
-    feet = [Foot(log, name) for name in FEET]
+    done = converted(folder, log, encoding=encoding, copy=False)
+    conversion, written = done.conversion, done.written
+    turned = turned_forces(folder, log)
+    feet = [Foot(log, name, turned) for name in FEET]
     # Before all feet have sent a message, the file's first time says what they do at once.
     heard = max(foot.messages[0][0] for foot in feet)
     first, *others = expected_poses(log, at_ticks=True)
@@ -225,7 +202,7 @@ def test_it_is_written_whatever_the_style(tmp_path: Path, style: str) -> None:
 
 
 def test_what_is_not_known_is_told(folder: Path) -> None:
-    done, _ = converted(folder, TROUBLED, "ros1")
+    done = converted(folder, TROUBLED, encoding="ros1", copy=False).conversion
     told = {each.code: each.text for each in done.findings}
     # One of its sensors is dead, and `stats` gives no margins either.
     assert "back_left" in told["DEAD"]

@@ -3,7 +3,6 @@
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 from mcap.reader import make_reader
@@ -11,7 +10,7 @@ from mcap.reader import make_reader
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.options import ConvertOptions
 from tests.commands.conversions import MATRIX, codes, converted
-from tests.oracles.annotated_file import Written, read_written
+from tests.oracles.annotated_file import read_written
 from tests.oracles.recorded import (
     CONTACTS_TYPE,
     ODOMETRY,
@@ -67,17 +66,10 @@ def test_a_topic_that_is_taken_twice_is_moved_twice(tmp_path: Path) -> None:
     topic = "/dogbot_logtool/dogbot_logtool/load/front_left"
     assert conversion.annotations[topic] == 51  # with the first time's
     written = read_written(tmp_path / "out.mcap")
-    assert {load.in_contact for load in _loads_at(written, topic)} == {True, False}
+    assert {load.in_contact for _, load in written.decoded(topic)} == {True, False}
     (moved,) = [finding for finding in conversion.findings if finding.code == "TOPIC_MOVED"]
     assert moved.where == topic
     assert "/load/front_left" in moved.text
-
-
-def _loads_at(written: Written, topic: str) -> list[Any]:
-    return [
-        written.decode(schema, message, "protobuf")
-        for schema, message in written.of(topic, "protobuf")
-    ]
 
 
 # --- A second parent ------------------------------------------------------------------------------

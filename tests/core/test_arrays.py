@@ -11,17 +11,14 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import (
     aggregate,
-    all_finite,
     circular_mean,
     distinct,
-    dots,
     median_of,
     median_of_known,
     nearest_rows,
     percentiles_of,
     rows_by_group,
     stable_order,
-    wrapped,
 )
 
 
@@ -30,10 +27,6 @@ def test_equal_numbers_stay_in_order(highest: int) -> None:
     values = np.array([highest, 3, 0, highest, 3, 0], np.int64)
 
     np.testing.assert_array_equal(stable_order(values), np.argsort(values, kind="stable"))
-
-
-def test_nothing_has_an_order() -> None:
-    assert not len(stable_order(np.empty(0, np.int64)))
 
 
 @given(st.lists(st.sampled_from([0, 1, 3, 70_000])))
@@ -46,18 +39,6 @@ def test_rows_of_a_group_stand_in_their_order(numbers: list[int]) -> None:
     assert rows == {
         number: [row for row, each in enumerate(numbers) if each == number] for number in rows
     }
-
-
-def test_a_row_is_finite_when_all_its_numbers_are() -> None:
-    vectors = np.array([[0.0, 1.0, -2.0], [np.nan, 0.0, 0.0], [0.0, 0.0, -np.inf]])
-
-    np.testing.assert_array_equal(all_finite(vectors), [True, False, False])
-    assert not len(all_finite(np.empty((0, 3))))
-
-
-def test_scalar_products_are_added_up_row_by_row() -> None:
-    first, second = np.array([[1.0, 2.0, 3.0], [0.0, 0.0, 1e200]]), np.array([[4.0, -5.0, 6.0]] * 2)
-    assert dots(first, second).tolist() == [12.0, 6e200]
 
 
 def test_the_nearest_row_is_found_between_and_beyond_all_rows() -> None:
@@ -79,27 +60,11 @@ def test_nothing_known_gives_nothing() -> None:
     assert circular_mean(np.array([np.nan])) is None
 
 
-def test_a_single_value_has_no_spread() -> None:
-    result = aggregate(np.array([4.0]))
-    assert result is not None
-    assert result.std is None
-
-
 def test_phases_that_straddle_zero_average_to_zero_not_to_half() -> None:
     mean = circular_mean(np.array([0.99, 0.01, 0.98, 0.02]))
     assert mean is not None
     assert abs((mean.mean + 0.5) % 1.0 - 0.5) < 1e-12
     assert mean.consistency > 0.99
-
-
-def test_phases_spread_evenly_have_no_consistency() -> None:
-    mean = circular_mean(np.arange(8) / 8.0)
-    assert mean is not None
-    assert mean.consistency < 1e-12
-
-
-def test_wrapped_differences_lie_around_zero() -> None:
-    assert wrapped(np.array([0.75, -0.75, 0.25])).tolist() == [-0.25, 0.25, 0.25]
 
 
 TABLES = st.one_of(

@@ -11,8 +11,7 @@ from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.walk import Walk as MeasuredWalk
-from tests.analysed import analysed, feet_of
-from tests.core.checks.voided import metrics
+from tests.analysed import analysed, feet_of, metrics
 from tests.oracles.straight_walk import (
     SETTINGS,
     START,

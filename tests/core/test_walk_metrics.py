@@ -107,18 +107,6 @@ def test_the_whole_log_and_a_segment_have_the_same_metrics() -> None:
     assert in_segments - {"start_s", "end_s"} <= paths
 
 
-def test_detail_is_curves_and_lists_of_times() -> None:
-    foot = to_json(walk(), detail=False)["feet"]["left"]
-
-    assert set(to_json(walk())["feet"]["left"]) - set(foot) == {
-        "height_over_stride_m",
-        "vertical_over_stride_n",
-        "forward_over_stride_n",
-        "touchdown_s",
-        "lift_off_s",
-    }
-
-
 def test_json_follows_the_schema() -> None:
     contract = schema(WalkMetrics)
     Draft202012Validator.check_schema(contract)
@@ -138,16 +126,6 @@ def test_what_matches_a_pattern_becomes_null_in_the_log_and_in_its_segments() ->
         assert part.feet["right"] == walk().feet["right"]
 
 
-def test_a_group_leaves_the_other_groups_of_a_segment_alone() -> None:
-    voided = void(walk(), ("gait.*",))
-    segment = voided.gait.segments[0]
-
-    assert (segment.start_s, segment.end_s) == (0.0, 2.0)
-    assert segment.feet == walk().feet
-    assert segment.gait.phase == {"left": Phase(None, None, None)}
-    assert voided.gait.support_sets is None
-
-
 def metrics(walk: MeasuredWalk, findings: Sequence[Finding] = ()) -> WalkMetrics:
     return measurement_of(walk, LogFacts(findings=findings)).metrics
 
@@ -156,19 +134,6 @@ def nulls(walk: WalkMetrics) -> set[str]:
     """Paths of the metrics that are null though a log may have them."""
     found = [(path, field) for path, value, field in values(walk) if value is None]
     return {".".join(path) for path, field in found if field.of.needs}
-
-
-def test_what_decided_the_metrics_is_told() -> None:
-    walk = Walk().measure()
-    settings = metrics(replace(walk, settings=replace(walk.settings, robot="spot"))).settings
-
-    assert (settings.robot, settings.robot_guessed) == ("spot", False)
-    assert (settings.base_from, settings.contact_from, settings.clock) == (
-        "pose",
-        "sensor",
-        "header",
-    )
-    assert metrics(analysed(WalkSettings(()))).settings.contact_from is None
 
 
 @pytest.mark.parametrize("seconds", [3.0, 10.0])

@@ -1,6 +1,6 @@
 """Annotations that a file has, read and decoded by the mcap library."""
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -79,6 +79,22 @@ class Written:
         )
         found = sorted((self.messages[row] for row in rows), key=lambda one: one.log_time)
         return [(self.schemas[self.channels[one.channel_id].schema_id], one) for one in found]
+
+    def decoded(self, topic: str) -> list[tuple[int, Any]]:
+        """Return log times, ns, and messages of a topic in any encoding, in the order of time."""
+        return [
+            (message.log_time, self.decode(schema, message, encoding))
+            for encoding in sorted(self.encodings(topic))
+            for schema, message in self.of(topic, encoding)
+        ]
+
+    @property
+    def topics(self) -> Counter[str]:
+        """Messages by topic; a channel may have none."""
+        found = Counter({channel.topic: 0 for channel in self.channels.values()})
+        for number, rows in self.rows.items():
+            found[self.channels[number].topic] += len(rows)
+        return found
 
 
 def read_written(path: Path) -> Written:

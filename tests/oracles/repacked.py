@@ -14,6 +14,8 @@ from rosbags.rosbag2.enums import StoragePlugin
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from tests.oracles.walks import write_rows
+
 BLOCK: Final = 97
 """Messages that change places with as many others where a file is out of order."""
 
@@ -121,10 +123,6 @@ def write_mcap(
 def write_rosbag2(path: Path, recorded: Recorded, plugin: StoragePlugin) -> Path:
     """Write the folder of a ROS 2 bag."""
     with Rosbag2Writer(path, version=9, storage_plugin=plugin) as writer:
-        connections = {
-            topic: writer.add_connection(topic, kind, typestore=recorded.types)
-            for topic, kind in recorded.channels.items()
-        }
-        for message in recorded.messages:
-            writer.write(connections[message.topic], message.log_time, message.cdr)
+        rows = ((each.log_time, each.topic, each.kind, each.cdr) for each in recorded.messages)
+        write_rows(writer, recorded.types, rows)
     return path

@@ -1,7 +1,7 @@
 """One synthetic walk, told in every type of contact message, for every container."""
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -15,6 +15,7 @@ from rosbags.rosbag2.enums import StoragePlugin
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from tests.oracles.mcap_file import Entry as Row
 from tests.oracles.mcap_file import write_mcap as write_entries
 
 LEGS: Final = ("front_left", "front_right", "back_left", "back_right")
@@ -290,7 +291,7 @@ def write_walk(folder: Path, kind: str, container: str) -> Path:
         case _:
             plugin = StoragePlugin.MCAP if container.endswith("mcap") else StoragePlugin.SQLITE3
             with Rosbag2Writer(path, version=9, storage_plugin=plugin) as writer:
-                _write_entries(writer, walk, entries)
+                write_rows(writer, walk.store, _rows(entries))
     return path
 
 
@@ -303,23 +304,26 @@ def write_bag(
     if compressed:
         writer.set_compression(BagWriter.CompressionFormat.LZ4)
     with writer:
-        _write_entries(writer, walk, entries)
+        write_rows(writer, walk.store, _rows(entries))
     return path
 
 
 def write_mcap(path: Path, walk: Walk, entries: list[Entry], chunk_size: int = 1 << 20) -> None:
     """Write messages into an MCAP file."""
-    rows = [(entry.log_time, entry.topic, entry.kind, entry.data) for entry in entries]
-    write_entries(path, rows, walk.definition, chunk_size, "zstd")
+    write_entries(path, _rows(entries), walk.definition, chunk_size, "zstd")
 
 
-def _write_entries(writer: BagWriter | Rosbag2Writer, walk: Walk, entries: list[Entry]) -> None:
-    topics: dict[str, Any] = {
-        topic: writer.add_connection(topic, kind, typestore=walk.store)
-        for topic, kind in {e.topic: e.kind for e in entries}.items()
-    }
-    for entry in entries:
-        writer.write(topics[entry.topic], entry.log_time, entry.data)
+def _rows(entries: Iterable[Entry]) -> list[Row]:
+    return [(entry.log_time, entry.topic, entry.kind, entry.data) for entry in entries]
+
+
+def write_rows(writer: BagWriter | Rosbag2Writer, types: Typestore, rows: Iterable[Row]) -> None:
+    """Write messages with one of rosbags' writers, a connection a topic."""
+    connections: dict[str, Any] = {}
+    for log_time, topic, kind, data in rows:
+        if topic not in connections:
+            connections[topic] = writer.add_connection(topic, kind, typestore=types)
+        writer.write(connections[topic], log_time, data)
 
 
 def robot_file(folder: Path, kind: str) -> Path:

@@ -87,12 +87,10 @@ def test_six_feet_on_unusual_topics_take_two_commands(
         assert sum(loads) == pytest.approx(WEIGHT_N * 6 / down, rel=0.1)
 
 
-@pytest.fixture(scope="module", params=[1, 2])
-def states(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
+@pytest.fixture(scope="module")
+def states(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """One message of all feet: arrays of messages, of numbers, and wrenches."""
-    folder = tmp_path_factory.mktemp("states")
-    walk = odd_walk(request.param)
-    entries = []
+    path, walk, entries = tmp_path_factory.mktemp("states") / "states.mcap", odd_walk(), []
     for sample in range(1200):
         loads = [load_n(sample / 100, foot) for foot in range(6)]
         legs = [
@@ -113,14 +111,9 @@ def states(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequ
             left=walk.wrench((0, 0, loads[0])),
             right=walk.wrench((0, 0, loads[1])),
         )
-        entries.append(walks.Entry("/state", STATE, walks.START + sample * 10_000_000,
-                                   walk.bytes_of(STATE, message)))  # fmt: skip
-    if request.param == 1:
-        path = folder / "states.bag"
-        walks.write_bag(path, walk, entries)
-    else:
-        path = folder / "states.mcap"
-        walks.write_mcap(path, walk, entries)
+        time, data = walks.START + sample * 10_000_000, walk.bytes_of(STATE, message)
+        entries.append(walks.Entry("/state", STATE, time, data))
+    walks.write_mcap(path, walk, entries)
     return path
 
 

@@ -2,8 +2,6 @@
 
 import os
 from collections.abc import Iterator, Sequence
-from io import StringIO
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +11,10 @@ from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from mcap.writer import Writer as McapWriter
 from mcap_protobuf.schema import build_file_descriptor_set
-from rich.console import Console
 from rosbags.highlevel import AnyReader
 
-from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
-from dogbot_logtool.finding import Severity
-from dogbot_logtool.options import ConvertOptions, InfoOptions
-from dogbot_logtool.report.info_report import info_json, print_info
+from dogbot_logtool.options import InfoOptions
 from dogbot_logtool.results import LogInfo
 from dogbot_logtool.robot.frames import Frames
 from tests.paths import SAMPLE_LOGS
@@ -31,23 +25,6 @@ REAL = Path(CORPUS or "absent") / "MichaelGrupp+evo" / "test" / "data"
 REAL_LOGS = [REAL / "nav2_turtlebot.mcap", REAL / "tf_example.bag", REAL / "tf_example"]
 real = pytest.mark.skipif(not CORPUS, reason="LOGTOOL_CORPUS names no folder of real logs")
 SECOND = 1_000_000_000
-HOSTILE = (
-    'quo"te',
-    "back\\slash",
-    "ends in \\",
-    "\\N \\G \\l \\n",
-    "line\nbreak",
-    "<b>html</b>",
-    "&lt; &#65; &",
-    "\x1b[31mred",
-    'x"]; n0 -> n1; //',
-    "naïve 脚",
-    "%s {} $(x)",
-)
-
-
-def visible(name: str) -> str:
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in name)
 
 
 LastMessage = dict[tuple[str, str], list[tuple[int, int, bool]]]
@@ -104,23 +81,6 @@ def test_every_edge_is_what_rosbags_reads(path: Path) -> None:
         assert edge.timing.interval_s["p50"] == pytest.approx(median / 1e9, rel=2e-3)
         longest = max(5 * edge.timing.interval_s["p50"], 0.05) * 1e9
         assert edge.timing.gaps == (steps > longest * 1.002).sum()
-
-
-def test_our_own_output_has_the_base_in_the_world(tmp_path: Path) -> None:
-    target = tmp_path / "trot.mcap"
-    convert(LOGS[0], target, ConvertOptions())
-    info, frames = survey(target)
-    (edge,) = [each for each in frames.recorded.edges if each.child == "base_link"]
-    assert (edge.parent, edge.transforms) == ("world", 401)
-    assert frames.senders(edge) == ["/dogbot_logtool/tf"]
-    assert edge.timing is not None
-    assert edge.timing.rate_hz == pytest.approx(50.0, rel=1e-3)
-    assert info.parents["base_link"] == {"world"}
-    uses = {topic.topic: topic.use for topic in info.topics}
-    assert uses["/dogbot_logtool/tf"] == "frames"
-    tree = info_json(info)["frames"]
-    assert (tree["roots"], len(tree["trees"]), tree["loops"]) == (["world"], 1, [])
-    assert not [f for f in info.findings if f.severity is Severity.WARNING]
 
 
 # ---- logs of our own making ----
@@ -230,22 +190,3 @@ def test_messages_that_are_no_transforms_are_damage(tmp_path: Path) -> None:
     assert [loss.messages for loss in info.damage.losses] == [3]
     assert info.damage.exit_code == 3
     assert "UNREADABLE" in codes(info)
-
-
-def test_the_tree_names_every_frame_and_fits(tmp_path: Path) -> None:
-    info, frames = survey(foxglove_log(tmp_path / "log.mcap", {"/tf": hostile_chain()}))
-    for width in (60, 100, 140):
-        console = Console(width=width, file=StringIO())
-        print_info(console, info)
-        assert isinstance(console.file, StringIO)
-        text = console.file.getvalue()
-        assert "\x1b" not in text
-        table = text[text.index("frame  ") : text.index("warning")]
-        assert all(len(line) <= width for line in table.split("\n"))
-        if width == 140:
-            assert all(visible(name) in table for name in HOSTILE)
-    assert len(frames.recorded.edges) == len(HOSTILE)
-
-
-def hostile_chain() -> list[Sent]:
-    return [(20, parent, child) for parent, child in pairwise(["top", *HOSTILE])]

@@ -51,14 +51,6 @@ def test_options_choose(path: Path) -> None:
     assert found.robot.mass_kg == 12.5
 
 
-@pytest.mark.parametrize("topics", [list(DOGBOT), list(SPARE)], ids=["its own", "others"])
-def test_all_feet_of_a_guessed_robot_can_be_named_anew(path: Path, topics: list[str]) -> None:
-    given = {f"paw_{number}": topic for number, topic in enumerate(topics)}
-    found = selected(path, RobotOptions(foot=given), **dict.fromkeys(topics, CONTACTS))
-    assert found.robot.name == "dogbot"
-    assert {foot.name: foot.topic for foot in found.robot.feet} == given
-
-
 def test_a_robot_of_which_the_log_has_nothing(path: Path) -> None:
     found = selected(path, RobotOptions(robot="anymal"), **SPARE)
     assert any("none of the topics of the robot 'anymal'" in each.text for each in found.findings)

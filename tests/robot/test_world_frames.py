@@ -156,14 +156,6 @@ def test_a_robot_s_file_names_frame_and_point_of_feet_that_only_count(tmp_path: 
         assert position.y == pytest.approx(0.5 - place, abs=1e-9)
 
 
-def test_without_frames_there_are_no_arrows_and_that_is_said(tmp_path: Path) -> None:
-    log = walks.write_walk(tmp_path, WRENCHES, "mcap")
-    options = MeasureOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
-    done, target = converted(log, tmp_path, style="force", robot=options.robot, mass=options.mass)
-    assert not list(arrows(target))
-    assert {"NOT_DRAWN"} <= {f.code for f in done.findings}
-
-
 def test_frames_that_end_early_leave_the_rest_where_it_is(tmp_path: Path) -> None:
     walk = SwingingSensors(2)
     frames = [entry for entry in walk.frames() if entry.log_time < walks.START + 3_000_000_000]

@@ -13,9 +13,8 @@ from typing import Any
 
 import pytest
 
-from dogbot_logtool.run import processes
 from dogbot_logtool.run.processes import ProcessRunner
-from dogbot_logtool.run.runner import Failure, OnProgress, Runner, runner_for
+from dogbot_logtool.run.runner import Failure, Runner, runner_for
 from tests.paths import ROOT
 from tests.run.work import Progress, wait_for_the_end_of, work
 
@@ -24,19 +23,6 @@ def outcomes(runner: Runner[Any], folder: Path, *items: str) -> tuple[list[Any],
     progress = Progress()
     with runner:
         return list(runner.run(work, [(item, folder) for item in items], progress)), progress
-
-
-def test_one_log_is_done_in_this_process_and_many_by_several() -> None:
-    runners = [
-        runner_for("info", 1, 8, None),
-        runner_for("info", 0, 8, None),
-        runner_for("info", 5, 1, None),
-    ]
-    assert [type(runner).__name__ for runner in runners] == ["SerialRunner"] * 3
-    assert [runner.jobs for runner in runners] == [8, 8, 1]
-    with runner_for("info", 2, 8, None) as runner:
-        assert isinstance(runner, ProcessRunner)
-        assert runner.jobs == 4
 
 
 def test_in_this_process_an_error_is_an_outcome(tmp_path: Path) -> None:
@@ -72,16 +58,6 @@ def test_a_result_that_cannot_be_sent_costs_its_own_item_only(tmp_path: Path) ->
     found, _ = outcomes(ProcessRunner(2), tmp_path, "a", "unsendable", "b")
     assert (found[0], found[2]) == ("A", "B")
     assert found[1].sentence.startswith("its result cannot be sent: ZeroDivisionError")
-
-
-def test_no_more_outcomes_wait_than_are_allowed(tmp_path: Path) -> None:
-    progress = Progress()
-    items = [("slow", tmp_path), *[("a", tmp_path)] * 40]
-    with ProcessRunner[str](2) as runner:
-        results = runner.run(work, items, progress, ahead=5)
-        assert next(results) == "SLOW"
-        assert len(progress.done) <= 6
-        assert len(list(results)) == 40
 
 
 def wait_for_endless(folder: Path, count: int) -> list[int]:
@@ -165,57 +141,6 @@ def printed_by(script: str) -> str:
         cwd=ROOT,
     )
     return done.stdout
-
-
-def kind_of_process(item: tuple[str, Path], progress: OnProgress | None) -> str:
-    """Work on an item; return what kind of process did it."""
-    work(item, progress)
-    loaded = "dogbot_logtool.commands.info" in sys.modules
-    return f"{type(multiprocessing.current_process()).__name__} {loaded}"
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="others do not fork")
-def test_workers_are_forked_where_no_thread_runs_and_dead_ones_are_spawned(tmp_path: Path) -> None:
-    script = f"""
-import threading, time
-from pathlib import Path
-from dogbot_logtool.run.processes import ProcessRunner
-from tests.run.test_runner import kind_of_process
-from tests.run.work import Progress
-
-def kinds(*items):
-    with ProcessRunner(1, load="dogbot_logtool.commands.info") as runner:
-        items = [(item, Path({str(tmp_path)!r})) for item in items]
-        print(*runner.run(kind_of_process, items, Progress()), sep=", ")
-
-if __name__ == "__main__":
-    kinds("a", "deadly once", "b")
-    threading.Thread(target=time.sleep, args=(60.0,), daemon=True).start()
-    kinds("a")
-"""
-    assert printed_by(script).splitlines() == [
-        "ForkProcess True, SpawnProcess False, SpawnProcess False",
-        "SpawnProcess False",
-    ]
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
-def test_closing_ends_a_worker_that_is_stopped(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(processes, "_END_S", 0.2)
-    with ProcessRunner[str](2) as runner:
-        results = runner.run(work, [("endless", tmp_path)] * 2, Progress())
-        threading.Thread(target=stop_one, args=(tmp_path,)).start()
-        with pytest.raises(InterruptedError):
-            next(results)
-        workers = wait_for_endless(tmp_path, 2)
-    wait_for_the_end_of(*workers)
-
-
-def stop_one(folder: Path) -> None:
-    os.kill(wait_for_endless(folder, 2)[0], signal.SIGSTOP)
-    signal.raise_signal(signal.SIGUSR1)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="limits files")

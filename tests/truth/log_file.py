@@ -3,12 +3,13 @@
 from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from rosbags.rosbag1 import Writer as BagWriter
 
 from tests.oracles.mcap_file import Entry, write_mcap
+from tests.oracles.walks import write_rows
 from tests.truth.messages import (
     CONTACTS,
     FLAGS,
@@ -35,7 +36,8 @@ def write_log(recording: Recording, path: Path) -> Path:
     entries = sorted(_entries(recording, messages), key=lambda entry: entry[0])
     if path.suffix != ".bag":
         return write_mcap(path, entries, messages.definition)
-    _write_bag(path, messages, entries)
+    with BagWriter(path) as writer:
+        write_rows(writer, messages.store, entries)
     return path
 
 
@@ -175,12 +177,3 @@ def _transform_entries(recording: Recording, messages: Messages) -> Iterator[Ent
             numbers += [*place, *foot.link[at].tolist()]
         data = template.filled(int(first.stamp[row]), numbers)
         yield int(first.log_time[row]), "/tf", TF, data
-
-
-def _write_bag(path: Path, messages: Messages, entries: list[Entry]) -> None:
-    with BagWriter(path) as writer:
-        connections: dict[str, Any] = {}
-        for log_time, topic, kind, data in entries:
-            if topic not in connections:
-                connections[topic] = writer.add_connection(topic, kind, typestore=messages.store)
-            writer.write(connections[topic], log_time, data)

@@ -58,13 +58,6 @@ def found(run: str) -> dl.Walk:
     return dl.measure(Path(FOLDER) / f"{run}.mcap", mass=MASS_KG)
 
 
-def work_between(time: Floats, power: Floats, start: float, end: float) -> float:
-    """Integral of a power over a stride, its ends interpolated."""
-    inside = (time > start) & (time < end)
-    times = np.concatenate([[start], time[inside], [end]])
-    return float(np.trapezoid(np.interp(times, time, power), times))
-
-
 @pytest.mark.parametrize("run", RUNS)
 def test_ranges_torques_and_work_of_the_whole_log(run: str) -> None:
     """As near as float32 tells, in which the columns of joints are kept."""
@@ -81,33 +74,3 @@ def test_ranges_torques_and_work_of_the_whole_log(run: str) -> None:
         assert joint["rms_effort"] == pytest.approx(rms, rel=1e-6)
         done = np.trapezoid(np.abs(power), time)
         assert joint["absolute_work_j"] == pytest.approx(done, rel=1e-6, abs=1e-6)
-
-
-@pytest.mark.parametrize("run", RUNS)
-def test_work_of_a_leg_in_its_strides(run: str) -> None:
-    time, joints = columns(run)
-    walk = found(run)
-    strides = walk.strides
-    for side in ("left", "right"):
-        rows = strides["foot"] == side
-        powers = [c[:, 1] * c[:, 2] for name, c in joints.items() if f"_{side}_" in name]
-        start = walk.start_ns / 1e9 + strides["start_s"][rows]
-        period = strides["stance_s"][rows] + strides["swing_s"][rows]
-        expected = [
-            sum(work_between(time, np.abs(power), *span) for power in powers)
-            for span in zip(start, start + period, strict=True)
-        ]
-        assert len(expected) >= 3
-        assert strides["absolute_work_j"][rows] == pytest.approx(expected, rel=0.02)
-        assert (strides["positive_work_j"][rows] < strides["absolute_work_j"][rows]).all()
-
-
-@pytest.mark.parametrize("run", RUNS)
-def test_what_cannot_be_known_is_null(run: str) -> None:
-    walk = found(run)
-    for leg in walk.stats["feet"].values():
-        assert leg["clearance_m"] is None
-        assert leg["touchdown_down_mps"] is None
-    because = walk.stats["null_because"]
-    assert because["feet.left.clearance_m"] == "no transforms or joints of the legs"
-    assert 0.1 < walk.stats["legs"]["mechanical_cost_of_transport"] < 1.0

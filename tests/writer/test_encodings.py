@@ -18,11 +18,16 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.writer.channels import AddedChannels
-from dogbot_logtool.writer.chunks import finish_chunk
+from dogbot_logtool.writer.chunks import (
+    CHUNK_SIZE,
+    finish_chunk,
+    finish_chunks,
+    indexed_channels,
+)
 from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from dogbot_logtool.writer.mcap_writer import McapWriter
-from dogbot_logtool.writer.message_records import recorded
+from dogbot_logtool.writer.message_records import MessageRecords, recorded
 from tests.oracles import walks
 from tests.oracles.annotated_file import annotations, read_written
 from tests.oracles.conversion import xyz
@@ -139,6 +144,23 @@ def test_ids_are_free_and_those_above_the_highest_come_first(used: set[int]) -> 
         added.declare("/one more", KIND)
 
 
+def messages(channel: int, times: list[int], sizes: list[int]) -> MessageRecords:
+    """Return messages of zeros."""
+    log_time, zero, end = np.array(times), np.zeros(len(times), np.int64), np.cumsum(sizes)
+    data = np.zeros(sum(sizes), np.uint8)
+    start = end - np.array(sizes)
+    return recorded(zero + channel, zero, log_time, log_time, data, start, end)
+
+
+def test_a_message_larger_than_a_chunk_is_not_split() -> None:
+    sizes = [1, CHUNK_SIZE + 5, 1, 3 * CHUNK_SIZE, 1, 1]
+    chunks = list(finish_chunks(messages(1, [*range(6)], sizes), "none"))
+    assert sum(chunk.size for chunk in chunks) == sum(sizes) + 6 * (9 + 22)
+    counts = [count for chunk in chunks for _, _, count in indexed_channels(chunk.index)]
+    assert sum(counts) == 6
+    assert len(chunks) >= 3
+
+
 @pytest.mark.parametrize("times", [[], [5, 0, 7]])
 def test_a_file_may_be_empty_and_may_start_at_time_zero(times: list[int]) -> None:
     sink = BytesIO()
@@ -147,10 +169,7 @@ def test_a_file_may_be_empty_and_may_start_at_time_zero(times: list[int]) -> Non
     writer.add_schema(added.schemas[0])
     writer.add_channel(added.channels[0])
     for time in times:
-        zero, log_time = np.zeros(1, np.int64), np.array([time])
-        bytes_ = np.zeros(1, np.uint8)
-        records = recorded(zero + channel, zero, log_time, log_time, bytes_, zero, zero + 1)
-        writer.add_chunk(finish_chunk(records, "none"))
+        writer.add_chunk(finish_chunk(messages(channel, [time], [1]), "none"))
     writer.finish()
     reader = make_reader(BytesIO(sink.getvalue()), validate_crcs=True)
     summary = reader.get_summary()

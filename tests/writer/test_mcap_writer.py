@@ -9,10 +9,10 @@ from typing import get_args
 
 import pytest
 from mcap import records
-from mcap.data_stream import ReadDataStream
+from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.opcode import Opcode
 from mcap.reader import make_reader
-from mcap.stream_reader import StreamReader
+from mcap.stream_reader import StreamReader, breakup_chunk
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.options import ConvertOptions
@@ -69,6 +69,20 @@ def test_statistics(data: bytes) -> None:
     assert statistics.chunk_count == len(summary.chunk_indexes)
 
 
+def messages_of(chunk: records.Chunk) -> dict[int, records.Message]:
+    """Return messages by the offset of their record."""
+    found: dict[int, records.Message] = {}
+    offset = 0
+    for record in breakup_chunk(chunk, validate_crc=True):
+        builder = RecordBuilder()
+        record.write(builder)
+        if isinstance(record, records.Message):
+            found[offset] = record
+        offset += len(builder.end())
+    assert offset == chunk.uncompressed_size
+    return found
+
+
 def test_offsets_point_at_what_they_say(data: bytes) -> None:
     summary = make_reader(BytesIO(data)).get_summary()
     assert summary is not None
@@ -78,14 +92,21 @@ def test_offsets_point_at_what_they_say(data: bytes) -> None:
         chunk = records.Chunk.read(ReadDataStream(BytesIO(record[9:])))
         assert (index.compression, index.compressed_size) == (chunk.compression, len(chunk.data))
         assert index.uncompressed_size == chunk.uncompressed_size
-        assert index.message_start_time == chunk.message_start_time
-        assert index.message_end_time == chunk.message_end_time
+        messages = messages_of(chunk)
+        times = [message.log_time for message in messages.values()]
+        for one in (index, chunk):
+            assert (one.message_start_time, one.message_end_time) == (min(times), max(times))
         total = 0
+        listed: list[int] = []
         for channel, place in index.message_index_offsets.items():
             opcode, record = record_at(data, place)
             entries = records.MessageIndex.read(ReadDataStream(BytesIO(record[9:])))
             assert (opcode, entries.channel_id) == (Opcode.MESSAGE_INDEX, channel)
+            for time, offset in entries.records:
+                assert (messages[offset].log_time, messages[offset].channel_id) == (time, channel)
+                listed.append(offset)
             total += len(record)
+        assert sorted(listed) == sorted(messages)
         assert total == index.message_index_length
     for attached in summary.attachment_indexes:
         opcode, record = record_at(data, attached.offset)

@@ -21,21 +21,22 @@ def no_class(walk: Walk) -> Iterator[Finding]:
         say = "clocks" if walk.feet_clocks_are_apart else "no_strides"
         yield found("CLASS_UNKNOWN", where=where, say=say)
         return
-    feet = [*zip([foot.name for foot in walk.feet], main.phases, strict=True)]
+    phases = main.gait.phase
     if main.gait.name is None and not (main.moves_without_steps or main.is_lifted):
-        say, names = "phases", ", ".join(name for name, phase in feet if phase is None)
+        missing = (name for name, phase in phases.items() if phase.mean is None)
+        say, names = "phases", ", ".join(missing)
         if legs_in_order([foot.leg_position for foot in walk.feet]) is None:
             say = "positions"
-        if len(feet) not in {2, 4, 6}:
+        if len(phases) not in {2, 4, 6}:
             say = "number"
-        yield found("CLASS_UNKNOWN", where=where, say=say, names=names, number=len(feet))
+        yield found("CLASS_UNKNOWN", where=where, say=say, names=names, number=len(phases))
     elif main.gait.name == IRREGULAR:
         loose = [
             f"{name} (R = {phase.consistency:.2f})"
-            for name, phase in feet
-            if phase is not None and phase.consistency <= CONSISTENT
+            for name, phase in phases.items()
+            if phase.consistency is not None and phase.consistency <= CONSISTENT
         ]
-        say = "flight" if (main.gait.distance or 0.0) <= TOLERANCE else "nearest"
+        say = "flight" if (main.gait.class_distance or 0.0) <= TOLERANCE else "nearest"
         say, names = "loose" if loose else say, ", ".join(loose)
         yield found("CLASS_UNKNOWN", where=where, say=say, names=names, gait=main.gait)
 

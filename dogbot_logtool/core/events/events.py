@@ -157,14 +157,14 @@ def _gait_changes(walk: Walk) -> Iterator[Event]:
             onset = after.start
         elif before.gait.name == STAND:
             onset = before.end
-        frequency = after.stride_frequency_hz
+        frequency = after.gait.stride_frequency_hz
         unit = None if frequency is None else "Hz"
         code = f"{before.gait.name}>{after.gait.name}"
         yield _event(walk, EventType.GAIT_CHANGE, (onset, onset), None, frequency, unit, code)
 
 
 def _faster_or_slower(before: Segment, after: Segment) -> bool:
-    first, then = before.stride_frequency_hz, after.stride_frequency_hz
+    first, then = (each.gait.stride_frequency_hz for each in (before, after))
     if first is None or then is None:
         return False
     return abs(1.0 / then - 1.0 / first) > PERIOD_CHANGE / first

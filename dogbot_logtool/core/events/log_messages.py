@@ -66,13 +66,14 @@ def gait_states(walk: Walk) -> tuple[GaitState, ...]:
     states: list[GaitState] = []
     nan = float("nan")
     for segment, after in zip_longest(walk.segments, walk.segments[1:]):
-        rate, duty = (
+        gait = segment.gait
+        means = (phase.mean for phase in gait.phase.values())
+        rate, duty, *phases = (
             nan if each is None else each
-            for each in (segment.stride_frequency_hz, segment.duty_factor)
+            for each in (gait.stride_frequency_hz, gait.duty_factor, *means)
         )
-        phases = tuple(nan if phase is None else phase.mean for phase in segment.phases)
-        name = segment.gait.name or UNKNOWN
-        states.append(GaitState(segment.start, name, rate, duty, phases))
+        state = GaitState(segment.start, gait.name or UNKNOWN, rate, duty, tuple(phases))
+        states.append(state)
         if after is None or after.start > segment.end:
             states.append(GaitState(segment.end, UNKNOWN, nan, nan, (nan,) * len(walk.feet)))
     return tuple(states) if walk.feet else ()

@@ -1,7 +1,7 @@
 """When does the gait change? The time line, cut where class or stride period changes lastingly."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
 
@@ -12,17 +12,19 @@ from dogbot_logtool.core.arrays import CircularMean, Floats, Ints, circular_mean
 from dogbot_logtool.core.gait.classes import (
     STAND,
     TOLERANCE,
-    UNKNOWN_GAIT,
-    GaitClass,
     class_distances,
     classify,
+    diagonality,
+    limb_phases,
     phases_by_stride,
     phases_in,
 )
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.gait.support import Standing, Support
-from dogbot_logtool.core.leg_position import legs_in_order
+from dogbot_logtool.core.leg_position import legs_in_order, quadruped
+from dogbot_logtool.core.metrics import Gait, LimbPhase, Phase
+from dogbot_logtool.core.records import unknown
 
 LASTING: Final = 2
 """Strides in a row that must agree before the gait counts as another one."""
@@ -32,6 +34,8 @@ DRIFT: Final = 2.0 * TOLERANCE
 """A stride stays with its segment's class up to this distance: a limp does not cut the line."""
 BORDER: Final = 0.5 * TOLERANCE
 """So does one that another class fits better, up to this distance."""
+FEWEST_STRIDES: Final = 3
+"""Strides from which phases can be consistent."""
 LONGEST_TRANSITION: Final = 4
 """Strides; more of them between two gaits are a segment of their own, however irregular."""
 _NONE: Final = -1
@@ -45,25 +49,19 @@ class Segment:
     start: int
     """ns. Also `end`."""
     end: int
-    gait: GaitClass
-    strides: int
-    """Reference strides in it."""
-    phases: tuple[CircularMean | None, ...]
-    """Phase of each foot against the reference foot."""
-    hind_phases: tuple[CircularMean | None, ...] | None = None
-    """The same against the left hind foot; None where that is not known or has no strides."""
-    duty_factor: float | None = None
-    """Mean of the feet's mean duty factors."""
-    stride_frequency_hz: float | None = None
-    """Hz, of the reference foot."""
-    flight_fraction: float | None = None
-    """Share of the time without a foot in contact."""
+    gait: Gait
+    """But for its support."""
     moves_without_steps: bool = False
     """All feet are down and the base moves: no gait is claimed."""
     is_lifted: bool = False
     """No foot is down for longer than a leap takes: held in the air, or lying on its body."""
     interruptions: tuple[tuple[int, int], ...] = ()
     """ns, from and to: strides of another kind, too few to be a gait; not part of it."""
+
+    @property
+    def strides(self) -> int:
+        """Reference strides in it."""
+        return self.gait.strides or 0
 
     @property
     def spans(self) -> Ints:
@@ -105,14 +103,20 @@ def find_segments(
         for parts in _runs(kinds, first, last) if last > first else ():
             spans = [(walked.touchdown[begin], walked.end[end - 1]) for begin, end in parts]
             found.append(_segment(feet, support, np.array(spans, np.int64)))
-    nothing, stand = (None,) * len(feet), GaitClass(STAND, None, STAND, 0.0)
+    none = replace(no_gait(feet), strides=0)
+    stand = replace(none, name=STAND, confidence=1.0, nearest_name=STAND, class_distance=0.0)
     for start, end in standing.still.tolist():
-        found.append(Segment(start, end, stand, 0, nothing))
+        found.append(Segment(start, end, stand))
     for start, end in standing.moving.tolist():
-        found.append(Segment(start, end, UNKNOWN_GAIT, 0, nothing, moves_without_steps=True))
+        found.append(Segment(start, end, none, moves_without_steps=True))
     for start, end in standing.lifted.tolist():
-        found.append(Segment(start, end, UNKNOWN_GAIT, 0, nothing, is_lifted=True))
+        found.append(Segment(start, end, none, is_lifted=True))
     return tuple(sorted(found, key=lambda segment: segment.start))
+
+
+def no_gait(feet: Sequence[FootSteps]) -> Gait:
+    """Return a gait of which nothing is known."""
+    return replace(unknown(Gait), phase={foot.name: unknown(Phase) for foot in feet})
 
 
 def main_segment(segments: Sequence[Segment]) -> Segment | None:
@@ -224,29 +228,61 @@ def _segment(feet: Sequence[FootSteps], support: Support | None, spans: Ints) ->
     positions = [foot.leg_position for foot in feet]
     reference, within = reference_foot(feet), [foot.strides.within(spans) for foot in feet]
     phases = _phases(feet, within[reference])
+    hind: Sequence[CircularMean | None] = [None] * len(feet)
+    for row, strides in enumerate(within):
+        if positions[row] == ("back", "left") and len(feet[row].strides.stance):
+            hind = _phases(feet, strides)
     duty = [float(each.duty_factor.mean()) for each in within if len(each.stance)]
-    duty_factor = float(np.mean(duty)) if duty else None
-    flight = support.flight_within(spans) if support else None
-    known = [each for foot in legs_in_order(positions) or () if (each := phases[foot])]
-    named = UNKNOWN_GAIT
-    if known and len(known) == len(feet):
-        means = [phase.mean for phase in known]
-        named = classify(means, [phase.consistency for phase in known], duty_factor, flight)
-    left_hind = [row for row, each in enumerate(positions) if each == ("back", "left")]
-    hind = [within[row] for row in left_hind if len(feet[row].strides.stance)]
+    rows = zip(feet, phases, hind, strict=True)
+    gait = replace(
+        unknown(Gait),
+        duty_factor=float(np.mean(duty)) if duty else None,
+        stride_frequency_hz=within[reference].frequency_hz,
+        strides=len(within[reference].stance),
+        flight_fraction=support.flight_within(spans) if support else None,
+        phase={foot.name: _phase(own, of_hind) for foot, own, of_hind in rows},
+    )
     return Segment(
         start=int(spans[0, 0]),
         end=int(spans[-1, 1]),
-        gait=named,
-        strides=len(within[reference].stance),
-        phases=phases,
-        hind_phases=_phases(feet, hind[0]) if hind else None,
-        duty_factor=duty_factor,
-        stride_frequency_hz=within[reference].frequency_hz,
-        flight_fraction=flight,
+        gait=_named(gait, feet, phases),
         interruptions=tuple(pairwise(spans.ravel().tolist()))[1::2],
     )
 
 
-def _phases(feet: Sequence[FootSteps], strides: Strides) -> tuple[CircularMean | None, ...]:
-    return tuple(circular_mean(phases_in(strides, foot.touchdown)) for foot in feet)
+def _phases(feet: Sequence[FootSteps], strides: Strides) -> list[CircularMean | None]:
+    return [circular_mean(phases_in(strides, foot.touchdown)) for foot in feet]
+
+
+def _phase(own: CircularMean | None, hind: CircularMean | None) -> Phase:
+    return Phase(
+        mean=None if own is None else own.mean,
+        consistency=None if own is None else own.consistency,
+        left_hind=None if hind is None else hind.mean,
+    )
+
+
+def _named(gait: Gait, feet: Sequence[FootSteps], phases: Sequence[CircularMean | None]) -> Gait:
+    """Name a gait by the phases of its feet, where all of these are known."""
+    positions = [foot.leg_position for foot in feet]
+    known = [each for foot in legs_in_order(positions) or () if (each := phases[foot])]
+    if not known or len(known) < len(feet):
+        return gait
+    means, consistency = [each.mean for each in known], [each.consistency for each in known]
+    found = classify(means, consistency, gait.duty_factor, gait.flight_fraction)
+    confidence = None
+    if found.distance is not None:
+        fit = max(0.0, 1.0 - found.distance / (2.0 * TOLERANCE))
+        enough = min(1.0, (gait.strides or 0) / FEWEST_STRIDES)
+        confidence = fit * min(consistency) * enough
+    if quadruped(positions):
+        limbs = LimbPhase(*limb_phases(means))
+        gait = replace(gait, diagonality=diagonality(means), limb_phase=limbs)
+    return replace(
+        gait,
+        name=found.name,
+        confidence=confidence,
+        sequence=found.sequence,
+        nearest_name=found.nearest,
+        class_distance=found.distance,
+    )

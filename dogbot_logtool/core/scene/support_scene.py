@@ -1,5 +1,6 @@
 """The scene of `/support`: support polygon, centre of pressure, ground projection, touchdowns.
 
+Where no transforms tell how the legs bend, lines go from the body to the feet that stand.
 Definitions are those of `hulls.py`; the state of the feet is that of `feet.py`. What is not known
 is left out. While the contact or the contact point of some foot is unknown, there is neither a
 polygon nor a centre of pressure.
@@ -167,3 +168,35 @@ def _mean_of_known(values: Floats) -> Floats:
     known = np.isfinite(values)
     mean: Floats = np.where(known, values, 0.0).sum(axis=1) / known.sum(axis=1)
     return mean
+
+
+@dataclass(frozen=True, slots=True)
+class LegLines:
+    """The legs at some times."""
+
+    log_time: Ints
+    """(n,) ns."""
+    stamp: Ints
+    """(n,) ns."""
+    ends: Floats
+    """(n, feet, 2, 3) m, world frame: hip and contact point; NaN where the foot is not down, or
+    where that or its position is not known."""
+
+
+def leg_lines(poses: Odometry, feet: Sequence[DrawnFoot], hips: Floats) -> LegLines:
+    """Return the legs that stand at the times of poses.
+
+    Args:
+        poses: usable ones of the base, (n).
+        feet: all feet of the robot.
+        hips: (feet, 3) m, base frame; NaN where not known.
+    """
+    ends = np.empty((len(poses.log_time), len(feet), 2, 3))
+    turn = normalised(poses.orientation)
+    for column, (foot, hip) in enumerate(zip(feet, hips, strict=True)):
+        state = foot.at(poses.log_time)
+        turned = rotate(turn, np.broadcast_to(hip, poses.position.shape))
+        ends[:, column] = np.stack([poses.position + turned, state.point], axis=1)
+        ends[~(state.down & state.known), column] = np.nan
+    ends[~np.isfinite(ends).all(axis=(2, 3))] = np.nan
+    return LegLines(poses.log_time, poses.time, ends)

@@ -61,7 +61,8 @@ def _log(walk: Walk) -> dict[str, bool]:
         "leg positions": any(foot.leg_position is None for foot in feet),
         "all feet": walk.support is None,
         "strides": walk.main is None or not walk.main.strides,
-        "phases": walk.main is not None and None in walk.main.phases,
+        "phases": walk.main is not None
+        and any(phase.mean is None for phase in walk.main.gait.phase.values()),
         "base": walk.base is None,
         "points": not any(_has_points(foot) for foot in feet),
         "foot frame": legs is None or not any(leg.frame for leg in legs.feet),

@@ -9,11 +9,10 @@ from dataclasses import replace
 from typing import Any, Final
 
 from dogbot_logtool.core import metrics
-from dogbot_logtool.core.arrays import Aggregate, CircularMean, Ints, aggregate
+from dogbot_logtool.core.arrays import Aggregate, Ints, aggregate
 from dogbot_logtool.core.events.events import find_events
-from dogbot_logtool.core.gait.classes import STAND, TOLERANCE, diagonality, limb_phases
 from dogbot_logtool.core.gait.feet import foot_metrics
-from dogbot_logtool.core.gait.segments import Segment
+from dogbot_logtool.core.gait.segments import Segment, no_gait
 from dogbot_logtool.core.gait.support import Support
 from dogbot_logtool.core.legs.swings import STEPS, SWINGS
 from dogbot_logtool.core.loads import (
@@ -30,10 +29,8 @@ from dogbot_logtool.core.metrics import (
     Gait,
     GaitOfLog,
     Legs,
-    LimbPhase,
     LoadShare,
     Log,
-    Phase,
     Planned,
     Stability,
     SupportSet,
@@ -51,8 +48,6 @@ from dogbot_logtool.core.walk_metrics.rest import (
 )
 from dogbot_logtool.finding import Finding
 
-FEWEST_STRIDES: Final = 3
-"""Strides from which phases can be consistent."""
 _PAIRS: Final = {"fore": (0, 1), "hind": (2, 3)}
 """Corners, left and right, of the pairs of a quadruped."""
 
@@ -65,12 +60,13 @@ def metrics_of(walk: Walk, log: Log, findings: Sequence[Finding]) -> WalkMetrics
         log: what was read.
         findings: about the log and its metrics, the worst first.
     """
-    gait = _gait(walk, walk.main, walk.support, _flight(walk.support))
+    main, support = walk.main, walk.support
+    gait = _supported(walk, no_gait(walk.feet) if main is None else main.gait, support)
+    gait = replace(gait, flight_fraction=None if support is None else support.flight_fraction)
     feet = {
         foot.name: replace(_foot(walk, row), planned=_planned(walk, row))
         for row, foot in enumerate(walk.feet)
     }
-    main = walk.main
     strides = sum(segment.strides for segment in walk.segments)
     own = len(walk.feet[walk.reference].strides.stance) if walk.feet else None
     if main is None:
@@ -108,7 +104,7 @@ def _segment(walk: Walk, segment: Segment) -> metrics.Segment:
         start_s=(segment.start - walk.origin) / 1e9,
         end_s=(segment.end - walk.origin) / 1e9,
         base=base_in(walk, within) or unknown(Base),
-        gait=_gait(walk, segment, support_in(walk, within), segment.flight_fraction),
+        gait=_supported(walk, segment.gait, support_in(walk, within)),
         feet=feet,
         forces=_forces(walk, loads_in(walk, within), feet),
         stability=stability_in(walk, within) or unknown(Stability),
@@ -137,92 +133,18 @@ def _planned(walk: Walk, row: int) -> Planned | None:
     return None if plan is None else plan.metrics
 
 
-def _gait(
-    walk: Walk, segment: Segment | None, support: Support | None, flight: float | None
-) -> Gait:
-    """Return the gait of a span.
-
-    Args:
-        walk: of the whole log.
-        segment: whose phases make the gait; of the whole log the longest; None: there is none.
-        support: of the span.
-        flight: its share of flight.
-    """
+def _supported(walk: Walk, gait: Gait, support: Support | None) -> Gait:
+    """Return a gait with the support in its time, where that is known."""
+    if support is None:
+        return gait
     names = [foot.name for foot in walk.feet]
-    found = unknown(Gait)
-    if segment is None:
-        found = replace(found, phase={name: unknown(Phase) for name in names})
-    else:
-        found = _gait_of_phases(walk, segment, names)
-    if support is not None:
-        found = replace(
-            found,
-            double_support_fraction=support.double_support_fraction,
-            support=_feet_down(support),
-            support_sets=_support_sets(support, names),
-        )
-    return replace(found, flight_fraction=flight)
-
-
-def _gait_of_phases(walk: Walk, segment: Segment, names: Sequence[str]) -> Gait:
-    """Return the gait of a segment but for its support."""
-    gait, corners = segment.gait, _corner_phases(walk, segment)
-    hind = segment.hind_phases or (None,) * len(names)
-    phases = zip(names, segment.phases, hind, strict=True)
     return replace(
-        unknown(Gait),
-        name=gait.name,
-        confidence=_confidence(segment),
-        sequence=gait.sequence,
-        nearest_name=gait.nearest,
-        class_distance=gait.distance,
-        diagonality=None if corners is None else diagonality(corners),
-        limb_phase=LimbPhase(*((None, None) if corners is None else limb_phases(corners))),
-        duty_factor=segment.duty_factor,
-        stride_frequency_hz=segment.stride_frequency_hz,
-        strides=segment.strides,
-        phase={name: _phase(own, of_hind) for name, own, of_hind in phases},
-    )
-
-
-def _confidence(segment: Segment) -> float | None:
-    """Return how sure the class is, 0 to 1; None where phases do not tell."""
-    gait = segment.gait
-    if gait.name == STAND:
-        return 1.0
-    consistency = [phase.consistency for phase in segment.phases if phase is not None]
-    if gait.name is None or gait.distance is None or not consistency:
-        return None
-    fit = max(0.0, 1.0 - gait.distance / (2.0 * TOLERANCE))
-    return fit * min(consistency) * min(1.0, segment.strides / FEWEST_STRIDES)
-
-
-def _flight(support: Support | None) -> float | None:
-    return None if support is None else support.flight_fraction
-
-
-def _corner_phases(walk: Walk, segment: Segment) -> list[float] | None:
-    """Return the mean phases of the four corners; None unless all are known."""
-    corners = [segment.phases[foot] for foot in walk.corners or ()]
-    phases = [phase.mean for phase in corners if phase is not None]
-    return phases if len(phases) == 4 else None
-
-
-def _feet_down(support: Support) -> dict[str, float]:
-    return {str(number): fraction for number, fraction in enumerate(support.feet_down)}
-
-
-def _support_sets(support: Support, names: Sequence[str]) -> tuple[SupportSet, ...]:
-    return tuple(
-        SupportSet(tuple(names[foot] for foot in feet), fraction) for feet, fraction in support.sets
-    )
-
-
-def _phase(own: CircularMean | None, hind: CircularMean | None) -> Phase:
-    return Phase(
-        mean=None if own is None else own.mean,
-        consistency=None if own is None else own.consistency,
-        left_hind=None if hind is None else hind.mean,
+        gait,
+        double_support_fraction=support.double_support_fraction,
+        support={str(number): share for number, share in enumerate(support.feet_down)},
+        support_sets=tuple(
+            SupportSet(tuple(names[foot] for foot in feet), share) for feet, share in support.sets
+        ),
     )
 
 

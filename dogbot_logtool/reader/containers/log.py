@@ -4,7 +4,7 @@ Other rooms import what they need of a log from here.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
@@ -21,7 +21,7 @@ from dogbot_logtool.reader.containers.contents import (
     Extra,
     Schema,
 )
-from dogbot_logtool.reader.containers.loss import Loss, lost_messages
+from dogbot_logtool.reader.containers.loss import Damage, Loss, differing_counts, lost_messages
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
 
@@ -39,7 +39,10 @@ __all__ = [
     "Schema",
     "Span",
     "concatenate_messages",
+    "damage_of",
     "lost_messages",
+    "malformed_messages",
+    "wrong_statistics",
 ]
 
 BATCH_SIZE: Final = 15 << 19
@@ -186,3 +189,51 @@ class Log(ABC):
     def close(self) -> None:
         """Close the file."""
         self.source.close()
+
+
+def wrong_statistics(log: Log, found: Mapping[int, int], losses: Sequence[Loss]) -> list[Loss]:
+    """Compare a log's counts with its messages, after all of them were read.
+
+    Args:
+        log: the log. Counts that stand in its chunks' indexes were compared chunk by chunk.
+        found: messages by channel id.
+        losses: messages that are known to be missing explain a difference.
+    """
+    compared = all(chunk.counts is not None for chunk in log.chunks)
+    what = (
+        ""
+        if compared or lost_messages(losses) != 0
+        else (differing_counts(log.channels, log.counts, found))
+    )
+    return [Loss(0, f"the log's statistics count {what}")] if what else []
+
+
+def damage_of(log: Log, losses: Iterable[Loss]) -> Damage:
+    """Return what was lost of a log.
+
+    Args:
+        log: the log.
+        losses: all that were found, in opening it and in reading it.
+    """
+    return Damage(shown(log.source.path), tuple(losses), log.start_time)
+
+
+def malformed_messages(
+    channels: Mapping[int, Channel], malformed: Mapping[int, int], consequence: str = ""
+) -> list[Loss]:
+    """Return the loss of messages that could not be decoded.
+
+    Args:
+        channels: by id.
+        malformed: number of such messages by channel id.
+        consequence: what that means, to end the sentence with.
+    """
+    return [
+        Loss(
+            0,
+            f"{count} messages of {channels[number].topic} could not be decoded{consequence}",
+            0,
+            count,
+        )
+        for number, count in sorted(malformed.items())
+    ]

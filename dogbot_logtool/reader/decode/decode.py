@@ -6,8 +6,10 @@ checked against the bytes that are there before it is used; a message that fails
 leaves its neighbours alone.
 """
 
+import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -15,7 +17,7 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints
 from dogbot_logtool.reader.decode.columns import Nested, Rows, Table, Texts, concatenate, gather
-from dogbot_logtool.reader.decode.element_skipper import MAX_VARIABLE_ELEMENTS, ElementSkipper
+from dogbot_logtool.reader.decode.element_skipper import MAX_VARIABLE_ELEMENTS, skip_element
 from dogbot_logtool.reader.decode.message_layout import ArrayStep, Layout, Run, Step, TextStep
 
 _FEW_ROWS: Final = 32
@@ -233,7 +235,7 @@ class _Walk:
         Returns:
             (m,) row and (m,) offset of each element: all first ones, all second ones, and so on.
         """
-        skip = ElementSkipper(steps, self._buffer, self._order).skip
+        read = partial(struct.Struct(self._order + "I").unpack_from, self._buffer.data)
         parents: list[Ints] = []
         offsets: list[int] = []
         for row, elements in zip(rows.tolist(), count.tolist(), strict=True):
@@ -243,7 +245,7 @@ class _Walk:
             own: list[int] = []
             for _ in range(elements):
                 own.append(position)
-                position = skip(position, origin, limit)
+                position = skip_element(steps, read, position, origin, limit)
                 if position > limit:
                     break
             if position > limit:

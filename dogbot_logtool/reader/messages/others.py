@@ -1,7 +1,6 @@
 """Joints, transforms, and vectors that single messages hold, read by any row of the table."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -115,24 +114,18 @@ def _named_joints(name: FieldPath, table: Table) -> tuple[Ints, Ints, tuple[str,
 # Vectors
 
 
-@dataclass(frozen=True, slots=True)
-class ReadVectors:
-    """Vectors of a batch."""
-
-    samples: VectorSamples
-    frames: tuple[str, ...]
-    """Header frame ids among them."""
-    malformed: Mapping[int, int]
-    """Messages that could not be decoded, by channel id."""
-
-
-def read_vectors(batch: Batch, channels: Sequence[Channel], part: Part) -> ReadVectors:
+def read_vectors(
+    batch: Batch, channels: Sequence[Channel], part: Part
+) -> tuple[VectorSamples, set[str], Mapping[int, int]]:
     """Read the commands or accelerations of a batch.
 
     Args:
         batch: the batch.
         channels: the senders of one topic, all of one type.
         part: which of them.
+
+    Returns:
+        the vectors, the frames that their headers name, and malformed messages by channel id.
     """
     decoded = list(_decoded(batch, channels, part))
     frames: set[str] = set()
@@ -149,8 +142,7 @@ def read_vectors(batch: Batch, channels: Sequence[Channel], part: Part) -> ReadV
         parts.append(VectorSamples(messages.log_time, stamp, vectors, turn_rate))
         for path in source.paths.get("frame", ()):
             frames.update(path.texts(messages.table)[1].encode()[1])
-    malformed = malformed_in(each for _, each in decoded)
-    return ReadVectors(concatenated(parts), tuple(sorted(frames)), malformed)
+    return concatenated(parts), frames, malformed_in(each for _, each in decoded)
 
 
 # Transforms

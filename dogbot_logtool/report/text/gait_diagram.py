@@ -32,9 +32,9 @@ def default_window(walk: Walk) -> tuple[float, float]:
     if main is None:
         return 0.0, min(whole, WITHOUT_STRIDES_S)
     start, end = walk.seconds(main.spans[0])
-    if not main.stride_frequency_hz:
+    if not main.gait.stride_frequency_hz:
         return start, min(end, start + WITHOUT_STRIDES_S)
-    length = STRIDES_SHOWN / main.stride_frequency_hz
+    length = STRIDES_SHOWN / main.gait.stride_frequency_hz
     touchdowns = walk.feet[walk.reference].strides.within(main.spans).touchdown
     earliest = [each for each in walk.seconds(touchdowns) if each + length <= end]
     # With too few strides for a window of that length, what there is is shown.

@@ -1,7 +1,6 @@
 """Which of a log's messages tell of its legs, joints and frames, and where feet are."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Final
 
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.kinematics import Joint
@@ -24,9 +23,7 @@ from dogbot_logtool.robot.robot_model.legs_of_urdf import leg_of
 from dogbot_logtool.robot.robot_model.skeleton import place_of_foot
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, said_of_left_out
 from dogbot_logtool.robot.selection import Selection
-from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, Part, words_of
-
-_SOLE: Final = frozenset({"sole", "soles", "footsole"})
+from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, SOLES, Part, words_of
 
 
 def wanted_joints(log: Log) -> tuple[WantedJoints, ...]:
@@ -137,7 +134,7 @@ def named_frames(feet: Sequence[Foot], frames: Iterable[str]) -> dict[int, str]:
     A frame of the sole comes before others, which may as well be at the ankle or the knee.
     """
     names = list(frames)
-    soles = [name for name in names if any(word.text in _SOLE for word in words_of(name))]
+    soles = [name for name in names if any(word.text in SOLES for word in words_of(name))]
     found = name_feet(soles, contacts_only=False).chosen
     found = found or name_feet(names, contacts_only=False).chosen
     if found is None or found.part is not Part.FOOT:

@@ -15,7 +15,7 @@ from dogbot_logtool.core.legs.joints import JointLimits
 from dogbot_logtool.core.rotations import multiply, rotate
 from dogbot_logtool.robot.names import leg_position
 from dogbot_logtool.robot.robot_model.urdf import NOTHING, Link, RobotOfUrdf, joints_below
-from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, Part, words_of
+from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, SOLES, Part, words_of
 
 _HIGHEST: Final = 0.4
 """Share of the depth of the lowest foot below the base that other feet may be higher."""
@@ -35,7 +35,6 @@ _ARMS: Final = frozenset(
     | {"thumb", "wrist"}
 )
 _SENSORS: Final = frozenset(["camera", "force", "ft", "imu", "motor", "rotor", "screw", "sensor"])
-_SOLES: Final = frozenset({"sole", "soles", "footsole"})
 _ORIGIN: Final = (0.0, 0.0, 0.0)
 
 
@@ -165,7 +164,7 @@ def _rank(link: str) -> int:
     texts, parts = {word.text for word in words}, {word.part for word in words}
     if texts & _SENSORS:
         return 3
-    return 0 if texts & _SOLES else 1 if Part.FOOT in parts else 2
+    return 0 if texts & SOLES else 1 if Part.FOOT in parts else 2
 
 
 def _at_rest(limits: JointLimits | None) -> float:

@@ -11,8 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dogbot_logtool.core.contact.contacts import FOOT_IS_COLLISION1, Contacts
-from dogbot_logtool.core.scene.arrows import classic_arrows, turn_x_to
-from dogbot_logtool.core.scene.colour import wavelength_to_rgba
+from dogbot_logtool.core.scene.arrows import classic_arrows, turn_x_to, wavelength_to_rgba
 from tests.oracles.conversion import light
 
 Vector = tuple[float, float, float]
@@ -185,19 +184,6 @@ def test_classic_at_every_bound_of_the_colours_and_beside_it() -> None:
             messages.extend([pressed((0, 0, near)), pressed((near, 0, 0))])
             messages.append(pressed((near * 0.36, near * 0.48, near * 0.8)))
     assert_as_the_script(messages)
-
-
-def test_classic_writes_what_is_not_finite_as_it_is() -> None:
-    forces = [(NAN, 0, 0), (0, INF, 0), (0, 0, -INF), (INF, -INF, NAN), (-0.0, 0, 0)]
-    assert_as_the_script([pressed(force) for force in forces])
-
-    arrows, counts = classic_arrows(contacts_of([pressed(force) for force in forces[:4]]))
-    assert counts == Counter()
-    assert arrows.colour.tolist() == [BLACK] * 4
-
-
-def test_classic_copies_a_position_that_is_not_finite() -> None:
-    assert_as_the_script([Message(0, 1, 1, (State((0, 0, 50), ((NAN, INF, -INF),)),))])
 
 
 LARGEST: Final = math.sqrt(1.7976931348623157e308)

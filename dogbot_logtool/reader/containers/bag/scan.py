@@ -24,10 +24,10 @@ from dogbot_logtool.reader.containers.chunked_log import ChunkedLog, open_chunke
 from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Schema, time_range
 from dogbot_logtool.reader.containers.descriptions import Description, Descriptions
 from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.registry import BAG_MAGIC
 from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
 from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
 from dogbot_logtool.reader.containers.salvage.scan import IndexEntry, Scan
-from dogbot_logtool.reader.containers.signatures import BAG_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource, in_groups
 
 _UNSUSPICIOUS_SIZE: Final = 64 << 20

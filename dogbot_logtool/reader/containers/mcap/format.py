@@ -18,8 +18,8 @@ from dogbot_logtool.reader.containers.mcap.records import (
     WHOLE_SMALL_RECORD,
     decode_record,
 )
+from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
 from dogbot_logtool.reader.containers.salvage.records import Readable, Records, blank_messages
-from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.decode.columns import gather
 from dogbot_logtool.reader.decode.message_table import Messages, no_messages
 

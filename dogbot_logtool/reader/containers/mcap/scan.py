@@ -41,10 +41,10 @@ from dogbot_logtool.reader.containers.mcap.summary import (
     indexed_chunk,
     read_summary,
 )
+from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
 from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
 from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
 from dogbot_logtool.reader.containers.salvage.scan import IndexEntry, Scan
-from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource, in_groups
 
 _LARGEST_HEADER: Final = 1 << 20

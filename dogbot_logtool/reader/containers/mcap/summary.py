@@ -21,7 +21,7 @@ from dogbot_logtool.reader.containers.mcap.records import (
     RECORD_HEAD,
     decode_record,
 )
-from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
+from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 _FOOTER_SIZE: Final = RECORD_HEAD.size + 20

@@ -1,7 +1,6 @@
 """ROS 2 bags: a directory of files, and a metadata.yaml that names them."""
 
 import re
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -13,12 +12,12 @@ from dogbot_logtool.io.storage import Location, files_in, shown
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.containers.loss import Loss, lost_messages
 from dogbot_logtool.reader.containers.merged_log import join
+from dogbot_logtool.reader.containers.registry import ANNOTATED, ROSBAG2_METADATA
 from dogbot_logtool.reader.containers.rosbag2.metadata import (
     Metadata,
     UnusableMetadata,
     read_metadata,
 )
-from dogbot_logtool.reader.containers.signatures import ANNOTATED, ROSBAG2_METADATA
 
 _PACKED: Final = ".zstd"
 _LONGEST_NAME: Final = 255
@@ -106,7 +105,7 @@ def _named_files(folder: Location, metadata: Metadata, suffixes: tuple[str, ...]
 def _compare_counts(
     metadata: Metadata, logs: Sequence[Log], losses: Sequence[Loss]
 ) -> Iterator[Loss]:
-    """Say where the files hold other than the promised numbers of messages.
+    """Say where the files hold another number of messages than is promised.
 
     Messages that other losses explain are not counted twice.
     """
@@ -116,25 +115,6 @@ def _compare_counts(
         missing = 0 if known is None else max(promised - found - known, 0)
         what = f"{ROSBAG2_METADATA} counts {promised} messages, but {found} were found"
         yield Loss(0, what, 0, missing)
-    elif not losses and (what := _differing_topic(metadata, logs)):
-        yield Loss(0, what)
-
-
-def _differing_topic(metadata: Metadata, logs: Sequence[Log]) -> str:
-    """Say of which topic metadata counts other messages than there are; of none: an empty text."""
-    found: Counter[str] = Counter()
-    for log in logs:
-        for number, channel in log.channels.items():
-            found[channel.topic] += log.counts.get(number, 0)
-    promised = metadata.messages_by_topic
-    wrong = [topic for topic in sorted(promised) if promised[topic] != found[topic]]
-    if not wrong:
-        return ""
-    more = f", and is wrong of {len(wrong) - 1} more topics" if len(wrong) > 1 else ""
-    return (
-        f"{ROSBAG2_METADATA} counts {promised[wrong[0]]} messages of {wrong[0]}, but "
-        f"{found[wrong[0]]} were found{more}"
-    )
 
 
 def _present(files: Mapping[str, Location], name: str) -> Location | None:

@@ -1,7 +1,6 @@
 """The metadata.yaml of a ROS 2 bag: which files it has, and how many messages they hold."""
 
 import re
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.storage import Location, content
-from dogbot_logtool.reader.containers.signatures import ROSBAG2_METADATA
+from dogbot_logtool.reader.containers.registry import ROSBAG2_METADATA
 
 if TYPE_CHECKING:
     from ruamel.yaml.events import Event
@@ -37,8 +36,6 @@ class Metadata:
     """In all files; None if not stated."""
     messages_by_file: Mapping[str, int]
     """By the last part of the file's name; newer recorders count these, too."""
-    messages_by_topic: Mapping[str, int]
-    """In all files; empty if not stated."""
 
 
 def read_metadata(folder: Location) -> Metadata:
@@ -57,7 +54,6 @@ def read_metadata(folder: Location) -> Metadata:
         distribution=_text(information.get("ros_distro")),
         messages=_count(information.get("message_count")),
         messages_by_file=dict(_counts_by_file(information.get("files"))),
-        messages_by_topic=_counts_by_topic(information.get("topics_with_message_count")),
     )
 
 
@@ -131,15 +127,3 @@ def _counts_by_file(files: object) -> Iterator[tuple[str, int]]:
         name, count = _text(facts.get("path")), _count(facts.get("message_count"))
         if name and count is not None:
             yield Path(name).name, count
-
-
-def _counts_by_topic(topics: object) -> Mapping[str, int]:
-    """Return the counts by topic; a topic with several types has their sum."""
-    counts: Counter[str] = Counter()
-    for topic in topics if isinstance(topics, list) else []:
-        facts = _mapping(topic)
-        name = _text(_mapping(facts.get("topic_metadata")).get("name"))
-        count = _count(facts.get("message_count"))
-        if name and count is not None:
-            counts[name] += count
-    return counts

@@ -87,6 +87,8 @@ class Scan(ABC):
         """By offset of the chunk."""
         self._outside: list[tuple[int, int]] = []
         """Offset and end of descriptions outside of chunks."""
+        self._cut_off: int | None = None
+        """Offset of the chunk that the end of the file cuts off."""
         self._window_offset, self._window = 0, b""
         """What was read last of messages outside of chunks, and where it stands."""
 
@@ -282,6 +284,7 @@ class Scan(ABC):
             if chunk.end > size and not is_plain:
                 # It is cut off, or its length is damaged.
                 end = next_sound(self._format, self.source, chunk.data_offset, size)
+            self._cut_off = chunk.offset if chunk.end > size == end else None
         known = replace(chunk, end=end, index_end=end, is_scanned=True)
         known = replace(known, data_size=min(chunk.data_size, end - chunk.data_offset))
         if not chunk.is_compressed and end < size:
@@ -362,7 +365,9 @@ class Scan(ABC):
             try:
                 read.append(self._read_chunk(known))
             except ChunkDamage as damage:
-                self._losses.add(left_out(known, damage))
+                is_cut = chunk.offset == self._cut_off
+                what = "it is cut off by the end of the file" if is_cut else str(damage)
+                self._losses.add(left_out(known, ChunkDamage(what, damage.messages)))
         return read
 
     def _read_chunk(self, chunk: Chunk) -> ReadChunk:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io import storage
-from dogbot_logtool.io.scratch import scratch_folder
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 if TYPE_CHECKING:
@@ -109,7 +108,7 @@ class RemoteSource(ByteSource):
                 f"bytes are needed on a disk; {tempfile.gettempdir()} has room for {room} (TMPDIR "
                 "names another)"
             )
-        with scratch_folder() as folder:
+        with storage.scratch_folder() as folder:
             with (folder / "copy").open("wb") as file:
                 for start in range(0, self.size, _PIECE):
                     file.write(self._fetch([(start, min(start + _PIECE, self.size))])[0])

@@ -8,10 +8,9 @@ from typing import BinaryIO, Final
 import zstandard
 
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.io.scratch import scratch_folder
-from dogbot_logtool.io.storage import file_stem, shown
+from dogbot_logtool.io.storage import file_stem, scratch_folder, shown
 from dogbot_logtool.reader.containers.log import Log, Loss
-from dogbot_logtool.reader.containers.signatures import is_zstd
+from dogbot_logtool.reader.containers.registry import is_zstd
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 _PIECE: Final = 2 << 10

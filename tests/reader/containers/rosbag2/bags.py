@@ -8,7 +8,7 @@ from pathlib import Path
 from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.rosbag2.enums import CompressionFormat, CompressionMode, StoragePlugin
 
-from tests.oracles.walks import Entry, Walk
+from tests.oracles.walks import Entry, Walk, write_rows
 from tests.reader.reading import Read
 
 PLUGINS = tuple(StoragePlugin)
@@ -28,12 +28,8 @@ def write(
     if mode is not CompressionMode.NONE:
         writer.set_compression(mode, CompressionFormat.ZSTD)
     with writer:
-        topics = {
-            topic: writer.add_connection(topic, kind, typestore=WALK.store)
-            for topic, kind in {e.topic: e.kind for e in entries}.items()
-        }
-        for entry in entries:
-            writer.write(topics[entry.topic], entry.log_time, entry.data)
+        rows = [(entry.log_time, entry.topic, entry.kind, entry.data) for entry in entries]
+        write_rows(writer, WALK.store, rows)
     return path
 
 

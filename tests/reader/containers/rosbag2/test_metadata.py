@@ -66,17 +66,6 @@ def test_metadata_that_counts_other_messages_is_said(
     assert reading.lost == lost
 
 
-def test_metadata_that_counts_messages_of_other_topics_is_said(tmp_path: Path) -> None:
-    bag = write(tmp_path / "bag")
-    topics = sorted({entry.topic for entry in ENTRIES})
-    metadata_of(bag, (f"name: {topics[0]}", "name: /elsewhere"))
-    reading = read_file(bag)
-    assert list(reading.messages) == expected()
-    assert re.match(
-        r"metadata.yaml counts \d+ messages of /elsewhere, but 0 were found$", reading.sentences
-    )
-
-
 def test_files_that_were_renamed_are_read(tmp_path: Path) -> None:
     bag = write(tmp_path / "bag")
     database(bag).rename(bag / "renamed.db3")

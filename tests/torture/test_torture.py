@@ -1,5 +1,6 @@
-"""Signals end every command on a bag of many small messages, from its first moments on."""
+"""A few of the interruptions and damaged logs that `make torture` tries by the hundred."""
 
+import itertools
 import os
 import signal
 import subprocess
@@ -11,9 +12,19 @@ from typing import Final
 import pytest
 
 from tests.oracles.long_bag import write_long_bag
-from tests.torture.signals import contents, interrupt, members, started, wait_until_ready
+from tests.torture import commands, signals
+from tests.torture.signals import (
+    INT,
+    KILL,
+    TERM,
+    contents,
+    interrupt,
+    members,
+    started,
+    wait_until_ready,
+)
 
-pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
+LINUX: Final = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
 COMMANDS: Final = (
     "info {log}",
     "stats {log}",
@@ -43,7 +54,25 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_every_command_ends_at_once(bag: Path, folder: Path) -> None:
+@pytest.mark.slow
+def test_every_command_ends_well_on_damaged_logs(tmp_path: Path) -> None:
+    logs = itertools.chain(commands.SAMPLES[:1], commands.damaged_logs(tmp_path, 2, seed=16))
+    ended = list(commands.torture(logs))
+    assert [(command, log, one.faults) for command, log, one in ended if one.faults] == []
+    assert len(ended) == 3 * len(commands.COMMANDS)
+    assert {one.exit_code for _, _, one in ended} >= {0, 3}
+
+
+@LINUX
+@pytest.mark.slow
+def test_nothing_is_left_after_signals() -> None:
+    rows = dict(signals.torture(1, [(INT,), (TERM, TERM), (KILL,)], ["convert"]))
+    assert {name: row.faults for name, row in rows.items() if row.faults} == {}
+    assert len(rows) == 6
+
+
+@LINUX
+def test_signals_end_every_command_on_a_long_bag_at_once(bag: Path, folder: Path) -> None:
     for number, command in enumerate(COMMANDS):
         for order, each in enumerate(SIGNALS):
             moment_s = 0.04 * (2 * number + order + 1)

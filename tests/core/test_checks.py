@@ -1,0 +1,193 @@
+"""What is checked of a walk, what each finding says, and what it voids."""
+
+import ast
+from collections.abc import Iterator
+from dataclasses import replace
+from fnmatch import fnmatchcase
+from string import Formatter
+
+import numpy as np
+import pytest
+
+from dogbot_logtool.core.checks.engine import findings_of, questions_of, void_columns
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.metrics import Check, Stride, WalkMetrics
+from dogbot_logtool.core.records import fields_of, metric_paths
+from dogbot_logtool.core.walk import Walk as MeasuredWalk
+from dogbot_logtool.finding import Finding, FindingKind, Severity, finding_kinds, found
+from tests.analysed import analysed
+from tests.oracles.straight_walk import SETTINGS, Walk
+from tests.paths import ROOT
+from tests.truth import core_columns, scenes, walking
+from tests.truth.sequences import then
+
+WALK = Walk(seconds=16.0)
+
+
+def feet() -> list[Samples]:
+    return [WALK.samples(foot) for foot in range(4)]
+
+
+def measure(samples: list[Samples]) -> MeasuredWalk:
+    return analysed(replace(SETTINGS, odometry_topic="/odom"), samples, WALK.odometry())
+
+
+def checks(stats: MeasuredWalk) -> tuple[Check, ...]:
+    return questions_of(stats, findings_of(stats))
+
+
+def test_a_sound_walk_passes_every_check() -> None:
+    found = {check.name: check.outcome for check in checks(measure(feet()))}
+    for name in ("the legs move as the feet step", "nothing contradicts the accelerometer"):
+        assert found.pop(name) == "does not apply"
+    assert set(found.values()) == {"passed"}
+
+
+def test_a_failed_check_names_its_finding() -> None:
+    stats = measure([replace(each, stamp=each.stamp + 200_000_000) for each in feet()])
+    (failed,) = [check for check in checks(stats) if check.outcome == "failed"]
+    assert failed.name == "all topics have one clock"
+    assert "/odom" in (failed.reason or "")
+
+
+def test_too_short_a_log_leaves_clocks_unchecked() -> None:
+    short = [each.pick(each.stamp < each.stamp[0] + 400_000_000) for each in feet()]
+    made = {check.name: check.outcome for check in checks(measure(short))}
+    assert made["all topics have one clock"] == "not made"
+
+
+def test_every_warning_about_metrics_says_which_checks_fail_and_every_check_can_fail() -> None:
+    of_pictures = {"Frames and transforms", "Arrows and support"}
+    failing = set()
+    for code, kind in finding_kinds().items():
+        is_about_metrics = kind.severity is Severity.WARNING and kind.subject not in of_pictures
+        assert (kind.fails is not None) or not is_about_metrics, code
+        failing |= {*(kind.fails or ())}
+        failing |= {name for case in kind.cases.values() for name in case.fails or ()}
+    assert failing == {check.name for check in checks(measure(feet()))}
+
+
+def test_the_weight_that_the_belly_of_a_robot_takes_is_no_load_taken_off() -> None:
+    walk, sits = walking.Walk(seconds=12.0).recorded(250.0), scenes.sitting_down().recorded(250.0)
+    found = findings_of(core_columns.measure(then(walk, sits)))
+    assert "PAYLOAD" not in {each.code for each in found}
+
+
+PATHS = [
+    *(path for path, *_ in metric_paths(WalkMetrics)),
+    *(f"feet.front_left.{field.name}" for field in fields_of(Stride)),
+]
+
+
+def patterns(kind: FindingKind) -> dict[str, set[str]]:
+    """What a finding voids, by its case; without a case as ''."""
+    found = {case: set(each.voids) for case, each in kind.cases.items() if each.voids}
+    return ({"": set(kind.voids)} if kind.voids else {}) | found
+
+
+def test_every_pattern_voids_a_metric() -> None:
+    for kind in finding_kinds().values():
+        for pattern in set().union(*patterns(kind).values()):
+            own = pattern.replace("{foot}", "*")
+            assert any(fnmatchcase(path, own) for path in PATHS), (kind.code, pattern)
+
+
+def test_findings_are_few() -> None:
+    assert len(finding_kinds()) <= 90
+
+
+def test_the_feet_are_filled_in() -> None:
+    finding = Finding("SATURATED", "", feet=("left", "right"))
+    assert finding.voids[:2] == ("feet.left.peak_*", "feet.right.peak_*")
+
+
+def test_cases_add_to_what_is_voided() -> None:
+    finding = Finding("STUCK", "", cases=("never_lifts",), feet=("left",))
+    assert finding.voids[-1] == "feet.left.*"
+    assert "forces.load_share.*" in finding.voids
+
+
+@pytest.mark.parametrize(
+    ("code", "case", "voids"),
+    [
+        ("CLOCK_OFFSET", "feet", {"gait.*", "stability.*"}),
+        ("DEAD", "", {"feet.{foot}.*", "gait.support*", "stability.*", "forces.load_share.*"}),
+        ("CONTACT_UNKNOWN", "", {"feet.{foot}.*", "gait.*", "stability.*", "forces.*"}),
+        ("SATURATED", "", {"feet.{foot}.peak_*"}),
+        ("WORLDS_DIFFER", "", {"base.height_m", "base.froude"}),
+        ("WORLDS_DIFFER", "aside", {"stability.*"}),
+        ("HEIGHT_DRIFTS", "", {"base.height_m", "base.climb_m", "base.froude"}),
+        ("UP_AXIS", "", {"base.*", "stability.*"}),
+        ("SIDES_SWAPPED", "one_pair", {"gait.name", "gait.sequence"}),
+        ("COMMAND_AXES", "unknown", {"commands.forward.*", "commands.lateral.*"}),
+        ("EFFORT_SIGN", "", {"legs.positive_work_j"}),
+        ("IMPULSE_IS_NOT_WEIGHT", "vertical", {"feet.*.*vertical*"}),
+    ],
+)
+def test_what_the_design_says_is_voided(code: str, case: str, voids: set[str]) -> None:
+    assert voids <= patterns(finding_kinds()[code])[case]
+
+
+def test_masks_void_nothing() -> None:
+    masks = ("GAPS", "CLOCK_SET", "ALL_FEET_SILENT", "LIFTED", "FALL", "POSE_JUMP")
+    assert [code for code in masks if patterns(finding_kinds()[code])] == []
+
+
+def test_columns_of_tables_are_voided_by_the_same_patterns() -> None:
+    columns = {name: np.ones(2) for name in ("length_m", "peak_force_n")}
+    found = [
+        Finding("SATURATED", "", feet=("left",)),
+        Finding("CLOCK_OFFSET", "", cases=("base",), feet=("left", "right")),
+    ]
+    left, right = (void_columns(columns, foot, found) for foot in ("left", "right"))
+    assert all(np.isnan(each).all() for each in left.values())
+    assert right["peak_force_n"].tolist() == [1.0, 1.0]
+    assert np.isnan(right["length_m"]).all()
+
+
+CHECKS = ROOT / "dogbot_logtool" / "core" / "checks"
+
+
+def calls() -> Iterator[tuple[str, ast.Call, set[str]]]:
+    """Each call of `found`, where it stands, and the names of the values that it gives."""
+    for file in sorted(CHECKS.glob("*.py")):
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+        for function in (each for each in tree.body if isinstance(each, ast.FunctionDef)):
+            words: set[str] = set()
+            for node in sorted(ast.walk(function), key=lambda each: getattr(each, "lineno", 0)):
+                if isinstance(node, ast.Assign | ast.AnnAssign) and isinstance(
+                    node.value, ast.Dict
+                ):
+                    words = {key for each in node.value.keys if each for key in strings(each)}
+                if getattr(getattr(node, "func", None), "id", "") in {"found", "_doubted"}:
+                    assert isinstance(node, ast.Call)
+                    gives = {each.arg for each in node.keywords if each.arg}
+                    extra = words if len(gives) < len(node.keywords) else set()
+                    if function.name != "_doubted":
+                        yield f"{file.stem}:{node.lineno}", node, gives | extra
+
+
+def strings(node: ast.AST) -> set[str]:
+    constants = (each.value for each in ast.walk(node) if isinstance(each, ast.Constant))
+    return {each for each in constants if isinstance(each, str)}
+
+
+@pytest.mark.parametrize(("where", "call", "gives"), [*calls()])
+def test_a_check_tells_what_its_sentence_names(where: str, call: ast.Call, gives: set[str]) -> None:
+    told = gives - {"say", "feet"}
+    told |= {"foot"} if "feet" in gives else set()
+    texts = {code: kind.texts for code, kind in finding_kinds().items()}
+    named = {
+        (code, name): {field.split(".")[0] for _, field, *_ in Formatter().parse(text) if field}
+        for code in strings(call) & texts.keys() or texts.keys()
+        for name, text in texts[code].items()
+    }
+    assert any(fields <= told for fields in named.values()), (where, told, named)
+    said = [each.value for each in call.keywords if each.arg == "say"]
+    for key in named if said else ():
+        assert key[1] not in strings(said[0]) or named[key] <= told, (where, key)
+
+
+def test_numbers_have_their_nouns() -> None:
+    texts = [found("SPIKES", foot="left", spikes=number).text for number in (1, 2)]
+    assert [text.split(" in ")[0] for text in texts] == ["1 lone spike", "2 lone spikes"]
