@@ -114,15 +114,13 @@ def test_a_description_that_changes_in_mid_file(
 @pytest.mark.parametrize("checked", [True, False])
 @pytest.mark.parametrize("place", ["chunk_starts", "data_end"])
 def test_messages_in_and_outside_chunks(tmp_path: Path, place: str, *, checked: bool) -> None:
-    """Where chunks have checksums, what stands outside of them is taken for damage."""
     log, data = built(small_mcap(), summary=False, data_crc=False, chunk_crc=checked)
     starts = log.chunk_starts[:2] if place == "chunk_starts" else [log.data_end]
     for start in starts:
         message = MCAP(1, 7, b"bare").record()
         reading = read_bytes(tmp_path, data[:start] + message + data[start:])
-        bare = [] if checked else [Read("/left", 7, b"bare")]
-        assert sorted(reading.messages) == sorted([*written(log), *bare])
-        assert sum(loss.bytes for loss in reading.losses) == (len(message) if checked else 0)
+        assert sorted(reading.messages) == sorted([*written(log), Read("/left", 7, b"bare")])
+        assert not reading.losses
 
 
 @pytest.mark.parametrize("name", [b"/\xff\xfe", b"/a\0b", b"", b"/" + b"long" * 10_000])

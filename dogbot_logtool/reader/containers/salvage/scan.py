@@ -89,6 +89,10 @@ class Scan(ABC):
         """Offset and end of descriptions outside of chunks."""
         self._cut_off: int | None = None
         """Offset of the chunk that the end of the file cuts off."""
+        self._is_behind_damage = False
+        """What was passed over may be the head of a chunk whose messages come next."""
+        self._doubtful: set[int] = set()
+        """Offsets of messages outside of chunks that may be a damaged chunk's."""
         self._window_offset, self._window = 0, b""
         """What was read last of messages outside of chunks, and where it stands."""
 
@@ -250,6 +254,7 @@ class Scan(ABC):
 
     def _search(self, offset: int) -> int:
         """Go on at the next sound record; say what was passed over."""
+        self._is_behind_damage = True
         following = next_sound(self._format, self.source, offset + 1, self.source.size)
         count = following - offset
         if following == self.source.size:
@@ -290,6 +295,7 @@ class Scan(ABC):
         if not chunk.is_compressed and end < size:
             known = replace(known, size=known.data_size)
         self._chunks.append(known)
+        self._is_behind_damage = False
         return end
 
     def _take_index(self, offset: int, end: int) -> None:
@@ -317,6 +323,8 @@ class Scan(ABC):
             stop = bounds[-2]
         behind = offset + stop
         if stop:
+            if self._is_behind_damage:
+                self._doubtful.add(offset)
             self._chunks.append(
                 Chunk(offset, offset, stop, behind, behind, "", stop, is_scanned=True)
             )
@@ -352,11 +360,14 @@ class Scan(ABC):
         """Read every chunk for counts, times and descriptions; return those that can be used."""
         read: list[ReadChunk] = []
         has_checksums = any(chunk.crc for chunk in self._chunks)
+        behind_damage = False
         for chunk in self._chunks:
-            if has_checksums and not chunk.is_record:
+            # A damaged chunk may seem to end before its end, and messages to follow it.
+            is_doubtful = behind_damage or chunk.offset in self._doubtful
+            if has_checksums and is_doubtful and not chunk.is_record:
                 what = (
-                    f"the {chunk.size} bytes from byte {chunk.offset} on were left out: messages "
-                    "outside of the chunks, which belong to a damaged one"
+                    f"the {chunk.size} bytes from byte {chunk.offset} on were left out: they "
+                    "belong to a damaged chunk"
                 )
                 self._losses.add(Loss(chunk.offset, what, chunk.size, None))
                 continue
@@ -364,7 +375,9 @@ class Scan(ABC):
             known = entry.added_to(chunk) if entry else chunk
             try:
                 read.append(self._read_chunk(known))
+                behind_damage = False
             except ChunkDamage as damage:
+                behind_damage = True
                 is_cut = chunk.offset == self._cut_off
                 what = "it is cut off by the end of the file" if is_cut else str(damage)
                 self._losses.add(left_out(known, ChunkDamage(what, damage.messages)))
