@@ -5,7 +5,6 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from dogbot_logtool.core.arrays import Aggregate
-from dogbot_logtool.core.events.event import with_steps
 from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.records import METRICS
 from dogbot_logtool.report.tables import decimal, why_null
@@ -117,7 +116,8 @@ def _events(metrics: WalkMetrics) -> str:
         for kind, at in times.items()
     ]
     what = ", ".join(kinds) or "none"
-    steps = len(with_steps(metrics)) - len(metrics.events)
+    feet = metrics.feet.values()
+    steps = sum(len(foot.touchdown_s or ()) + len(foot.lift_off_s or ()) for foot in feet)
     return f"{what}; {steps} touchdowns and lift-offs (export --table events)" if steps else what
 
 
