@@ -13,6 +13,7 @@ from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Channel, Log
+from dogbot_logtool.reader.decode.fields import are_alike
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base
 from dogbot_logtool.robot.base_candidates import (
     BaseCandidate,
@@ -106,7 +107,8 @@ def _named(log: Log, robot: Robot, name: str) -> BaseCandidate:
     source = sources[0]
     if not source.row.choose:
         return BaseCandidate(topic, source, element)
-    every, element = (settled(elements(log, robot, topic, source), ()), element.lstrip("/"))
+    every = settled(elements(log, robot, topic, source), ())
+    element = element.lstrip("/")
     known = listed(sorted(each.element for each in every), _MOST_LISTED) or "none"
     fitting = [each for each in every if each.element == element or (each.is_sure and not element)]
     if element and not fitting:
@@ -124,11 +126,11 @@ def _chosen(
 ) -> ChosenBase:
     """Return what is read of a candidate, with findings about what its poses are."""
     source, topic = candidate.source, candidate.topic
-    channels, spelled = [], repr(source.fields)
+    channels = []
     for channel in log.channels_by_topic[topic]:
         like, _ = sources_at([channel], candidate.element)
-        # A field is equal only to itself, so that their texts are compared.
-        if like and like[0].row.name == source.row.name and repr(like[0].fields) == spelled:
+        is_same_type = bool(like) and like[0].row.name == source.row.name
+        if is_same_type and are_alike(like[0].fields, source.fields):
             channels.append(channel)
     if candidate.is_planned:
         findings.append(found("PLANNED", "base", where=topic, name=candidate.name))

@@ -6,7 +6,7 @@ cannot fail.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from enum import Enum
 from typing import Final, assert_never
 
@@ -53,6 +53,11 @@ class Field:
 
 
 Fields = tuple[Field, ...]
+
+
+def are_alike(fields: Fields, others: Fields) -> bool:
+    """Tell whether the same is declared twice; fields themselves are equal by identity only."""
+    return list(map(astuple, fields)) == list(map(astuple, others))
 
 
 def column_paths(fields: Fields) -> tuple[str, ...]:
