@@ -132,11 +132,11 @@ def settled(of_type: Sequence[BaseCandidate], feet: Collection[str]) -> list[Bas
     several = any(each.robot or each.source.row.name == ODOMETRY_TYPE for each in sure)
     same = _of_same_robot([each.name for each in sure], feet if several else ())
     is_clear = len({each.robot for each in sure if each.name in same}) == 1
-    return [
-        each if not each.is_sure or (is_clear and each.name in same)
-        else replace(each, rank=(_PERHAPS, *each.rank[1:]))
-        for each in sorted(of_type, key=lambda each: each.rank)
-    ]  # fmt: skip
+    found = []
+    for each in sorted(of_type, key=lambda each: each.rank):
+        is_doubtful = each.is_sure and not (is_clear and each.name in same)
+        found.append(replace(each, rank=(_PERHAPS, *each.rank[1:])) if is_doubtful else each)
+    return found
 
 
 def _rank_of_topic(log: Log, topic: str, source: Source) -> tuple[int, ...]:
@@ -193,9 +193,6 @@ def _rank(parts: Sequence[str], robot: Robot, source: Source) -> tuple[int, ...]
 
 def _index(names: Sequence[str], name: str) -> int:
     return names.index(name) if name in names else len(names)
-
-
-# Which robot's, and which moves
 
 
 def _of_same_robot(names: Sequence[str], feet: Collection[str]) -> list[str]:

@@ -109,7 +109,9 @@ def _with_levels(
     Returns:
         the selection, and the counts to take off each raw foot's.
     """
-    robot, offsets, thresholds, reason = (selection.robot, dict.fromkeys(raw, 0.0), [], "")
+    robot, reason = selection.robot, ""
+    offsets = dict.fromkeys(raw, 0.0)
+    thresholds = []
     scaled = any(foot.newtons_per_count is not None for foot in robot.feet)
     for row in raw if robot.contact_on_counts is None and not scaled else ():
         level = _level(feet[row])
@@ -135,7 +137,8 @@ def _with_levels(
         robot = replace(robot, feet=tuple(shifted), contact_on_counts=max(thresholds))
     findings = [each for each in selection.findings if each.code != "NOT_CALIBRATED"]
     own = (each for each in selection.contacts if not {*raw}.isdisjoint(selection.feet_of[each.id]))
-    unscaled, say = ([robot.feet[row] for row in raw], "estimated" if estimated else "unknown")
+    unscaled = [robot.feet[row] for row in raw]
+    say = "estimated" if estimated else "unknown"
     types = dict.fromkeys(channel.type_name for channel in own)
     findings += (not_calibrated(robot, unscaled, name, say, reason) for name in types)
     return replace(selection, robot=robot, findings=tuple(findings)), offsets

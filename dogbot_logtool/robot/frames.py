@@ -123,7 +123,8 @@ def _of_tree(edges: Sequence[FrameEdge], pairs: Sequence[frame_tree.Pair]) -> It
         path = " -> ".join([*loop[:_NAMED], *more, loop[0]])
         yield found("FRAME_TREE", say="loop", path=path)
     for second in frame_tree.second_parents(edges):
-        cases, parents = () if second.at_once else ("new_parent",), listed(second.parents, _NAMED)
+        cases = () if second.at_once else ("new_parent",)
+        parents = listed(second.parents, _NAMED)
         say = "" if cases else "second"
         yield found("FRAME_TREE", *cases, say=say, child=second.child, parents=parents)
     trees = frame_tree.trees(pairs)
@@ -159,8 +160,9 @@ def _of_transforms(edges: Sequence[FrameEdge]) -> Iterator[Finding]:
             yield found("BAD_TRANSFORMS", *cases, say=say, edges=_named(affected))
     gaps = [(edge, timing) for edge, timing in moving if timing.gaps]
     if gaps:
-        longest, late = max(timing.longest_gap_s for _, timing in gaps), [edge for edge, _ in gaps]
-        yield found("BAD_TRANSFORMS", say="gaps", longest=longest, edges=_named(late))
+        longest = max(timing.longest_gap_s for _, timing in gaps)
+        edges_late = _named([edge for edge, _ in gaps])
+        yield found("BAD_TRANSFORMS", say="gaps", longest=longest, edges=edges_late)
 
 
 def _named(edges: Sequence[FrameEdge]) -> str:

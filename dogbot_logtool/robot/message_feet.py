@@ -119,7 +119,8 @@ def contact_findings(feet_of: Mapping[Channel, tuple[int, ...]], robot: Robot) -
     """Say what contact messages do not tell."""
     unscaled = [foot for foot in robot.feet if foot.newtons_per_count is None]
     for channel in sorted(feet_of, key=lambda channel: channel.type_name):
-        name, source = (channel.type_name, foot_source(channel, robot.feet_of(channel.topic)))
+        name = channel.type_name
+        source = foot_source(channel, robot.feet_of(channel.topic))
         if source is None:
             continue
         if not source.has_force:

@@ -54,7 +54,8 @@ def candidates_finding(log: Log, sets: Sequence[FootCandidates], call: str, base
     if any(foot.leg_position is None for foot in first.feet):
         told += "; which leg each is, they do not say: put front_left, back_right ... for "
         told += f"{first.feet[0].name} and the others, and gaits have names"
-    file, chosen = f"{PurePath(log.words[0]).stem}.toml", ["--odom-topic", base] if base else []
+    file = f"{PurePath(log.words[0]).stem}.toml"
+    chosen = ["--odom-topic", base] if base else []
     draft = shell_joined(["dogbot-logtool", "robots", "new", *log.words, *chosen, "-o", file])
     # What fields are, and of which foot, can only be said in a robot's file.
     needs_file = any((foot.field and foot.field.kind) or foot.sensor_of for foot in first.feet)

@@ -68,7 +68,8 @@ class AddedChannels:
 
     def _free_topic(self, topic: str, kind: MessageType) -> str:
         """Return a topic that carries no other type or encoding."""
-        name, ours = topic, (kind.name.replace("/msg/", "/"), kind.message_encoding)
+        name = topic
+        ours = kind.name.replace("/msg/", "/"), kind.message_encoding
         while self._taken.get(name, ours) != ours:
             name = self.moved[topic] = FALLBACK_PREFIX + name
         return name

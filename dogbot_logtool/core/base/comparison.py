@@ -22,7 +22,7 @@ SWINGS: Final = 0.3
 class Motion:
     """How far a base moves in each of k windows; NaN where that is not known."""
 
-    way: Complexes
+    displacement: Complexes
     """(k,) m, ahead + i x to the left, along its own heading."""
     turn: Floats
     """(k,) rad."""
@@ -31,12 +31,12 @@ class Motion:
 
     @property
     def walked_m(self) -> float:
-        """The length of all ways, m."""
-        return float(np.abs(self.way).sum())
+        """The sum of all distances, m."""
+        return float(np.abs(self.displacement).sum())
 
     def pick(self, rows: Flags) -> "Motion":
         """Return the chosen windows."""
-        return Motion(self.way[rows], self.turn[rows], self.rise[rows])
+        return Motion(self.displacement[rows], self.turn[rows], self.rise[rows])
 
 
 def stride_windows(strides: Ints, period_s: float) -> Ints:
@@ -70,7 +70,8 @@ def motion_in(base: BaseHistory, windows: Ints, forward_rad: float = 0.0) -> Mot
     yaw = base.angles[:, 2]
     step = np.diff(x + 1j * y) * np.exp(-1j * ((yaw[1:] + yaw[:-1]) / 2.0 + forward_rad))
     way = np.concatenate([[0.0], np.cumsum(step)])
-    edges, since = windows - base.time[0], (base.time - base.time[0]).astype(np.float64)
+    edges = windows - base.time[0]
+    since = (base.time - base.time[0]).astype(np.float64)
     outside = (edges[:, 0] < 0) | (edges[:, 1] > since[-1])
     outside |= timespans.touches(base.gaps, windows[:, 0], windows[:, 1])
     changes = [np.diff(np.interp(edges, since, each))[:, 0] for each in (way, yaw, z)]
@@ -84,8 +85,8 @@ class Comparison:
     by: str
     """The witness."""
     own: Motion
-    """By the poses; `told`, by the witness."""
-    told: Motion
+    """By the poses; `reference`, by the witness."""
+    reference: Motion
     tells_turn: bool
     """Whether the witness tells turns, and not only the way; `tells_heading`, directions."""
     tells_heading: bool
@@ -101,7 +102,7 @@ class Comparison:
         factor, coherence, _ = self._fit
         if not self._is_telling:
             return None
-        return factor if coherence >= COHERENT else self.own.walked_m / self.told.walked_m
+        return factor if coherence >= COHERENT else self.own.walked_m / self.reference.walked_m
 
     @property
     def direction_rad(self) -> float | None:
@@ -112,14 +113,17 @@ class Comparison:
     @property
     def _is_telling(self) -> bool:
         """Whether the witness goes somewhere."""
-        turned = float(np.abs(self.told.turn).sum()) if self.tells_turn else 0.0
-        return self.told.walked_m > max(SHORTEST_WAY_M, SWINGS * turned)
+        turned = float(np.abs(self.reference.turn).sum()) if self.tells_turn else 0.0
+        return self.reference.walked_m > max(SHORTEST_WAY_M, SWINGS * turned)
 
     @property
     def _fit(self) -> tuple[float, float, float]:
-        """Return the factor, the coherence and the angle between both ways."""
-        own, told = self.own.way, self.told.way
-        squares, product = float(np.vdot(told, told).real), complex(np.vdot(told, own))
+        """Return the factor, the coherence and the angle between both paths."""
+        own, reference = self.own.displacement, self.reference.displacement
+        squares, product = (
+            float(np.vdot(reference, reference).real),
+            complex(np.vdot(reference, own)),
+        )
         if not squares or not product:
             return 0.0, 0.0, 0.0
         both = np.sqrt(squares * float(np.vdot(own, own).real))
@@ -127,13 +131,13 @@ class Comparison:
 
 
 def compare(
-    by: str, own: Motion, told: Motion, *, tells_turn: bool, tells_heading: bool
+    by: str, own: Motion, reference: Motion, *, tells_turn: bool, tells_heading: bool
 ) -> Comparison | None:
     """Compare the motion by poses with that by a witness; None: too few strides in common."""
-    both = np.isfinite(own.turn) & np.isfinite(told.turn)
+    both = np.isfinite(own.turn) & np.isfinite(reference.turn)
     if both.sum() < FEWEST_STRIDES:
         return None
-    return Comparison(by, own.pick(both), told.pick(both), tells_turn, tells_heading)
+    return Comparison(by, own.pick(both), reference.pick(both), tells_turn, tells_heading)
 
 
 def compare_twist(poses: BaseHistory, windows: Ints, forward_rad: float) -> Comparison | None:
@@ -146,14 +150,16 @@ def compare_twist(poses: BaseHistory, windows: Ints, forward_rad: float) -> Comp
         return None
     velocity = np.where(all_finite(velocity)[:, None], velocity, 0.0)
     step = (velocity[1:] + velocity[:-1]) / 2.0 * (np.diff(poses.time)[:, None] / 1e9)
-    flat, heading = step[:, 0] + 1j * step[:, 1], (poses.angles[1:, 2] + poses.angles[:-1, 2]) / 2.0
-    found, own = [], motion_in(poses, windows, forward_rad)
+    flat = step[:, 0] + 1j * step[:, 1]
+    heading = (poses.angles[1:, 2] + poses.angles[:-1, 2]) / 2.0
+    own = motion_in(poses, windows, forward_rad)
+    found = []
     for way in (flat, flat * np.exp(1j * heading)):
         at = np.concatenate([[0.0], np.cumsum(way)])
         position = np.stack([at.real, at.imag, np.zeros(len(at))], axis=1)
-        told = motion_in(replace(poses, position=position), windows, forward_rad)
+        reference = motion_in(replace(poses, position=position), windows, forward_rad)
         found.append(
-            compare("the twist beside them", own, told, tells_turn=False, tells_heading=True)
+            compare("the twist beside them", own, reference, tells_turn=False, tells_heading=True)
         )
     known = [each for each in found if each is not None]
     return min(known, key=lambda each: abs(each.direction_rad or 0.0), default=None)

@@ -60,11 +60,13 @@ def find_frozen(
     spans = spans[np.array(steps, np.bool_)]
     if not len(spans):
         return None
-    speeds, turns, by = np.empty(0), np.empty(0), ""
+    speeds = turns = np.empty(0)
+    by = ""
     if witness is not None:
         motion = motion_in(witness.poses, stride_windows(spans, period_s))
         known = np.isfinite(motion.turn)
-        speeds, turns = np.abs(motion.way[known]) / period_s, np.abs(motion.turn[known]) / period_s
+        speeds = np.abs(motion.displacement[known]) / period_s
+        turns = np.abs(motion.turn[known]) / period_s
         by = witness.by if known.any() else ""
     moves, turned = (float(median_of(each)) if by else None for each in (speeds, turns))
     if by and (moves or 0.0) < STAYS_MPS and (turned or 0.0) < STAYS_RADPS:

@@ -72,7 +72,8 @@ def height_drift_m(base: BaseHistory, height_m: Floats, strides: Ints) -> float:
     walks = timespans.covers(timespans.merge(strides), base.time) & np.isfinite(height_m)
     if len(strides) < FEWEST_STRIDES or walks.sum() < 2 * FEWEST_STRIDES:
         return 0.0
-    seconds, height = (base.time[walks] - base.time[walks][0]) / 1e9, height_m[walks]
+    seconds = (base.time[walks] - base.time[walks][0]) / 1e9
+    height = height_m[walks]
     slope, steadiness = trend(seconds - seconds.mean(), (height - height.mean())[:, None])
     rise = float(slope[0]) * float(np.ptp(seconds))
     steady = steadiness >= STEADY

@@ -26,7 +26,8 @@ def worlds_differ(walk: Walk) -> Iterator[Finding]:
     """
     worlds = walk.worlds
     if worlds is not None and walk.worlds_differ:
-        cases, feet = ("loses_way",) if walk.loses_way else (), _feet_astray(walk, worlds)
+        cases = ("loses_way",) if walk.loses_way else ()
+        feet = _feet_astray(walk, worlds)
         yield found("WORLDS_DIFFER", "aside", *cases, feet=feet, where="stability", worlds=worlds)
     elif worlds is not None and walk.base is not None and walk.base.height_m is None:
         yield found("WORLDS_DIFFER", "below", where="base.height_m")
@@ -127,7 +128,8 @@ def forward_axis(walk: Walk) -> Iterator[Finding]:
     forward, left = ways_m(base)
     if abs(left) > max(WALKED_M, 2.0 * abs(forward)):
         side = "left" if left > 0.0 else "right"
-        where, speed = "base.forward_speed_mps", abs((base and base.lateral_speed_mps) or 0.0)
+        where = "base.forward_speed_mps"
+        speed = abs((base and base.lateral_speed_mps) or 0.0)
         words: Words = {"settings": settings, "base": base, "side": side, "speed": speed}
         yield found("FORWARD_AXIS", where=where, say="sideways", **words)
 

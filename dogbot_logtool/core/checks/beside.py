@@ -76,7 +76,8 @@ def _odd_forces(walk: Walk, forces: ForceComparison) -> Finding:
     case, code = "accelerometer", "IMPULSE_IS_NOT_WEIGHT"
     dead = [foot.name for foot in walk.feet if foot.is_dead]
     if dead and forces.ratio < 1.0:
-        where, names = f"feet.{dead[0]}", " and ".join(dead)
+        where = f"feet.{dead[0]}"
+        names = " and ".join(dead)
         return found(code, case, where=where, say="missing", forces=forces, names=names)
     if forces.ratio < 1.0 and abs(forces.magnitude_ratio - 1.0) <= WEIGHT_TOLERANCE:
         return found("DIRECTION_UNKNOWN", case, where="settings.wrench_frame", forces=forces)
@@ -84,7 +85,7 @@ def _odd_forces(walk: Walk, forces: ForceComparison) -> Finding:
         row, factor = forces.odd_foot
         return found("FOOT_SCALE", feet=(walk.feet[row].name,), forces=forces, share=1.0 / factor)
     if forces.is_common:
-        where, mass, origin = "settings.mass_kg", walk.settings.mass_kg or 0.0, origin_of_mass(walk)
+        mass, origin = walk.settings.mass_kg or 0.0, origin_of_mass(walk)
         words: Words = {"mass": mass, "right": mass * forces.ratio, "origin": origin}
-        return found(code, case, where=where, say="mass", forces=forces, **words)
+        return found(code, case, where="settings.mass_kg", say="mass", forces=forces, **words)
     return found(code, case, where="imu.forces.over_accelerometer", forces=forces)

@@ -40,7 +40,8 @@ def clock_set(walk: Walk) -> Iterator[Finding]:
 
 def clocks_differ(walk: Walk) -> Iterator[Finding]:
     """Yield topics whose clocks differ from that of the feet, by stamps or by physics."""
-    base_topic, delay, feet = walk.settings.odometry_topic, walk.base_delay, walk.feet_on_poses
+    base_topic, delay = walk.settings.odometry_topic, walk.base_delay
+    feet = walk.feet_on_poses
     for each in walk.clocks:
         if not each.is_apart:
             continue

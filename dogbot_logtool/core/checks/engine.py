@@ -78,7 +78,8 @@ def _questions(walk: Walk) -> Sequence[tuple[str, str, str]]:
     forced = [row for row, each in enumerate(records) if each.has_force]
     assumed = (walk.settings.sensor(row).level.reason for row in forced)
     odd_legs = (leg.reason for leg in walk.legs.feet) if walk.legs else ()
-    seen, posed = any(each.start is not None for each in records), len(walk.base_history.time)
+    seen = any(each.start is not None for each in records)
+    posed = len(walk.base_history.time)
     pointed = any(np.isfinite(each.track.point).any() for each in records)
     no_feet = "" if seen else "the log has no usable messages of feet"
     no_poses = "" if posed else "the log has no usable poses"

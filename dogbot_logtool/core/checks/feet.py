@@ -139,9 +139,10 @@ def sampled_slowly(walk: Walk) -> Iterator[Finding]:
         for foot in walk.feet
         if foot.record.median_interval_s and len(foot.strides.stance)
     }
-    feet, least = tuple(n for n, number in told.items() if number < 1.0 / UNCERTAIN), told.values()
+    feet = tuple(name for name, number in told.items() if number < 1.0 / UNCERTAIN)
     if feet:
-        words: Words = {"names": ", ".join(feet), "least": min(least), "share": 1.0 / min(least)}
+        least = min(told.values())
+        words: Words = {"names": ", ".join(feet), "least": least, "share": 1.0 / least}
         yield found("SAMPLED_SLOWLY", "contact", where="feet", feet=feet, **words)
 
 

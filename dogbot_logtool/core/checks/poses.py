@@ -70,7 +70,8 @@ def frozen(walk: Walk) -> Iterator[Finding]:
         if still.turns_radps:
             why += f" and turns at {still.turns_radps:.2f} rad/s"
     cases = () if walk.base_by_feet else ("whole",) if still.whole else ("part",)
-    seconds, at = timespans.total(still.spans) / 1e9, walk.seconds(still.spans[:, 0])[0]
+    seconds = timespans.total(still.spans) / 1e9
+    at = walk.seconds(still.spans[:, 0])[0]
     steps = sum(len(record.stances.touchdown) for record in walk.records)
     yield _doubted(walk, "POSE_FROZEN", *cases, seconds=seconds, at=at, steps=steps, why=why)
 
@@ -78,11 +79,11 @@ def frozen(walk: Walk) -> Iterator[Finding]:
 def contradicted(walk: Walk) -> Iterator[Finding]:
     """Yield where a second witness of the base's motion contradicts the poses, stride by stride."""
     windows = _windows(walk)
-    told = [*_comparisons(walk, windows)]
-    yield from _scale(walk, told, windows)
-    yield from _direction(walk, told)
-    yield from _orientation(walk, told, windows)
-    yield from _planar(walk, told, windows)
+    comparisons = [*_comparisons(walk, windows)]
+    yield from _scale(walk, comparisons, windows)
+    yield from _direction(walk, comparisons)
+    yield from _orientation(walk, comparisons, windows)
+    yield from _planar(walk, comparisons, windows)
 
 
 def _windows(walk: Walk) -> Ints:
@@ -102,20 +103,20 @@ def _comparisons(walk: Walk, windows: Ints) -> Iterator[Comparison]:
     if feet is not None:
         # Legs tell of the body's own axes, contact points of where fore and hind feet are.
         own = motion_in(walk.poses, windows, forward_rad)
-        told = motion_in(feet.poses, windows, forward_rad if feet.by == "legs" else 0.0)
+        reference = motion_in(feet.poses, windows, forward_rad if feet.by == "legs" else 0.0)
         turn, heading = feet.tells_turn, feet.tells_heading
-        by_feet = compare(feet.by, own, told, tells_turn=turn, tells_heading=heading)
+        by_feet = compare(feet.by, own, reference, tells_turn=turn, tells_heading=heading)
         yield from () if by_feet is None else (by_feet,)
     by_twist = compare_twist(walk.poses, windows, forward_rad)
     yield from () if by_twist is None else (by_twist,)
 
 
-def _scale(walk: Walk, told: Sequence[Comparison], windows: Ints) -> Iterator[Finding]:
+def _scale(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Iterator[Finding]:
     """Yield that poses go further, or less far, than the feet walk or the twist tells."""
-    ways = np.abs(motion_in(walk.track.history, windows).way)
+    ways = np.abs(motion_in(walk.track.history, windows).displacement)
     way_m = float(median_of(ways[np.isfinite(ways)])) if np.isfinite(ways).any() else 0.0
     longest = FURTHEST_LEGS * LONGEST_LEG_M * (walk.settings.mass_kg or HEAVIEST_KG) ** (1.0 / 3.0)
-    surest = next((each for each in told if each.scale is not None), None)
+    surest = next((each for each in comparisons if each.scale is not None), None)
     factor = 1.0 if surest is None or surest.scale is None else surest.scale
     if surest is not None and not SCALES[0] <= factor <= SCALES[1]:
         near = [each for number, each in UNITS.items() if 0.8 <= factor / number <= 1.25]
@@ -125,18 +126,18 @@ def _scale(walk: Walk, told: Sequence[Comparison], windows: Ints) -> Iterator[Fi
         yield _doubted(walk, "POSE_SCALE", say="stride", way=way_m, longest=longest)
 
 
-def _direction(walk: Walk, told: Sequence[Comparison]) -> Iterator[Finding]:
+def _direction(walk: Walk, comparisons: Sequence[Comparison]) -> Iterator[Finding]:
     """Yield that positions go another way than the body's axes and the feet tell."""
-    surest = next((each for each in told if each.direction_rad is not None), None)
+    surest = next((each for each in comparisons if each.direction_rad is not None), None)
     angle = (surest and surest.direction_rad) or 0.0
     if abs(angle) > ASIDE_RAD:
         degrees, side = abs(np.degrees(angle)), "left" if angle > 0.0 else "right"
         yield _doubted(walk, "POSE_DIRECTION", degrees=degrees, side=side, witness=surest)
 
 
-def _orientation(walk: Walk, told: Sequence[Comparison], windows: Ints) -> Iterator[Finding]:
+def _orientation(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Iterator[Finding]:
     """Yield that the orientation does not turn although the robot does."""
-    for own, turned, by in _turns(walk, told, windows):
+    for own, turned, by in _turns(walk, comparisons, windows):
         least = 2.0 * TURNS_RAD if by == COURSE else TURNS_RAD
         if abs(turned) > least and own * np.sign(turned) < TURNS_WITH * abs(turned):
             degrees = np.degrees([own, turned]).tolist()
@@ -145,15 +146,16 @@ def _orientation(walk: Walk, told: Sequence[Comparison], windows: Ints) -> Itera
 
 
 def _turns(
-    walk: Walk, told: Sequence[Comparison], windows: Ints
+    walk: Walk, comparisons: Sequence[Comparison], windows: Ints
 ) -> Iterator[tuple[float, float, str]]:
     """Yield by how much poses turn and by how much a witness says; only feet are asked, if any."""
-    feet = next((each for each in told if each.tells_turn), None)
+    feet = next((each for each in comparisons if each.tells_turn), None)
     if feet is not None:
-        yield float(feet.own.turn.sum()), float(feet.told.turn.sum()), feet.by
+        yield float(feet.own.turn.sum()), float(feet.reference.turn.sum()), feet.by
         return
     poses = walk.poses
-    own, (turns, _) = motion_in(poses, windows).turn, _inertial(walk, windows)
+    own = motion_in(poses, windows).turn
+    turns, _ = _inertial(walk, windows)
     both = np.isfinite(own) & np.isfinite(turns)
     yield float(own[both].sum()), float(turns[both].sum()), "the gyroscope"
     # An orientation that is one to the bit, beside a course that turns.
@@ -191,13 +193,15 @@ def _leans_rad(walk: Walk, windows: Ints) -> float:
     return float(percentiles_of(np.arccos(cosine), 75.0))
 
 
-def _planar(walk: Walk, told: Sequence[Comparison], windows: Ints) -> Iterator[Finding]:
+def _planar(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Iterator[Finding]:
     """Yield that poses are those of a plane: z, roll and pitch never change."""
     poses = walk.poses
     flat = np.column_stack([poses.position[:, 2], poses.angles[:, :2]])
     if walk.base_by_feet or not len(windows) or float(np.ptp(flat, axis=0).max()) > 0.0:
         return
-    climb = next((float(each.told.rise.sum()) for each in told if each.by == POINTS), 0.0)
+    climb = next(
+        (float(each.reference.rise.sum()) for each in comparisons if each.by == POINTS), 0.0
+    )
     slope = (walk.base and walk.base.slope_rad) or 0.0
     while_feet = ""
     if abs(climb) > CLIMBS_M:

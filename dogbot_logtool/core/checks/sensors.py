@@ -38,7 +38,8 @@ def unloaded_levels(walk: Walk) -> Iterator[Finding]:
             continue
         if level.moved_n:
             yield found("SENSOR_OFFSET", where=where, say="moves", foot=name, newtons=level.moved_n)
-        newtons, scale_n = float(np.linalg.norm(level.offset_n)), weight_n or level.loaded_n
+        newtons = float(np.linalg.norm(level.offset_n))
+        scale_n = weight_n or level.loaded_n
         if scale_n and newtons > PLAIN * scale_n:
             share, of = newtons / scale_n, "weight" if weight_n else "usual load"
             words: Words = {"newtons": newtons, "share": share, "scale": of, "origin": level.origin}
@@ -51,12 +52,15 @@ def filtered(walk: Walk) -> Iterator[Finding]:
     for say, resolved in (("plain", True), ("heavy", False)):
         some = {name: each.tau_s for name, each in told if each.resolved is resolved}
         if some:
-            feet, tau_s, cases = tuple(some), max(some.values()), () if resolved else ("heavy",)
-            words: Words = {"milliseconds": 1e3 * tau_s, "hertz": 1.0 / (2.0 * np.pi * tau_s)}
-            names, where = ", ".join(some), "feet"
-            yield found(
-                "FORCE_FILTERED", *cases, where=where, say=say, feet=feet, names=names, **words
-            )
+            tau_s = max(some.values())
+            words: Words = {
+                "names": ", ".join(some),
+                "milliseconds": 1e3 * tau_s,
+                "hertz": 1.0 / (2.0 * np.pi * tau_s),
+            }
+            cases = () if resolved else ("heavy",)
+            feet = tuple(some)
+            yield found("FORCE_FILTERED", *cases, where="feet", say=say, feet=feet, **words)
 
 
 def silent_feet(walk: Walk) -> Iterator[Finding]:

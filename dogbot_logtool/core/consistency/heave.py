@@ -105,7 +105,8 @@ def _best_fit(heave: Floats, driven: Sequence[Floats]) -> Delay | None:
     explained = products**2 / squares
     best = int(explained.argmax())
     likely = _LAGS_S[explained >= LIKELY * explained[best]]
-    gain, correlation = products[best] / squares[best], np.sqrt(min(explained[best] / total, 1.0))
+    gain = products[best] / squares[best]
+    correlation = np.sqrt(min(explained[best] / total, 1.0))
     if correlation < FOLLOWS or not AS_FAR[0] <= gain <= AS_FAR[1]:
         return None
     return Delay(float(correlation), float(_LAGS_S[best]), float(likely.min()), float(likely.max()))

@@ -200,11 +200,9 @@ def wrong_statistics(log: Log, found: Mapping[int, int], losses: Sequence[Loss])
         losses: messages that are known to be missing explain a difference.
     """
     compared = all(chunk.counts is not None for chunk in log.chunks)
-    what = (
-        ""
-        if compared or lost_messages(losses) != 0
-        else (differing_counts(log.channels, log.counts, found))
-    )
+    if compared or lost_messages(losses) != 0:
+        return []
+    what = differing_counts(log.channels, log.counts, found)
     return [Loss(0, f"the log's statistics count {what}")] if what else []
 
 

@@ -116,7 +116,8 @@ def place_of_foot(
     By the robot's file, else by the link of its contacts. A foot that reports no contact is on a
     link that is named as another foot's, but for the foot's name, and is made like that one.
     """
-    foot, names = selection.robot.feet[number], [foot.name for foot in selection.robot.feet]
+    foot = selection.robot.feet[number]
+    names = [each.name for each in selection.robot.feet]
     if foot.frame is not None:
         return foot.frame.lstrip("/"), foot.contact_point_m
     for like, link in sorted(enumerate(probe.links), key=lambda each: each[0] != number):

@@ -88,7 +88,8 @@ def read_robot(urdf: str) -> RobotOfUrdf:
 
 def _base(joints: Sequence[Joint], links: Mapping[str, Link]) -> str:
     """Return the base link: the root of most joints, past links without a mass before it."""
-    below, children = joints_below(joints), {joint.child for joint in joints}
+    below = joints_below(joints)
+    children = {joint.child for joint in joints}
     roots = [link for link in below if link not in children]
     root = link = max(roots, key=lambda each: _count_below(below, each))
     stays = root.lower() not in _WORLDS

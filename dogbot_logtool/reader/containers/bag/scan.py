@@ -264,7 +264,8 @@ def _connection(record: bytes) -> Description | None:
         texts = Fields(record[found.data : found.end]).texts()
     except MalformedRecord:
         return None
-    name, definition = texts.pop("type", ""), texts.pop("message_definition", "").encode()
+    name = texts.pop("type", "")
+    definition = texts.pop("message_definition", "").encode()
     texts.pop("topic", None)
     facts = {"topic": topic, "type": name, "definition": definition, "header": texts}
     described = Description("connection", number, f"{topic} of type {name}", facts)

@@ -100,10 +100,10 @@ class McapScan(Scan):
         if loss := check_data(self.source, summary.offset - DATA_END_SIZE, thorough=False):
             self._losses.add(loss)
         counts = {**dict.fromkeys(channels, 0), **statistics.channel_message_counts}
-        times, losses = summary.times(statistics), self._losses.all()
-        return Contents(
-            channels, summary.chunks, counts, *times, profile, self._extras, losses
-        ), None
+        start, end = summary.times(statistics)
+        extras, losses = self._extras, self._losses.all()
+        contents = Contents(channels, summary.chunks, counts, start, end, profile, extras, losses)
+        return contents, None
 
     def _holds(self, summary: Summary) -> bool:
         """Tell whether a summary agrees with the file.
@@ -301,11 +301,10 @@ class McapScan(Scan):
         return {each.number: each.number for each in self.descriptions.of_kind("channel")}
 
     def _channels(self) -> Mapping[int, Channel]:
-        schemas = {
-            number: Schema(number, each.name, each.facts["encoding"], each.facts["definition"])
-            for each in self.descriptions.of_kind("schema")
-            for number in (each.number,)
-        }
+        schemas: dict[int, Schema] = {}
+        for each in self.descriptions.of_kind("schema"):
+            encoding, definition = each.facts["encoding"], each.facts["definition"]
+            schemas[each.number] = Schema(each.number, each.name, encoding, definition)
         channels: dict[int, Channel] = {}
         for each in self.descriptions.of_kind("channel"):
             encoding, schema, metadata = each.facts.values()

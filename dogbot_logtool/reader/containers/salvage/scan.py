@@ -220,7 +220,8 @@ class Scan(ABC):
             problem: what is wrong with the index.
         """
         profile = self._profile()
-        self._losses.add(*[problem] if problem else [])
+        if problem is not None:
+            self._losses.add(problem)
         offset = len(self.magic)
         while offset < self.source.size:
             following = self._step(offset)
@@ -237,12 +238,11 @@ class Scan(ABC):
 
     def _take_outside(self) -> list[Loss]:
         """Take the descriptions that stand outside of chunks; return what to say of them."""
-        return [
-            loss
-            for offset, end in self._outside
-            for record in (self.source.read(offset, min(end - offset, _LARGEST_DESCRIPTION)),)
-            for loss in self.descriptions.add([record], offset)
-        ]
+        losses: list[Loss] = []
+        for offset, end in self._outside:
+            record = self.source.read(offset, min(end - offset, _LARGEST_DESCRIPTION))
+            losses += self.descriptions.add([record], offset)
+        return losses
 
     def _counts(self, chunks: Sequence[Chunk]) -> dict[int, int]:
         """Return the messages of each channel, by its id."""

@@ -126,7 +126,8 @@ def _go_on(pages: Pages, file: ByteSource) -> str:
     pages.keep(file)
     head = file.read(0, _WAL_HEADER.size).ljust(_WAL_HEADER.size, b"\0")
     magic, version, size, _, *rest = _WAL_HEADER.unpack(head)
-    order, salts, sums = _ORDERS.get(magic, ""), tuple(rest[:2]), np.array(rest[2:], np.uint32)
+    order = _ORDERS.get(magic, "")
+    salts, sums = tuple(rest[:2]), np.array(rest[2:], np.uint32)
     is_sound = order and version == _VERSION
     if not is_sound or (_sums(head[: -sums.nbytes], order, 0 * sums) != sums).any():
         raise JournalError("its header is damaged")

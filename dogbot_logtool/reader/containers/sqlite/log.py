@@ -99,7 +99,8 @@ def open_log(source: ByteSource, distribution: str) -> SqliteLog:
     counts: Counter[int] = Counter(dict.fromkeys(channels, 0))
     for chunk in chunks:
         counts.update(chunk.counts or {})
-    times, losses = time_range(chunks), [*losses, *more]
+    losses += more
+    times = time_range(chunks)
     contents = Contents(channels, chunks, counts, *times, profile="ros2", losses=tuple(losses))
     return SqliteLog(source, contents, table, ids)
 
