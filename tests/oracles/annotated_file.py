@@ -14,7 +14,8 @@ from mcap_protobuf.decoder import DecoderFactory as ProtobufDecoders
 from mcap_ros1.decoder import DecoderFactory as Ros1Decoders
 from mcap_ros2.decoder import DecoderFactory as Ros2Decoders
 
-from tests.oracles.conversion import Arrow, Load, Pose, xyz
+from tests.oracles.conversion import Arrow, Load, Pose
+from tests.oracles.frames import numbers_of
 from tests.oracles.recorded import DESCRIPTION, S, arrow_topic, load_topic
 
 ENCODED: Final = {"foxglove": "protobuf", "ros1": "ros1", "ros2": "cdr"}
@@ -129,10 +130,6 @@ def stamp_of(stamp: Any) -> int:
         if hasattr(stamp, seconds):
             return int(getattr(stamp, seconds)) * S + int(getattr(stamp, rest))
     raise TypeError(type(stamp))
-
-
-def numbers_of(place: Any, turn: Any) -> tuple[float, ...]:
-    return (*xyz(place), float(turn.x), float(turn.y), float(turn.z), float(turn.w))
 
 
 def written_transforms(

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.commands.test_convert_joints import urdf, write
 
 from dogbot_logtool.commands.report import replay_of
 from dogbot_logtool.commands.stats import measure_log
@@ -15,7 +16,6 @@ from dogbot_logtool.report.page.render import page
 from dogbot_logtool.report.page.replay import MOST_FRAMES, frame_times, replay
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.robot.annotated import open_recorded
-from tests.commands.test_convert_joints import urdf, write
 from tests.measured import LogFacts, measurement_of
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import numbers
