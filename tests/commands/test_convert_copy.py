@@ -37,6 +37,7 @@ COPIES: list[tuple[Path, Compression | None, str]] = [
     (TROUBLED, "none", "ros1"),
     (TROUBLED, "lz4", "ros1"),
     (WALK, None, "ros2"),
+    (WALK, "lz4", "ros2"),
     (TROT, None, "ros1"),
 ]
 
