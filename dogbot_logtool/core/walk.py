@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.vectors import VectorHistory
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Walk:
     """All that is known of the walk in one log; nothing but `metrics` has what findings void.
 

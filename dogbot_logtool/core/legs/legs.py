@@ -17,7 +17,7 @@ from dogbot_logtool.core.metrics import Legs
 from dogbot_logtool.core.records import Curve, Shape
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LegFoot:
     """The leg of a foot."""
 
@@ -40,7 +40,7 @@ class LegFoot:
     """Whether the foot is told too rarely for velocities."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LegFigures:
     """What is known of all legs, whether or not the log gives reasons to doubt it."""
 

@@ -40,7 +40,7 @@ _OF_ROBOT: Final = (
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class MeasuringPlan:
     """What is read of a log."""
 
@@ -166,7 +166,7 @@ def _wanted_joints(log: Log) -> tuple[WantedJoints, ...]:
     return wanted_joints(log)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Prepared:
     """A recording with all that is known of it before it is measured."""
 

@@ -40,7 +40,7 @@ _ELSEWHERE: Final = frozenset(
 """Words of topics of inertial units that are not the base's."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class SideTopics:
     """Topics beside feet and base."""
 
