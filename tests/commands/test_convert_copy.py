@@ -37,7 +37,6 @@ COPIES: list[tuple[Path, Compression | None, str]] = [
     (TROUBLED, "none", "ros1"),
     (TROUBLED, "lz4", "ros1"),
     (WALK, None, "ros2"),
-    (WALK, "lz4", "ros2"),
     (TROT, None, "ros1"),
 ]
 
@@ -108,7 +107,7 @@ def test_output_has_chunks_of_about_a_megabyte(folder: Path) -> None:
 def test_mcap_extras_are_copied_with_the_messages(tmp_path: Path) -> None:
     log, target = tmp_path / "log.mcap", tmp_path / "out.mcap"
     write_ros1_mcap(log, small_walk(), extras=True)
-    convert(log, target, ConvertOptions())
+    convert(log, target, ConvertOptions(compression="none"))
     recorded, written = read_written(log), read_written(target)
     assert written.attachments == recorded.attachments
     assert len(written.attachments) == 2

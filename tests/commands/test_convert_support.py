@@ -16,7 +16,8 @@ from tests.oracles import walks
 from tests.oracles.annotated_file import ENCODED, annotations, read_written
 from tests.oracles.conversion import xyz
 from tests.oracles.foot_logs import CONTACTS, write_log
-from tests.oracles.ros1_logs import BASE, FEET, LIFTED, LIFTED_S, START, S, write_standing_log
+from tests.oracles.recorded import S
+from tests.oracles.ros1_logs import BASE, FEET, LIFTED, LIFTED_S, START, write_standing_log
 from tests.paths import ROOT, TROT, TROUBLED
 from tests.truth.margins import hull, margin
 
@@ -77,7 +78,7 @@ def test_support_is_that_of_the_feet_that_stand(tmp_path: Path, encoding: str) -
 
 def assert_standing(feet: Sequence[str], outline: Sequence[Vector], colour: Any) -> None:
     """Check that an outline leads round all feet, in the colour of the base's margin in it."""
-    corners = hull([PLACES[foot][:2] for foot in feet])
+    corners = hull([(x, y) for x, y, _ in map(PLACES.__getitem__, feet)])
     assert outline == [(*corner, 0.0) for corner in (*corners, corners[0])]
     wanted = margin_colour(np.array([margin(corners, LEANING[:2])]))[0]
     found = colour.r, colour.g, colour.b, colour.a
