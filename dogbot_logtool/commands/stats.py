@@ -53,7 +53,7 @@ def measure(
         log.close()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class MeasuredLog:
     """A measured log, and what it was measured by."""
 

@@ -28,8 +28,8 @@ from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.writer.annotations import WantedAnnotations, description_type
-from dogbot_logtool.writer.drawing import Look
 from dogbot_logtool.writer.encodings.registry import ENCODINGS, OutputEncoding
+from dogbot_logtool.writer.markers import Look
 
 ESTIMATED_WIDTH: Final = 0.5
 """Width of arrows whose forces are estimated, over that of measured ones."""

@@ -31,7 +31,7 @@ ONLY = 0
 """Which one of a kind that there is one of."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Numbers:
     """A column of numbers."""
 
@@ -39,7 +39,7 @@ class Numbers:
     """(n,)."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Stamps:
     """Times of messages with a header."""
 
@@ -49,7 +49,7 @@ class Stamps:
     """(n,) ns."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Part:
     """What is in some neighbouring chunks."""
 

@@ -40,7 +40,7 @@ _OF_ROBOT: Final = (
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class MeasuringPlan:
     """What is read of a log."""
 
@@ -156,7 +156,7 @@ def _time_source(selection: Selection) -> tuple[TimeSource | None, str]:
     return None, ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Prepared:
     """A recording with all that is known of it before it is measured."""
 

@@ -56,7 +56,7 @@ def joint_channels(log: Log) -> list[Channel]:
     return found[:_MOST_CHANNELS]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class SideTopics:
     """Topics beside feet and base."""
 
