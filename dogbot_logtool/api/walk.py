@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.api.keywords import PathOrName
-from dogbot_logtool.api.table import POINTS, Curves, Table, curves_of, texts
+from dogbot_logtool.api.table import Table, texts
 from dogbot_logtool.commands.stats import measure_log
 from dogbot_logtool.core.arrays import Floats, Ints, norms
 from dogbot_logtool.core.checks.engine import void_columns
@@ -92,7 +92,7 @@ class Walk:
         """
         feet, void = self._walk.feet, self._measured.findings
         rows = [foot.stances for foot in feet]
-        cuts = [_CUTS[Cut(cut)] for each in rows for cut in each.cut.tolist()]
+        cuts = [Cut(cut).name.lower() if cut else "" for each in rows for cut in each.cut.tolist()]
         known = [
             void_columns({n: getattr(foot.stances.figures, n) for n in _STANCE}, foot.name, void)
             for foot in feet
@@ -154,15 +154,18 @@ class Walk:
         number = self._number(foot)
         return Table(self._sample_columns(number, self._samples()[number]))
 
-    def curves(self, foot: str, points: int = POINTS) -> Curves:
+    def curves(self, foot: str, points: int = 101) -> dict[str, Floats]:
         """Read the log again and return the forces of a foot over each of its whole strides.
 
-        The samples of `samples` are interpolated linearly at equal parts of the stride; the rows
-        are those of the foot in `strides`.
+        The samples of `samples` are interpolated linearly at equal parts of the stride.
 
         Args:
             foot: its name.
             points: from 0 to 100 % of the stride, both counted.
+
+        Returns:
+            "percent", (p,) of the stride; "start_s", (n,) touchdowns of the strides, as in
+            `strides`; "force_n", "force_x_n" ... (n, p), NaN where not known.
 
         Raises:
             CallError: the robot has no such foot, fewer than 2 points are asked for, or the log is
@@ -173,7 +176,17 @@ class Walk:
             raise CallError(f"points={points}: a curve has at least {_FEWEST_POINTS}")
         strides = self._walk.feet[self._number(foot)].strides
         start_s = self._seconds(strides.touchdown)
-        return curves_of(foot, self.samples(foot), start_s, strides.period_s, points)
+        phase = np.linspace(0.0, 1.0, points)
+        time = start_s[:, None] + strides.period_s[:, None] * phase
+        samples = self.samples(foot)
+        # Samples that repeat a time or step back belong to no metric, either.
+        latest = np.maximum.accumulate(samples["time_s"])
+        forward = np.diff(latest, prepend=-np.inf) > 0.0
+        known = samples["time_s"][forward]
+        values = {
+            n: np.interp(time, known, samples[n][forward]) if len(time) else time for n in _FORCES
+        }
+        return {"percent": 100.0 * phase, "start_s": start_s, **values}
 
     def plot(self, target: PathOrName, *, overwrite: bool = False) -> tuple[float, float]:
         """Draw gait diagram and load curves of some strides for a paper.
@@ -261,7 +274,7 @@ class Walk:
             "state": self._states(foot, time),
             "in_contact": samples.in_contact.copy(),
             "force_n": norms(force),
-            **_parts(("force_x_n", "force_y_n", "force_z_n"), force_in_world),
+            **_parts(_FORCES[1:], force_in_world),
             **_parts(("point_x_m", "point_y_m", "point_z_m"), samples.position),
         }
 
@@ -285,14 +298,7 @@ class Walk:
 
 
 _FEWEST_POINTS = 2
-_CUTS = {
-    Cut.WHOLE: "",
-    Cut.LOG_START: "log_start",
-    Cut.LOG_END: "log_end",
-    Cut.GAP: "gap",
-    Cut.STANDING: "standing",
-    Cut.FALL: "fall",
-}
+_FORCES = ("force_n", "force_x_n", "force_y_n", "force_z_n")
 _STANCE = (*FIGURES[:4], "vertical_impulse_ns", *FIGURES[4:])
 """Columns of `Walk.stances` that are metrics of a stance."""
 
