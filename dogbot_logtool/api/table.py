@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.errors import LogtoolError
@@ -79,13 +78,6 @@ class Table:
     def _copies(self) -> dict[str, NDArray[Any]]:
         """Return columns that may be written to."""
         return {name: column.copy() for name, column in self.columns.items()}
-
-
-def texts(values: list[str | None]) -> NDArray[np.object_]:
-    """Return a column of texts."""
-    column = np.empty(len(values), np.object_)
-    column[:] = values
-    return column
 
 
 def _package(name: str) -> Any:  # noqa: ANN401 - any module

@@ -5,7 +5,8 @@ from collections import Counter
 from pathlib import Path
 from typing import NoReturn
 
-from dogbot_logtool.api.table import texts
+import numpy as np
+
 from dogbot_logtool.api.walk import Walk
 from dogbot_logtool.cli.call import Call, refuse_given
 from dogbot_logtool.commands.stats import measure
@@ -55,7 +56,7 @@ def _write(call: Call, logs: LogSet, options: Export, file: TableFile) -> None:
         measured = measure(log, options, progress)
         walk = Walk(log, measured, options)
         for each in walk.all_samples() if table == "samples" else [getattr(walk, table)]:
-            file.add({"log": texts([shown(log)] * len(each)), **each.columns})
+            file.add({"log": np.full(len(each), shown(log), np.object_), **each.columns})
         return measured
 
     for _ in call.each(export, options, logs.paths, logs.names):

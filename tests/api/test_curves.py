@@ -45,5 +45,3 @@ def test_the_usual_curve_is_that_of_the_figures(walk: dl.Walk) -> None:
 def test_wrong_words_are_refused(walk: dl.Walk) -> None:
     with pytest.raises(dl.CallError, match="'left' is no foot of this robot"):
         walk.curves("left")
-    with pytest.raises(dl.CallError, match="points=1: a curve has at least 2"):
-        walk.curves(FOOT, points=1)
