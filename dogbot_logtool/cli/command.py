@@ -18,13 +18,16 @@ from dogbot_logtool.options import (
     SpanOptions,
 )
 
-_GROUPS: Final = {
-    "Options": (),
-    "Robot": (RobotOptions,),
-    "Log": (JoinOptions, SpanOptions),
-    "Common": (CommonOptions, QuietOptions, JobOptions, ClusterOptions),
+_TITLES: Final = {
+    RobotOptions: "Robot",
+    JoinOptions: "Log",
+    SpanOptions: "Log",
+    CommonOptions: "Common",
+    QuietOptions: "Common",
+    JobOptions: "Common",
+    ClusterOptions: "Common",
 }
-"""Parts of a command's help, and the records whose options stand there; all others are its own."""
+"""Parts of a command's help, by the records whose options stand there; all others are its own."""
 _FILES: Final = {"logs", "log", "expected", "actual", "against", "output", "robot", "words"}
 """Options and arguments that shells complete as files, beside paths."""
 
@@ -48,12 +51,6 @@ class GroupedOption(click.Option):
         self.option: Final = option
         self.record: Final = record
 
-    @property
-    def group(self) -> str:
-        """Title of the part of the help that it stands in."""
-        owner = self.option.owner
-        return next((title for title, those in _GROUPS.items() if owner in those), "Options")
-
     def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
         """See `click.Option`."""
         text = definitions(self.record)[self.option.name]
@@ -70,11 +67,13 @@ class GroupedCommand(click.Command):
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """See `click.Command`."""
-        groups: dict[str, list[tuple[str, str]]] = {title: [] for title in _GROUPS}
+        titles = ("Options", *_TITLES.values())
+        groups: dict[str, list[tuple[str, str]]] = {title: [] for title in titles}
         for param in self.get_params(ctx):
             row = param.get_help_record(ctx)
             if row is not None and isinstance(param, click.Option):
-                groups[param.group if isinstance(param, GroupedOption) else "Common"].append(row)
+                owner = param.option.owner if isinstance(param, GroupedOption) else CommonOptions
+                groups[_TITLES.get(owner, "Options")].append(row)
         for title, rows in groups.items():
             if rows:
                 with formatter.section(title):
