@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NoReturn, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, Protocol, TypeVar
 
 import click
 
@@ -26,8 +26,6 @@ from dogbot_logtool.run.runner import Command, Failure, Runner, SerialRunner, ru
 if TYPE_CHECKING:
     from dogbot_logtool.reader.containers.loss import Damage
     from dogbot_logtool.results import Figures
-
-_FEWEST_JOINED: Final = 2
 
 
 class OfALog(Protocol):
@@ -56,7 +54,7 @@ class Call:
 
             check_robot_options(options)
         self._quiet = options.quiet
-        self._for_workers = getattr(options, "scheduler", None) is not None
+        self._scheduler: str | None = getattr(options, "scheduler", None)
         self._results: list[dict[str, Any]] = []
         self._codes: set[int] = set()
         self._notes: list[str] = []
@@ -69,7 +67,7 @@ class Call:
         Raises:
             CallError: a word names nothing.
         """
-        log_set = find_logs(words, for_workers=self._for_workers)
+        log_set = find_logs(words, for_workers=self._scheduler is not None)
         for name, sentence in log_set.failures:
             self._add_failure(name, sentence, LogtoolError.exit_code)
         if log_set.left_out:
@@ -80,7 +78,7 @@ class Call:
     def joined_logs(self, options: Options) -> tuple[LogSet, Options]:
         """Find the logs; with --join the first stands for all, and the others in the options."""
         log_set = self.logs(options.logs)
-        if not options.join or len(log_set.logs) < _FEWEST_JOINED:
+        if not (options.join and log_set.logs[1:]):
             return log_set, options
         first, *others = log_set.logs
         joined = tuple(other.path for other in others)
@@ -107,8 +105,7 @@ class Call:
         """
         runner: Runner[Result] = SerialRunner(options.jobs)
         if command is not None:
-            scheduler = getattr(options, "scheduler", None)
-            runner = runner_for(command, len(items), options.jobs, scheduler)
+            runner = runner_for(command, len(items), options.jobs, self._scheduler)
         work = partial(work, options=replace(options, jobs=runner.jobs))
         bars = ProgressBars(names, shown=not self._quiet)
         with runner, bars:

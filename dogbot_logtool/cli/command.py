@@ -18,16 +18,12 @@ from dogbot_logtool.options import (
     SpanOptions,
 )
 
-_TITLES: Final = {
-    RobotOptions: "Robot",
-    JoinOptions: "Log",
-    SpanOptions: "Log",
-    CommonOptions: "Common",
-    QuietOptions: "Common",
-    JobOptions: "Common",
-    ClusterOptions: "Common",
+_GROUPS: Final = {
+    "Robot": (RobotOptions,),
+    "Log": (JoinOptions, SpanOptions),
+    "Common": (CommonOptions, QuietOptions, JobOptions, ClusterOptions),
 }
-"""Parts of a command's help, by the records whose options stand there; all others are its own."""
+"""Parts of a command's help, and the records whose options stand there; all others are its own."""
 _FILES: Final = {"logs", "log", "expected", "actual", "against", "output", "robot", "words"}
 """Options and arguments that shells complete as files, beside paths."""
 
@@ -67,13 +63,13 @@ class GroupedCommand(click.Command):
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """See `click.Command`."""
-        titles = ("Options", *_TITLES.values())
-        groups: dict[str, list[tuple[str, str]]] = {title: [] for title in titles}
+        groups: dict[str, list[tuple[str, str]]] = {title: [] for title in ("Options", *_GROUPS)}
         for param in self.get_params(ctx):
             row = param.get_help_record(ctx)
             if row is not None and isinstance(param, click.Option):
                 owner = param.option.owner if isinstance(param, GroupedOption) else CommonOptions
-                groups[_TITLES.get(owner, "Options")].append(row)
+                titles = (title for title, records in _GROUPS.items() if owner in records)
+                groups[next(titles, "Options")].append(row)
         for title, rows in groups.items():
             if rows:
                 with formatter.section(title):

@@ -74,9 +74,8 @@ def _dataset(call: Call, logs: LogSet, options: Export, name: str) -> NoReturn:
     dataset = dataset_at(from_root(location(name)), options, parse_labels(options.label))
     pending = dataset.begin(logs, prune=options.prune)
     call.add_unchanged(pending.unchanged)
-    damaged_before = sum(bool(code) for _, code in pending.unchanged)
-    counts = Counter(unchanged=len(pending.unchanged), damaged=damaged_before)
-
+    counts = Counter(unchanged=len(pending.unchanged))
+    counts["damaged"] = sum(bool(code) for _, code in pending.unchanged)
     names = pending.log_set.names
     for done in call.each(measure_entry, options, pending.entries, names, "stats"):
         damaged = bool(done.damage.losses)
