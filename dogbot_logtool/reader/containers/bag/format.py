@@ -113,7 +113,7 @@ def _may_follow(source: Readable, offset: int, end: int) -> bool:
     return True
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class _Template:
     """A message header, of which one recorder writes all with the same fields in one order."""
 
