@@ -34,7 +34,7 @@ LARGEST_LAG_NS: Final = 100_000_000
 """ns: stamps further behind log time are of another clock."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Odometry:
     """Messages that give the pose of the robot's base, in the order of the log."""
 
@@ -84,7 +84,7 @@ def scaled(odometry: Odometry, metres: float) -> Odometry:
     return replace(odometry, position=position, linear_velocity=velocity)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Transforms:
     """Poses of one frame in its parent frame."""
 
@@ -147,7 +147,7 @@ SLOWEST_S: Final = 0.5
 """The same of poses that are so rare."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class BaseHistory:
     """Poses of the base at up to 100 Hz."""
 

@@ -42,7 +42,7 @@ class Joint:
         return self.source or self.name
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LinkPoses:
     """Poses of links in their parents at n times."""
 
@@ -52,7 +52,7 @@ class LinkPoses:
     """(n, joints, 4) unit quaternion x, y, z, w."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LinkTransforms:
     """Poses of links at the times of some messages."""
 
@@ -144,7 +144,7 @@ class Leg:
         return tuple(dict.fromkeys(names))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LegMotion:
     """Where the parts of a leg are at n times, in the base's frame."""
 

@@ -14,7 +14,7 @@ Edge = tuple[str, str]
 """Parent and child, without leading slashes."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Transforms:
     """Transforms of a frame in one parent as recorded: n rows in the order of their log times."""
 
@@ -40,7 +40,7 @@ _DEEPEST: Final = 100
 """A chain of more frames is a loop."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Poses:
     """Poses of a frame in another one at n times."""
 
@@ -52,7 +52,7 @@ class Poses:
     """(n, 4) unit quaternion x, y, z, w; NaN where not known."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FrameTrack:
     """The recorded transforms of one child frame in its parent."""
 

@@ -42,7 +42,7 @@ _NONE: Final = -1
 """No class: irregular, or unknown."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Segment:
     """A part of the log with one gait."""
 
@@ -128,7 +128,7 @@ _Run = tuple[int, int]
 """First stride, and stride after the last."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class _Kinds:
     """The class and the period of n strides."""
 

@@ -26,7 +26,7 @@ SWINGS: Final = ("clearance_m", "swing_length_m", "touchdown_down_mps", "touchdo
 STEPS: Final = ("step_length_m", "step_width_m")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Footfalls:
     """Position of a foot in each of its stances."""
 
