@@ -81,7 +81,8 @@ def read_frames(
     read = read_recording(log, wanted, jobs, progress, log.grouped(_useful(log, channels)))
     losses = (*read.losses, *malformed_messages(channels, read.malformed))
     unread = tuple(channel for channel in foxglove if channel.id not in channels)
-    return Frames(recorded_frames(read.recording), channels, unread, losses)
+    frames = recorded_frames(read.recording.transforms, read.recording.slashed_frames)
+    return Frames(frames, channels, unread, losses)
 
 
 def _useful(log: Log, channels: Mapping[int, Channel]) -> Iterator[Chunk]:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 from itertools import accumulate
@@ -11,9 +12,8 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import all_finite, distinct
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.transforms import Transforms
+from dogbot_logtool.core.frames.transforms import Edge, Transforms
 from dogbot_logtool.core.quality import TopicQuality, topic_quality, topic_times
-from dogbot_logtool.core.recording import Recording
 
 NORM_TOLERANCE: Final = 0.01
 """A quaternion whose squared norm is further from 1 is not normalised. tf2's tolerance: it
@@ -66,14 +66,20 @@ class RecordedFrames:
     """Transforms of further pairs of frames, when there were `MOST_EDGES`."""
 
 
-def recorded_frames(recording: Recording) -> RecordedFrames:
-    """Measure all transforms of a log, pair by pair of frames."""
-    transforms = recording.transforms
+def recorded_frames(
+    transforms: Mapping[Edge, Transforms], slashed: AbstractSet[str]
+) -> RecordedFrames:
+    """Measure all transforms of a log, pair by pair of frames.
+
+    Args:
+        transforms: by parent and child.
+        slashed: frame ids that begin with a slash.
+    """
     unnamed = [len(own.stamp) for pair, own in transforms.items() if not all(pair)]
     named = sorted(pair for pair in transforms if all(pair))
     return RecordedFrames(
         edges=tuple(_edge(*pair, transforms[pair]) for pair in named[:MOST_EDGES]),
-        slashed=tuple(sorted(recording.slashed_frames)),
+        slashed=tuple(sorted(slashed)),
         unnamed=sum(unnamed),
         left_out=sum(len(transforms[pair].stamp) for pair in named[MOST_EDGES:]),
     )
