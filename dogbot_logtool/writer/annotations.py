@@ -9,9 +9,8 @@ from typing import Any, Final, Protocol
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints, rows_by_group
-from dogbot_logtool.core.base.poses import Transforms
-from dogbot_logtool.core.frames.kinematics import LinkTransforms
+from dogbot_logtool.core.arrays import Ints, rows_by_group
+from dogbot_logtool.core.frames.kinematics import LinkTransforms, Transforms
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.core.scene.foot_style import short_names
 from dogbot_logtool.core.scene.loads import Labels, Loads
@@ -53,7 +52,7 @@ class Timed(Protocol):
         """(n,) ns."""
 
 
-Drawn = Transforms | LinkTransforms | Arrows | Loads | Labels | SupportScene | LegLines
+Drawn = Transforms | Arrows | Loads | Labels | SupportScene | LegLines
 """Columns of one kind of annotation."""
 
 
@@ -122,12 +121,10 @@ class Annotations:
         wanted = self._wanted
         frame, feet, look = wanted.world_frame, wanted.feet, wanted.look
         match drawn:
-            case Transforms(translation=translation, rotation=rotation):
-                pair = (frame, wanted.base_frame)
-                records = self._transforms((pair,), drawn, translation[:, None], rotation[:, None])
-            case LinkTransforms(poses=poses):
-                pairs = tuple(wanted.links)
-                records = self._transforms(pairs, drawn, poses.translation, poses.rotation)
+            case LinkTransforms():
+                records = self._transforms(tuple(wanted.links), drawn)
+            case Transforms():
+                records = self._transforms(((frame, wanted.base_frame),), drawn)
             case Arrows():
                 shapes = [drawing.arrow(foot, frame, look) for foot in feet]
                 records = self._at_feet(arrow_topic, shapes, drawn, drawing.arrow_columns(drawn))
@@ -143,27 +140,16 @@ class Annotations:
         return records
 
     def _transforms(
-        self,
-        pairs: tuple[tuple[str, str], ...],
-        timed: Timed,
-        translation: Floats,
-        rotation: Floats,
+        self, pairs: tuple[tuple[str, str], ...], drawn: Transforms
     ) -> Iterator[Records]:
-        """Yield messages of the transforms of some parents and children.
-
-        Args:
-            pairs: k parents and children.
-            timed: (n,) times.
-            translation: (n, k, 3) m.
-            rotation: (n, k, 4) quaternions, x y z w.
-        """
+        """Yield messages of the transforms of k parents and children."""
         columns: dict[str, Any] = {}
         for index in range(len(pairs)):
-            columns |= parts("xyz", translation[:, index], f"{index}.")
-            columns |= parts("xyzw", rotation[:, index], f"{index}.q")
+            columns |= parts("xyz", drawn.translation[:, index], f"{index}.")
+            columns |= parts("xyzw", drawn.rotation[:, index], f"{index}.q")
         template = kept_template(self.encoding.transforms, pairs)
-        same = np.zeros(len(timed.stamp), np.int64)
-        return self._grouped(same, lambda _: (TF_TOPIC, template), timed, columns)
+        same = np.zeros(len(drawn.stamp), np.int64)
+        return self._grouped(same, lambda _: (TF_TOPIC, template), drawn, columns)
 
     def _at_feet(
         self,

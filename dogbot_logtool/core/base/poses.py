@@ -30,9 +30,6 @@ from dogbot_logtool.core.rotations import (
     rotate,
 )
 
-LARGEST_LAG_NS: Final = 100_000_000
-"""ns: stamps further behind log time are of another clock."""
-
 
 @dataclass(frozen=True, slots=True)
 class Odometry:
@@ -84,20 +81,6 @@ def scaled(odometry: Odometry, metres: float) -> Odometry:
     return replace(odometry, position=position, linear_velocity=velocity)
 
 
-@dataclass(frozen=True, slots=True)
-class Transforms:
-    """Poses of one frame in its parent frame."""
-
-    log_time: Ints
-    """(n,) ns."""
-    stamp: Ints
-    """(n,) ns, the time at which the pose holds."""
-    translation: Floats
-    """(n, 3) m, in the parent frame."""
-    rotation: Floats
-    """(n, 4) quaternion x, y, z, w."""
-
-
 def usable_poses(odometry: Odometry) -> Flags:
     """Tell which poses can be a transform: all numbers finite and the quaternion not zero.
 
@@ -108,35 +91,6 @@ def usable_poses(odometry: Odometry) -> Flags:
     finite &= all_finite(odometry.orientation)
     turned: Flags = (odometry.orientation != 0.0).any(axis=1)
     return finite & turned
-
-
-def base_transforms(odometry: Odometry) -> Transforms:
-    """Turn poses into transforms of the base in the world, verbatim: nothing is normalised."""
-    return Transforms(odometry.log_time, odometry.time, odometry.position, odometry.orientation)
-
-
-def from_opening(transforms: Transforms, opening: int) -> Transforms:
-    """Return transforms of which the first also stands at the log's first time.
-
-    Its stamp is that time, too, unless the clock of the stamps is another one: a stamp from the
-    future of the others would hold for ever.
-
-    Args:
-        transforms: the first of a log.
-        opening: ns, log time.
-    """
-    if not len(transforms.stamp):
-        return transforms
-    first = int(transforms.stamp[0])
-    if int(transforms.log_time[0]) <= opening and first <= opening:
-        return transforms
-    stamp = opening if first > opening - LARGEST_LAG_NS else first
-    return Transforms(
-        log_time=np.concatenate([[opening], transforms.log_time]),
-        stamp=np.concatenate([[stamp], transforms.stamp]),
-        translation=np.concatenate([transforms.translation[:1], transforms.translation]),
-        rotation=np.concatenate([transforms.rotation[:1], transforms.rotation]),
-    )
 
 
 POSE_RATE_HZ: Final = 100.0
