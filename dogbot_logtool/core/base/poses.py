@@ -24,6 +24,7 @@ from dogbot_logtool.core.corrections.clock import (
 )
 from dogbot_logtool.core.quality import steady_gap_ns
 from dogbot_logtool.core.rotations import (
+    along_heading,
     from_roll_pitch_yaw,
     normalised,
     roll_pitch_yaw,
@@ -137,17 +138,33 @@ class BaseHistory:
         """How far a pose tells of, ns: further where poses are rare."""
         return max(LOOKUP_S, min(self.interval_s, SLOWEST_S)) * 1e9
 
-    def without_poses(self) -> "BaseHistory":
-        """Return the history of poses of which none can be used."""
-        none = np.empty((0, 3))
+    def pick(self, rows: Ints) -> "BaseHistory":
+        """Return the poses of some rows, ascending; where others lay between are gaps."""
+        time = self.time[rows]
+        silent = np.isin(time[:-1], self.gaps[:, 0]) | (np.diff(rows) > 1)
         return replace(
             self,
-            time=self.time[:0],
-            position=none,
-            angles=none,
-            velocity=none,
-            gaps=self.gaps[:0],
+            time=time,
+            position=self.position[rows],
+            angles=self.angles[rows],
+            velocity=self.velocity[rows],
+            gaps=np.stack([time[:-1][silent], time[1:][silent]], axis=1),
         )
+
+    def without_poses(self) -> "BaseHistory":
+        """Return the history of poses of which none can be used."""
+        return self.pick(np.empty(0, np.int64))
+
+    def steps(self, forward_rad: float) -> Floats:
+        """(3, n - 1) m ahead and to the left, and rad turned, from each pose to the next.
+
+        Args:
+            forward_rad: from the body's x axis to the axis that points forward.
+        """
+        yaw = self.angles[:, 2]
+        heading = (yaw[1:] + yaw[:-1]) / 2.0 + forward_rad
+        way = along_heading(np.diff(self.position[:, :2], axis=0), heading)
+        return np.stack([*way, np.diff(yaw)])
 
     def position_at(self, time: Ints) -> Floats:
         """Interpolate the position linearly between poses.
