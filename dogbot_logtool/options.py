@@ -26,7 +26,7 @@ Pairs = Mapping[str, Any] | None
 # Groups
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class RobotOptions:
     """Which robot it is, and where its feet and its base are found."""
 
@@ -50,7 +50,7 @@ class RobotOptions:
     """Further files of the same recording, merged with the log by time."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class JoinOptions:
     """Files of one recording."""
 
@@ -59,7 +59,7 @@ class JoinOptions:
     time."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class SpanOptions:
     """A part of the log."""
 
@@ -69,7 +69,7 @@ class SpanOptions:
     """Up to here, s since the log's start."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class JobOptions:
     """How much is done at once."""
 
@@ -77,12 +77,12 @@ class JobOptions:
     """Processes at work; default: all cores, in Python 1. The result is the same."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class MeasureOptions(JobOptions, SpanOptions, JoinOptions, RobotOptions):
     """Options of all that measures."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class BaselineOptions(MeasureOptions):
     """Options of `check` beside its limits."""
 
@@ -90,7 +90,7 @@ class BaselineOptions(MeasureOptions):
     """`stats --json` of the run that rules with `baseline` compare with."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class InfoOptions(JobOptions, JoinOptions, RobotOptions):
     """Options of `info`."""
 
@@ -98,7 +98,7 @@ class InfoOptions(JobOptions, JoinOptions, RobotOptions):
     """Read every transform: rate, gaps and senders of each frame, and what breaks the tree."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class ConvertOptions(MeasureOptions):
     """Options of `convert`."""
 
@@ -132,7 +132,7 @@ class ConvertOptions(MeasureOptions):
         return tuple(glob[1:] for glob in self.topics if glob.startswith("!"))
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class CompareOptions:
     """Options of `compare` without --gait."""
 
@@ -150,7 +150,7 @@ class CompareOptions:
     """Differences that are printed one by one."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class QuietOptions:
     """How much is printed."""
 
@@ -160,7 +160,7 @@ class QuietOptions:
     """Print notes, causes of nulls and lists too."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class CommonOptions(QuietOptions):
     """What all commands with a result have."""
 
@@ -168,7 +168,7 @@ class CommonOptions(QuietOptions):
     """Print the result as JSON on stdout."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class LogOptions(QuietOptions):
     """The logs of a call."""
 
@@ -176,7 +176,7 @@ class LogOptions(QuietOptions):
     """Files, directories, globs, @LIST or URLs."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class ClusterOptions:
     """Work on other machines."""
 
@@ -184,7 +184,7 @@ class ClusterOptions:
     """Use the workers of dask.distributed, such as tcp://host:8786."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class OutputOptions:
     """What is written."""
 
@@ -194,7 +194,7 @@ class OutputOptions:
     """Replace the output if it exists."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class JunitOptions:
     """A report for CI."""
 
@@ -207,7 +207,7 @@ class JunitOptions:
 # Commands
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Info(LogOptions, ClusterOptions, InfoOptions, CommonOptions):
     """Show what is in a log, what is used of it, and what is wrong.
 
@@ -215,7 +215,7 @@ class Info(LogOptions, ClusterOptions, InfoOptions, CommonOptions):
     """
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Convert(LogOptions, ClusterOptions, OutputOptions, ConvertOptions, CommonOptions):
     """Write an annotated MCAP: the log, arrows, loads and events.
 
@@ -229,7 +229,7 @@ class Convert(LogOptions, ClusterOptions, OutputOptions, ConvertOptions, CommonO
     """
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Stats(LogOptions, ClusterOptions, MeasureOptions, CommonOptions):
     """Measure a walk: gait, loads, and whether to trust the log.
 
@@ -246,7 +246,7 @@ class Stats(LogOptions, ClusterOptions, MeasureOptions, CommonOptions):
     """Replace the figure if it exists."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Report(LogOptions, OutputOptions, MeasureOptions, CommonOptions):
     """Write a page: the walk in 3D, gait, loads, and what to doubt.
 
@@ -265,7 +265,7 @@ class Report(LogOptions, OutputOptions, MeasureOptions, CommonOptions):
     """Show the walk in 3D, which takes up to a megabyte."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Check(LogOptions, ClusterOptions, JunitOptions, BaselineOptions, CommonOptions):
     """Judge logs by rules: each is GOOD, WARN, FAIL or UNKNOWN.
 
@@ -286,7 +286,7 @@ class Check(LogOptions, ClusterOptions, JunitOptions, BaselineOptions, CommonOpt
     """Print limits that these runs pass, as a file to edit."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Export(LogOptions, ClusterOptions, OutputOptions, MeasureOptions):
     """Write a table of strides, stances, events, poses or samples.
 
@@ -314,7 +314,7 @@ class Export(LogOptions, ClusterOptions, OutputOptions, MeasureOptions):
     """With --dataset: remove logs from there that are gone from where they were."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Compare(JunitOptions, JobOptions, RobotOptions, CompareOptions, CommonOptions):
     """Compare two logs, or two `stats --json` files, with tolerances.
 
@@ -337,7 +337,7 @@ class Compare(JunitOptions, JobOptions, RobotOptions, CompareOptions, CommonOpti
     """Compare how the robot walks in two logs, or groups of logs: which metrics differ?"""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Layout(OutputOptions, RobotOptions, QuietOptions):
     """Print a viewer's layout: the robot, its loads, its gait diagram.
 
@@ -353,7 +353,7 @@ class Layout(OutputOptions, RobotOptions, QuietOptions):
     """The file to write; default: stdout."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Robots(OutputOptions, JoinOptions, RobotOptions, CommonOptions):
     """List the known robots, or print one's file to copy and edit.
 

@@ -27,7 +27,7 @@ from dogbot_logtool.reader.recording import in_time_order
 from dogbot_logtool.writer.annotations import Drawn
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Scene:
     """All that is drawn of a walk; columns are sorted by log time."""
 

@@ -25,6 +25,7 @@ from dogbot_logtool.reader.containers.log import Chunk, Log, Loss
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
 from dogbot_logtool.reader.workers import Start, in_order
 from dogbot_logtool.run.runner import OnProgress
+from dogbot_logtool.writer import described
 from dogbot_logtool.writer.annotations import Annotations
 from dogbot_logtool.writer.channels import AddedChannels
 from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunk, finish_chunks
@@ -175,14 +176,16 @@ def annotate_span(
 
 def event_records(annotations: Annotations, scene: Scene) -> Iterator[MessageRecords]:
     """Yield the messages of `/gait`, `/events` and `/events/spans`."""
-    encoding, channels = annotations.encoding, annotations.channels
-    yield _records(channels[GAIT_TOPIC], map(encoding.gait, scene.gaits), scene.gait_log_time)
+    made, channels = annotations.encoding.message, annotations.channels
+    gaits = (made(described.gait(each)) for each in scene.gaits)
+    yield _records(channels[GAIT_TOPIC], gaits, scene.gait_log_time)
     events, log_time = scene.events, scene.event_log_time
-    yield _records(channels[EVENTS_TOPIC], map(encoding.event, events), log_time)
+    logged = (made(described.event(each)) for each in events)
+    yield _records(channels[EVENTS_TOPIC], logged, log_time)
     if SPANS_TOPIC in channels:
         # A viewer's timeline shows what calls for a look; steps are in the log panel.
         odd = [row for row, each in enumerate(events) if not each.is_step]
-        spans = (encoding.span(events[row]) for row in odd)
+        spans = (made(described.span(events[row])) for row in odd)
         yield _records(channels[SPANS_TOPIC], spans, log_time[odd])
 
 

@@ -24,7 +24,7 @@ from dogbot_logtool.writer.chunks import (
 from dogbot_logtool.writer.message_records import record_bounds, recorded
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class CopiedSpan:
     """What is made of the messages of some neighbouring chunks."""
 
@@ -36,7 +36,7 @@ class CopiedSpan:
     """Contact states that have none, by why."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Copier:
     """Copies the messages of a log while they are read, and draws their contact states."""
 

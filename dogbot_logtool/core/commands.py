@@ -51,7 +51,7 @@ _FEWEST_WINDOWS: Final = 4
 """Times the window; a correlation over less time means nothing."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class CommandTrack:
     """Commanded and measured velocity over time."""
 

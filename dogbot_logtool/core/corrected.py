@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.vectors import VectorHistory
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Corrected:
     """The columns of a recording on one clock, with forces in the world above sensors' offsets."""
 

@@ -28,7 +28,7 @@ def centre_of_pressure(points: Floats, load: Floats) -> Floats:
     return centre
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Hulls:
     """Convex hulls of the feet that are down, seen from above."""
 

@@ -7,7 +7,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Integral:
     """Running totals of k columns, so that they can be asked for between any two times."""
 

@@ -34,7 +34,7 @@ _ENOUGH_SAMPLES: Final = 10_000
 """Contact samples of a foot that decide the frame of its wrenches, at most."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class KnownFrames:
     """What a recording tells of its frames."""
 

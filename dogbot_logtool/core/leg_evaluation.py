@@ -182,19 +182,13 @@ def _swinging(leg: LegFoot, foot: FootSteps, path: FootPath) -> tuple[LegFoot, F
 def _steps(walk: Walk, row: int, stood: Sequence[Footfalls | None]) -> dict[str, Floats]:
     """Return the steps of a foot against the other of its pair, where both are known."""
     others = [
-        number for number in range(len(walk.feet)) if number != row and paired(walk, row, number)
+        number for number in range(len(walk.feet)) if number != row and walk.paired(row, number)
     ]
     own = stood[row]
     other = stood[others[0]] if len(others) == 1 else None
     if own is None or other is None:
         return {}
     return steps(walk.feet[row].strides, own, other, walk.feet[others[0]].stances.touchdown)
-
-
-def paired(walk: Walk, foot: int, other: int) -> bool:
-    """Tell whether two feet are at the same end of the robot; both of a biped are."""
-    one, two = walk.feet[foot].leg_position, walk.feet[other].leg_position
-    return len(walk.feet) == 2 or bool(one and two and one[0] == two[0])
 
 
 def _joints(

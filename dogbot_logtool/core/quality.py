@@ -141,7 +141,7 @@ class TopicQuality:
     """Millionths by which log time runs faster than the header stamps."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class TopicTimes:
     """When the messages of a topic were logged, and what their headers say."""
 

@@ -12,7 +12,7 @@ from dogbot_logtool.core.legs.joints import JointTable
 from dogbot_logtool.core.vectors import VectorSamples
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Times:
     """Times of a topic's messages, in the order of their log times."""
 
@@ -22,7 +22,7 @@ class Times:
     """(n,) ns, header stamps as recorded; None for messages without a header, or of no use."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class VectorTopic:
     """Vectors of one topic: velocity commands, or accelerations."""
 
@@ -31,7 +31,7 @@ class VectorTopic:
     """Header frame ids among them, sorted."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Recording:
     """Everything that was recorded of the base, feet, joints and frames, by log time."""
 

@@ -25,7 +25,7 @@ _CHUNK_NUMBERS: Final = 500_000
 """Pairs of feet, times instants, that are looked at in one go."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Instants:
     """Base and feet at n instants, up to 100 a second, of the time that is known of all of them."""
 

@@ -32,7 +32,7 @@ MOST: Final = 1e6
 """m/s, rad/s or m/s^2; no robot reaches more."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class VectorSamples:
     """Vectors that messages of one topic hold, in the order of the log."""
 
@@ -46,7 +46,7 @@ class VectorSamples:
     """(n, 3) rad/s, of an inertial unit; NaN: not recorded."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class VectorHistory:
     """Vectors of one topic at up to 100 Hz."""
 

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.vectors import VectorHistory
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Walk:
     """All that is known of the walk in one log; nothing but `metrics` has what findings void.
 
@@ -177,6 +177,11 @@ class Walk:
         """Whether the contacts of all feet are known, on one clock."""
         known = all(foot.contact_known or foot.record.start is None for foot in self.feet)
         return known and not (self.feet_clocks_are_apart or self.settings.lacks_feet)
+
+    def paired(self, foot: int, other: int) -> bool:
+        """Tell whether two feet are at the same end of the robot; both of a biped are."""
+        one, two = self.feet[foot].leg_position, self.feet[other].leg_position
+        return len(self.feet) == 2 or bool(one and two and one[0] == two[0])
 
     def seconds(self, time: Ints) -> list[float]:
         """Return times as seconds since the origin, to the nanosecond."""

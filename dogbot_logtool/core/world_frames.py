@@ -30,7 +30,7 @@ class PlacedCounts:
     """The same of samples without a contact point, for which the position of a frame stands in."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class WorldFrames:
     """How frames of feet hang in the world."""
 

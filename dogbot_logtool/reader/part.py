@@ -31,7 +31,7 @@ ONLY = 0
 """Which one of a kind that there is one of."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Numbers:
     """A column of numbers."""
 
@@ -39,7 +39,7 @@ class Numbers:
     """(n,)."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Stamps:
     """Times of messages with a header."""
 
@@ -49,7 +49,7 @@ class Stamps:
     """(n,) ns."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Part:
     """What is in some neighbouring chunks."""
 
@@ -154,14 +154,13 @@ def _add_transforms(part: Part, wanted: Wanted, batch: Batch, whole: Batch) -> N
 
 def _joint_tables(part: Part, batch: Batch, wanted: Wanted) -> Iterator[JointTable]:
     """Yield the joint states of each channel."""
-    for joints in wanted.joints:
-        for read, malformed in read_joints(batch, joints.channel):
+    for channel in wanted.joints:
+        for read, malformed in read_joints(batch, channel):
             part.add_malformed(malformed)
-            wanted_names = [name for name in read.names if name not in joints.left_out]
-            names = tuple(wanted_names[:MOST_JOINTS])
+            names = read.names[:MOST_JOINTS]
             if names and len(read.samples.log_time):
-                columns = np.array([read.names.index(name) for name in names])
-                yield JointTable(read.topic, names, read.samples.only(columns))
+                samples = read.samples.only(np.arange(len(names)))
+                yield JointTable(read.topic, names, samples)
 
 
 def _stamped(

@@ -274,7 +274,7 @@ def left_after_ns(lags: Sequence[Ints], step: Ints) -> int | None:
 
 def _all_joints(parts: Sequence[JointTable], wanted: Wanted) -> tuple[JointTable, ...]:
     """Join the joint states of each topic; NaN where a message does not have a joint."""
-    by_topic: dict[str, list[JointTable]] = {each.channel.topic: [] for each in wanted.joints}
+    by_topic: dict[str, list[JointTable]] = {each.topic: [] for each in wanted.joints}
     for part in parts:
         by_topic[part.topic].append(part)
     return tuple(_one_table(topic, tables) for topic, tables in by_topic.items() if tables)

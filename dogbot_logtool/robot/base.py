@@ -32,7 +32,7 @@ _MOST_OFFERED: Final = 3
 _MOST_LISTED: Final = 12
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ChosenBase:
     """The base of a log, and the robot with the frames that it names."""
 

@@ -4,8 +4,8 @@ import struct
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import chain, repeat
-from typing import Any, Final, Protocol
+from itertools import chain
+from typing import Final
 
 import numpy as np
 
@@ -15,10 +15,11 @@ from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.core.scene.foot_style import short_names
 from dogbot_logtool.core.scene.loads import Labels, Loads
 from dogbot_logtool.core.scene.support_scene import LegLines, SupportScene
-from dogbot_logtool.writer import drawing
+from dogbot_logtool.writer import described, markers
 from dogbot_logtool.writer.channels import AddedChannels
-from dogbot_logtool.writer.drawing import Drawing, Look, parts
-from dogbot_logtool.writer.encodings.encoding import LOAD_STATES, Encoding, MessageType
+from dogbot_logtool.writer.described import LOAD_STATES, Described
+from dogbot_logtool.writer.encodings.encoding import Encoding, MessageType
+from dogbot_logtool.writer.markers import Look
 from dogbot_logtool.writer.message_records import MessageRecords, by_channel, recorded
 from dogbot_logtool.writer.template import Columns, Records, Template
 from dogbot_logtool.writer.topics import (
@@ -40,20 +41,12 @@ _CDR_HEAD: Final = b"\x00\x01\x00\x00"
 """Little-endian CDR."""
 
 
-class Timed(Protocol):
-    """Columns with times."""
-
-    @property
-    def log_time(self) -> Ints:
-        """(n,) ns."""
-
-    @property
-    def stamp(self) -> Ints:
-        """(n,) ns."""
-
-
 Drawn = Transforms | Arrows | Loads | Labels | SupportScene | LegLines
 """Columns of one kind of annotation."""
+DescribedBy = tuple[str, Callable[..., Described], tuple[Hashable, ...]]
+"""A topic, the function that describes its message, and what that takes."""
+Groups = tuple[Ints, Callable[[int], DescribedBy], Columns]
+"""(n,) the group of each message; what describes a group's messages; and their columns."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,18 +81,20 @@ class Annotations:
             LogtoolError: the log uses all ids that there are.
         """
         self.encoding, self._wanted = encoding, wanted
-        types = {
-            TF_TOPIC: encoding.transform_type if wanted.has_transforms else None,
-            **{arrow_topic(foot): encoding.arrow_type for foot in wanted.feet},
-            **{load_topic(foot): encoding.load_type for foot in wanted.feet},
-            **{label_topic(foot): encoding.arrow_type for foot in wanted.feet},
-            SUPPORT_TOPIC: encoding.support_type if wanted.has_support else None,
-            LEGS_TOPIC: encoding.arrow_type if wanted.has_legs else None,
-            ROBOT_DESCRIPTION_TOPIC: wanted.description,
-            EVENTS_TOPIC: encoding.event_type,
-            GAIT_TOPIC: encoding.gait_type,
-            SPANS_TOPIC: encoding.span_type,
+        names = {
+            TF_TOPIC: described.TF if wanted.has_transforms else "",
+            **{arrow_topic(foot): described.MARKER for foot in wanted.feet},
+            **{load_topic(foot): described.LOAD for foot in wanted.feet},
+            **{label_topic(foot): described.MARKER for foot in wanted.feet},
+            SUPPORT_TOPIC: described.MARKERS if wanted.has_support else "",
+            LEGS_TOPIC: described.MARKER if wanted.has_legs else "",
+            ROBOT_DESCRIPTION_TOPIC: "",
+            EVENTS_TOPIC: described.LOG,
+            GAIT_TOPIC: described.GAIT,
+            SPANS_TOPIC: described.SPAN,
         }
+        types = {topic: encoding.types.get(name) for topic, name in names.items()}
+        types[ROBOT_DESCRIPTION_TOPIC] = wanted.description
         self.channels = {topic: added.declare(topic, kind) for topic, kind in types.items() if kind}
         """Ids by topic, whatever the log calls it."""
 
@@ -117,125 +112,101 @@ class Annotations:
         return by_channel(chain.from_iterable(map(self._records, drawn)))
 
     def _records(self, drawn: Drawn) -> Iterator[Records]:
-        """Yield the records of one kind of annotation, channel by channel."""
-        wanted = self._wanted
-        frame, feet, look = wanted.world_frame, wanted.feet, wanted.look
+        """Yield the messages of one kind of annotation, those of one topic and template at once."""
+        group, described_by, columns = self._groups(drawn)
+        columns = {**columns, **self.encoding.stamp_columns(drawn.stamp)}
+        for number, rows in rows_by_group(group):
+            topic, describe, of = described_by(number)
+            template = _kept_template(self.encoding, describe, *of)
+            yield template.records(self.channels[topic], drawn.log_time, columns, rows)
+
+    def _groups(self, drawn: Drawn) -> Groups:
+        """Return which messages share a topic and a template, what these are, and the columns."""
+        frame, feet, look = self._wanted.world_frame, self._wanted.feet, self._wanted.look
         match drawn:
             case LinkTransforms():
-                records = self._transforms(tuple(wanted.links), drawn)
+                groups = _transforms(tuple(self._wanted.links), drawn)
             case Transforms():
-                records = self._transforms(((frame, wanted.base_frame),), drawn)
+                groups = _transforms(((frame, self._wanted.base_frame),), drawn)
             case Arrows():
-                shapes = [drawing.arrow(foot, frame, look) for foot in feet]
-                records = self._at_feet(arrow_topic, shapes, drawn, drawing.arrow_columns(drawn))
+                arrows = [(arrow_topic(foot), markers.arrow, (foot, frame, look)) for foot in feet]
+                groups = _shown_or_not(drawn, arrows, markers.arrow_columns(drawn))
             case Labels():
-                shapes = list(map(drawing.label, feet, repeat(frame), short_names(feet)))
-                records = self._at_feet(label_topic, shapes, drawn, drawing.label_columns(drawn))
+                labels = [
+                    (label_topic(foot), markers.label, (foot, frame, name))
+                    for foot, name in zip(feet, short_names(feet), strict=True)
+                ]
+                groups = _shown_or_not(drawn, labels, markers.label_columns(drawn))
             case Loads():
-                records = self._loads(drawn)
+                groups = _loads(drawn, feet)
             case SupportScene():
-                records = self._supports(drawn)
+                groups = _supports(drawn, frame, look)
             case LegLines():
-                records = self._leg_lines(drawn)
-        return records
+                groups = _leg_lines(drawn, frame, look)
+        return groups
 
-    def _transforms(
-        self, pairs: tuple[tuple[str, str], ...], drawn: Transforms
-    ) -> Iterator[Records]:
-        """Yield messages of the transforms of k parents and children."""
-        columns: dict[str, Any] = {}
-        for index in range(len(pairs)):
-            columns |= parts("xyz", drawn.translation[:, index], f"{index}.")
-            columns |= parts("xyzw", drawn.rotation[:, index], f"{index}.q")
-        template = kept_template(self.encoding.transforms, pairs)
-        same = np.zeros(len(drawn.stamp), np.int64)
-        return self._grouped(same, lambda _: (TF_TOPIC, template), drawn, columns)
 
-    def _at_feet(
-        self,
-        topic_of: Callable[[str], str],
-        drawings: Sequence[Drawing],
-        shown: Arrows | Labels,
-        columns: Columns,
-    ) -> Iterator[Records]:
-        """Yield messages that draw something at a foot, or remove it."""
+def _transforms(pairs: tuple[tuple[str, str], ...], drawn: Transforms) -> Groups:
+    """Group the transforms of k parents and children."""
+    columns = described.transform_columns(drawn.translation, drawn.rotation)
+    group = np.zeros(len(drawn.stamp), np.int64)
+    return group, lambda _: (TF_TOPIC, described.transforms, (pairs,)), columns
 
-        def template_of(group: int) -> tuple[str, Template]:
-            foot, removed = divmod(group, 2)
-            make = self.encoding.removal if removed else self.encoding.drawing
-            return topic_of(self._wanted.feet[foot]), kept_template(make, drawings[foot])
 
-        return self._grouped(2 * shown.foot + ~shown.shown, template_of, shown, columns)
+def _shown_or_not(
+    drawn: Arrows | Labels, by_foot: Sequence[DescribedBy], columns: Columns
+) -> Groups:
+    """Group what is drawn at a foot, or removed from it."""
 
-    def _loads(self, loads: Loads) -> Iterator[Records]:
-        def template_of(group: int) -> tuple[str, Template]:
-            foot, state = divmod(group, len(LOAD_STATES))
-            template = kept_template(self.encoding.load, LOAD_STATES[state])
-            return load_topic(self._wanted.feet[foot]), template
+    def described_by(group: int) -> DescribedBy:
+        foot, removed = divmod(group, 2)
+        topic, describe, of = by_foot[foot]
+        return topic, describe, (*of, not removed)
 
-        force, weights = loads.force, loads.body_weights
-        columns = {"in_contact": loads.in_contact, "force": force, "force_bw": weights}
-        group = len(LOAD_STATES) * loads.foot + loads.state
-        return self._grouped(group, template_of, loads, columns)
+    return 2 * drawn.foot + ~drawn.shown, described_by, columns
 
-    def _supports(self, scene: SupportScene) -> Iterator[Records]:
-        """Yield messages of what the robot stands on, those of one size at a time."""
-        points = drawing.support_points(scene).values()
-        sizes = [each.shape[1] + 1 for each in points]
-        counts = [np.isfinite(each[:, :, 0]).sum(axis=1) for each in points]
 
-        def template_of(group: int) -> tuple[str, Template]:
-            shape = list(map(int, np.unravel_index(group, sizes)))
-            drawn = drawing.support(shape, self._wanted.world_frame, self._wanted.look)
-            return SUPPORT_TOPIC, kept_template(self.encoding.drawing, drawn)
+def _loads(loads: Loads, feet: Sequence[str]) -> Groups:
+    def described_by(group: int) -> DescribedBy:
+        foot, rest = divmod(group, 2 * len(LOAD_STATES))
+        state, touches = divmod(rest, 2)
+        return load_topic(feet[foot]), described.load, (LOAD_STATES[state], bool(touches))
 
-        group = np.ravel_multi_index(counts, sizes)
-        return self._grouped(group, template_of, scene, drawing.support_columns(scene))
+    group = 2 * (len(LOAD_STATES) * loads.foot + loads.state) + loads.in_contact
+    return group, described_by, {"force": loads.force, "force_bw": loads.body_weights}
 
-    def _leg_lines(self, lines: LegLines) -> Iterator[Records]:
-        """Yield messages of legs, those of the same standing feet at a time."""
-        standing = np.isfinite(lines.ends[:, :, 0, 0])
-        patterns, group = np.unique(standing, axis=0, return_inverse=True)
 
-        def template_of(group: int) -> tuple[str, Template]:
-            feet = tuple(np.flatnonzero(patterns[group]).tolist())
-            make = self.encoding.drawing if feet else self.encoding.removal
-            drawn = drawing.legs(feet, self._wanted.world_frame, self._wanted.look)
-            return LEGS_TOPIC, kept_template(make, drawn)
+def _supports(scene: SupportScene, frame: str, look: Look) -> Groups:
+    """Group messages of what the robot stands on by their numbers of points."""
+    points = markers.support_points(scene).values()
+    sizes = [each.shape[1] + 1 for each in points]
+    counts = [np.isfinite(each[:, :, 0]).sum(axis=1) for each in points]
 
-        columns = drawing.leg_columns(lines)
-        return self._grouped(group.reshape(-1), template_of, lines, columns)
+    def described_by(group: int) -> DescribedBy:
+        shape = tuple(map(int, np.unravel_index(group, sizes)))
+        return SUPPORT_TOPIC, markers.support, (shape, frame, look)
 
-    def _grouped(
-        self,
-        group: Ints,
-        template_of: Callable[[int], tuple[str, Template]],
-        timed: Timed,
-        columns: Columns,
-    ) -> Iterator[Records]:
-        """Yield the messages of rows that share a topic and a template.
+    return np.ravel_multi_index(counts, sizes), described_by, markers.support_columns(scene)
 
-        Args:
-            group: (n,) number of each row's topic and template.
-            template_of: returns these.
-            timed: (n,) times.
-            columns: (n,) of all slots but the stamps.
-        """
-        stamped = {**columns, **self.encoding.stamp_columns(timed.stamp)}
-        for number, rows in rows_by_group(group):
-            topic, template = template_of(number)
-            yield template.records(self.channels[topic], timed.log_time, stamped, rows)
+
+def _leg_lines(lines: LegLines, frame: str, look: Look) -> Groups:
+    """Group messages of legs by their standing feet."""
+    standing = np.isfinite(lines.ends[:, :, 0, 0])
+    patterns, group = np.unique(standing, axis=0, return_inverse=True)
+
+    def described_by(group: int) -> DescribedBy:
+        feet = tuple(np.flatnonzero(patterns[group]).tolist())
+        return LEGS_TOPIC, markers.legs, (feet, frame, look)
+
+    return group.reshape(-1), described_by, markers.leg_columns(lines)
 
 
 @lru_cache(_TEMPLATES_KEPT)
-def kept_template(make: Callable[..., Template], *of: Hashable) -> Template:
-    """Return a template, which outputs that are alike share.
-
-    Args:
-        make: method of an encoding that makes it.
-        of: what the method takes.
-    """
-    return make(*of)
+def _kept_template(
+    encoding: Encoding, describe: Callable[..., Described], *of: Hashable
+) -> Template:
+    """Return the template of what a function describes, which outputs that are alike share."""
+    return encoding.template(describe(*of))
 
 
 def description_type(profile: str) -> MessageType:

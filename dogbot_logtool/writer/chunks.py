@@ -40,7 +40,7 @@ class _Codecs(threading.local):
 _CODECS: Final = _Codecs()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FinishedChunk:
     """A chunk record and its message index records, ready to be written."""
 

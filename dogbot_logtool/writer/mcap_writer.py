@@ -36,10 +36,9 @@ class McapWriter:
         self._sink = sink
         self._offset = 0
         self._crc = 0
-        self._summary = {opcode: bytearray() for opcode in _SUMMARY_GROUPS}
+        self._summary: dict[Opcode, list[bytes]] = {opcode: [] for opcode in _SUMMARY_GROUPS}
         self.channel_counts: dict[int, int] = {}
         """Messages written, by channel id."""
-        self._numbers = dict.fromkeys(("schemas", "channels", "chunks", "extras", "metadata"), 0)
         self._start: int | None = None
         self._end: int | None = None
         self._write(MAGIC)
@@ -47,13 +46,11 @@ class McapWriter:
 
     def add_schema(self, schema: records.Schema) -> None:
         """Write a schema; it must come before its channels."""
-        self._numbers["schemas"] += 1
-        self._summary[Opcode.SCHEMA] += self._write_record(schema)
+        self._summary[Opcode.SCHEMA].append(self._write_record(schema))
 
     def add_channel(self, channel: records.Channel) -> None:
         """Write a channel; it must come before its messages."""
-        self._numbers["channels"] += 1
-        self._summary[Opcode.CHANNEL] += self._write_record(channel)
+        self._summary[Opcode.CHANNEL].append(self._write_record(channel))
 
     def add_chunk(self, chunk: FinishedChunk) -> None:
         """Write a chunk with its message index."""
@@ -73,8 +70,7 @@ class McapWriter:
             message_start_time=chunk.start_time,
             uncompressed_size=chunk.size,
         )
-        self._summary[Opcode.CHUNK_INDEX] += _serialise(index)
-        self._numbers["chunks"] += 1
+        self._summary[Opcode.CHUNK_INDEX].append(_serialise(index))
         for channel, _, count in found:
             self.channel_counts[channel] = self.channel_counts.get(channel, 0) + count
         if found:
@@ -96,8 +92,7 @@ class McapWriter:
         """
         index = records.MetadataIndex(self._offset, len(record), metadata.name)
         self._write(record)
-        self._summary[Opcode.METADATA_INDEX] += _serialise(index)
-        self._numbers["metadata"] += 1
+        self._summary[Opcode.METADATA_INDEX].append(_serialise(index))
 
     def copy_attachment(self, record: bytes, attachment: records.Attachment) -> None:
         """Write a whole attachment record as it was recorded.
@@ -116,34 +111,34 @@ class McapWriter:
             media_type=attachment.media_type,
         )
         self._write(record)
-        self._summary[Opcode.ATTACHMENT_INDEX] += _serialise(index)
-        self._numbers["extras"] += 1
+        self._summary[Opcode.ATTACHMENT_INDEX].append(_serialise(index))
 
     def finish(self) -> None:
         """Write the end of the data and the summary."""
         self._write_record(records.DataEnd(self._crc))
+        numbers = {opcode: len(group) for opcode, group in self._summary.items()}
         statistics = records.Statistics(
-            attachment_count=self._numbers["extras"],
-            channel_count=self._numbers["channels"],
+            attachment_count=numbers[Opcode.ATTACHMENT_INDEX],
+            channel_count=numbers[Opcode.CHANNEL],
             channel_message_counts=dict(sorted(self.channel_counts.items())),
-            chunk_count=self._numbers["chunks"],
+            chunk_count=numbers[Opcode.CHUNK_INDEX],
             message_count=sum(self.channel_counts.values()),
             message_end_time=self._end or 0,
             message_start_time=self._start or 0,
-            metadata_count=self._numbers["metadata"],
-            schema_count=self._numbers["schemas"],
+            metadata_count=numbers[Opcode.METADATA_INDEX],
+            schema_count=numbers[Opcode.SCHEMA],
         )
-        self._summary[Opcode.STATISTICS] += _serialise(statistics)
+        self._summary[Opcode.STATISTICS].append(_serialise(statistics))
         self._write_summary()
 
     def _write_summary(self) -> None:
         start = self._offset
         self._crc = 0
         offsets = bytearray()
-        for opcode, group in self._summary.items():
-            if group:
+        for opcode, written in self._summary.items():
+            if group := b"".join(written):
                 offsets += _serialise(records.SummaryOffset(opcode, self._offset, len(group)))
-                self._write(bytes(group))
+                self._write(group)
         offsets_start = self._offset
         self._write(bytes(offsets))
         # The summary's CRC covers the footer too, up to the CRC itself.

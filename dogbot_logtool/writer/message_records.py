@@ -19,7 +19,7 @@ _MANY: Final = 64 << 10
 """Bytes of one channel's messages from which they get chunks of their own."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class MessageRecords:
     """Consecutive message records."""
 

@@ -5,7 +5,7 @@ is serialised twice with numbers that occur nowhere else in it. The copies are a
 array of MCAP message records, and the numbers are written into its columns.
 """
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Ints
 
-Number = float | int | bool | str
+Number = float | int | str
 Columns = Mapping[str, NDArray[Any]]
 """(n,) values of each slot, by name."""
 Records = NDArray[np.void]
@@ -37,30 +37,21 @@ MESSAGE_HEAD: Final = np.dtype(
 RECORD_HEAD_SIZE: Final = 9
 """Bytes of any record's opcode and length."""
 _VARINT_WIDTH: Final = 10
+VARINT: Final = f"V{_VARINT_WIDTH}"
+"""How protobuf writes integers: small numbers in fewer bytes, but negative ones always in ten. A
+number padded to ten bytes with empty groups is valid, too."""
+TEXT: Final = "S6"
+"""How texts are written."""
 _VARINT_SHORT: Final = 5
 """Seven-bit groups that hold every number below 2^35."""
 
 
-class Kind(Enum):
-    """How a value is written: its dtype."""
-
-    FLOAT64 = "<f8"
-    FLOAT32 = "<f4"
-    UINT32 = "<u4"
-    BOOL = "u1"
-    TEXT6 = "S6"
-    # Protobuf writes small numbers in fewer bytes, but negative ones always in ten. A number
-    # padded to ten bytes with empty groups is valid, too.
-    VARINT = f"V{_VARINT_WIDTH}"
-
-
 class Of(Enum):
-    """What a value that varies is; an encoding writes all of one sort in one `Kind`."""
+    """What a value that varies is; an encoding writes all of one sort as one dtype."""
 
     NUMBER = "number"
     COLOUR = "colour"
     TIME = "time"
-    FLAG = "flag"
     TEXT = "text"
 
 
@@ -109,7 +100,7 @@ class Template:
 
 
 def learn(
-    serialise: Callable[[Literal], bytes], literal: Literal, kinds_of: Mapping[Of, Kind]
+    serialise: Callable[[Literal], bytes], literal: Literal, kinds_of: Mapping[Of, str]
 ) -> Template:
     """Return the template of a message.
 
@@ -121,24 +112,20 @@ def learn(
     kinds = {slot.name: kinds_of[slot.of] for slot in _slots(literal)}
     numbers = {name: number for number, name in enumerate(kinds)}
 
-    def filled(others: Collection[str]) -> bytes:
+    def filled(*, other: bool) -> bytes:
         def value_of(slot: Slot) -> Number:
             kind = kinds[slot.name]
-            value = _mark(kind, numbers[slot.name], slot.name in others).value
-            return f"{slot.before}{value}" if kind is Kind.TEXT6 else value
+            value, _ = _mark(kind, numbers[slot.name], other)
+            return f"{slot.before}{value}" if kind == TEXT else value
 
         return serialise(_filled(literal, value_of))
 
-    message, changed = filled(()), filled(kinds)
+    message, changed = filled(other=False), filled(other=True)
     expected = bytearray(message)
     places: list[tuple[str, int]] = []
     for number, (name, kind) in enumerate(kinds.items()):
-        first, second = (_mark(kind, number, other).written for other in (False, True))
-        if kind is Kind.BOOL:
-            flipped = zip(message, filled((name,)), strict=True)
-            found = [offset for offset, (one, other) in enumerate(flipped) if one != other]
-        else:
-            found = _found(message, first, changed, second)
+        first, second = (_mark(kind, number, other)[1] for other in (False, True))
+        found = _found(message, first, changed, second)
         if not found:
             raise AssertionError(f"{name} is not written in a fixed width")
         for offset in found:
@@ -167,7 +154,7 @@ def _filled(value: Any, value_of: Callable[[Slot], Number]) -> Any:  # noqa: ANN
     return [_filled(each, value_of) for each in value] if isinstance(value, list) else value
 
 
-def _of_places(message: bytes, places: list[tuple[str, Kind, int]]) -> Template:
+def _of_places(message: bytes, places: list[tuple[str, str, int]]) -> Template:
     """Return the template of a message whose slots stand at some offsets."""
     head = np.zeros((), MESSAGE_HEAD)
     head["opcode"] = MESSAGE_OPCODE
@@ -176,7 +163,7 @@ def _of_places(message: bytes, places: list[tuple[str, Kind, int]]) -> Template:
     fields = {name: of_head[name][:2] for name in ("channel", "log_time", "publish_time")}
     slots = {f"{name} {offset}": name for name, _, offset in places}
     for name, kind, offset in places:
-        fields[f"{name} {offset}"] = np.dtype(kind.value), MESSAGE_HEAD.itemsize + offset
+        fields[f"{name} {offset}"] = np.dtype(kind), MESSAGE_HEAD.itemsize + offset
     record = head.tobytes() + message
     formats, offsets = zip(*fields.values(), strict=True)
     dtype = np.dtype(
@@ -185,17 +172,11 @@ def _of_places(message: bytes, places: list[tuple[str, Kind, int]]) -> Template:
     return Template(record, dtype, slots)
 
 
-@dataclass(frozen=True, slots=True)
-class _Mark:
-    """A number to be found in a message."""
-
-    value: Number
-    written: bytes
-
-
 @cache
-def _mark(kind: Kind, number: int, other: bool) -> _Mark:  # noqa: FBT001 - of two
-    """Return one of the two marks of a field, which differ in every byte of four at least.
+def _mark(kind: str, number: int, other: bool) -> tuple[Number, bytes]:  # noqa: FBT001 - of two
+    """Return a number to be found in a message, and its bytes: one of two for a field.
+
+    The two differ in every byte, and of different fields in one of three.
 
     Args:
         kind: of the field.
@@ -205,17 +186,15 @@ def _mark(kind: Kind, number: int, other: bool) -> _Mark:  # noqa: FBT001 - of t
     filler = 0x50 if other else 0x20
     digits = number % 47, number // 47 % 47, number // 47**2
     head = bytes(filler + 1 + digit for digit in digits)
-    if kind is Kind.BOOL:
-        return _Mark(other, bytes([other]))
-    if kind is Kind.VARINT:
+    if kind == VARINT:
         groups = enumerate((*head, filler))
         value = sum(group << (7 * index) for index, group in groups) - (1 << 28)
-        return _Mark(value, varints(np.array([value])).tobytes())
-    dtype = np.dtype(kind.value)
+        return value, varints(np.array([value])).tobytes()
+    dtype = np.dtype(kind)
     written = head.ljust(dtype.itemsize, bytes([filler]))
-    if kind is Kind.TEXT6:
-        return _Mark(written.decode(), written)
-    return _Mark(np.frombuffer(written, dtype)[0].item(), written)
+    if kind == TEXT:
+        return written.decode(), written
+    return np.frombuffer(written, dtype)[0].item(), written
 
 
 def _found(message: bytes, first: bytes, changed: bytes, second: bytes) -> list[int]:

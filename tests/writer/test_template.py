@@ -22,13 +22,12 @@ from dogbot_logtool.writer.template import (
     varints,
 )
 
-PAIR = struct.Struct("<3sIId?fx")
+PAIR = struct.Struct("<3sIIdfx")
 NS = 1_000_000_000
 INT64 = st.integers(-(2**63), 2**63 - 1)
 STAMP = {"sec": Slot("stamp.sec", Of.TIME), "nanosec": Slot("stamp.nanosec", Of.TIME)}
 VALUES = {
     "force": Slot("force"),
-    "touches": Slot("touches", Of.FLAG),
     "red": Slot("red", Of.COLOUR),
 }
 NUMBER = {"n": Slot("n", Of.TIME)}
@@ -60,25 +59,20 @@ def timestamps() -> Template:
         st.tuples(
             st.integers(0, 2**32 * NS - 1),
             st.floats(),
-            st.booleans(),
             st.floats(width=32),
         )
     )
 )
 def test_copies_are_what_the_serialiser_makes(
-    rows: list[tuple[int, float, bool, float]],
+    rows: list[tuple[int, float, float]],
 ) -> None:
     template = packed()
     columns = {
         **Ros2Encoding().stamp_columns(np.array([time for time, *_ in rows], np.int64)),
-        "force": np.array([force for _, force, _, _ in rows]),
-        "touches": np.array([touches for _, _, touches, _ in rows]),
+        "force": np.array([force for _, force, _ in rows]),
         "red": np.array([red for *_, red in rows], np.float32),
     }
-    wanted = [
-        PAIR.pack(b"abc", time // NS, time % NS, force, touches, red)
-        for time, force, touches, red in rows
-    ]
+    wanted = [PAIR.pack(b"abc", time // NS, time % NS, force, red) for time, force, red in rows]
     told = payloads(template, columns, len(rows))
     # Not every NaN survives Python's conversions, so those are compared by being one.
     for got, want in zip(told, wanted, strict=True):
@@ -138,7 +132,7 @@ def test_times_of_ros_fill_unsigned_words(times: list[int]) -> None:
     nothing = np.zeros(len(times))
     columns = {
         **Ros2Encoding().stamp_columns(np.array(times, np.int64)),
-        **dict.fromkeys(("force", "touches", "red"), nothing),
+        **dict.fromkeys(("force", "red"), nothing),
     }
     written = payloads(packed(), columns, len(times))
     assert [PAIR.unpack(each)[1:3] for each in written] == [divmod(time, NS) for time in times]

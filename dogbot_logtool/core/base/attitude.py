@@ -21,7 +21,7 @@ GRAVITY_IS: Final = (7.0, 13.0)
 """m/s^2: an accelerometer that usually reads less or more tells nothing of gravity."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Inertial:
     """An inertial unit's readings at n times, along the base's axes."""
 

@@ -18,7 +18,7 @@ SWINGS: Final = 0.3
 """m a radian: a way that is shorter than a turn times this may be that of a point off the base."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Motion:
     """How far a base moves in each of k windows; NaN where that is not known."""
 
@@ -77,7 +77,7 @@ def motion_in(base: BaseHistory, windows: Ints, forward_rad: float = 0.0) -> Mot
     return Motion(*(np.where(outside, np.nan, each) for each in changes))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Comparison:
     """The motion by poses against that by a witness, over whole strides that both tell of."""
 

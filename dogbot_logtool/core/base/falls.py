@@ -41,7 +41,7 @@ LOADED_S: Final = 0.5
 """s before a fall in which a foot must be loaded: a robot that is carried does not fall."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class _Posture:
     """Columns known at each pose."""
 

@@ -44,7 +44,7 @@ def unbroken(time: Ints, breaks: Flags, start: Ints, end: Ints) -> Flags:
     return whole
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FootPath:
     """The point of a foot over time, in the base's frame or in the world."""
 
@@ -111,7 +111,7 @@ _SEEN: Final = (Cut.WHOLE, Cut.LOG_START, Cut.LOG_END, Cut.STANDING)
 """Stances between whose ends the foot is known to stand."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Footfalls:
     """Position of a foot in each of its stances."""
 

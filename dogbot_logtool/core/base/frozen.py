@@ -26,7 +26,7 @@ STAYS_RADPS: Final = 0.03
 """rad/s, the same of a turn."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Frozen:
     """Time in which one pose is repeated although the robot walks, or may walk, on."""
 

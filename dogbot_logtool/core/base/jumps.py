@@ -31,7 +31,7 @@ _FEWEST: Final = 6
 _CHUNK: Final = 20_000
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class PoseJumps:
     """Steps between neighbouring poses that are no motion of the base."""
 

@@ -26,7 +26,7 @@ _APART_M: Final = 0.05
 """m between standing feet from which they tell a turn."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LegOdometry:
     """The base's velocity by its legs, in each of the n - 1 intervals between n samples."""
 

@@ -29,7 +29,7 @@ _LONGEST_BLOCK: Final = 100
 """Poses that are averaged at most: a second of them."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Travel:
     """When the base goes somewhere, and how noisy its poses are."""
 
@@ -143,7 +143,7 @@ FORWARD_ANGLES: Final = {"+x": 0.0, "+y": np.pi / 2.0, "-x": np.pi, "-y": -np.pi
 """rad from the body's x axis to the axis that points forward."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class BaseTrack:
     """The poses that the base's motion is measured on."""
 

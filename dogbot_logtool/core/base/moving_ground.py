@@ -19,7 +19,7 @@ RESTS: Final = 0.05
 _NEIGHBOURS: Final = 5
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class MovingGround:
     """The way of the ground over time."""
 

@@ -32,7 +32,7 @@ from dogbot_logtool.core.rotations import (
 )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Odometry:
     """Messages that give the pose of the robot's base, in the order of the log."""
 
@@ -102,7 +102,7 @@ SLOWEST_S: Final = 0.5
 """The same of poses that are so rare."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class BaseHistory:
     """Poses of the base at up to 100 Hz."""
 

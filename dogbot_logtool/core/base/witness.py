@@ -40,7 +40,7 @@ _SPREAD_M: Final = 0.05
 """m between feet from which their directions tell a turn."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Witness:
     """The base's motion by its feet."""
 

@@ -91,7 +91,7 @@ class Thresholds:
     origin: Origin = "option"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FootSensor:
     """How one foot's messages are read and understood."""
 

@@ -22,7 +22,7 @@ NOT_THIS_FOOT: Final = 0
 """Values of `Contacts.foot_side`."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Contacts:
     """Contact messages of all feet: n messages that hold s states with p points and q normals.
 
@@ -60,7 +60,7 @@ class Contacts:
     """(q, 3) contact normals, world frame, pointing into body 1."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Samples:
     """One contact message reduced to one contact sample."""
 

@@ -24,7 +24,7 @@ SCUFF_LOAD: Final = 1.0 / 3.0
 """The same of its mean load."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FootHistory:
     """All that is kept of one foot's samples."""
 

@@ -84,7 +84,7 @@ class StanceFigures(NamedTuple):
     """s after touchdown, the first time with at least nine tenths of it."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Stances:
     """Stances of one foot in order, whole ones and cut ones."""
 

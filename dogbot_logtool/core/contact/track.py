@@ -20,7 +20,7 @@ POINT_RATE_HZ: Final = 100.0
 """Contact points and vertical forces are compared with the base at this rate at most."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FootTrack:
     """The n samples of one foot that are used, and their running totals."""
 

@@ -116,7 +116,7 @@ class ClockStep:
     """ns by which the stamps stepped more than log time did; negative: back."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class StampCheck:
     """The header stamps of one topic, checked."""
 
@@ -287,7 +287,7 @@ CLOCK_SHARE_OF_STRIDE: Final = 0.05
 LONGEST_DELAY_S: Final = 0.06
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class OffsetTrack:
     """How far a topic's stamps lie behind log time, over the log."""
 
@@ -417,7 +417,7 @@ def too_far_apart(clocks: Sequence[ClockDifference], period_s: float | None) -> 
     return frozenset(each.topic for each in clocks if each.is_apart and each.most_s > least)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LogClock:
     """The clock of all feet and the base, since phases and support compare them with each other."""
 

@@ -54,7 +54,7 @@ first, and ends above the second."""
 _BINS: Final = 128
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Modes:
     """Swing and stance of a foot, if the lower values are those of swing.
 

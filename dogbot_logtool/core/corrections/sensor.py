@@ -85,7 +85,7 @@ FAR_FROM_SWING: Final = 0.5
 """Share of the usual load that a limit is from the unloaded level; else it is that of swing."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class SensorLevel:
     """Readings of one foot's sensor without load and under load."""
 

@@ -33,7 +33,7 @@ TURNS_S: Final = 0.1
 """s before and after a time, over which turns by the feet are averaged."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Estimate:
     """What legs tell."""
 

@@ -45,7 +45,7 @@ EDGE: Final = 0.2
 """Share of a contact at either end in which the foot may not rest yet, or any more."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Ground:
     """What the feet tell of the ground below."""
 

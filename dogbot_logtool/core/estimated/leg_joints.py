@@ -23,7 +23,7 @@ FEWEST: Final = 20
 """Joint states at least."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LegJoints:
     """The k joints of all legs at n times."""
 

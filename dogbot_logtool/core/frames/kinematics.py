@@ -44,7 +44,7 @@ class Joint:
         return self.source or self.name
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LinkPoses:
     """Poses of links in their parents at n times."""
 
@@ -54,7 +54,7 @@ class LinkPoses:
     """(n, joints, 4) unit quaternion x, y, z, w."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Transforms:
     """Poses of k frames in their parents at the times of n messages."""
 
@@ -68,7 +68,7 @@ class Transforms:
     """(n, k, 4) quaternion x, y, z, w."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LinkTransforms(Transforms):
     """Those of links that joints move."""
 
@@ -156,7 +156,7 @@ class Leg:
         return tuple(dict.fromkeys(names))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LegMotion:
     """Where the parts of a leg are at n times, in the base's frame."""
 

@@ -12,7 +12,7 @@ from dogbot_logtool.core.corrections.clock import TimeSource, advancing
 from dogbot_logtool.core.rotations import multiply, normalised, rotate, slerp
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class RecordedTransforms:
     """Transforms as recorded: one row each, in log order."""
 
@@ -90,7 +90,7 @@ _DEEPEST: Final = 100
 """A chain of more frames is a loop."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Poses:
     """Poses of a frame in another one at n times."""
 
@@ -102,7 +102,7 @@ class Poses:
     """(n, 4) unit quaternion x, y, z, w; NaN where not known."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FrameTrack:
     """The recorded transforms of one child frame in its parent."""
 
@@ -158,7 +158,7 @@ def frame_track(
     )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class TransformBuffer:
     """Transforms of frames in their parents, from one unbroken part of a log.
 

@@ -111,7 +111,7 @@ def fore_aft_impulses(foot: FootHistory, heading: Floats) -> tuple[Floats, Float
     return braking, propulsive
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FootSteps:
     """Stances and strides of a foot over the whole log, and the forces in them."""
 

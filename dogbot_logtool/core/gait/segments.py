@@ -50,7 +50,7 @@ _NONE: Final = -1
 """No class: irregular, or unknown."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Segment:
     """A part of the log with one gait."""
 

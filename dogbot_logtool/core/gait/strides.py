@@ -23,7 +23,7 @@ LONG_FOR_FOOT: Final = 3.0
 """Times a foot's median stance from which a long stance is no step."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Strides:
     """Whole strides of one foot, in order: stance and swing both seen from end to end."""
 

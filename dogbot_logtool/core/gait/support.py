@@ -26,7 +26,7 @@ _STEP_S: Final = 0.25
 _WINDOW_S: Final = 2.0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Support:
     """Fractions of the time known to all feet."""
 

@@ -37,7 +37,7 @@ class JointLimits:
     """rad/s or m/s."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class JointSamples:
     """States of k joints, one row a message."""
 
@@ -58,7 +58,7 @@ class JointSamples:
         return JointSamples(self.log_time, self.stamp, *values)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class JointTable:
     """Joint states of a topic, in the order of the log."""
 
@@ -68,7 +68,7 @@ class JointTable:
     samples: JointSamples
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class JointTrack:
     """What is measured of a joint over a log, of n usable messages."""
 

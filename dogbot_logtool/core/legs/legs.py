@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,12 +13,14 @@ from dogbot_logtool.core.frames.transforms import TransformBuffer
 from dogbot_logtool.core.gait.feet import CYCLE_POINTS, QUARTILES
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.joints import JointTrack
-from dogbot_logtool.core.legs.paths import LegSettings
 from dogbot_logtool.core.metrics import Legs
 from dogbot_logtool.core.records import Curve, Shape
 
+if TYPE_CHECKING:
+    from dogbot_logtool.core.legs.paths import LegSettings
 
-@dataclass(frozen=True, slots=True)
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LegFoot:
     """The leg of a foot."""
 
@@ -40,11 +43,11 @@ class LegFoot:
     """Whether the foot is told too rarely for velocities."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LegFigures:
     """What is known of all legs, whether or not the log gives reasons to doubt it."""
 
-    settings: LegSettings
+    settings: "LegSettings"
     feet: tuple[LegFoot, ...]
     joints: Mapping[str, JointTrack]
     """Each joint, by its name."""

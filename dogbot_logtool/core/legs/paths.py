@@ -44,7 +44,7 @@ class JointPair:
     right: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LegSettings:
     """Sources of a log's legs."""
 

@@ -120,7 +120,7 @@ def arrow_scale(given: float | None, weight_n: float | None, height_m: float) ->
     return ArrowScale(weight_n / height_m, FORCE_FULL_SCALE_BW * weight_n)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Arrows:
     """Arrows to draw or remove at the feet, one row a written message."""
 

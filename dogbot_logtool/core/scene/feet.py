@@ -49,7 +49,7 @@ class FootState(NamedTuple):
     """(n,) N, vertical force; NaN where its direction is not known."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class DrawnFoot:
     """The n samples of one foot, by log time, as they were measured."""
 

@@ -13,7 +13,7 @@ from dogbot_logtool.core.quality import steady_gap_ns
 from dogbot_logtool.core.scene.feet import DrawnFoot, LoadState
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Loads:
     """The load on a foot at the time of each contact sample."""
 
@@ -98,7 +98,7 @@ _BELOW_M: Final = 0.1
 """m from the contact point down to the label, so that neither leg nor arrow hides it."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Labels:
     """Labels to draw or to remove, one row a written message."""
 

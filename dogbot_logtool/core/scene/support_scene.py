@@ -31,7 +31,7 @@ NO_MARGIN: Final = (0.6, 0.6, 0.6, 1.0)
 """Grey: no polygon, so no margin."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class SupportScene:
     """The support of the robot at some times."""
 
@@ -170,7 +170,7 @@ def _mean_of_known(values: Floats) -> Floats:
     return mean
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LegLines:
     """The legs at some times."""
 

@@ -30,7 +30,7 @@ class LoadedChunk:
     """An index that truthfully names all its messages follows it in the file."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Batch:
     """A run of decompressed messages."""
 

@@ -39,7 +39,7 @@ def gather_bytes(buffer: Bytes, start: Ints, size: int) -> Bytes:
     return gather(buffer, start, size).view(np.uint8).reshape(len(start), size)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Texts:
     """Strings, as offsets into the batch's buffer."""
 
@@ -121,7 +121,7 @@ def rows_like(rows: Bytes, row: Bytes) -> Flags:
     return alike
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Nested:
     """The elements of an array field."""
 
@@ -158,7 +158,7 @@ Rows = NDArray[np.void]
 """(n,) structured; the fields are named by their paths."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Table:
     """Decoded fields of n messages, or n elements of an array."""
 

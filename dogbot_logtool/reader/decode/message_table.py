@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from dogbot_logtool.core.arrays import Flags, Ints, concatenated, picked
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Messages:
     """Messages in the order in which they stand in the file."""
 

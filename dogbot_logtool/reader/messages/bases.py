@@ -31,7 +31,7 @@ _JOINTS: Final = 6
 """Of a base that is told as a list of joints: roll, pitch, yaw, x, y, z."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class BasePoses:
     """Poses of the base that messages of one definition hold, in file order."""
 

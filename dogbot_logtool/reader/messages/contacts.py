@@ -77,7 +77,7 @@ def _kind(field: FootField, path: FieldPath) -> str:
     return "force"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ReadContacts:
     """Contact messages of one definition, and what they tell."""
 

@@ -37,7 +37,7 @@ _MOST_DIGITS: Final = 18
 """Of a number; more may not fit into an int64."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class PairStates:
     """Contact states of n messages, as recorded, and which physics steps they are of."""
 

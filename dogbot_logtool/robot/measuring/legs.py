@@ -14,25 +14,13 @@ from dogbot_logtool.core.legs.paths import (
 )
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
-from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.reader.wanted import WantedJoints
+from dogbot_logtool.robot.leg_names import leg_of
 from dogbot_logtool.robot.names import name_feet
-from dogbot_logtool.robot.robot_model.joints_of_log import joint_channels, joint_names
-from dogbot_logtool.robot.robot_model.legs_of_urdf import leg_of
 from dogbot_logtool.robot.robot_model.skeleton import place_of_foot
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, said_of_left_out
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, SOLES, Part, words_of
-
-
-def wanted_joints(log: Log) -> tuple[WantedJoints, ...]:
-    """Choose the channels of joint states, the best first; each joint is read of one of them."""
-    wanted, seen = [], set[str]()
-    for channel in joint_channels(log):
-        wanted.append(WantedJoints(channel, frozenset(seen)))
-        seen |= joint_names(log, channel)
-    return tuple(wanted)
 
 
 def find_legs(

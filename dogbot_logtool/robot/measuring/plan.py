@@ -17,11 +17,11 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.reader.wanted import Wanted, WantedJoints
+from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.base_candidates import BASES
 from dogbot_logtool.robot.contact_evidence import decide_contacts
 from dogbot_logtool.robot.measuring.joined_sensors import with_joined_sensors
-from dogbot_logtool.robot.measuring.side_topics import SideTopics, side_topics
+from dogbot_logtool.robot.measuring.side_topics import SideTopics, joint_channels, side_topics
 from dogbot_logtool.robot.message_feet import planned_feet
 from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.robot.time_span import time_limits
@@ -40,7 +40,7 @@ _OF_ROBOT: Final = (
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class MeasuringPlan:
     """What is read of a log."""
 
@@ -60,7 +60,7 @@ def make_plan(log: Log, options: MeasureOptions) -> MeasuringPlan:
         CallError: an option names a topic, foot or time that the log does not have.
     """
     selection = select_topics(log, options)
-    joints = _wanted_joints(log)
+    joints = tuple(joint_channels(log))
     if not (selection.odometry or selection.contacts or joints):
         raise LogError(nothing_to_do(log, selection.findings))
     planned = _planned(log, selection, options)
@@ -156,17 +156,7 @@ def _time_source(selection: Selection) -> tuple[TimeSource | None, str]:
     return None, ""
 
 
-def _wanted_joints(log: Log) -> tuple[WantedJoints, ...]:
-    """Choose the channels of joint states; nothing is imported where no topic may be one."""
-    types = {channel.type_name.rpartition("/")[2] for channel in log.channels.values()}
-    if not any("Joint" in name or "LowState" in name for name in types):
-        return ()
-    from dogbot_logtool.robot.measuring.legs import wanted_joints  # noqa: PLC0415
-
-    return wanted_joints(log)
-
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Prepared:
     """A recording with all that is known of it before it is measured."""
 
@@ -178,6 +168,8 @@ class Prepared:
     """Settings of the feet as a plan in the log has them; None: there is no plan."""
     selection: Selection
     """Topics that it is measured by."""
+    model: "RobotOfUrdf | None"
+    """The robot's description, where joint states move it."""
     findings: tuple[Finding, ...]
 
 
@@ -203,18 +195,12 @@ def prepare(
     recording, selection, whole = with_joined_sensors(recording, selection)
     model = None
     if recording.joints:
-        from dogbot_logtool.robot.measuring.by_legs import (  # noqa: PLC0415
-            named_by_legs,
-            told_by_legs,
-        )
+        from dogbot_logtool.robot.measuring.by_legs import told_by_legs  # noqa: PLC0415
         from dogbot_logtool.robot.robot_model.description import read_model  # noqa: PLC0415
 
         found = read_model(log, options.urdf)
         model = found.robot
         recording, selection = told_by_legs(recording, selection, found)
-        if named := named_by_legs(log, options, selection, recording.feet):
-            others = (each for each in selection.findings if each.code != "FEET_UNSURE")
-            selection = replace(selection, findings=(*others, named))
     # Up to the ends of a log that is read whole, silence is known.
     start, end = plan.wanted.limits
     settings = replace(
@@ -233,6 +219,7 @@ def prepare(
         _find_legs(selection, model),
         settings_of(plan_of_feet, options) if plan_of_feet else None,
         selection,
+        model,
         (*selection.findings, *moved, *joined, *whole, *plan.side.findings),
     )
 

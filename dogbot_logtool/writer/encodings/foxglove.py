@@ -1,6 +1,6 @@
 """Annotations as Foxglove's protobuf messages."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, ClassVar, Final, cast
 
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
@@ -19,33 +19,18 @@ from google.protobuf.message_factory import GetMessageClass
 from google.protobuf.timestamp_pb2 import DESCRIPTOR as TIMESTAMP_FILE
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.events.event import EventMessage
-from dogbot_logtool.writer.drawing import HEAD_TO_SHAFT, Drawing, Primitive, Shape
-from dogbot_logtool.writer.encodings.encoding import (
-    EVENT_SOURCE,
-    UPRIGHT,
-    Encoding,
-    MessageType,
-    colour,
-    orientation,
-    position,
-    vector,
-)
-from dogbot_logtool.writer.template import Columns, Kind, Literal, Of, Slot, varints
+from dogbot_logtool.writer import described, markers
+from dogbot_logtool.writer.described import OWN_FIELDS, Described
+from dogbot_logtool.writer.encodings.encoding import Encoding, MessageType
+from dogbot_logtool.writer.template import TEXT, VARINT, Columns, Literal, Of, Slot, varints
 
-_ONE: Final = FieldDescriptor.LABEL_OPTIONAL
-_LOAD: Final = (
-    ("in_contact", FieldDescriptor.TYPE_BOOL, _ONE),
-    ("force", FieldDescriptor.TYPE_DOUBLE, _ONE),
-    ("force_bw", FieldDescriptor.TYPE_DOUBLE, _ONE),
-    ("state", FieldDescriptor.TYPE_STRING, _ONE),
-)
-_GAIT: Final = (
-    ("gait", FieldDescriptor.TYPE_STRING, _ONE),
-    ("stride_frequency_hz", FieldDescriptor.TYPE_DOUBLE, _ONE),
-    ("duty_factor", FieldDescriptor.TYPE_DOUBLE, _ONE),
-    ("phases", FieldDescriptor.TYPE_DOUBLE, FieldDescriptor.LABEL_REPEATED),
-)
+HEAD_TO_SHAFT: Final = 2.0
+"""Diameter of an arrow's head over its shaft's."""
+_TYPES: Final = {
+    "bool": FieldDescriptor.TYPE_BOOL,
+    "string": FieldDescriptor.TYPE_STRING,
+    "float64": FieldDescriptor.TYPE_DOUBLE,
+}
 
 
 def _descriptor_set(file: FileDescriptor) -> bytes:
@@ -70,16 +55,13 @@ def _message_type(kind: type[Message]) -> MessageType:
     return MessageType(kind.DESCRIPTOR.full_name, "protobuf", schema, "protobuf")
 
 
-def _own_class(name: str, fields: Sequence[tuple[str, int, int]]) -> type[Message]:
-    """Build the class of a message that no library has: a time, and some fields.
+def _own_class(name: str) -> type[Message]:
+    """Build the class of a message that no library has: a time, and its `OWN_FIELDS`.
 
     Flags have presence, so that false is written out like true.
-
-    Args:
-        name: of the message.
-        fields: name, type and label of each, as descriptors have them, by number from 2 on.
     """
-    message = DescriptorProto(name=name)
+    short = name.rpartition("/")[2]
+    message = DescriptorProto(name=short)
     message.field.add(
         name="timestamp",
         number=1,
@@ -87,13 +69,17 @@ def _own_class(name: str, fields: Sequence[tuple[str, int, int]]) -> type[Messag
         type_name=".google.protobuf.Timestamp",
         label=FieldDescriptor.LABEL_OPTIONAL,
     )
-    for number, (field, kind, label) in enumerate(fields, 2):
-        added = message.field.add(name=field, number=number, type=kind, label=label)
-        if kind == FieldDescriptor.TYPE_BOOL:
+    for field, kind, number in sorted(OWN_FIELDS[name], key=lambda each: each[2]):
+        element = kind.removesuffix("[]")
+        label = FieldDescriptor.LABEL_OPTIONAL
+        if element != kind:
+            label = FieldDescriptor.LABEL_REPEATED
+        added = message.field.add(name=field, number=number, type=_TYPES[element], label=label)
+        if kind == "bool":
             added.proto3_optional, added.oneof_index = True, len(message.oneof_decl)
             message.oneof_decl.add(name=f"_{field}")
     file = FileDescriptorProto(
-        name=f"dogbot_logtool/{name}.proto",
+        name=f"dogbot_logtool/{short}.proto",
         package="dogbot_logtool",
         syntax="proto3",
         dependency=[TIMESTAMP_FILE.name],
@@ -102,128 +88,127 @@ def _own_class(name: str, fields: Sequence[tuple[str, int, int]]) -> type[Messag
     pool = DescriptorPool()
     pool.AddSerializedFile(TIMESTAMP_FILE.serialized_pb)
     pool.AddSerializedFile(file.SerializeToString())
-    return GetMessageClass(pool.FindMessageTypeByName(f"dogbot_logtool.{name}"))
+    return GetMessageClass(pool.FindMessageTypeByName(f"dogbot_logtool.{short}"))
 
 
 class FoxgloveEncoding(Encoding):
     """FrameTransforms, SceneUpdates and messages of our own."""
 
     kinds: ClassVar = {
-        Of.NUMBER: Kind.FLOAT64,
-        Of.COLOUR: Kind.FLOAT64,
-        Of.TIME: Kind.VARINT,
-        Of.FLAG: Kind.BOOL,
-        Of.TEXT: Kind.TEXT6,
+        Of.NUMBER: "<f8",
+        Of.COLOUR: "<f8",
+        Of.TIME: VARINT,
+        Of.TEXT: TEXT,
     }
-    time_name = "timestamp"
-    time_fields = "seconds", "nanos"
 
     def __init__(self) -> None:
-        self._classes: dict[str, type[Message]] = {}
-        self.transform_type = self._registered(FrameTransforms)
-        self.arrow_type = self.support_type = self._registered(SceneUpdate)
-        self.load_type = self._registered(_own_class("Load", _LOAD))
-        self.event_type = self._registered(Log)
-        self.gait_type = self._registered(_own_class("Gait", _GAIT))
+        self._classes: dict[str, type[Message]] = {
+            described.TF: FrameTransforms,
+            described.MARKER: SceneUpdate,
+            described.MARKERS: SceneUpdate,
+            described.LOG: Log,
+            **{name: _own_class(name) for name in OWN_FIELDS},
+        }
         try:
             from foxglove_schemas_protobuf.Event_pb2 import Event  # noqa: PLC0415
+
+            self._classes[described.SPAN] = Event
         except ImportError:  # schemas older than 0.4
-            return
-        self.span_type = self._registered(Event)
+            pass
+        self.types = {name: _message_type(kind) for name, kind in self._classes.items()}
 
-    def _registered(self, message: type[Message]) -> MessageType:
-        kind = _message_type(message)
-        self._classes[kind.name] = message
-        return kind
+    def own_terms(self, message: Described) -> Literal:
+        """See `Encoding.own_terms`."""
+        return _TERMS[message.name](message)
 
-    def serialise(self, kind: MessageType, literal: Literal) -> bytes:
+    def serialise(self, name: str, literal: Literal) -> bytes:
         """See `Encoding.serialise`."""
-        return self._classes[kind.name](**literal).SerializeToString(deterministic=True)
+        return self._classes[name](**literal).SerializeToString(deterministic=True)
 
     def stamp_columns(self, time: Ints) -> Columns:
         """See `Encoding.stamp_columns`."""
         columns = super().stamp_columns(time)
         return {slot: varints(numbers) for slot, numbers in columns.items()}
 
-    def _transform(self, parent: str, child: str, prefix: str) -> Literal:
-        return {
-            "timestamp": self.stamp(),
-            "parent_frame_id": parent,
-            "child_frame_id": child,
-            "translation": position(prefix),
-            "rotation": orientation(prefix),
+
+def _time(time: Literal) -> Literal:
+    return {"seconds": time["sec"], "nanos": time["nanosec"]}
+
+
+def _transforms(message: Described) -> Literal:
+    each = [
+        {
+            "timestamp": _time(one["header"]["stamp"]),
+            "parent_frame_id": one["header"]["frame_id"],
+            "child_frame_id": one["child_frame_id"],
+            **one["transform"],
         }
-
-    def _drawing(self, drawing: Drawing) -> Literal:
-        entity: dict[str, Any] = {
-            "id": drawing.name,
-            "frame_id": drawing.frame,
-            "timestamp": self.stamp(),
-            "lifetime": self.time(round(drawing.lifetime_s * 1e9)),
-        }
-        for one in drawing.primitives:
-            for field, literal in () if one is None else _primitives(one):
-                entity.setdefault(field, []).append(literal)
-        return {"entities": [entity]}
-
-    def _removal(self, drawing: Drawing) -> Literal:
-        return {"deletions": [{"id": drawing.name, "timestamp": self.stamp()}]}
-
-    def event(self, event: EventMessage) -> bytes:
-        """See `Encoding.event`."""
-        literal = {"level": int(event.level), "message": event.text, "name": event.source}
-        stamp = self.time(event.time)
-        return self.serialise(
-            self.event_type, {**literal, "timestamp": stamp, "file": EVENT_SOURCE}
-        )
-
-    def span(self, event: EventMessage) -> bytes:
-        """See `Encoding.span`."""
-        if self.span_type is None:
-            return super().span(event)
-        details = [{"key": key, "value": value} for key, value in event.details.items()]
-        times = {"start_time": self.time(event.time), "end_time": self.time(event.end)}
-        return self.serialise(self.span_type, {**times, "metadata": details})
+        for one in message.literal["transforms"]
+    ]
+    return {"transforms": each}
 
 
-def _primitives(one: Primitive) -> Iterator[tuple[str, Literal]]:
-    """Yield what an entity has of a primitive, with the field that it stands in."""
-    own = {} if one.colour is None else {"color": colour(one.colour)}
-    match one.shape:
-        case Shape.ARROW:
-            pose = {"position": vector(one.points[0]), "orientation": orientation()}
-            yield (
-                "arrows",
-                {
-                    "pose": pose,
-                    "shaft_length": Slot("shaft"),
-                    "shaft_diameter": one.width,
-                    "head_length": Slot("head"),
-                    "head_diameter": HEAD_TO_SHAFT * one.width,
-                    **own,
-                },
-            )
-        case Shape.TEXT:
-            pose = {"position": vector(one.points[0]), "orientation": UPRIGHT}
-            look = {"billboard": True, "font_size": one.height, **own}
-            yield "texts", {"pose": pose, "text": one.text, **look}
-        case Shape.BALLS:
-            size = vector((one.width, one.width, one.height))
-            for row, point in enumerate(one.points):
-                pose = {"position": vector(point), "orientation": UPRIGHT}
-                tint = {"color": colour(one.colours[row])} if one.colours else own
-                yield "spheres", {"pose": pose, "size": size, **tint}
-        case Shape.LINE_STRIP | Shape.LINE_LIST:
-            strip = one.shape is Shape.LINE_STRIP
-            yield (
-                "lines",
-                {
-                    "type": LinePrimitive.LINE_STRIP if strip else LinePrimitive.LINE_LIST,
-                    # All zeros are no orientation.
-                    "pose": {"orientation": UPRIGHT},
-                    "thickness": one.width,
-                    "points": [vector(point) for point in one.points],
-                    "colors": [colour(each) for each in one.colours],
-                    **own,
-                },
-            )
+def _own(message: Described) -> Literal:
+    fields = dict(message.literal)
+    return {"timestamp": _time(fields.pop("stamp")), **fields}
+
+
+def _log(message: Described) -> Literal:
+    fields = dict(_own(message))
+    text, level = fields.pop("msg"), fields.pop("level") // 10
+    return {**fields, "message": text, "level": level}
+
+
+def _span(message: Described) -> Literal:
+    times = {name: _time(message.literal[name]) for name in ("start_time", "end_time")}
+    return {**message.literal, **times}
+
+
+def _scene(message: Described) -> Literal:
+    """Draw markers as an entity, which replaces the one before it; or remove that."""
+    drawn = message.literal.get("markers", [message.literal])
+    header = drawn[0]["header"]
+    entity: dict[str, Any] = {"id": message.entity, "timestamp": _time(header["stamp"])}
+    if message.literal.get("action") == markers.DELETE:
+        return {"deletions": [entity]}
+    entity["frame_id"] = header["frame_id"]
+    entity["lifetime"] = _time(described.time(round(message.lifetime_s * 1e9)))
+    for marker in drawn:
+        for field, literal in () if "type" not in marker else _primitives(marker):
+            entity.setdefault(field, []).append(literal)
+    return {"entities": [entity]}
+
+
+def _primitives(marker: Literal) -> Iterator[tuple[str, Literal]]:
+    """Yield what an entity has of a marker, with the field that it stands in."""
+    scale, points, colours = (marker.get(name, []) for name in ("scale", "points", "colors"))
+    own = {name: marker[name] for name in ("pose", "color") if name in marker}
+    match marker["type"]:
+        case markers.ARROW:
+            lengths = {"shaft_length": Slot("shaft"), "head_length": Slot("head")}
+            widths = {"shaft_diameter": scale["y"], "head_diameter": HEAD_TO_SHAFT * scale["y"]}
+            yield "arrows", {**own, **lengths, **widths}
+        case markers.TEXT:
+            look = {"billboard": True, "font_size": scale["z"]}
+            yield "texts", {**own, "text": marker["text"], **look}
+        case markers.BALLS:
+            for row, point in enumerate(points):
+                colour = {"color": colours[row]} if colours else {}
+                pose = {"position": point, **markers.UPRIGHT}
+                yield "spheres", {**own, "pose": pose, "size": scale, **colour}
+        case markers.LINE_STRIP | markers.LINE_LIST as kind:
+            strip = kind == markers.LINE_STRIP
+            shape = LinePrimitive.LINE_STRIP if strip else LinePrimitive.LINE_LIST
+            line = {"type": shape, "thickness": scale["x"], "points": points, "colors": colours}
+            yield "lines", {**own, **line}
+
+
+_TERMS: Final[Mapping[str, Callable[[Described], Literal]]] = {
+    described.TF: _transforms,
+    described.MARKER: _scene,
+    described.MARKERS: _scene,
+    described.LOG: _log,
+    described.LOAD: _own,
+    described.GAIT: _own,
+    described.SPAN: _span,
+}

@@ -33,7 +33,7 @@ class ChunkDamage(Exception):  # noqa: N818 - it never reaches a user; `Loss` do
         self.messages = messages
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ChunkContent:
     """Messages that a container's own code finds in a decompressed chunk."""
 

@@ -48,7 +48,7 @@ class Memory:
         return self._data[offset : offset + size].tobytes()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Records:
     """Neighbouring records of all kinds."""
 
@@ -67,7 +67,7 @@ class Records:
         return Records(self.op[rows], self.offset[rows], self.messages.pick(rows))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Index:
     """A chunk's index of its messages, in the order of their offsets."""
 
@@ -155,7 +155,7 @@ class RecordFormat(Protocol):
         """Tell whether a record begins here, beyond reasonable doubt."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FoundRecords:
     """The records in a run of bytes, each kind in its order."""
 

@@ -21,7 +21,7 @@ from dogbot_logtool.reader.containers.sqlite.tree import (
 _COLUMNS: Final = ("topic_id", "timestamp", "data")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class MessageRows:
     """Some rows, in the order of the table."""
 

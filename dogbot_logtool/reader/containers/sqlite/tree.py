@@ -65,7 +65,7 @@ class Damage:
         return Loss(offset, what, len(pages) * page_size, None, *times)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Cells:
     """Rows of a table as they stand in some of its leaf pages."""
 
