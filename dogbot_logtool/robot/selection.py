@@ -19,12 +19,17 @@ from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.base import choose_base
 from dogbot_logtool.robot.feet import assign_feet, channels_of_feet, check_topics, find_feet
-from dogbot_logtool.robot.message_feet import contact_findings
-from dogbot_logtool.robot.offers import call_of, candidates_finding, topics_finding
-from dogbot_logtool.robot.robot import GENERIC, Robot, known_robots, load_robot, robot_toml
-from dogbot_logtool.robot.score import FootCandidates
-from dogbot_logtool.robot.settings import with_settings
+from dogbot_logtool.robot.robot import (
+    GENERIC,
+    Robot,
+    known_robots,
+    load_robot,
+    robot_toml,
+    with_settings,
+)
+from dogbot_logtool.robot.score import FootCandidates, call_of, candidates_finding, topics_finding
 from dogbot_logtool.robot.topics import (
+    contact_findings,
     has_field,
     own_definition_findings,
     readable_topics,

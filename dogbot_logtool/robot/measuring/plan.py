@@ -19,10 +19,9 @@ from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.base import BASES
-from dogbot_logtool.robot.contact_evidence import decide_contacts
-from dogbot_logtool.robot.measuring.joined_sensors import with_joined_sensors
+from dogbot_logtool.robot.feet import planned_feet
+from dogbot_logtool.robot.measuring.foot_samples import decide_contacts, with_joined_sensors
 from dogbot_logtool.robot.measuring.side_topics import SideTopics, joint_channels, side_topics
-from dogbot_logtool.robot.message_feet import planned_feet
 from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.robot.topics import nothing_to_do
