@@ -78,12 +78,6 @@ class Selection:
         return bool(self.contact_from) or any(source.has_points for source in self.sources)
 
     @property
-    def without_header(self) -> tuple[str, ...]:
-        """The types of used messages that have no header."""
-        used = [*self.sources, *([self.base.source] if self.base else [])]
-        return tuple(source.row.name for source in used if not source.has_header)
-
-    @property
     def base_name(self) -> str | None:
         """Name of the base's poses, as ``--odom-topic`` takes it; None: there are none."""
         if self.base is None or not self.odometry:
@@ -107,22 +101,6 @@ class Selection:
         """Return how the contact messages are read that tell of a foot."""
         own = tuple(c for c in self.contacts if foot in self.feet_of[c.id])
         return replace(self, contacts=own).sources
-
-    def has_flags(self, foot: int) -> bool:
-        """Tell whether contact flags of the messages decide a foot's contact."""
-        sources = () if self.ignores_flags else self.sources_of(foot)
-        of_sensors = bool(sources) and all(source.has_flags for source in sources)
-        return of_sensors or bool(self.contact_from)
-
-    def knows_force(self, foot: int) -> bool:
-        """Tell whether a foot's messages give its force in newtons, not only whether it touches."""
-        if self.contact_from:
-            return self.contact_from == "joint_torques"
-        scaled = self.robot.feet[foot].newtons_per_count is not None
-        return all(
-            source.has_force and (scaled or source.row.unit == "N")
-            for source in self.sources_of(foot)
-        )
 
     def wanted(self) -> Wanted:
         """Return what is read of base, feet and frames."""
