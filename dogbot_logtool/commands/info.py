@@ -121,8 +121,7 @@ def _first_seconds(log: Log, selection: Selection) -> tuple[KnownFrames, list[Fi
     last = (log.start_time or 0) + _FIRST_NS
     chunks = [
         chunk
-        for chunk in log.chunks
-        if chunk.counts is None or not used.isdisjoint(chunk.counts)
+        for chunk in log.chunks_of(used)
         if (chunk.start_time or 0) <= last or not static.isdisjoint(chunk.counts or ())
     ]
     read = read_recording(log, selection.wanted(), 1, spans=log.grouped(chunks))

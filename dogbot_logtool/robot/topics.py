@@ -6,7 +6,6 @@ from dataclasses import replace
 from itertools import islice
 from typing import Final
 
-from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import MOST, listed, printable
@@ -20,8 +19,6 @@ from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.messages import SERIALISATIONS, DecodedMessages, decode_channels
 from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES, TRANSFORM_TYPES
 from dogbot_logtool.reader.messages.source import Source, source_of
-from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.robot import Robot
 
 _COMPARED: Final = 2000
@@ -63,9 +60,8 @@ def readable_topics(log: Log, part: Part) -> list[str]:
 
 def first_batches(log: Log, channel: Channel) -> Iterator[Batch]:
     """Yield the messages of a channel's first seconds, which tell names, wherever they stand."""
-    chunks = (c for c in log.chunks if c.counts is None or channel.id in c.counts)
     end: int | None = None
-    for chunk in islice(chunks, _MOST_CHUNKS):
+    for chunk in islice(log.chunks_of({channel.id}), _MOST_CHUNKS):
         if end is not None and chunk.start_time is not None and chunk.start_time > end:
             return
         batch = log.read((chunk,))
@@ -88,13 +84,6 @@ def has_field(channel: Channel, foot: Foot) -> bool:
         return named and foot_source(channel, [foot]) is not None
     except DefinitionError:
         return False
-
-
-def read_wanted(log: Log, wanted: Wanted) -> Recording:
-    """Read feet and base of a whole log, of the chunks that have messages of them."""
-    ids = {channel.id for channel in (*wanted.contacts, *wanted.base_channels)}
-    chunks = (c for c in log.chunks if c.counts is None or not ids.isdisjoint(c.counts))
-    return read_recording(log, wanted, 1, spans=log.grouped(chunks) if ids else ()).recording
 
 
 def split_topic(name: str, topics: Container[str]) -> tuple[str, str]:

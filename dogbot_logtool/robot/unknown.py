@@ -20,6 +20,7 @@ from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.source import source_of
+from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.leg_names import leg_position
 from dogbot_logtool.robot.names import name_feet
@@ -32,7 +33,7 @@ from dogbot_logtool.robot.score import (
     with_content,
     word_of,
 )
-from dogbot_logtool.robot.topics import first_messages, has_field, message_count, read_wanted
+from dogbot_logtool.robot.topics import first_messages, has_field, message_count
 from dogbot_logtool.robot.words import Word, texts_of, words_of
 
 _ENOUGH: Final = 5
@@ -256,8 +257,10 @@ def _read_fields(log: Log, sets: Sequence[FootCandidates]) -> Mapping[str, Sampl
         if told := tuple(n for n, foot in enumerate(feet) if has_field(channel, foot)):
             of_channel[channel.id] = told
     channels = tuple(log.channels[number] for number in of_channel)
-    read = read_wanted(log, Wanted(channels, FootChannels(feet, of_channel)))
-    return {foot.name: samples for foot, samples in zip(feet, read.feet, strict=True)}
+    wanted = Wanted(channels, FootChannels(feet, of_channel))
+    spans = log.grouped(log.chunks_of(of_channel.keys()))
+    columns = read_recording(log, wanted, 1, spans=spans).recording.feet
+    return {foot.name: samples for foot, samples in zip(feet, columns, strict=True)}
 
 
 def _present(named: FootCandidates, columns: Mapping[str, Samples]) -> list[Samples]:
