@@ -13,7 +13,6 @@ from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.decode.fields import are_alike
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base
 from dogbot_logtool.robot.base_candidates import (
     BaseCandidate,
@@ -130,7 +129,7 @@ def _chosen(
     for channel in log.channels_by_topic[topic]:
         like, _ = sources_at([channel], candidate.element)
         is_same_type = bool(like) and like[0].row.name == source.row.name
-        if is_same_type and are_alike(like[0].fields, source.fields):
+        if is_same_type and like[0].columns == source.columns:
             channels.append(channel)
     if candidate.is_planned:
         findings.append(found("PLANNED", "base", where=topic, name=candidate.name))

@@ -171,7 +171,7 @@ def elements(log: Log, robot: Robot, topic: str, source: Source) -> list[BaseCan
     frames: dict[str, tuple[str, ...]] = {}
     for channel in log.channels_by_topic[topic]:
         if source_of(channel, "base") is source:
-            for messages in first_messages(log, channel, source.fields):
+            for messages in first_messages(log, channel, source.columns):
                 frames |= choices(source, messages)
     ranked = sorted((_rank(parts, robot, source), name) for name, parts in frames.items())
     return [BaseCandidate(topic, source, name, rank, frames[name]) for rank, name in ranked]

@@ -12,8 +12,8 @@ from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.legs.joints import JointTable
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.decode.fields import Field, Kind
-from dogbot_logtool.reader.messages.messages import check_channel
+from dogbot_logtool.reader.decode.paths import path_of
+from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.others import JOINT_TYPES, read_joints
 from dogbot_logtool.reader.messages.source import source_of
 from dogbot_logtool.robot.robot_model.urdf import read_robot
@@ -22,7 +22,6 @@ from dogbot_logtool.robot.topics import first_batches, first_messages
 _MOST_CHANNELS: Final = 16
 _NOT_MEASURED: Final = ("command", "cmd", "desired", "target", "goal", "reference", "foot")
 """Words in topics whose joint states are no positions of joints."""
-_DESCRIPTION: Final = (Field("data", Kind.TEXT),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,12 +97,12 @@ def own_description(log: Log) -> str | None:
     """Return the log's first robot description; None: it has none that can be read."""
     for channel in description_channels(log):
         try:
-            check_channel(channel, _DESCRIPTION)
+            urdf = path_of("data", "text", definition_of(channel))
         except DefinitionError:
             continue
-        for messages in first_messages(log, channel, _DESCRIPTION):
+        for messages in first_messages(log, channel, urdf.columns):
             if len(messages.channel):
-                return messages.table.texts("data").text(0)
+                return urdf.texts(messages.table)[1].text(0)
     return None
 
 
