@@ -26,7 +26,6 @@ from typing import (
     TypeVar,
     get_args,
     get_origin,
-    get_type_hints,
 )
 
 from dogbot_logtool.core.arrays import Aggregate
@@ -97,8 +96,7 @@ def fields_of(record: Any) -> tuple[Field, ...]:  # noqa: ANN401 - any record
 
 @cache
 def _fields_of(record: Any) -> tuple[Field, ...]:  # noqa: ANN401 - any record
-    hints = get_type_hints(record, include_extras=True)
-    return tuple(_field(each.name, hints[each.name]) for each in fields(record))
+    return tuple(_field(each.name, each.type) for each in fields(record))
 
 
 def _field(name: str, hint: Any) -> Field:  # noqa: ANN401 - any annotation

@@ -178,6 +178,11 @@ class Walk:
         known = all(foot.contact_known or foot.record.start is None for foot in self.feet)
         return known and not (self.feet_clocks_are_apart or self.settings.lacks_feet)
 
+    def paired(self, foot: int, other: int) -> bool:
+        """Tell whether two feet are at the same end of the robot; both of a biped are."""
+        one, two = self.feet[foot].leg_position, self.feet[other].leg_position
+        return len(self.feet) == 2 or bool(one and two and one[0] == two[0])
+
     def seconds(self, time: Ints) -> list[float]:
         """Return times as seconds since the origin, to the nanosecond."""
         return [each / 1e9 for each in (time - self.origin).tolist()]

@@ -1,6 +1,5 @@
 """Columns that grow part by part: in memory, or in a file without a name where they are large."""
 
-import tempfile
 from dataclasses import fields
 from io import BytesIO
 from typing import IO, Any, Final, Generic
@@ -56,6 +55,8 @@ class _Column:
         self._nothing = np.empty((0, *like.shape[1:]), like.dtype)
         self._bytes: IO[bytes] = BytesIO()
         if on_disk:
+            import tempfile  # noqa: PLC0415 - takes long, and few logs are so large
+
             # Without a name, so that nothing of it stays.
             self._bytes = tempfile.TemporaryFile(prefix="dogbot_logtool_")  # noqa: SIM115
 
@@ -64,6 +65,8 @@ class _Column:
             self._bytes.write(np.ascontiguousarray(values).data)
             self._bytes.flush()
         except OSError as error:
+            import tempfile  # noqa: PLC0415
+
             folder = tempfile.gettempdir()
             raise LogtoolError(
                 f"the columns of this log are too large for memory, and {folder} cannot hold them: "

@@ -11,11 +11,9 @@ import json
 import re
 from collections import Counter
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from dogbot_logtool.commands.convert import convert
@@ -43,21 +41,9 @@ from tests.oracles.annotated_file import (
     written_poses,
 )
 from tests.oracles.conversion import LOGS, TICK_NS, expected_arrows, expected_loads, expected_poses
-from tests.oracles.recorded import (
-    FEET,
-    S,
-    arrow_topic,
-    read_log,
-)
-from tests.oracles.ros1_logs import (
-    odd_contacts,
-    small_walk,
-    write_bag,
-    write_ros1_mcap,
-)
+from tests.oracles.recorded import FEET, S, arrow_topic, read_log
+from tests.oracles.ros1_logs import odd_contacts, small_walk, write_bag, write_ros1_mcap
 from tests.paths import TROT, TROUBLED, WALK
-
-STYLES = tuple(ARROW_STYLES)
 
 
 @pytest.mark.parametrize(
@@ -71,11 +57,8 @@ def test_annotations_are_what_message_by_message_conversion_gives(
     for foot in FEET:
         contact = measured_contact(log, foot)
         arrows = expected_arrows(log, foot, style, in_world=IN_WORLD[log], contact=contact)
-        assert_same_arrows(
-            written_arrows(done.written, foot, encoding, style),
-            arrows,
-            exactly=style == "classic",
-        )
+        found = written_arrows(done.written, foot, encoding, style)
+        assert_same_arrows(found, arrows, style, encoding)
         loads = written_loads(done.written, foot, encoding)
         assert_same_loads(loads, expected_loads(log, foot, contact), opening_of(log))
         assert done.conversion.annotations[arrow_topic(foot)] == len(arrows)
@@ -85,14 +68,11 @@ def test_annotations_are_what_message_by_message_conversion_gives(
     poses = written_poses(done.written, topic, encoding)
     assert_same_poses(poses, expected_poses(log, at_ticks=True), opening_of(log))
     assert ("TOPIC_MOVED" in codes(done.conversion)) != joined
-
-
-def test_lengths_of_classic_markers_are_exact(folder: Path) -> None:
-    done = converted(folder, TROT, style="classic", encoding="ros1")
-    for foot in FEET:
-        told = [a.length for a in written_arrows(done.written, foot, "ros1", "classic")]
-        wanted = [a.length for a in expected_arrows(TROT, foot, "classic", in_world=False)]
-        np.testing.assert_array_equal(told, wanted)
+    kinds: dict[str, set[tuple[str, str]]] = {}
+    for channel in done.written.channels.values():
+        kind = done.written.schemas[channel.schema_id].name, channel.message_encoding
+        kinds.setdefault(channel.topic, set()).add(kind)
+    assert {topic for topic, each in kinds.items() if len(each) > 1} == set()
 
 
 @pytest.mark.parametrize(
@@ -106,63 +86,33 @@ def test_tf_rate_0_writes_every_pose(folder: Path, log: Path, encoding: str) -> 
     assert_same_poses(poses, expected_poses(log, at_ticks=False), opening_of(log))
 
 
-def test_tf_has_fifty_poses_a_second(folder: Path) -> None:
-    poses = written_poses(converted(folder, TROT, copy=False).written, "/tf", "foxglove")
-    assert len(poses) == 401
-    assert {after.stamp - before.stamp for before, after in pairwise(poses)} == {TICK_NS}
-
-
-def test_counts_of_what_cannot_be_drawn_are_told(folder: Path) -> None:
+def test_what_cannot_be_drawn_is_counted(folder: Path) -> None:
     damage = json.loads(TROUBLED.with_suffix(".truth.json").read_text(encoding="utf-8"))["damage"]
-    not_finite = sum(
-        len(numbers)
-        for kind in ("nan_force", "infinite_position")
-        for numbers in damage[kind].values()
-    )
-    counts = converted(folder, TROUBLED).conversion.counts
-    assert counts["not_finite"] == not_finite
-    assert converted(folder, TROUBLED).conversion.bad_poses == len(damage["zero_quaternion"])
-    assert codes(converted(folder, TROUBLED).conversion) >= {"NOT_FINITE"}
-
-
-def test_zero_stamps_are_replaced_by_log_times_and_said(folder: Path) -> None:
-    done = converted(folder, TROUBLED)
-    assert "BAD_STAMPS" in codes(done.conversion)
-    loads = written_loads(done.written, "back_left", "foxglove")
-    assert all(load.stamp == load.log_time for load in loads)
+    rows = [*damage["nan_force"].values(), *damage["infinite_position"].values()]
+    conversion = converted(folder, TROUBLED).conversion
+    assert conversion.counts["not_finite"] == sum(map(len, rows))
+    assert conversion.bad_poses == len(damage["zero_quaternion"])
+    assert codes(conversion) >= {"NOT_FINITE", "BAD_STAMPS"}
 
 
 def test_start_and_end_choose_messages_by_log_time(folder: Path) -> None:
-    first = min(one.log_time for one in read_log(WALK))
+    first = opening_of(WALK)
     done = converted(folder, WALK, start=2.0005, end=4.25)
     start, end = first + 2_000_500_000, first + 4_250_000_000
-    wanted = Counter(
-        (one.topic, one.log_time, one.data)
-        for one in read_log(WALK)
-        if start <= one.log_time <= end
-    )
-    copied = Counter(
-        (channel.topic, m.log_time, m.data)
-        for m in done.written.messages
-        if (channel := done.written.recorded().get(m.channel_id)) is not None
-    )
-    assert copied == wanted
+    recorded = Counter(each for each in read_log(WALK) if start <= each.log_time <= end)
+    assert recorded <= Counter(read_log(done.path))
+    assert done.conversion.copied == recorded.total()
     assert described_robots(done.written) == [(start, "dogbot")]
     for foot in FEET:
         loads = [one for one in expected_loads(WALK, foot) if start <= one.log_time <= end]
         assert_same_loads(written_loads(done.written, foot, "foxglove"), loads, start)
-    poses = [p for p in expected_poses(WALK, at_ticks=False) if start <= p.log_time <= end]
+    first_pose, *rest = (p for p in expected_poses(WALK, at_ticks=False) if p.log_time >= start)
+    last = max(pose.stamp for pose in rest if pose.log_time <= end)
     told = written_poses(done.written, "/dogbot_logtool/tf", "foxglove")
-    if poses[0].log_time > start:
-        assert told.pop(0) == replace(poses[0], log_time=start, stamp=start)
-    assert told[0] == poses[0]
-    assert (
-        told[1:]
-        == [
-            pose for pose in expected_poses(WALK, at_ticks=True) if pose.log_time > told[0].log_time
-        ][: len(told) - 1]
-    )
-    assert poses[-1].stamp - told[-1].stamp < TICK_NS
+    assert told[0] == replace(first_pose, log_time=start, stamp=start)
+    at_ticks = [p for p in expected_poses(WALK, at_ticks=True) if p.log_time > first_pose.log_time]
+    assert told[1:] == [first_pose, *at_ticks][: len(told) - 1]
+    assert 0 <= last - told[-1].stamp < TICK_NS
 
 
 def test_a_time_range_between_two_messages_is_refused(folder: Path) -> None:
@@ -175,80 +125,46 @@ def test_a_time_range_between_two_messages_is_refused(folder: Path) -> None:
             converted(folder, log, start=start / S, end=end / S)
 
 
-@pytest.mark.parametrize("style", STYLES)
+@pytest.mark.parametrize("style", ARROW_STYLES)
 def test_forces_of_all_kinds(tmp_path: Path, style: str) -> None:
-    log = write_bag(tmp_path / "odd.bag", odd_contacts())
-    options = ConvertOptions(
-        robot="dogbot", style=style, encoding="ros1", set={"wrench_frame": "world"}
-    )
-    conversion = convert(log, tmp_path / "out.mcap", options)
-    written = read_written(tmp_path / "out.mcap")
+    log, target = write_bag(tmp_path / "odd.bag", odd_contacts()), tmp_path / "out.mcap"
+    world = {"wrench_frame": "world"}
+    options = ConvertOptions(robot="dogbot", style=style, encoding="ros1", set=world)
+    counts = convert(log, target, options).counts
     contact = measured_contact(log, "front_left", MeasureOptions(robot="dogbot"))
     expected = expected_arrows(log, "front_left", style, in_world=True, contact=contact)
-    told = written_arrows(written, "front_left", "ros1", style)
-    assert_same_arrows(told, expected, exactly=style == "classic")
-    if style == "classic":
-        np.testing.assert_array_equal([a.length for a in told], [a.length for a in expected])
-        counts = conversion.counts
-        assert (counts["overflow"], counts["no_position"], counts["not_finite"]) == (1, 1, 0)
-        assert "NOT_FINITE" in codes(conversion)
-    else:
-        # The touch without a point is too light, and too short, to be a stance.
-        assert conversion.counts["no_position"] == 0
-        assert conversion.counts["not_finite"] == 8
-
-
-# --- Sameness -------------------------------------------------------------------------------------
+    told = written_arrows(read_written(target), "front_left", "ros1", style)
+    assert_same_arrows(told, expected, style, "ros1")
+    # The touch without a point is too light, and too short, to be a stance.
+    found = counts["overflow"], counts["no_position"], counts["not_finite"]
+    assert found == ((1, 1, 0) if style == "classic" else (0, 0, 8))
 
 
 @pytest.mark.parametrize("log", LOGS, ids=lambda log: log.stem)
-def test_sample_logs_convert_to_the_same_bytes_whatever_the_jobs(
-    folder: Path, tmp_path: Path, log: Path
-) -> None:
+def test_neither_jobs_nor_the_folder_leave_a_trace(folder: Path, tmp_path: Path, log: Path) -> None:
     options: dict[str, Any] = {"style": "force"} if log == WALK else {}
-    target = tmp_path / "out.mcap"
-    convert(log, target, ConvertOptions(jobs=3, encoding="foxglove", **options))
-    assert (
-        target.read_bytes()
-        == converted(folder, log, encoding="foxglove", **options).path.read_bytes()
-    )
+    elsewhere, target = tmp_path / "else where", tmp_path / "out"
+    for each in (elsewhere, target):
+        each.mkdir()
+    (elsewhere / log.name).write_bytes(log.read_bytes())
+    convert(elsewhere / log.name, target / "x.mcap", ConvertOptions(jobs=3, **options))
+    assert (target / "x.mcap").read_bytes() == converted(folder, log, **options).path.read_bytes()
+    assert [file.name for file in target.iterdir()] == ["x.mcap"]
 
 
 def test_provenance_tells_how_but_not_when_or_where(folder: Path) -> None:
-    done = converted(folder, TROUBLED, style="force", encoding="ros1")
-    (provenance,) = done.written.metadata
-    assert provenance.name == "dogbot_logtool"
+    (provenance,) = converted(folder, TROUBLED, style="force", encoding="ros1").written.metadata
     told = provenance.metadata
-    assert told["input"] == "dogbot_troubled.bag"
+    assert (provenance.name, told["input"]) == ("dogbot_logtool", "dogbot_troubled.bag")
     assert (told["style"], told["encoding"], told["robot"]) == ("force", "ros1", "dogbot")
     assert (told["mass_kg"], told["copy"], told["lost_messages"]) == ("21.261", "True", "0")
-    assert not [value for value in told.values() if "/" in value and value.startswith("/")]
-    everything = json.dumps(told)
-    assert str(TROUBLED.parent) not in everything
-    assert str(folder) not in everything
-    assert not re.search(r"20\d\d-\d\d|\d\d:\d\d", everything)
-
-
-def test_the_place_of_the_log_leaves_no_trace(folder: Path, tmp_path: Path) -> None:
-    elsewhere = tmp_path / "else where"
-    elsewhere.mkdir()
-    copy = elsewhere / TROUBLED.name
-    copy.write_bytes(TROUBLED.read_bytes())
-    convert(copy, tmp_path / "out.mcap", ConvertOptions())
-    assert (tmp_path / "out.mcap").read_bytes() == converted(folder, TROUBLED).path.read_bytes()
-
-
-# --- Progress, and an outside checker -------------------------------------------------------------
+    assert not re.search(r"20\d\d-\d\d|\d\d:\d\d|\"/", json.dumps(told))
 
 
 def test_progress_ends_at_the_whole(tmp_path: Path) -> None:
     told: list[tuple[int, int]] = []
-    convert(
-        TROUBLED,
-        tmp_path / "out.mcap",
-        ConvertOptions(copy=False),
-        lambda done, total: told.append((done, total)),
-    )
+    options = ConvertOptions(copy=False)
+    convert(TROUBLED, tmp_path / "out.mcap", options, lambda *progress: told.append(progress))
     assert told[-1][0] == told[-1][1]
     assert told == sorted(told)
 
@@ -260,25 +176,17 @@ def test_the_doctor_finds_nothing(
     """`pymcap-cli doctor` over all encodings and all compressions, each with both copy modes."""
     from pymcap_cli.cli import app as pymcap_cli  # noqa: PLC0415 - takes long to load
 
+    log, target = tmp_path / f"log.{kind}", tmp_path / "out.mcap"
     if kind == "bag":
-        log = write_bag(tmp_path / "log.bag", small_walk(0.3))
+        write_bag(log, small_walk(0.3))
     else:
-        log = write_ros1_mcap(tmp_path / "log.mcap", small_walk(0.3), extras=True)
-    target = tmp_path / "out.mcap"
+        write_ros1_mcap(log, small_walk(0.3), extras=True)
     encodings = itertools.cycle(ENCODINGS)
-    for compression in (*COMPRESSIONS, None):
-        for copy in (True, False):
-            options = ConvertOptions(
-                encoding=next(encodings), compression=compression, copy=copy, overwrite=True
-            )
-            convert(log, target, options)
-            code = pymcap_cli(["doctor", str(target)], result_action="return_value")
-            told = capsys.readouterr()
-            assert code == 0, told.out + told.err
-            assert "passed MCAP doctor checks" in " ".join(told.out.split())
-            assert "warning" not in told.out
-
-
-def test_nothing_but_the_output_is_left(tmp_path: Path) -> None:
-    convert(TROUBLED, tmp_path / "out.mcap", ConvertOptions(jobs=2))
-    assert [file.name for file in tmp_path.iterdir()] == ["out.mcap"]
+    for compression, copy in itertools.product((*COMPRESSIONS, None), (True, False)):
+        looks = {"encoding": next(encodings), "compression": compression, "copy": copy}
+        convert(log, target, ConvertOptions(overwrite=True, **looks))  # type: ignore[arg-type]
+        code = pymcap_cli(["doctor", str(target)], result_action="return_value")
+        told = capsys.readouterr()
+        assert code == 0, told.out + told.err
+        assert "passed MCAP doctor checks" in " ".join(told.out.split())
+        assert "warning" not in told.out

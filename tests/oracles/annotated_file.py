@@ -4,30 +4,22 @@ from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 from xml.etree import ElementTree as ET
 
 import numpy as np
 from mcap import records
-from mcap.reader import make_reader
 from mcap.stream_reader import StreamReader
 from mcap_protobuf.decoder import DecoderFactory as ProtobufDecoders
 from mcap_ros1.decoder import DecoderFactory as Ros1Decoders
-from mcap_ros2.decoder import DecoderFactory
 from mcap_ros2.decoder import DecoderFactory as Ros2Decoders
 
-from tests.oracles.conversion import (
-    Arrow,
-    Load,
-    Pose,
-    xyz,
-)
-from tests.oracles.recorded import (
-    DESCRIPTION,
-    S,
-    arrow_topic,
-    load_topic,
-)
+from tests.oracles.conversion import Arrow, Load, Pose
+from tests.oracles.frames import numbers_of
+from tests.oracles.recorded import DESCRIPTION, S, arrow_topic, load_topic
+
+ENCODED: Final = {"foxglove": "protobuf", "ros1": "ros1", "ros2": "cdr"}
+"""Message encoding of each output encoding."""
 
 
 @dataclass(slots=True)
@@ -60,14 +52,6 @@ class Written:
 
     def encodings(self, topic: str) -> set[str]:
         return {c.message_encoding for c in self.channels.values() if c.topic == topic}
-
-    def recorded(self) -> dict[int, records.Channel]:
-        """Return the channels of ROS messages, but for the robot's description, which is ours."""
-        return {
-            number: channel
-            for number, channel in self.channels.items()
-            if channel.message_encoding in {"ros1", "cdr"} and channel.topic != DESCRIPTION
-        }
 
     def of(self, topic: str, encoding: str) -> list[tuple[records.Schema, records.Message]]:
         """Return a topic's messages of one encoding, in the order of their log times."""
@@ -129,114 +113,108 @@ def read_written(path: Path) -> Written:
     return written
 
 
-def of_encoding(encoding: str) -> str:
-    return {"foxglove": "protobuf", "ros1": "ros1", "ros2": "cdr"}[encoding]
-
-
 def annotations(
     written: Written, topic: str, encoding: str, type_name: str
 ) -> Iterator[tuple[records.Message, Any]]:
     """Decode the annotations of a topic."""
-    for schema, message in written.of(topic, of_encoding(encoding)):
+    for schema, message in written.of(topic, ENCODED[encoding]):
         assert schema.name.replace("/msg/", "/") == type_name
         assert ("/msg/" in schema.name) == (encoding == "ros2")
         assert message.publish_time == message.log_time
-        yield message, written.decode(schema, message, of_encoding(encoding))
+        yield message, written.decode(schema, message, ENCODED[encoding])
 
 
-def protobuf_time(stamp: Any) -> int:
-    return int(stamp.seconds) * S + int(stamp.nanos)
+def stamp_of(stamp: Any) -> int:
+    """Return the ns of a stamp of any encoding."""
+    for seconds, rest in (("seconds", "nanos"), ("secs", "nsecs"), ("sec", "nanosec")):
+        if hasattr(stamp, seconds):
+            return int(getattr(stamp, seconds)) * S + int(getattr(stamp, rest))
+    raise TypeError(type(stamp))
 
 
-def ros_time(stamp: Any) -> int:
-    if hasattr(stamp, "nanosec"):
-        return int(stamp.sec) * S + int(stamp.nanosec)
-    return int(stamp.secs) * S + int(stamp.nsecs)
-
-
-def numbers_of(place: Any, turn: Any) -> tuple[float, ...]:
-    return (*xyz(place), float(turn.x), float(turn.y), float(turn.z), float(turn.w))
+def written_transforms(
+    written: Written, topic: str, encoding: str
+) -> Iterator[tuple[list[tuple[str, str]], list[Pose]]]:
+    """Yield the frames (parent, child) and the poses of each message."""
+    if encoding == "foxglove":
+        for message, one in annotations(written, topic, encoding, "foxglove.FrameTransforms"):
+            names = [(each.parent_frame_id, each.child_frame_id) for each in one.transforms]
+            poses = [
+                Pose(
+                    message.log_time,
+                    stamp_of(each.timestamp),
+                    numbers_of(each.translation, each.rotation),
+                )
+                for each in one.transforms
+            ]
+            yield names, poses
+        return
+    for message, one in annotations(written, topic, encoding, "tf2_msgs/TFMessage"):
+        names = [(each.header.frame_id, each.child_frame_id) for each in one.transforms]
+        poses = [
+            Pose(
+                message.log_time,
+                stamp_of(each.header.stamp),
+                numbers_of(each.transform.translation, each.transform.rotation),
+            )
+            for each in one.transforms
+        ]
+        yield names, poses
 
 
 def written_poses(written: Written, topic: str, encoding: str) -> list[Pose]:
+    """Return the base's poses; the log may have transforms of its own on the topic."""
     poses: list[Pose] = []
-    if encoding == "foxglove":
-        for message, decoded in annotations(written, topic, encoding, "foxglove.FrameTransforms"):
-            (one,) = decoded.transforms
-            assert (one.parent_frame_id, one.child_frame_id) == ("world", "base_link")
-            numbers = numbers_of(one.translation, one.rotation)
-            poses.append(Pose(message.log_time, protobuf_time(one.timestamp), numbers))
-        return poses
-    for message, decoded in annotations(written, topic, encoding, "tf2_msgs/TFMessage"):
-        (one,) = decoded.transforms[:1]
-        if one.child_frame_id == "base_link":
-            assert len(decoded.transforms) == 1
-            assert one.header.frame_id == "world"
-            numbers = numbers_of(one.transform.translation, one.transform.rotation)
-            poses.append(Pose(message.log_time, ros_time(one.header.stamp), numbers))
+    for names, transforms in written_transforms(written, topic, encoding):
+        if ("world", "base_link") in names:
+            (pose,) = transforms
+            poses.append(pose)
     return poses
 
 
 def written_arrows(written: Written, foot: str, encoding: str, style: str) -> list[Arrow]:
-    if encoding == "foxglove":
-        return foxglove_arrows(written, foot, style)
-    return marker_arrows(written, foot, encoding, style)
+    kind = "foxglove.SceneUpdate" if encoding == "foxglove" else "visualization_msgs/Marker"
+    found = annotations(written, arrow_topic(foot), encoding, kind)
+    read = _entity_arrow if encoding == "foxglove" else _marker_arrow
+    return [read(message.log_time, one, foot, style) for message, one in found]
 
 
-def foxglove_arrows(written: Written, foot: str, style: str) -> list[Arrow]:
-    diameter = 0.1 if style == "classic" else 0.04
-    arrows: list[Arrow] = []
-    topic = arrow_topic(foot)
-    for message, decoded in annotations(written, topic, "foxglove", "foxglove.SceneUpdate"):
-        assert len(decoded.entities) + len(decoded.deletions) == 1
-        for deletion in decoded.deletions:
-            assert (deletion.id, deletion.type) == (foot, 0)
-            arrows.append(Arrow(message.log_time, protobuf_time(deletion.timestamp)))
-        for entity in decoded.entities:
-            assert (entity.id, entity.frame_id) == (foot, "world")
-            lifetime = entity.lifetime
-            assert (lifetime.seconds, lifetime.nanos) == (0, 0 if style == "classic" else S // 2)
-            (one,) = entity.arrows
-            assert (one.shaft_diameter, one.head_diameter) == (diameter, 2 * diameter)
-            length = one.shaft_length + one.head_length
-            np.testing.assert_allclose(one.shaft_length, 0.77 * length, rtol=1e-14)
-            arrows.append(
-                Arrow(
-                    message.log_time,
-                    protobuf_time(entity.timestamp),
-                    xyz(one.pose.position),
-                    numbers_of(one.pose.position, one.pose.orientation)[3:],
-                    length,
-                    (one.color.r, one.color.g, one.color.b, one.color.a),
-                )
-            )
-    return arrows
+def _looks(style: str) -> tuple[float, int]:
+    """Return the diameter of shafts, m, and how long arrows stay, ns."""
+    return (0.1, 0) if style == "classic" else (0.04, S // 2)
 
 
-def marker_arrows(written: Written, foot: str, encoding: str, style: str) -> list[Arrow]:
-    diameter = 0.1 if style == "classic" else 0.04
-    arrows: list[Arrow] = []
-    topic = arrow_topic(foot)
-    for message, one in annotations(written, topic, encoding, "visualization_msgs/Marker"):
-        assert (one.ns, one.id, one.header.frame_id) == ("dogbot", 0, "world")
-        stamp = ros_time(one.header.stamp)
-        if one.action == 2:
-            arrows.append(Arrow(message.log_time, stamp))
-            continue
-        assert (one.type, one.action, one.frame_locked) == (0, 0, False)
-        assert (one.scale.y, one.scale.z) == (diameter, diameter)
-        assert ros_time(one.lifetime) == (0 if style == "classic" else S // 2)
-        arrows.append(
-            Arrow(
-                message.log_time,
-                stamp,
-                xyz(one.pose.position),
-                numbers_of(one.pose.position, one.pose.orientation)[3:],
-                one.scale.x,
-                (one.color.r, one.color.g, one.color.b, one.color.a),
-            )
-        )
-    return arrows
+def _entity_arrow(log_time: int, update: Any, foot: str, style: str) -> Arrow:
+    assert len(update.entities) + len(update.deletions) == 1
+    for deletion in update.deletions:
+        assert (deletion.id, deletion.type) == (foot, 0)
+        return Arrow(log_time, stamp_of(deletion.timestamp))
+    (entity,) = update.entities
+    (one,) = entity.arrows
+    diameter, lifetime = _looks(style)
+    assert (entity.id, entity.frame_id) == (foot, "world")
+    assert stamp_of(entity.lifetime) == lifetime
+    assert (one.shaft_diameter, one.head_diameter) == (diameter, 2 * diameter)
+    length = one.shaft_length + one.head_length
+    np.testing.assert_allclose(one.shaft_length, 0.77 * length, rtol=1e-14)
+    return _arrow(log_time, entity.timestamp, one, length)
+
+
+def _marker_arrow(log_time: int, one: Any, _foot: str, style: str) -> Arrow:
+    assert (one.ns, one.id, one.header.frame_id) == ("dogbot", 0, "world")
+    if one.action == 2:
+        return Arrow(log_time, stamp_of(one.header.stamp))
+    diameter, lifetime = _looks(style)
+    assert (one.type, one.action, one.frame_locked) == (0, 0, False)
+    assert (one.scale.y, one.scale.z) == (diameter, diameter)
+    assert stamp_of(one.lifetime) == lifetime
+    return _arrow(log_time, one.header.stamp, one, one.scale.x)
+
+
+def _arrow(log_time: int, stamp: Any, one: Any, length: float) -> Arrow:
+    numbers = numbers_of(one.pose.position, one.pose.orientation)
+    colour = one.color.r, one.color.g, one.color.b, one.color.a
+    return Arrow(log_time, stamp_of(stamp), numbers[:3], numbers[3:], length, colour)
 
 
 def described_robots(written: Written) -> list[tuple[int, str]]:
@@ -257,19 +235,16 @@ def written_loads(written: Written, foot: str, encoding: str) -> list[Load]:
     loads: list[Load] = []
     type_name = "dogbot_logtool.Load" if encoding == "foxglove" else "dogbot_logtool/Load"
     for message, one in annotations(written, load_topic(foot), encoding, type_name):
-        if encoding == "foxglove":
-            stamp = protobuf_time(one.timestamp)
-            assert one.HasField("in_contact")
-        else:
-            stamp = ros_time(one.stamp)
+        stamp = stamp_of(one.timestamp if encoding == "foxglove" else one.stamp)
+        assert encoding != "foxglove" or one.HasField("in_contact")
         loads.append(Load(message.log_time, stamp, bool(one.in_contact), one.force, one.force_bw))
     return loads
 
 
 def arrows(path: Path) -> Iterator[tuple[str, int, Any]]:
     """Yield topic, log time in ns, and marker of the arrows that are shown."""
-    with path.open("rb") as stream:
-        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
-        for _, channel, message, marker in reader.iter_decoded_messages():
-            if "marker" in channel.topic and marker.action == 0:
-                yield channel.topic, message.log_time, marker
+    written = read_written(path)
+    for topic in written.topics:
+        for log_time, marker in written.decoded(topic) if "marker" in topic else ():
+            if marker.action == 0:
+                yield topic, log_time, marker

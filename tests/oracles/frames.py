@@ -2,7 +2,7 @@
 
 from bisect import bisect_left
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,9 +13,20 @@ Matrix = NDArray[np.float64]
 LONGEST_STEP_NS = 100_000_000
 
 
+def numbers_of(place: Any, turn: Any) -> tuple[float, ...]:
+    """x, y, z and the quaternion's x, y, z, w of a pose in any message."""
+    numbers = place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w
+    return tuple(map(float, numbers))
+
+
 def matrix_of(quaternion: Any) -> Matrix:
     """Rotation matrix of a message's quaternion of any norm."""
-    x, y, z, w = quaternion.x, quaternion.y, quaternion.z, quaternion.w
+    return turn_of([quaternion.x, quaternion.y, quaternion.z, quaternion.w])
+
+
+def turn_of(quaternion: Sequence[float]) -> Matrix:
+    """Rotation matrix of a quaternion x, y, z, w of any norm."""
+    x, y, z, w = quaternion
     s = 2.0 / (x * x + y * y + z * z + w * w)
     return np.array(
         [
@@ -47,8 +58,7 @@ class Frames:
     times: dict[str, list[int]] = field(default_factory=lambda: defaultdict(list))
     poses: dict[str, list[tuple[Matrix, Matrix]]] = field(default_factory=lambda: defaultdict(list))
 
-    def add(self, parent: str, child: str, time: int, place: Any, turn: Any) -> None:
-        numbers = [place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w]
+    def add(self, parent: str, child: str, time: int, numbers: Sequence[float]) -> None:
         child = child.lstrip("/")
         if not np.isfinite(numbers).all() or not any(numbers[3:]):
             return
@@ -56,7 +66,7 @@ class Frames:
             return
         self.parents[child] = parent.lstrip("/")
         self.times[child].append(time)
-        self.poses[child].append((np.array(numbers[:3]), matrix_of(turn)))
+        self.poses[child].append((np.array(numbers[:3]), turn_of(numbers[3:])))
 
     def in_parent(self, child: str, time: int) -> tuple[Matrix, Matrix] | None:
         times, poses = self.times[child], self.poses[child]
@@ -98,13 +108,11 @@ def frames_of(odometry: Iterable[Any], transforms: Iterable[Any], *, log_time: b
         header, pose = one.message.header, one.message.pose.pose
         base = one.message.child_frame_id.lstrip("/") or "base_link"
         time = one.log_time if log_time else stamp_ns(header)
-        frames.add(header.frame_id, base, time, pose.position, pose.orientation)
+        frames.add(header.frame_id, base, time, numbers_of(pose.position, pose.orientation))
     for one in transforms:
         for each in one.message.transforms:
             if each.child_frame_id.lstrip("/") != base:
                 time = one.log_time if log_time else stamp_ns(each.header)
-                pose = each.transform
-                frames.add(
-                    each.header.frame_id, each.child_frame_id, time, pose.translation, pose.rotation
-                )
+                numbers = numbers_of(each.transform.translation, each.transform.rotation)
+                frames.add(each.header.frame_id, each.child_frame_id, time, numbers)
     return frames

@@ -1,8 +1,9 @@
 """ROS 1 logs of messages made one by one, as bags and MCAP files."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
@@ -167,15 +168,29 @@ LIFTED_S: Final = (0.4, 0.8)
 """s after the start."""
 
 
-def write_standing_log(path: Path) -> Path:
-    """Write a second of a robot that stands, and lifts a foot for a while; it has no transforms."""
+def write_standing_log(
+    path: Path,
+    base: tuple[float, float, float] = BASE,
+    newtons: Mapping[str, float] = MappingProxyType({}),
+    ends_s: Mapping[str, float] = MappingProxyType({}),
+) -> Path:
+    """Write a second of a robot that stands, and lifts a foot for a while; it has no transforms.
+
+    Args:
+        path: the file.
+        base: m, in the world.
+        newtons: on feet that carry more or less than 50 N.
+        ends_s: when sensors fall silent.
+    """
     entries = []
     for index in range(100):
-        time = START + index * S // 100
-        entries.append(Entry(ODOMETRY, ODOMETRY_TYPE, time, odometry(time, BASE)))
+        time, seconds = START + index * S // 100, index / 100
+        entries.append(Entry(ODOMETRY, ODOMETRY_TYPE, time, odometry(time, base)))
         for foot, offset in FEET.items():
             x, y, z = (a + b for a, b in zip(BASE, offset, strict=True))
-            lifted = foot == LIFTED and LIFTED_S[0] <= index / 100 < LIFTED_S[1]
-            states = [] if lifted else [contact((0.0, 0.0, 50.0), foot, ((x, y, z),))]
-            entries.append(Entry(contact_topic(foot), CONTACTS_TYPE, time, contacts(time, *states)))
+            lifted = foot == LIFTED and LIFTED_S[0] <= seconds < LIFTED_S[1]
+            touch = contact((0.0, 0.0, newtons.get(foot, 50.0)), foot, ((x, y, z),))
+            data = contacts(time, *([] if lifted else [touch]))
+            if seconds < ends_s.get(foot, 2.0):
+                entries.append(Entry(contact_topic(foot), CONTACTS_TYPE, time, data))
     return write_ros1_mcap(path, entries)

@@ -330,6 +330,7 @@ def write_log(
     change: Any = None,
     names: tuple[str, ...] = JOINTS,
     drift: float = 0.0,
+    described: bool = True,
 ) -> Path:
     """Write a walk as an MCAP of ROS 2 messages.
 
@@ -346,6 +347,7 @@ def write_log(
         change: takes and returns position, velocity and effort, (n, 12) each.
         names: of the joints in their states.
         drift: metres by which the odometry goes astray, to the left, a metre of the way.
+        described: whether a robot description is in it, where legs are by joint states.
     """
     physics, make = robot or trot(), messages()
     rows = slice(0, None, every)
@@ -360,7 +362,7 @@ def write_log(
             (at, topic, kind, each) for at, each in zip(time.tolist(), data, strict=True)
         )
 
-    if not by_transforms:
+    if described and not by_transforms:
         entries.append((ORIGIN_NS, "/robot_description", STRING, make.text(urdf())))
     if commands is not None:
         sent = ORIGIN_NS + np.rint(commands.time * 1e9).astype(np.int64)

@@ -10,7 +10,6 @@ import numpy as np
 from dogbot_logtool.core.arrays import median_of
 from dogbot_logtool.core.checks.loads import direction_is_doubtful
 from dogbot_logtool.core.gait.strides import typical_period_s
-from dogbot_logtool.core.leg_evaluation import paired
 from dogbot_logtool.core.legs.doubts import LegSigns, contradiction, leg_signs, shortfall
 from dogbot_logtool.core.legs.legs import LegFigures
 from dogbot_logtool.core.walk import Walk
@@ -91,7 +90,7 @@ def _lacking(walk: Walk, legs: LegFigures) -> str:
         return f"joint states do not tell of {', '.join(legs.settings.untold)}"
     count = Counter(legs.settings.foot_of_joint.get(name) for name in legs.joints)
     for row, other in permutations(range(len(walk.feet)), 2):
-        if 0 < count[row] < count[other] and paired(walk, row, other):
+        if 0 < count[row] < count[other] and walk.paired(row, other):
             one, more = (f"{walk.feet[each].name} ({count[each]})" for each in (row, other))
             return f"joint states tell of fewer joints of {one} than of {more}"
     return ""

@@ -15,7 +15,7 @@ from dogbot_logtool.core.arrays import (
     percentiles_of,
     rows_of_runs,
 )
-from dogbot_logtool.core.base.foot_path import FootPath, places_on_path
+from dogbot_logtool.core.base.foot_path import FootPath, footfalls
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES, stride_lengths
 from dogbot_logtool.core.base.moving_ground import MovingGround
 from dogbot_logtool.core.base.poses import BaseHistory
@@ -215,7 +215,9 @@ def foot_steps(
     braking, propulsive = (
         np.where(spiked, np.nan, each) for each in fore_aft_impulses(record, heading)
     )
-    at, place = stance_places(record) if path is None else places_on_path(path, stances)
+    at, place = stances.middle, footfalls(path, stances).position if path else None
+    if place is None:
+        at, place = stance_places(record)
     if ground is not None:
         place = place - ground.way_at(at)
     length, length_from = own_lengths(place, strides), "points"

@@ -2,19 +2,22 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, median_of, percentiles_of
 from dogbot_logtool.core.base.foot_path import FootPath, silent_before, unbroken
 from dogbot_logtool.core.corrections.clock import ClockDifference
-from dogbot_logtool.core.frames.transforms import TransformBuffer
+from dogbot_logtool.core.frames.transforms import FrameTrack
 from dogbot_logtool.core.gait.feet import CYCLE_POINTS, QUARTILES
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.joints import JointTrack
-from dogbot_logtool.core.legs.paths import LegSettings
 from dogbot_logtool.core.metrics import Legs
 from dogbot_logtool.core.records import Curve, Shape
+
+if TYPE_CHECKING:
+    from dogbot_logtool.core.legs.paths import LegSettings
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -44,11 +47,11 @@ class LegFoot:
 class LegFigures:
     """What is known of all legs, whether or not the log gives reasons to doubt it."""
 
-    settings: LegSettings
+    settings: "LegSettings"
     feet: tuple[LegFoot, ...]
     joints: Mapping[str, JointTrack]
     """Each joint, by its name."""
-    links: TransformBuffer
+    links: Mapping[str, FrameTrack]
     """The links that joints move, and those that rest on them."""
     work: Floats
     """(2, strides) J, positive and absolute work of all joints in strides of the reference foot."""

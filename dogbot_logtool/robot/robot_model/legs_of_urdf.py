@@ -13,9 +13,9 @@ from dogbot_logtool.core.frames.kinematics import Joint, Leg, Mass, Triple, leg_
 from dogbot_logtool.core.leg_position import LegPosition, leg_names
 from dogbot_logtool.core.legs.joints import JointLimits
 from dogbot_logtool.core.rotations import multiply, rotate
-from dogbot_logtool.robot.names import leg_position
+from dogbot_logtool.robot.leg_names import leg_of, leg_position
 from dogbot_logtool.robot.robot_model.urdf import NOTHING, Link, RobotOfUrdf, joints_below
-from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, SOLES, Part, words_of
+from dogbot_logtool.robot.words import SOLES, Part, words_of
 
 _HIGHEST: Final = 0.4
 """Share of the depth of the lowest foot below the base that other feet may be higher."""
@@ -207,16 +207,6 @@ def _position_in(leg: Leg) -> LegPosition:
     """Return which leg the names of its links and joints tell; empty where they do not."""
     told = map(leg_of, (leg.foot, *(joint.name for joint in reversed(leg.joints))))
     return next((position for position in told if position[1]), ("", ""))
-
-
-def leg_of(name: str) -> LegPosition:
-    """Return the end and the side of the robot that a name tells; empty where it does not."""
-    end = side = ""
-    for word in words_of(name):
-        if word.text in LETTERS:
-            return LETTERS[word.text]
-        end, side = ENDS.get(word.text, end), SIDES.get(word.text, side)
-    return end, side
 
 
 def _forward(places: Floats, named: Sequence[LegPosition]) -> str:

@@ -15,10 +15,10 @@ from dogbot_logtool.report.page.render import page
 from dogbot_logtool.report.page.replay import MOST_FRAMES, frame_times, replay
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.robot.annotated import open_recorded
-from tests.commands.test_convert_joints import urdf, write
 from tests.measured import LogFacts, measurement_of
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import numbers
+from tests.truth import physics
 
 TROT = SAMPLE_LOGS / "dogbot_trot.bag"
 MB = 1_000_000
@@ -87,18 +87,15 @@ def _world(point: Any, position: Any, angles: Any) -> Any:
     return position + np.array(placed)
 
 
-def test_joint_states_bend_the_legs_as_the_transforms_do(tmp_path: Path) -> None:
-    """The log without its transforms, but with a robot description, gives the same joints."""
-    log = write(tmp_path / "log.mcap", urdf())
+def test_joint_states_bend_the_legs_as_the_engine_does(tmp_path: Path) -> None:
+    """A log without transforms, but with a robot description."""
+    log = physics.write_log(tmp_path / "log.mcap", by_transforms=False)
     _, found = measured_and_shown(log)
-    by_transforms, by_states = (
-        numbers(each["limbs"]["point"]).reshape(-1, len(each["limbs"]["parents"]), 3)
-        for each in (shown(), found)
-    )
-    assert len(by_states) == 25
-    row = 10
-    for joint in by_states[row]:
-        assert np.linalg.norm(by_transforms[row] - joint, axis=1).min() < 1e-3
+    limbs, row = found["limbs"], 10
+    joints = numbers(limbs["point"]).reshape(-1, len(limbs["parents"]), 3)[row]
+    step = round(numbers(found["time"])[row] / physics.STEP_S)
+    for calf in physics.trot().calf[step, :, :3]:
+        assert np.linalg.norm(joints - calf, axis=1).min() < 1e-3
 
 
 def test_without_frames_lines_lead_to_the_feet_and_unknown_feet_are_below_the_base() -> None:
