@@ -57,10 +57,11 @@ def _identity(path: Path) -> tuple[int, int] | Path:
 
 
 def matches(pattern: str) -> list[Path]:
-    """Return the files and directories of a disk that fit a pattern, sorted; hidden ones where it names some.
+    """Return the files and directories of a disk that fit a pattern, sorted.
 
     Patterns are those of `pathlib`, in which ``**`` follows no links: directories with links to
-    themselves have endlessly many names. Links to a directory above them fit none.
+    themselves have endlessly many names. Hidden names fit patterns with hidden parts only, and
+    links to a directory above them none.
     """
     pure = PurePath(pattern)
     parts = [_ANY.sub("*", part) for part in pure.relative_to(pure.anchor).parts]
