@@ -68,7 +68,8 @@ def convert(
                 start=start,
             )
             walk = measured.measurement.walk
-            plan = make_plan(log, measured.selection, walk, options, copier.left_out)
+            selection, model = measured.selection, measured.model
+            plan = make_plan(log, selection, model, walk, options, copier.left_out)
             scene = draw(plan, walk, output.arrows)
             added = added_channels(log, plan)
             counts = output.annotate(scene, added, _half(progress, 1), start)

@@ -22,9 +22,8 @@ from dogbot_logtool.results import LogInfo, TopicInfo
 from dogbot_logtool.robot.annotated import without_annotations
 from dogbot_logtool.robot.frames import Frames, frame_findings, read_frames
 from dogbot_logtool.robot.measuring.plan import settings_of
-from dogbot_logtool.robot.measuring.side_topics import side_topics
+from dogbot_logtool.robot.measuring.side_topics import joint_channels, side_topics
 from dogbot_logtool.robot.message_feet import is_planned
-from dogbot_logtool.robot.robot_model.joints_of_log import joint_channels
 from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.run.runner import OnProgress
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from dogbot_logtool.core import metrics
 from dogbot_logtool.core.analysis import analyse
@@ -24,6 +25,9 @@ from dogbot_logtool.robot.measuring.plan import MeasuringPlan, make_plan, prepar
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.time_span import TimeLimits, refuse_empty_span
 from dogbot_logtool.run.runner import OnProgress
+
+if TYPE_CHECKING:
+    from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 
 
 def measure(
@@ -55,6 +59,8 @@ class MeasuredLog:
 
     measurement: Measurement
     selection: Selection
+    model: "RobotOfUrdf | None"
+    """The robot's description, where joint states move it."""
     read: ReadLog
     known: tuple[Finding, ...]
     """Found before the walk was measured."""
@@ -92,7 +98,7 @@ def measure_planned(
         log=_what_was_read(log, read, damage.messages, damage.bytes),
         known=(*lost, *known),
     )
-    return MeasuredLog(Measurement(walk, damage), told.selection, read, known)
+    return MeasuredLog(Measurement(walk, damage), told.selection, told.model, read, known)
 
 
 def _losses(log: Log, read: ReadLog, limits: TimeLimits) -> list[Loss]:

@@ -19,7 +19,12 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.robot.measuring.legs import sensor_points
-from dogbot_logtool.robot.robot_model.description import RobotDescription, robot_description
+from dogbot_logtool.robot.robot_model.description import (
+    RobotDescription,
+    joint_motion,
+    robot_description,
+)
+from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.writer.annotations import WantedAnnotations, description_type
@@ -71,13 +76,19 @@ def refuse_unknown_names(options: ConvertOptions) -> None:
 
 
 def make_plan(
-    log: Log, selection: Selection, walk: Walk, options: ConvertOptions, left_out: frozenset[int]
+    log: Log,
+    selection: Selection,
+    model: RobotOfUrdf | None,
+    walk: Walk,
+    options: ConvertOptions,
+    left_out: frozenset[int],
 ) -> ConversionPlan:
     """Decide what to do.
 
     Args:
         log: the log.
         selection: its topics.
+        model: the robot's description, where joint states move it.
         walk: what was measured.
         options: what the user asks for.
         left_out: ids of the channels that are not copied.
@@ -90,12 +101,11 @@ def make_plan(
     weight_n = settings.body_weight_n or settings.estimated_weight_n
     turns = settings.wrench_frame is WrenchFrame.LINK
     links = frames.links if turns else (None,) * len(settings.feet)
-    placed = frames.follow(settings, links, sensor_points(selection, frames, settings))
+    placed = frames.follow(links, sensor_points(selection, frames, settings))
     unsupported = no_support(selection)
     second = second_tf(selection, frames, options, left_out) if options.tf == "auto" else None
-    description = robot_description(
-        log, selection, frames, frames.base, options.urdf, copy=options.copy
-    )
+    motion = joint_motion(model, walk) if model else None
+    description = robot_description(log, selection, frames, motion, options.urdf, copy=options.copy)
     description = replace(
         description,
         hips=None if unsupported else description.hips,

@@ -175,11 +175,8 @@ def _base_way(base: BaseHistory, forward_axis: str, jumps: Ints) -> tuple[Integr
     Returns:
         The way as in `AXES`, and the time in which it is known, (k, 2) ns.
     """
-    yaw = base.angles[:, 2]
-    heading = (yaw[1:] + yaw[:-1]) / 2.0 + FORWARD_ANGLES[forward_axis]
-    forward, left = along_heading(np.diff(base.position[:, :2], axis=0), heading)
-    steps = np.stack([forward, left, np.diff(yaw)], axis=1)
-    total = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
+    steps = base.steps(FORWARD_ANGLES[forward_axis])
+    total = np.concatenate([np.zeros((1, 3)), np.cumsum(steps.T, axis=0)])
     sparse = np.flatnonzero(np.diff(base.time) > SPARSE_NS)
     broken = np.stack([base.time[sparse], base.time[sparse + 1]], axis=1)
     known = timespans.subtract(base.known, timespans.merge(np.concatenate([jumps, broken])))

@@ -18,7 +18,6 @@ from dogbot_logtool.core.arrays import (
 )
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contacts import Samples, no_samples, without_contact
-from dogbot_logtool.core.frames.transforms import concatenate_transforms, no_transforms
 from dogbot_logtool.core.legs.joints import MOST_JOINTS, JointSamples, JointTable
 from dogbot_logtool.core.recording import Recording, Times, VectorTopic
 from dogbot_logtool.core.vectors import VectorSamples
@@ -160,7 +159,6 @@ class _Joined:
         for key, names in part.names.items():
             self._whole.names[key].update(names)
         self._whole.counts.update(part.counts)
-        self._whole.transforms.extend(part.transforms)
         self._whole.joints.extend(part.joints)
         self._losses.extend(part.losses)
 
@@ -192,7 +190,11 @@ class _Joined:
             base=base,
             world_frames=tuple(sorted(names["worlds", ONLY])),
             base_frames=tuple(sorted(names["bases", ONLY])),
-            transforms=concatenate_transforms([no_transforms(), *self._whole.transforms]),
+            transforms={
+                edge: in_time_order(self._columns["transforms", edge].finish(None))
+                for edge in self._which("transforms")
+            },
+            slashed_frames=frozenset(names["slashed", ONLY]),
             joints=_all_joints(self._whole.joints, self._wanted),
             commands=self._vectors("commands"),
             accelerations=self._vectors("accelerations"),
@@ -274,7 +276,7 @@ def left_after_ns(lags: Sequence[Ints], step: Ints) -> int | None:
 
 def _all_joints(parts: Sequence[JointTable], wanted: Wanted) -> tuple[JointTable, ...]:
     """Join the joint states of each topic; NaN where a message does not have a joint."""
-    by_topic: dict[str, list[JointTable]] = {each.channel.topic: [] for each in wanted.joints}
+    by_topic: dict[str, list[JointTable]] = {each.topic: [] for each in wanted.joints}
     for part in parts:
         by_topic[part.topic].append(part)
     return tuple(_one_table(topic, tables) for topic, tables in by_topic.items() if tables)

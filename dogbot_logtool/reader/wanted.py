@@ -23,15 +23,6 @@ class WantedVectors:
 
 
 @dataclass(frozen=True, slots=True)
-class WantedJoints:
-    """A channel of joint states."""
-
-    channel: Channel
-    left_out: frozenset[str]
-    """Joints that a better channel tells of."""
-
-
-@dataclass(frozen=True, slots=True)
 class Wanted:
     """The channels of a log that are read, by what they tell."""
 
@@ -41,8 +32,8 @@ class Wanted:
     """How the base's poses are read; None: there are none."""
     base_channels: tuple[Channel, ...] = ()
     transforms: tuple[Channel, ...] = ()
-    joints: tuple[WantedJoints, ...] = ()
-    """The best first."""
+    joints: tuple[Channel, ...] = ()
+    """Of joint states, the best first."""
     commands: WantedVectors | None = None
     accelerations: WantedVectors | None = None
     planned: tuple[Channel, ...] = ()

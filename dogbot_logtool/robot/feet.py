@@ -15,11 +15,11 @@ from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.message_type import is_named_as_planned
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.messages.table import types_of
+from dogbot_logtool.robot.leg_names import leg_position
 from dogbot_logtool.robot.message_feet import feet_of_messages, front_to_back
-from dogbot_logtool.robot.names import leg_position, name_feet
+from dogbot_logtool.robot.names import FootSet, name_feet
 from dogbot_logtool.robot.offers import alternatives
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.siblings import FootSet
 from dogbot_logtool.robot.topics import (
     message_count,
     most_frequent,

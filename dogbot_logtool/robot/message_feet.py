@@ -11,7 +11,8 @@ from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.feet import MessageFoot, feet_in
 from dogbot_logtool.reader.messages.message_type import is_named_as_planned
 from dogbot_logtool.reader.messages.source import source_of
-from dogbot_logtool.robot.names import label_names, leg_position
+from dogbot_logtool.robot.leg_names import leg_position
+from dogbot_logtool.robot.names import label_names
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics import first_messages, most_frequent
 from dogbot_logtool.robot.words import Part, words_of

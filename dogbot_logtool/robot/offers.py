@@ -9,8 +9,8 @@ from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import shell_joined, shell_quoted
 from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Log
+from dogbot_logtool.robot.names import FootSet
 from dogbot_logtool.robot.score import FootCandidates, word_of
-from dogbot_logtool.robot.siblings import FootSet
 
 _ALTERNATIVES: Final = 3
 """Sets of topics that are offered beside the most likely one."""

@@ -83,9 +83,11 @@ PARTS: Final[Mapping[str, Part]] = {
     **dict.fromkeys(_UPPER_LEG.split(), Part.UPPER_LEG),
     **dict.fromkeys(_NOT_A_FOOT.split(), Part.NOT_A_FOOT),
 }
+_PLACES: Final = frozenset(
+    ["ball", "heel", "in", "inner", "inside", "lateral", "medial", "out", "outer", "outside", "toe"]
+)
 ON_A_FOOT: Final = frozenset(
-    f"{' '.join(map(str, range(1, 17)))} a b c d e f g h ball fore heel hind in inner inside "
-    f"lateral medial mid out outer outside toe {' '.join((*ENDS, *SIDES, *LETTERS))}".split()
+    {*map(str, range(1, 17)), *"abcdefgh", *_PLACES, *ENDS, *SIDES, *LETTERS}
 )
 """Words that tell the sensors of one foot apart."""
 NEUTRAL: Final = frozenset(_NEUTRAL.split())
@@ -128,8 +130,6 @@ class Word:
     """In lower case."""
     segment: int
     """Which of the parts between slashes it is in."""
-    gap: str
-    """The signs before it."""
 
     @property
     def part(self) -> Part | None:
@@ -148,7 +148,7 @@ class Word:
 
     @property
     def slot(self) -> str:
-        """What kind of a leg's name it may be, the same of all siblings; empty: none."""
+        """What kind of a word of a leg, or of a place on a foot, it may be; empty: none."""
         if self.text in LETTERS or self.text in ROWS:
             return "letters"
         if self.text in SIDES:
@@ -157,6 +157,8 @@ class Word:
             return "end"
         if self.text.isdecimal():
             return "number"
+        if self.text in _PLACES:
+            return "place"
         return "row" if self.text in _NUMBERING else ""
 
 
@@ -171,15 +173,13 @@ def texts_of(name: str) -> set[str]:
 
 
 def _words_of(name: str) -> Iterator[Word]:
-    segment, gap = 0, ""
+    segment = 0
     for piece in re.findall(r"[A-Za-z]+|[0-9]+|[^A-Za-z0-9]+", name):
         if not piece[0].isascii() or not piece[0].isalnum():
             segment += piece.count("/")
-            gap = piece
             continue
         for text in _split_letters(piece) if piece[0].isalpha() else (piece,):
-            yield Word(text, segment, gap)
-            gap = ""
+            yield Word(text, segment)
 
 
 @lru_cache(maxsize=4096)

@@ -53,7 +53,7 @@ def bags_with_a_wrong_index() -> Iterator[Case]:
     two, harmed = built(small_bag(chunks=2, each=3))
     for right, other in (((0, 2, 1, 1), (0, 1, 1, 2)), ((1, 2, 0, 1), (1, 1, 0, 2))):
         harmed = harmed.replace(struct.pack("<4I", *right), struct.pack("<4I", *other))
-    what = f"byte {two.chunk_starts[0]} holds 2 messages of channel 0 where the log's index names"
+    what = f"byte {two.chunk_starts[0]} holds 2 messages of channel 1 where the log's index names"
     yield Case("counts that hold in sum", two, harmed, what)
 
 

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dogbot_logtool.robot.names import name_feet
-from dogbot_logtool.robot.siblings import FootSet
+from dogbot_logtool.robot.names import FootSet, name_feet
 
 TABLE = tomllib.loads(Path(__file__).with_name("names.toml").read_text(encoding="utf-8"))
 CLEAR, UNSURE = TABLE["clear"], TABLE["unsure"]

@@ -7,9 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
-from dogbot_logtool.reader.containers.contents import UNKNOWN_CHANNEL, ChannelIds, Chunk, Contents
+from dogbot_logtool.reader.containers.contents import Chunk, Contents
 from dogbot_logtool.reader.containers.log import Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.salvage.content import (
@@ -39,9 +38,7 @@ class ChunkedLog(Log):
         self.container = scan.container
         self.copies_chunks = scan.copies_chunks
         self._scan = scan
-        self._channel_ids = ChannelIds(scan.ids)
-        self._numbers = {number_id: number for number, number_id in scan.ids.items()}
-        """Numbers in the records by channel id."""
+        self._ids = [*contents.channels]
         self._only_batch: Batch | None = None
 
     def _read(self, span: Span) -> Batch:
@@ -135,7 +132,7 @@ class ChunkedLog(Log):
         for chunk, data in zip(sound, stored, strict=True):
             target = buffer[base : base + chunk.size]
             try:
-                content = self._parse(chunk, data, target)
+                content = self._scan.parse(chunk, data, target)
             except ChunkDamage as damage:
                 losses.append(left_out(chunk, damage))
                 damaged.append(chunk)
@@ -166,16 +163,10 @@ class ChunkedLog(Log):
         found = map(self._scan.descriptions.decode, described)
         return all(each and (each.kind, each.number) in kept for each in found)
 
-    def _parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
-        """See `Scan.parse`."""
-        counts = chunk.counts and {self._numbers[each]: n for each, n in chunk.counts.items()}
-        return self._scan.parse(replace(chunk, counts=counts), stored, target)
-
     def _described(self, chunk: Chunk, content: ChunkContent) -> tuple[Messages, list[Loss]]:
-        """Give messages the ids of their channels; leave out those that are nowhere described."""
+        """Leave out messages whose channels are nowhere described."""
         messages, losses = content.messages, list(content.losses)
-        messages = replace(messages, channel=self._channel_ids.of(messages.channel))
-        known = messages.channel != UNKNOWN_CHANNEL
+        known = np.isin(messages.channel, self._ids)
         if not known.all():
             unknown = messages.pick(~known)
             size = int((unknown.end - unknown.start).sum())

@@ -16,7 +16,7 @@ from dogbot_logtool.core.corrections.clock import usual_interval_s
 from dogbot_logtool.core.recording import Recording, has_own_stamps
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.robot.names import foot_name, leg_position
+from dogbot_logtool.robot.leg_names import foot_name, leg_position
 from dogbot_logtool.robot.score import word_of
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.words import SIDES, words_of

@@ -17,18 +17,17 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.reader.wanted import Wanted, WantedJoints
-from dogbot_logtool.robot.base_candidates import BASES
+from dogbot_logtool.reader.wanted import Wanted
+from dogbot_logtool.robot.base import BASES
 from dogbot_logtool.robot.contact_evidence import decide_contacts
 from dogbot_logtool.robot.measuring.joined_sensors import with_joined_sensors
-from dogbot_logtool.robot.measuring.side_topics import SideTopics, side_topics
+from dogbot_logtool.robot.measuring.side_topics import SideTopics, joint_channels, side_topics
 from dogbot_logtool.robot.message_feet import planned_feet
 from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.robot.topics import nothing_to_do
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.frames.transforms import TransformBuffer
     from dogbot_logtool.core.legs.paths import LegSettings
     from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 
@@ -60,7 +59,7 @@ def make_plan(log: Log, options: MeasureOptions) -> MeasuringPlan:
         CallError: an option names a topic, foot or time that the log does not have.
     """
     selection = select_topics(log, options)
-    joints = _wanted_joints(log)
+    joints = tuple(joint_channels(log))
     if not (selection.odometry or selection.contacts or joints):
         raise LogError(nothing_to_do(log, selection.findings))
     planned = _planned(log, selection, options)
@@ -107,7 +106,6 @@ def settings_of(selection: Selection, options: RobotOptions) -> WalkSettings:
             origin="option" if robot.is_given("contact_on_n") else "robot",
         ),
         takes_offsets=robot.tare != "none",
-        static_channels=selection.static_transforms,
         promised_frame=promised.pop() if len(promised) == 1 else None,
         wrench_frame=WrenchFrame.WORLD
         if selection.contact_from
@@ -156,16 +154,6 @@ def _time_source(selection: Selection) -> tuple[TimeSource | None, str]:
     return None, ""
 
 
-def _wanted_joints(log: Log) -> tuple[WantedJoints, ...]:
-    """Choose the channels of joint states; nothing is imported where no topic may be one."""
-    types = {channel.type_name.rpartition("/")[2] for channel in log.channels.values()}
-    if not any("Joint" in name or "LowState" in name for name in types):
-        return ()
-    from dogbot_logtool.robot.measuring.legs import wanted_joints  # noqa: PLC0415
-
-    return wanted_joints(log)
-
-
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Prepared:
     """A recording with all that is known of it before it is measured."""
@@ -178,6 +166,8 @@ class Prepared:
     """Settings of the feet as a plan in the log has them; None: there is no plan."""
     selection: Selection
     """Topics that it is measured by."""
+    model: "RobotOfUrdf | None"
+    """The robot's description, where joint states move it."""
     findings: tuple[Finding, ...]
 
 
@@ -196,25 +186,18 @@ def prepare(
     recording = replace(recording, feet=feet, planned=planned_feet)
     if (scale := selection.robot.odometry_scale) is not None:
         recording = replace(recording, base=scaled(recording.base, scale))
-    topic, statics = selection.base_name or "", selection.static_transforms
-    base_frame = selection.robot.base_frame
-    recording, moved = poses_of_base(recording, topic, base_frame, BASES, statics)
+    topic, base_frame = selection.base_name or "", selection.robot.base_frame
+    recording, moved = poses_of_base(recording, topic, base_frame, BASES)
     recording, joined = on_one_clock(recording, topic)
     recording, selection, whole = with_joined_sensors(recording, selection)
     model = None
     if recording.joints:
-        from dogbot_logtool.robot.measuring.by_legs import (  # noqa: PLC0415
-            named_by_legs,
-            told_by_legs,
-        )
+        from dogbot_logtool.robot.measuring.by_legs import told_by_legs  # noqa: PLC0415
         from dogbot_logtool.robot.robot_model.description import read_model  # noqa: PLC0415
 
         found = read_model(log, options.urdf)
         model = found.robot
         recording, selection = told_by_legs(recording, selection, found)
-        if named := named_by_legs(log, options, selection, recording.feet):
-            others = (each for each in selection.findings if each.code != "FEET_UNSURE")
-            selection = replace(selection, findings=(*others, named))
     # Up to the ends of a log that is read whole, silence is known.
     start, end = plan.wanted.limits
     settings = replace(
@@ -233,6 +216,7 @@ def prepare(
         _find_legs(selection, model),
         settings_of(plan_of_feet, options) if plan_of_feet else None,
         selection,
+        model,
         (*selection.findings, *moved, *joined, *whole, *plan.side.findings),
     )
 
@@ -240,14 +224,11 @@ def prepare(
 def _find_legs(selection: Selection, model: "RobotOfUrdf | None") -> FindLegs:
     """Return what finds a recording's legs; nothing is imported for one that tells nothing."""
 
-    def find(
-        recording: Recording, corrected: Corrected
-    ) -> "tuple[LegSettings, TransformBuffer] | None":
-        if not recording.joints and not len(recording.transforms.stamp):
+    def find(recording: Recording, corrected: Corrected) -> "LegSettings | None":
+        if not recording.joints and not recording.transforms:
             return None
         from dogbot_logtool.robot.measuring.legs import find_legs  # noqa: PLC0415
 
-        clock = corrected.settings.clock
-        return find_legs(recording, selection, corrected.frames, clock, model)
+        return find_legs(recording, selection, corrected.frames, model)
 
     return find

@@ -1,4 +1,4 @@
-"""Topics beside feet and base that `stats` compares with them: commands, accelerometers."""
+"""Topics beside feet and base: joint states, commands, accelerometers."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,8 +6,9 @@ from typing import Final
 
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
-from dogbot_logtool.reader.containers.log import Log
+from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.messages.message_type import Part
+from dogbot_logtool.reader.messages.others import JOINT_TYPES
 from dogbot_logtool.reader.messages.source import source_of
 from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.reader.wanted import WantedVectors
@@ -38,6 +39,21 @@ _ELSEWHERE: Final = frozenset(
     | {"d435i", "d455", "t265", "realsense", "zed", "lidar", "livox", "ouster", "velodyne"}
 )
 """Words of topics of inertial units that are not the base's."""
+_NO_STATES: Final = ("command", "cmd", "desired", "target", "goal", "reference", "foot")
+"""Words in topics whose joint states are no positions of joints."""
+_MOST_CHANNELS: Final = 16
+
+
+def joint_channels(log: Log) -> list[Channel]:
+    """Return the first channels of joints' measured states: best type, then shortest topic."""
+    found = []
+    for channel in log.channels.values():
+        source = source_of(channel, "joints")
+        is_read = source is not None and not source.fault and log.counts.get(channel.id, 1)
+        if is_read and not any(word in channel.topic.lower() for word in _NO_STATES):
+            found.append(channel)
+    found.sort(key=lambda each: (JOINT_TYPES.index(each.type_name), len(each.topic), each.topic))
+    return found[:_MOST_CHANNELS]
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

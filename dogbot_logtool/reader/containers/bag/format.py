@@ -13,6 +13,7 @@ from dogbot_logtool.reader.containers.bag.records import (
     BagOp,
     MalformedRecord,
     Record,
+    channel_id,
     record_at,
     record_in_file,
 )
@@ -80,7 +81,7 @@ class BagFormat:
             rows, values = rows[alike], values[alike]
             start = offset[rows] + values.itemsize
             messages.start[rows], messages.end[rows] = start, start + values["data_size"]
-            messages.channel[rows] = values["connection"]
+            messages.channel[rows] = channel_id(values["connection"].astype(np.int64))
             messages.log_time[rows] = messages.publish_time[rows] = nanoseconds(values)
             op[rows] = np.where(messages.end[rows] <= len(records), BagOp.MESSAGE, 0)
             if len(rows) > 1:

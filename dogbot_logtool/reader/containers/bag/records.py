@@ -8,9 +8,12 @@ import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Final
+from typing import Final, TypeVar
 
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.reader.containers.salvage.records import Readable
+
+AnyNumber = TypeVar("AnyNumber", int, Ints)
 
 U32: Final = struct.Struct("<I")
 _MAX_HEADER_SIZE: Final = 1 << 20
@@ -40,6 +43,11 @@ _FIELDS: Final[Mapping[int, Mapping[str, int | None]]] = {
     BagOp.BAG_HEADER: {"index_pos": 8},
 }
 """Fields that the headers of records must have, and their sizes in bytes; None: any."""
+
+
+def channel_id(connection: AnyNumber) -> AnyNumber:
+    """Return the id of a connection's channel: they are numbered from 1 on."""
+    return connection + 1
 
 
 class MalformedRecord(Exception):  # noqa: N818 - it never reaches a user

@@ -16,6 +16,7 @@ from dogbot_logtool.reader.containers.bag.records import (
     Fields,
     MalformedRecord,
     Record,
+    channel_id,
     record_at,
     record_bounds,
     record_in_file,
@@ -30,9 +31,8 @@ from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord,
 from dogbot_logtool.reader.containers.salvage.scan import IndexEntry, Scan
 from dogbot_logtool.reader.containers.sources.source import ByteSource, in_groups
 
-_UNSUSPICIOUS_SIZE: Final = 64 << 20
-_LARGEST_SHARE: Final = 4
-"""A larger index than `_UNSUSPICIOUS_SIZE` must not be more than this part of the bag."""
+_MOST_CONNECTIONS: Final = 0xFFFF
+"""As many as an MCAP can have channels: they are numbered from 0 on."""
 _LARGEST_PADDING: Final = 4096
 """Some recorders leave zero bytes before the index."""
 _INDEX_RECORD_SIZE: Final = 55
@@ -63,80 +63,59 @@ class BagScan(Scan):
             index_start = header.fields.number("index_pos", 8)
             if index_start == 0:
                 return None, Loss(start, _NOT_CLOSED)
-            self._read_section(index_start)
+            if not self._holds(index_start, self.source.size, {}):
+                raise MalformedRecord("it is cut off, or holds records of another kind")
+            if self._take_outside():
+                raise MalformedRecord("its connections are damaged or described in two ways")
             if len(self._index_entries) != header.fields.number("chunk_count"):
                 raise MalformedRecord("it names another number of chunks than the bag's header")
             chunks = self._indexed_chunks(index_start)
-            if not self._fills(header.end, chunks, index_start):
+            if not self._holds(start, index_start, chunks):
                 raise MalformedRecord("it contradicts the chunks")
-            if not self._times_hold(chunks):
+            if not self._times_hold(self._chunks):
                 raise MalformedRecord("it tells wrong times")
         except (MalformedRecord, ChunkDamage) as fault:
             what = f"the bag's index is damaged ({fault}); the bag was read without it"
             return None, Loss(start, what)
-        times = time_range([chunk for chunk in chunks if chunk.messages])
-        contents = self._channels(), chunks, self._counts(chunks), *times, self._profile()
-        return Contents(*contents), None
+        times = time_range([chunk for chunk in self._chunks if chunk.messages])
+        counts = self._counts(self._chunks)
+        losses = self._losses.all()
+        channels, profile = self._channels(), self._profile()
+        return Contents(channels, self._chunks, counts, *times, profile, losses=losses), None
 
-    def _read_section(self, start: int) -> None:
-        """Read the connections and the chunks' entries."""
-        size = self.source.size
-        if start > size:
-            raise MalformedRecord("it is cut off")
-        if size - start > max(_UNSUSPICIOUS_SIZE, size // _LARGEST_SHARE):
-            raise MalformedRecord("it is absurdly long")
-        section = self.source.read(start, size - start)
-        # A record's length begins behind the zeros.
-        offset = len(section) - len(section.lstrip(b"\0"))
-        while offset < len(section):
-            record = record_at(section, offset, len(section))
-            op = record.fields.op()
-            if op == BagOp.CONNECTION:
-                if self.descriptions.add([section[offset : record.end]], start + offset):
-                    raise MalformedRecord("its connections are damaged or described in two ways")
-            elif op == BagOp.CHUNK_INFO:
-                self._take_info(record, section)
-            else:
-                raise MalformedRecord("it holds records of another kind")
-            offset = record.end
-
-    def _take_info(self, record: Record, data: bytes) -> None:
+    def _take_info(self, record: Record) -> None:
         """Take what an index record says of a chunk.
-
-        Args:
-            record: the record.
-            data: the bytes in which it lies.
 
         Raises:
             MalformedRecord: it is damaged.
         """
         fields = record.fields
-        count = fields.number("count")
-        if record.end - record.data != count * 8:
-            raise MalformedRecord("a chunk's message counts are damaged")
-        counts = np.frombuffer(data, "<u4", count * 2, record.data).reshape(-1, 2).tolist()
+        data = self.source.read(record.data, record.end - record.data)
+        counts = {
+            channel_id(connection): count
+            for connection, count in np.frombuffer(data, "<u4").reshape(-1, 2).tolist()
+        }
         times = fields.time_ns("start_time"), fields.time_ns("end_time")
-        self._index_entries[fields.number("chunk_pos", 8)] = IndexEntry(*times, dict(counts))
+        self._index_entries[fields.number("chunk_pos", 8)] = IndexEntry(*times, counts)
 
-    def _indexed_chunks(self, index_start: int) -> list[Chunk]:
-        """Return the chunks that the index names, and the index records behind each."""
+    def _indexed_chunks(self, index_start: int) -> dict[int, Chunk]:
+        """Return the chunks that the index names, by their offsets."""
         entries = sorted(self._index_entries.items())
         offsets = [offset for offset, _ in entries]
         heads = in_groups(self.source, [(offset, HEAD_SIZE) for offset in offsets])
-        ids = self.ids
-        chunks: list[Chunk] = []
+        channels = self._channels()
+        chunks: dict[int, Chunk] = {}
         for (offset, entry), end, head in zip(
             entries, [*offsets[1:], index_start][: len(offsets)], heads, strict=True
         ):
-            chunk = self.chunk_at(offset, head)
+            chunk = entry.added_to(self.chunk_at(offset, head))
             counts = entry.counts or {}
+            if not counts.keys() <= channels.keys():
+                raise MalformedRecord("it contradicts the chunks")
             named = _INDEX_RECORD_SIZE * len(counts) + INDEX_ENTRY_SIZE * sum(counts.values())
             # Index records of the usual size need not be looked at.
-            is_filled = end - chunk.end == named or self._fills(chunk.end, (), end)
-            if not counts.keys() <= ids.keys() or not is_filled:
-                raise MalformedRecord("it contradicts the chunks")
-            known = {ids[number]: count for number, count in counts.items()}
-            chunks.append(replace(entry.added_to(chunk), index_end=end, counts=known))
+            is_usual = end - chunk.end == named
+            chunks[offset] = replace(chunk, index_end=end) if is_usual else chunk
         return chunks
 
     def _times_hold(self, chunks: Sequence[Chunk]) -> bool:
@@ -150,13 +129,6 @@ class BagScan(Scan):
             self.own_times(chunk) in {None, (chunk.start_time, chunk.end_time)}
             for chunk in (*chunks[:1], *chunks[-1:], *first, *last)
         )
-
-    def _between(self, offset: int, stop: int) -> int | None:
-        size = stop - offset
-        if size <= _LARGEST_PADDING and not any(self.source.read(offset, size)):
-            return stop
-        record = record_in_file(self.source, offset)
-        return record.end if record.fields.op() in {BagOp.INDEX, BagOp.CONNECTION} else None
 
     def _step(self, offset: int) -> int | None:
         try:
@@ -173,8 +145,7 @@ class BagScan(Scan):
             elif op == BagOp.CONNECTION:
                 self._outside.append((offset, record.end))
             elif op == BagOp.CHUNK_INFO:
-                data = self.source.read(offset, record.end - offset)
-                self._take_info(record_at(data, 0, len(data)), data)
+                self._take_info(record)
         except (MalformedRecord, ChunkDamage):
             if self.source.read(offset, len(BAG_MAGIC)) == BAG_MAGIC:
                 return self._end(offset)
@@ -233,16 +204,11 @@ class BagScan(Scan):
             return None
         return int(index.log_time.min()), int(index.log_time.max())
 
-    @property
-    def ids(self) -> Mapping[int, int]:
-        """See `Scan.ids`: channels are numbered from 1 in the order in which they are met."""
-        connections = self.descriptions.of_kind("connection")
-        return {each.number: id_ for id_, each in enumerate(connections, start=1)}
-
     def _channels(self) -> Mapping[int, Channel]:
         schemas: dict[tuple[str, bytes], Schema] = {}
         channels: dict[int, Channel] = {}
-        for id_, each in enumerate(self.descriptions.of_kind("connection"), start=1):
+        for each in self.descriptions.of_kind("connection"):
+            id_ = channel_id(each.number)
             facts = each.facts
             name, data = facts["type"], facts["definition"]
             new = Schema(len(schemas) + 1, name, "ros1msg", data)
@@ -269,7 +235,7 @@ def _connection(record: bytes) -> Description | None:
     texts.pop("topic", None)
     facts = {"topic": topic, "type": name, "definition": definition, "header": texts}
     described = Description("connection", number, f"{topic} of type {name}", facts)
-    return described if name else None
+    return described if name and number < _MOST_CONNECTIONS else None
 
 
 def _index_record(behind: memoryview, offset: int) -> IndexRecord | None:
@@ -280,7 +246,7 @@ def _index_record(behind: memoryview, offset: int) -> IndexRecord | None:
         connection = (_recurring_connection if recurs else _indexed_connection)(header)
     except MalformedRecord:
         return None
-    return connection, behind[header_end + 4 : end], end
+    return channel_id(connection), behind[header_end + 4 : end], end
 
 
 def _indexed_connection(header: bytes) -> int:

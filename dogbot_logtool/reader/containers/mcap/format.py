@@ -133,33 +133,39 @@ class McapFormat:
         if opcode == Opcode.FOOTER:
             return source.read(following, len(MCAP_MAGIC)) == MCAP_MAGIC
         content = offset + RECORD_HEAD.size
-        if is_known and not self.has_sound_content(source, content, opcode, length):
+        if is_known and self.content(source, content, opcode, length) is None:
             return False
         # Of a kind that only later versions have, what follows is all that can be looked at.
         return (is_known and (following == end or not more)) or (
             more > 0 and self._sound(source, following, end, more - 1)
         )
 
-    def has_sound_content(self, source: Readable, content: int, opcode: int, length: int) -> bool:
-        """Tell whether a record's content is what its opcode says.
+    def content(
+        self, source: Readable, start: int, opcode: int, length: int
+    ) -> records.McapRecord | bool | None:
+        """Decode a record's content.
 
         Args:
             source: the bytes.
-            content: where the content begins.
+            start: where the content begins.
             opcode: of the record.
             length: of the content, which is known to be there.
+
+        Returns:
+            what is in it; True for the kinds that are not decoded; None where the content is not
+            what its opcode says.
         """
         if opcode == Opcode.MESSAGE:
-            channel = int.from_bytes(source.read(content, 2), "little")
-            return length >= MESSAGE_CONTENT_SIZE and self._may_be_channel(channel)
+            channel = int.from_bytes(source.read(start, 2), "little")
+            is_message = length >= MESSAGE_CONTENT_SIZE and self._may_be_channel(channel)
+            return is_message or None
         if opcode in {Opcode.MESSAGE_INDEX, Opcode.ATTACHMENT}:
-            return 0 <= length - _content_size(source, content, opcode) <= LARGEST_PADDING
+            padding = length - _content_size(source, start, opcode)
+            return 0 <= padding <= LARGEST_PADDING or None
         kind = _DECODED.get(Opcode(opcode)) if opcode in _DECODED else None
-        return (
-            kind is not None
-            and length <= WHOLE_SMALL_RECORD
-            and decode_record(kind, source.read(content, length)) is not None
-        )
+        if kind is None or length > WHOLE_SMALL_RECORD:
+            return None
+        return decode_record(kind, source.read(start, length))
 
 
 def _content_size(source: Readable, content: int, opcode: int) -> int:

@@ -22,7 +22,6 @@ from dogbot_logtool.reader.containers.loss import (
 )
 from dogbot_logtool.reader.containers.mcap.format import (
     FIRST_PRIVATE_OPCODE,
-    LARGEST_OPCODE,
     MESSAGE_CONTENT_SIZE,
     McapFormat,
     is_chunk,
@@ -36,10 +35,12 @@ from dogbot_logtool.reader.containers.mcap.records import (
 )
 from dogbot_logtool.reader.containers.mcap.summary import (
     DATA_END_SIZE,
-    Summary,
+    Footer,
+    agree,
     check_data,
     indexed_chunk,
-    read_summary,
+    read_footer,
+    times_of,
 )
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
 from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
@@ -55,16 +56,7 @@ _NO_ACCIDENT: Final = 4
 _INDEX_ENTRY: Final = np.dtype([("log_time", "<i8"), ("offset", "<u8")])
 _INDEX_HEAD: Final = struct.Struct("<BQHI")
 """Opcode and length of an index record, channel, and bytes of its entries."""
-_BETWEEN: Final = (
-    Opcode.HEADER,
-    Opcode.SCHEMA,
-    Opcode.CHANNEL,
-    Opcode.MESSAGE_INDEX,
-    Opcode.ATTACHMENT,
-    Opcode.METADATA,
-    Opcode.DATA_END,
-)
-"""Record types that may stand between the chunks without the summary's naming them."""
+_LARGEST_TIME: Final = 2**63 - 1
 
 
 class McapScan(Scan):
@@ -79,6 +71,8 @@ class McapScan(Scan):
         self._mcap_format = McapFormat(self._may_be_channel)
         self._outside_channels: set[int] = set()
         super().__init__(source, self._mcap_format, Descriptions(described))
+        self._named: list[Chunk] = []
+        """The chunks that the summary names."""
         self._statistics: records.Statistics | None = None
         self._data_end: int | None = None
         self._closed = False
@@ -86,37 +80,54 @@ class McapScan(Scan):
 
     def indexed(self) -> tuple[Contents | None, Loss | None]:
         """See `Scan.indexed`."""
-        summary, problem = read_summary(self.source, self.descriptions)
-        if summary is None or summary.statistics is None:
-            return None, problem
-        statistics = self._statistics = summary.statistics
-        channels = self._channels()
-        if self._without_schema() or not summary.is_complete(statistics, channels.keys()):
+        footer = read_footer(self.source)
+        if isinstance(footer, Loss):
+            return None, footer
+        start = footer.summary_start
+        if not start:
             return None, None
-        if not (summary.agrees(statistics) and self._holds(summary)):
+        if not (self._holds(start, footer.offset, {}) and not self._take_outside()):
+            return None, Loss(start, "the summary is damaged; the log was read without it")
+        statistics = self._statistics
+        if statistics is None or self._without_schema() or not self._is_complete(statistics):
+            return None, None
+        if not (agree(self._named, statistics) and self._agrees(footer, statistics)):
             what = "the summary contradicts itself or the chunks; the log was read without it"
-            return None, Loss(summary.offset, what)
+            return None, Loss(start, what)
         profile = self._profile()
-        if loss := check_data(self.source, summary.offset - DATA_END_SIZE, thorough=False):
+        if loss := check_data(self.source, start - DATA_END_SIZE, thorough=False):
             self._losses.add(loss)
+        channels = self._channels()
         counts = {**dict.fromkeys(channels, 0), **statistics.channel_message_counts}
-        start, end = summary.times(statistics)
+        times = times_of(self._chunks, statistics)
         extras, losses = self._extras, self._losses.all()
-        contents = Contents(channels, summary.chunks, counts, start, end, profile, extras, losses)
+        contents = Contents(channels, self._chunks, counts, *times, profile, extras, losses)
         return contents, None
 
-    def _holds(self, summary: Summary) -> bool:
-        """Tell whether a summary agrees with the file.
+    def _is_complete(self, statistics: records.Statistics) -> bool:
+        """Tell whether a summary with some statistics has all that opening a log needs."""
+        return (
+            statistics.chunk_count == len(self._named)
+            and (bool(self._named) or not statistics.message_count)
+            and statistics.channel_message_counts.keys() <= self._channels().keys()
+            # Times that do not fit 64 bits with a sign are left to a look at the messages.
+            and max(statistics.message_start_time, statistics.message_end_time) <= _LARGEST_TIME
+        )
+
+    def _agrees(self, footer: Footer, statistics: records.Statistics) -> bool:
+        """Tell whether the summary agrees with the file.
 
         A chunk whose own header is damaged is there nevertheless if a checksum vouches for the
         summary.
         """
+        self._outside = []
+        named = {chunk.offset: chunk for chunk in self._named}
         return (
-            (summary.verified or self._are_there(summary.chunks))
-            and self._fills(len(MCAP_MAGIC), summary.chunks, summary.offset)
-            and [extra.offset for extra in self._extras] == summary.extras
+            (footer.is_verified or self._are_there(self._named))
+            and self._holds(len(MCAP_MAGIC), footer.summary_start, named)
+            and len(self._extras) == statistics.attachment_count + statistics.metadata_count
             and not self._take_outside()
-            and self._is_described(summary.chunks[:1])
+            and self._is_described(self._chunks[:1])
         )
 
     def _is_described(self, first: Sequence[Chunk]) -> bool:
@@ -126,16 +137,12 @@ class McapScan(Scan):
         """
         for chunk in first:
             try:
-                self.check(chunk)
-                stored = self.source.read(chunk.offset, chunk.index_end - chunk.offset)
-                target = np.empty(chunk.size, np.uint8)
-                content = self.parse(chunk, memoryview(stored), target)
+                content, described = self.parsed(chunk)
             except ChunkDamage:
                 return True
-            described = self.descriptions.compare(self.described_in(content, target), chunk.offset)
-            return (
-                not described and {*distinct(content.messages.channel).tolist()} <= self.ids.keys()
-            )
+            numbers = {*distinct(content.messages.channel).tolist()}
+            differs = self.descriptions.compare(described, chunk.offset)
+            return not differs and numbers <= self._channels().keys()
         return True
 
     def _are_there(self, chunks: Sequence[Chunk]) -> bool:
@@ -145,16 +152,6 @@ class McapScan(Scan):
             head == RECORD_HEAD.pack(Opcode.CHUNK, chunk.end - chunk.offset - RECORD_HEAD.size)
             for head, chunk in zip(heads, chunks, strict=True)
         )
-
-    def _between(self, offset: int, stop: int) -> int | None:
-        head = self.source.read(offset, RECORD_HEAD.size)
-        if len(head) < RECORD_HEAD.size:
-            return None
-        opcode, length = RECORD_HEAD.unpack(head)
-        content = offset + RECORD_HEAD.size
-        if content + length > stop or not (opcode in _BETWEEN or opcode > LARGEST_OPCODE):
-            return None
-        return self._record(opcode, offset, content, content + length)
 
     def _step(self, offset: int) -> int | None:
         size = self.source.size
@@ -174,8 +171,8 @@ class McapScan(Scan):
             return None
         if opcode == Opcode.MESSAGE:
             return self._message(offset, content, end)
-        is_sound = self._mcap_format.has_sound_content(self.source, content, opcode, length)
-        return self._record(opcode, offset, content, end) if is_sound else None
+        found = self._mcap_format.content(self.source, content, opcode, length)
+        return None if found is None else self._record(found, opcode, offset, end)
 
     def _message(self, offset: int, content: int, end: int) -> int | None:
         """Take messages outside of chunks, which do not stand behind the end of the data.
@@ -196,31 +193,28 @@ class McapScan(Scan):
         is_first = not met and not self.descriptions.first
         return is_first or number in met or ("channel", number) in self.descriptions.first
 
-    def _record(self, opcode: int, offset: int, content: int, end: int) -> int | None:
-        match opcode:
-            case Opcode.FOOTER if self.source.read(end, len(MCAP_MAGIC)) == MCAP_MAGIC:
+    def _record(self, found: object, opcode: int, offset: int, end: int) -> int | None:
+        match found:
+            case records.Footer() if self.source.read(end, len(MCAP_MAGIC)) == MCAP_MAGIC:
                 self._closed = True
                 return self._end(end + len(MCAP_MAGIC))
-            case Opcode.SCHEMA | Opcode.CHANNEL:
+            case records.Schema() | records.Channel():
                 self._outside.append((offset, end))
-                if opcode == Opcode.CHANNEL:
-                    number = int.from_bytes(self.source.read(content, 2), "little")
-                    self._outside_channels.add(number)
-            case Opcode.STATISTICS:
-                body = self.source.read(content, end - content)
-                self._statistics = decode_record(records.Statistics, body)
-            case Opcode.CHUNK_INDEX:
-                body = self.source.read(content, end - content)
-                if index := decode_record(records.ChunkIndex, body):
-                    chunk = indexed_chunk(index)
-                    entry = IndexEntry(chunk.start_time, chunk.end_time, chunk.counts)
-                    self._index_entries[chunk.offset] = entry
-            case Opcode.MESSAGE_INDEX:
-                self._take_index(offset, end)
-            case Opcode.ATTACHMENT | Opcode.METADATA:
-                self._extras.append(Extra(opcode, offset, end - offset, self.source))
-            case Opcode.DATA_END:
+                if isinstance(found, records.Channel):
+                    self._outside_channels.add(found.id)
+            case records.Statistics():
+                self._statistics = found
+            case records.ChunkIndex():
+                chunk = indexed_chunk(found)
+                self._named.append(chunk)
+                entry = IndexEntry(chunk.start_time, chunk.end_time, chunk.counts)
+                self._index_entries[chunk.offset] = entry
+            case records.DataEnd():
                 self._data_end = offset
+        if opcode == Opcode.MESSAGE_INDEX:
+            self._take_index(offset, end)
+        elif opcode in {Opcode.ATTACHMENT, Opcode.METADATA}:
+            self._extras.append(Extra(opcode, offset, end - offset, self.source))
         return end
 
     def _chunk_record(self, offset: int) -> int | None:
@@ -294,11 +288,6 @@ class McapScan(Scan):
         except ChunkDamage:
             return None
         return own.start_time, own.end_time
-
-    @property
-    def ids(self) -> Mapping[int, int]:
-        """See `Scan.ids`."""
-        return {each.number: each.number for each in self.descriptions.of_kind("channel")}
 
     def _channels(self) -> Mapping[int, Channel]:
         schemas: dict[int, Schema] = {}

@@ -1,6 +1,7 @@
 """The chunks of a file: by its index, or where that is missing or wrong, by all of its records."""
 
 from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final, NamedTuple
@@ -44,28 +45,19 @@ class IndexEntry(NamedTuple):
     """ns; also `end_time`."""
     end_time: int | None
     counts: Mapping[int, int] | None
-    """Messages by channel, as numbered in the records."""
+    """Messages by channel id."""
 
     def added_to(self, chunk: Chunk) -> Chunk:
         """Return a chunk with what the entry says."""
         return replace(chunk, **self._asdict())
 
 
-class ReadChunk(NamedTuple):
-    """A chunk that was read, and the messages found in it."""
-
-    chunk: Chunk
-    counts: Mapping[int, float]
-    """Messages by number of the channel."""
-    sizes: Mapping[int, float]
-    """Bytes of their payloads, also by number of the channel."""
-
-
 class Scan(ABC):
     """The chunks of a file, and what is in each.
 
-    `indexed` takes the chunks that an index names, where they and what is known beside them tile
-    the file; `scanned` follows all records, and reads each chunk. Both end in the same `Contents`.
+    Its records are followed from the first to the last, with an index (`indexed`) or without one
+    (`scanned`). Chunks that the index names are stepped over; of all others, each is read. Both
+    end in the same `Contents`.
     """
 
     container: str
@@ -110,10 +102,6 @@ class Scan(ABC):
         """Take the record at an offset; return where to go on, None if there is no sound record."""
 
     @abstractmethod
-    def _between(self, offset: int, stop: int) -> int | None:
-        """Take a record that may stand before an indexed chunk; None: there is another one."""
-
-    @abstractmethod
     def chunk_at(self, offset: int) -> Chunk:
         """Read a chunk record's own header. Its data may reach beyond the end of the file.
 
@@ -132,11 +120,6 @@ class Scan(ABC):
     @abstractmethod
     def own_times(self, chunk: Chunk) -> tuple[int | None, int | None] | None:
         """Return the log times, ns, that a chunk itself tells; None if nothing of it does."""
-
-    @property
-    @abstractmethod
-    def ids(self) -> Mapping[int, int]:
-        """Channel ids by the numbers in the records."""
 
     @abstractmethod
     def _channels(self) -> Mapping[int, Channel]:
@@ -168,7 +151,7 @@ class Scan(ABC):
         """Decompress a chunk into the target and find its messages.
 
         Args:
-            chunk: the chunk; its counts are by channel as numbered in the records.
+            chunk: the chunk.
             stored: the file's bytes from `chunk.offset` to `chunk.index_end`, or fewer.
             target: (chunk.size,) uint8.
 
@@ -191,6 +174,18 @@ class Scan(ABC):
         content = read_content(self._format, target[:size], index, chunk, verified=bool(crc))
         return replace(content, losses=(*losses, *content.losses))
 
+    def parsed(self, chunk: Chunk) -> tuple[ChunkContent, list[bytes]]:
+        """Read a chunk; return its content, and the records in it that describe channels.
+
+        Raises:
+            ChunkDamage: nothing in the chunk can be trusted.
+        """
+        self.check(chunk)
+        stored = self.source.read(chunk.offset, chunk.index_end - chunk.offset)
+        target = np.empty(chunk.size, np.uint8)
+        content = self.parse(chunk, memoryview(stored), target)
+        return content, self.described_in(content, target)
+
     def described_in(self, content: ChunkContent, data: Bytes) -> list[bytes]:
         """Return the records of a chunk, whose bytes are given, that describe channels."""
         return [
@@ -199,22 +194,29 @@ class Scan(ABC):
             if op in self.describing
         ]
 
-    def _fills(self, start: int, chunks: Sequence[Chunk], end: int) -> bool:
-        """Tell whether chunks that an index names, and records known beside them, tile the file."""
+    def _holds(self, start: int, end: int, named: Mapping[int, Chunk]) -> bool:
+        """Follow the records of a part of the file that is said to be sound.
+
+        Args:
+            start: where it begins.
+            end: where it ends.
+            named: the chunks that stand there by the index, by their offsets.
+
+        Returns:
+            Whether they are all of its chunks, and all else there is sound as well.
+        """
         offset = start
-        for stop, following in (*((each.offset, each.index_end) for each in chunks), (end, end)):
-            while offset < stop:
-                behind = self._between(offset, stop)
-                if behind is None:
-                    return False
-                offset = behind
-            if offset != stop:
+        while offset < end:
+            chunk = named.get(offset)
+            self._chunks += [chunk] if chunk else []
+            following = chunk.index_end if chunk else self._step(offset)
+            if following is None:
                 return False
             offset = following
-        return True
+        return offset == end and [chunk.offset for chunk in self._chunks] == sorted(named)
 
     def scanned(self, problem: Loss | None) -> Contents:
-        """Follow all records.
+        """Follow all records, and read all chunks.
 
         Args:
             problem: what is wrong with the index.
@@ -229,7 +231,7 @@ class Scan(ABC):
         self._window = b""
         read = self._read_chunks()
         self._losses.add(*self._take_outside())
-        chunks = self._with_ids(read)
+        chunks = self._described(read)
         counts = self._counts(chunks)
         self._conclude(counts)
         losses = self._losses.all()
@@ -246,11 +248,10 @@ class Scan(ABC):
 
     def _counts(self, chunks: Sequence[Chunk]) -> dict[int, int]:
         """Return the messages of each channel, by its id."""
-        counts = dict.fromkeys(self._channels(), 0)
+        counts = Counter(dict.fromkeys(self._channels(), 0))
         for chunk in chunks:
-            for number, count in (chunk.counts or {}).items():
-                counts[number] += count
-        return counts
+            counts.update(chunk.counts or {})
+        return dict(counts)
 
     def _search(self, offset: int) -> int:
         """Go on at the next sound record; say what was passed over."""
@@ -356,9 +357,13 @@ class Scan(ABC):
                 return window, bounds[: count + 1]
             limit = min(limit * 8, _REGION_RECORDS)
 
-    def _read_chunks(self) -> list[ReadChunk]:
-        """Read every chunk for counts, times and descriptions; return those that can be used."""
-        read: list[ReadChunk] = []
+    def _read_chunks(self) -> list[tuple[Chunk, Mapping[int, int]]]:
+        """Read every chunk for counts, times and descriptions.
+
+        Returns:
+            Those that can be used; and bytes of the messages of each, by channel.
+        """
+        read: list[tuple[Chunk, Mapping[int, int]]] = []
         has_checksums = any(chunk.crc for chunk in self._chunks)
         behind_damage = False
         for chunk in self._chunks:
@@ -383,34 +388,29 @@ class Scan(ABC):
                 self._losses.add(left_out(known, ChunkDamage(what, damage.messages)))
         return read
 
-    def _read_chunk(self, chunk: Chunk) -> ReadChunk:
-        self.check(chunk)
-        stored = self.source.read(chunk.offset, chunk.index_end - chunk.offset)
-        target = np.empty(chunk.size, np.uint8)
-        content = self.parse(chunk, memoryview(stored), target)
-        described = self.descriptions.add(self.described_in(content, target), chunk.offset)
-        self._losses.add(*content.losses, *described)
+    def _read_chunk(self, chunk: Chunk) -> tuple[Chunk, Mapping[int, int]]:
+        content, described = self.parsed(chunk)
+        losses = self.descriptions.add(described, chunk.offset)
+        self._losses.add(*content.losses, *losses)
         messages, times = content.messages, content.messages.log_time
         start, end = (int(times.min()), int(times.max())) if len(times) else (None, None)
         numbers, code = np.unique(messages.channel, return_inverse=True)
-        counts, sizes = (
-            dict(zip(numbers.tolist(), np.bincount(code, weight, len(numbers)), strict=True))
-            for weight in (None, messages.end - messages.start)
-        )
-        return ReadChunk(replace(chunk, start_time=start, end_time=end), counts, sizes)
+        counts = dict(zip(numbers.tolist(), np.bincount(code).tolist(), strict=True))
+        sizes = np.bincount(code, messages.end - messages.start, len(numbers)).astype(np.int64)
+        known = replace(chunk, start_time=start, end_time=end, counts=counts)
+        return known, dict(zip(numbers.tolist(), sizes.tolist(), strict=True))
 
-    def _with_ids(self, read: Sequence[ReadChunk]) -> list[Chunk]:
-        """Count by channel id, and say which messages no channel describes."""
-        ids = self.ids
+    def _described(self, read: Sequence[tuple[Chunk, Mapping[int, int]]]) -> list[Chunk]:
+        """Return chunks without the messages that no channel describes, and say which those are."""
+        channels = self._channels()
         chunks: list[Chunk] = []
-        for found in read:
-            strange = [number for number in found.counts if number not in ids]
+        for chunk, sizes in read:
+            counts = chunk.counts or {}
+            strange = counts.keys() - channels.keys()
             if strange:
-                messages, size = (
-                    int(sum(values[number] for number in strange))
-                    for values in (found.counts, found.sizes)
-                )
-                self._losses.add(undescribed(found.chunk, messages, size))
-            known = {ids[number]: int(n) for number, n in found.counts.items() if number in ids}
-            chunks.append(replace(found.chunk, counts=known))
+                messages = sum(counts[number] for number in strange)
+                size = sum(sizes[number] for number in strange)
+                self._losses.add(undescribed(chunk, messages, size))
+            known = {number: n for number, n in counts.items() if number in channels}
+            chunks.append(replace(chunk, counts=known))
         return chunks

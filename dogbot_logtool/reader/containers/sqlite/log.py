@@ -1,22 +1,16 @@
 """ROS 2 bags in SQLite (.db3): rows become messages, runs of rows become chunks."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.arrays import Flags
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
-from dogbot_logtool.reader.containers.contents import (
-    UNKNOWN_CHANNEL,
-    ChannelIds,
-    Chunk,
-    Contents,
-    time_range,
-)
+from dogbot_logtool.reader.containers.contents import Chunk, Contents, time_range
 from dogbot_logtool.reader.containers.log import Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.packed_messages import unpacked
@@ -38,18 +32,15 @@ class SqliteLog(Log):
 
     container = "ROS 2 bag (sqlite3)"
 
-    def __init__(
-        self, source: ByteSource, contents: Contents, table: MessageTable, ids: ChannelIds
-    ) -> None:
+    def __init__(self, source: ByteSource, contents: Contents, table: MessageTable) -> None:
         super().__init__(source, contents)
         self._table = table
-        self._ids = ids
+        self._ids = [*contents.channels]
 
     def _read(self, span: Span) -> Batch:
         """See `Log.read`."""
         found = self._table.between(*((chunk.data_offset, chunk.end) for chunk in span))
-        channel = np.where(found.sound, self._ids.of(found.topic), UNKNOWN_CHANNEL)
-        kept = np.flatnonzero(channel != UNKNOWN_CHANNEL)
+        kept = np.flatnonzero(found.sound & np.isin(found.topic, self._ids))
         leaf = found.leaf[kept]
         losses: list[Loss] = []
         loaded: list[LoadedChunk] = []
@@ -61,7 +52,8 @@ class SqliteLog(Log):
                 losses.append(Loss(0, what, 0, lost))
         time, start = found.time[kept], found.start[kept]
         end = start + found.size[kept]
-        messages = Messages(channel[kept], time, time, np.zeros(len(kept), np.int64), start, end)
+        nothing = np.zeros(len(kept), np.int64)
+        messages = Messages(found.topic[kept], time, time, nothing, start, end)
         return unpacked(Batch(found.buffer, messages, tuple(loaded), tuple(losses)))
 
     def close(self) -> None:
@@ -92,9 +84,9 @@ def open_log(source: ByteSource, distribution: str) -> SqliteLog:
         damage = Damage()
         tables = find_tables(pages, TABLES, damage)
         check_tables(tables, pages, damage, source.path)
-        channels, ids = read_topics(tables, pages, damage, distribution)
+        channels = read_topics(tables, pages, damage, distribution)
         table = MessageTable(pages, tables["messages"], damage)
-        chunks, more = _chunks(table, ids, damage)
+        chunks, more = _chunks(table, [*channels], damage)
         opened.pop_all()
     counts: Counter[int] = Counter(dict.fromkeys(channels, 0))
     for chunk in chunks:
@@ -102,23 +94,21 @@ def open_log(source: ByteSource, distribution: str) -> SqliteLog:
     losses += more
     times = time_range(chunks)
     contents = Contents(channels, chunks, counts, *times, profile="ros2", losses=tuple(losses))
-    return SqliteLog(source, contents, table, ids)
+    return SqliteLog(source, contents, table)
 
 
 def _chunks(
-    table: MessageTable, ids: ChannelIds, damage: Damage
+    table: MessageTable, ids: Sequence[int], damage: Damage
 ) -> tuple[list[Chunk], Iterator[Loss]]:
     """Cut the rows into chunks; and say what is lost of them."""
     chunks: list[Chunk] = []
     undescribed = unsound = 0
     for rows in table.rows():
+        known = rows.sound & np.isin(rows.topic, ids)
         unsound += int((~rows.sound).sum())
-        channel = ids.of(rows.topic)
-        undescribed += int((rows.sound & (channel == UNKNOWN_CHANNEL)).sum())
-        channel[~rows.sound] = UNKNOWN_CHANNEL
-        page_size = table.pages.size
+        undescribed += int((rows.sound & ~known).sum())
         chunks += [
-            _chunk(number, rows, channel, part, page_size)
+            _chunk(number, rows, known, part, table.pages.size)
             for number, part in enumerate(_cut(rows), len(chunks))
         ]
     return chunks, _losses(table, damage, undescribed, unsound)
@@ -146,11 +136,10 @@ def _cut(rows: MessageRows) -> Iterator[slice]:
             yield slice(start, stop)
 
 
-def _chunk(number: int, rows: MessageRows, channel: Ints, part: slice, page_size: int) -> Chunk:
-    known = channel[part] != UNKNOWN_CHANNEL
-    numbers, counts = np.unique(channel[part][known], return_counts=True)
-    time = rows.time[part][known]
-    size = int(rows.size[part][known].sum())
+def _chunk(number: int, rows: MessageRows, known: Flags, part: slice, page_size: int) -> Chunk:
+    numbers, counts = np.unique(rows.topic[part][known[part]], return_counts=True)
+    time = rows.time[part][known[part]]
+    size = int(rows.size[part][known[part]].sum())
     first, last = int(rows.leaf[part][0]), int(rows.leaf[part][-1])
     return Chunk(
         offset=number,

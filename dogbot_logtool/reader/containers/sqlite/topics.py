@@ -5,15 +5,15 @@ from typing import Final
 
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location, shown
-from dogbot_logtool.reader.containers.contents import Channel, ChannelIds, Schema
+from dogbot_logtool.reader.containers.contents import Channel, Schema
 from dogbot_logtool.reader.containers.sqlite.pages import Pages
 from dogbot_logtool.reader.containers.sqlite.tables import Table, small_rows
 from dogbot_logtool.reader.containers.sqlite.tree import Damage
 from dogbot_logtool.reader.decode.definition import long_type_name
 from dogbot_logtool.reader.decode.known_definitions import known_definition
 
-_MOST_TOPICS: Final = 0xFFFF
-"""Channel ids of an MCAP."""
+_LARGEST_ID: Final = 0xFFFF
+"""Of a channel of an MCAP; topics are numbered from 1 on."""
 _NEEDED: Final = {
     "topics": {"id", "name", "type"},
     "messages": {"topic_id", "timestamp", "data"},
@@ -43,12 +43,8 @@ def check_tables(tables: Mapping[str, Table], pages: Pages, damage: Damage, path
 
 def read_topics(
     tables: Mapping[str, Table], pages: Pages, damage: Damage, distribution: str
-) -> tuple[dict[int, Channel], ChannelIds]:
-    """Read the topics, and find the definitions of their types: the log's own go first.
-
-    Returns:
-        the channels by id, and their ids by topic id.
-    """
+) -> dict[int, Channel]:
+    """Return the topics; definitions of their types that the log has itself go first."""
     definitions: dict[str, tuple[str, str]] = {}
     names: tuple[str, ...] = ("topic_type", "encoding", "encoded_message_definition")
     for name, encoding, text in small_rows(pages, tables.get(_DEFINITIONS), names, damage):
@@ -59,13 +55,14 @@ def read_topics(
     topics: dict[int, tuple[str, str, str, str]] = {}
     names = ("id", "name", "type", "serialization_format", "offered_qos_profiles")
     for number, name, kind, form, profiles in small_rows(pages, tables["topics"], names, damage):
-        if isinstance(number, int) and isinstance(name, str) and isinstance(kind, str):
+        if not (isinstance(number, int) and isinstance(name, str) and isinstance(kind, str)):
+            continue
+        if 0 <= number <= _LARGEST_ID:
             encoding = "cdr" if form is None else str(form)
             topics.setdefault(number, (name, long_type_name(kind), encoding, str(profiles or "")))
     schemas: dict[str, Schema] = {}
     channels: dict[int, Channel] = {}
-    numbers = sorted(topics)[:_MOST_TOPICS]
-    for id_, (name, kind, encoding, profiles) in enumerate(map(topics.__getitem__, numbers), 1):
+    for id_, (name, kind, encoding, profiles) in sorted(topics.items()):
         if kind not in schemas:
             known = known_definition(kind, distribution)
             shipped = ("", "") if known is None else ("ros2msg", known)
@@ -73,4 +70,4 @@ def read_topics(
             schemas[kind] = Schema(len(schemas) + 1, kind, form, text.encode())
         metadata = {"offered_qos_profiles": profiles} if profiles else {}
         channels[id_] = Channel(id_, name, encoding, schemas[kind], metadata)
-    return channels, ChannelIds({number: id_ for id_, number in enumerate(numbers, 1)})
+    return channels
