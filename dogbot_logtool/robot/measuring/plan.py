@@ -18,7 +18,7 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted
-from dogbot_logtool.robot.base_candidates import BASES
+from dogbot_logtool.robot.base import BASES
 from dogbot_logtool.robot.contact_evidence import decide_contacts
 from dogbot_logtool.robot.measuring.joined_sensors import with_joined_sensors
 from dogbot_logtool.robot.measuring.side_topics import SideTopics, joint_channels, side_topics
