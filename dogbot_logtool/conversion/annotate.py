@@ -114,10 +114,8 @@ def _placed(plan: ConversionPlan, walk: Walk) -> tuple[tuple[Samples, ...], tupl
     if not any(points):
         return recording.feet, ()
     # Forces are in the world already, as far as they can be turned.
-    links, clock = (None,) * len(points), walk.settings.clock
-    frames = replace(plan.frames, points=points, links=links, clock=clock)
-    tracks = frames.tracks(recording.transforms, recording.base)
-    samples, counts = frames.place(recording.feet, tracks)
+    frames = replace(plan.frames, points=points, links=(None,) * len(points))
+    samples, counts = frames.place(recording.feet)
     return samples, tuple(transform_findings(frames, counts))
 
 

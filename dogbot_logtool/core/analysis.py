@@ -37,14 +37,12 @@ from dogbot_logtool.core.walk_metrics.walk import metrics_of
 from dogbot_logtool.finding import Finding
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.frames.transforms import TransformBuffer
     from dogbot_logtool.core.legs.paths import LegSettings
 
 NO_LOG: Final = Log("", "", "", None, None, 0, 0, 0)
 """What was read, for columns that come from no log."""
-FindLegs = Callable[[Recording, Corrected], "tuple[LegSettings, TransformBuffer] | None"]
-"""Says where a recording tells of legs, with their frames that transforms move; None: it does
-not."""
+FindLegs = Callable[[Recording, Corrected], "LegSettings | None"]
+"""Says where a recording tells of legs; None: it does not."""
 
 
 def analyse(
@@ -70,7 +68,7 @@ def analyse(
     walk = _measured(mask_walk(corrected))
     legs = find_legs(recording, corrected) if find_legs else None
     if legs is not None:
-        walk = _with_legs(walk, recording, corrected, *legs)
+        walk = _with_legs(walk, recording, corrected, legs)
     if planned is not None:
         of_plan = replace(
             recording, feet=recording.planned, links={}, commands=None, accelerations=None
@@ -141,16 +139,12 @@ def _extent(feet: Sequence[FootHistory], base: BaseHistory) -> tuple[int, int]:
 
 
 def _with_legs(
-    walk: Walk,
-    recording: Recording,
-    corrected: Corrected,
-    settings: "LegSettings",
-    frames: "TransformBuffer",
+    walk: Walk, recording: Recording, corrected: Corrected, settings: "LegSettings"
 ) -> Walk:
     """Add the metrics of the legs."""
     from dogbot_logtool.core.leg_evaluation import with_legs  # noqa: PLC0415
 
-    walk = with_legs(walk, recording.joints, settings, frames, corrected.joint_clocks)
+    walk = with_legs(walk, recording.joints, settings, corrected.joint_clocks)
     if walk.legs is None or walk.witness is not None or walk.settings.base_from_legs:
         return walk
     paths = [leg.path for leg in walk.legs.feet]

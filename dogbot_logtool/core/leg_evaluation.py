@@ -9,7 +9,6 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats, aggregate
 from dogbot_logtool.core.base.foot_path import Footfalls, FootPath, footfalls
 from dogbot_logtool.core.corrections.clock import ClockDifference, too_far_apart
-from dogbot_logtool.core.frames.transforms import TransformBuffer
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.strides import typical_period_s
 from dogbot_logtool.core.legs.joints import JointTable, JointTrack, joint_tracks
@@ -39,7 +38,6 @@ def with_legs(
     walk: Walk,
     tables: Sequence[JointTable],
     settings: LegSettings,
-    frames: TransformBuffer,
     clocks: Sequence[ClockDifference],
 ) -> Walk:
     """Add what is known of the legs, and slips by the feet's frames where those are known.
@@ -48,12 +46,12 @@ def with_legs(
         walk: all other figures.
         tables: joint states, one table a topic, the best first.
         settings: sources of the legs.
-        frames: of the legs that transforms move.
         clocks: how far topics' clocks are from that of the feet, those of joint states among them.
     """
     joints = joint_tracks(tables, walk.settings.clock, settings.limits)
     links = link_tracks(settings.joints, joints)
-    frames = settings.statics.then(links).then(frames)
+    chained = {frame for chain in settings.chains if chain for frame in chain.frames}
+    frames = walk.frames.tracks(chained) | links
     paths = [foot_path(chain, frames) for chain in settings.chains]
     if not joints and not any(path is not None for path in paths):
         return walk

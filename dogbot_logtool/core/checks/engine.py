@@ -80,7 +80,7 @@ def _questions(walk: Walk) -> Sequence[tuple[str, str, str]]:
     odd_legs = (leg.reason for leg in walk.legs.feet) if walk.legs else ()
     seen = any(each.start is not None for each in records)
     posed = len(walk.base_history.time)
-    pointed = any(np.isfinite(each.track.point).any() for each in records)
+    pointed = any(len(each.track.contact_points[0]) for each in records)
     no_feet = "" if seen else "the log has no usable messages of feet"
     no_poses = "" if posed else "the log has no usable poses"
     no_points = "" if pointed else "the sensors report no contact points"
