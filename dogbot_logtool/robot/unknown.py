@@ -75,24 +75,23 @@ def find_candidates(log: Log) -> list[FootCandidates]:
 
 def _named_sets(log: Log) -> Iterator[FootCandidates]:
     """Yield sets of fields whose names do not speak against feet, scored by names and rate."""
-    by_type: dict[str, list[Channel]] = {}
+    by_type: dict[str, dict[str, Channel]] = {}
     for channel in log.channels.values():
         if channel.type_name and source_of(channel, "feet") is None:
-            by_type.setdefault(channel.type_name, []).append(channel)
+            by_type.setdefault(channel.type_name, {}).setdefault(channel.topic, channel)
     for type_name, channels in by_type.items():
-        try:
-            kinds = dict(every_field(definition_of(channels[0])))
-        except DefinitionError:
-            continue
         named: dict[str, dict[str, Foot]] = {"vector": {}, "integer": {}, "number": {}}
         rows: list[tuple[str, _Set]] = []
-        fields = list(_readable(kinds))
-        for topic in sorted({channel.topic for channel in channels}):
+        for topic, channel in sorted(channels.items()):
+            try:
+                kinds = dict(every_field(definition_of(channel)))
+            except DefinitionError:
+                continue
             around = words_of(f"{topic} {type_name}")
-            for path, is_a, own in fields:
+            for path, is_a, own in _readable(kinds):
                 if not _tells_of_feet(is_a, (*around, *own), own):
                     continue
-                labels = _labels_beside(log, topic, path, kinds)
+                labels = _labels_beside(log, channel, path, kinds)
                 named[is_a].update(_single_fields(topic, path, labels))
                 if not labels:
                     rows += ((is_a, each) for each in _rows_of_fields(topic, path, is_a, kinds))
@@ -139,7 +138,7 @@ def _tells_of_feet(is_a: str, words: Sequence[Word], own: Sequence[Word]) -> boo
 
 
 def _labels_beside(
-    log: Log, topic: str, path: str, kinds: Mapping[str, FieldType]
+    log: Log, channel: Channel, path: str, kinds: Mapping[str, FieldType]
 ) -> tuple[str, ...]:
     """Return the strings beside the elements of an array, in them or in an array beside it.
 
@@ -154,17 +153,16 @@ def _labels_beside(
         if each.startswith(inside) or (each.endswith("[]") and each.rpartition(".")[0] == beside)
     ]
     for text in sorted(texts, key=lambda each: not each.startswith(inside)):
-        for channel in log.channels_by_topic[topic]:
-            rows: set[tuple[str, ...]] = set()
-            for messages in first_messages(log, channel, path_of(text, "text").fields):
-                message, strings = path_of(text, "text").texts(messages.table)
-                code, names = strings.encode()
-                ends = np.cumsum(np.bincount(message, minlength=1))[:-1]
-                for row in np.split(code[np.argsort(message, kind="stable")], ends):
-                    rows.add(tuple(names[each] for each in row.tolist()))
-            labels = rows.pop() if len(rows) == 1 else ()
-            if all(labels) and len(labels) == len(set(labels)) > 0:
-                return labels
+        beside_it, rows = path_of(text, "text", definition_of(channel)), set[tuple[str, ...]]()
+        for messages in first_messages(log, channel, beside_it.columns):
+            message, strings = beside_it.texts(messages.table)
+            code, names = strings.encode()
+            ends = np.cumsum(np.bincount(message, minlength=1))[:-1]
+            for row in np.split(code[np.argsort(message, kind="stable")], ends):
+                rows.add(tuple(names[each] for each in row.tolist()))
+        labels = rows.pop() if len(rows) == 1 else ()
+        if all(labels) and len(labels) == len(set(labels)) > 0:
+            return labels
     return ()
 
 
