@@ -320,6 +320,11 @@ def rows_of_runs(begin: Ints, end: Ints) -> tuple[Ints, Ints, Ints]:
     return np.arange(len(run)) + (begin - first)[run], run, first
 
 
+def first_of_runs(run: Ints) -> Ints:
+    """(k,) row at which each run begins, (n,) ascending numbers."""
+    return np.flatnonzero(np.diff(run, prepend=-1))
+
+
 def sorted_runs(values: Floats, first: Ints) -> Floats:
     """Sort the values of each run.
 
