@@ -320,9 +320,10 @@ def rows_of_runs(begin: Ints, end: Ints) -> tuple[Ints, Ints, Ints]:
     return np.arange(len(run)) + (begin - first)[run], run, first
 
 
-def first_of_runs(run: Ints) -> Ints:
-    """(k,) row at which each run begins, (n,) ascending numbers."""
-    return np.flatnonzero(np.diff(run, prepend=-1))
+def runs_of(numbers: Ints) -> tuple[Ints, Ints]:
+    """(k,) first row and (k,) length of each run of equal numbers, (n,) not negative."""
+    first = np.flatnonzero(np.diff(numbers, prepend=-1))
+    return first, np.diff(first, append=len(numbers))
 
 
 def sorted_runs(values: Floats, first: Ints) -> Floats:

@@ -5,7 +5,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Floats, Ints, first_of_runs, rows_of_runs
+from dogbot_logtool.core.arrays import Floats, Ints, rows_of_runs, runs_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.track import FootTrack
 
@@ -46,9 +46,9 @@ def contact_ways(samples: Samples, time: Ints, begin: Ints, end: Ints) -> tuple[
     known = np.isfinite(point)
     rows, stance, point = rows[known], stance[known], point[known]
     phase = (time[rows] - time[begin][stance]) / (time[end] - time[begin])[stance]
-    first = first_of_runs(stance)
-    ends = np.append(first[1:], len(stance)) - 1
-    of = stance[first[(phase[first] <= 0.1) & (phase[ends] >= 0.9) & (ends > first)]]
+    first, count = runs_of(stance)
+    surround = (phase[first] <= 0.1) & (phase[first + count - 1] >= 0.9) & (count >= 2)
+    of = stance[first[surround]]
     if not len(of):
         return travel, reach
     # Stances follow each other on one axis, so that all are interpolated at once.
@@ -92,8 +92,8 @@ def ways_under_load(
     inside = (phase >= 0.1) & (phase <= 0.9) & np.isfinite(point)
     if inside.any():
         rows, stance, time, point = rows[inside], stance[inside], since[inside] / 1e9, point[inside]
-        first = first_of_runs(stance)
-        own = np.repeat(np.arange(len(first)), np.diff(first, append=len(stance)))
+        first, count = runs_of(stance)
+        own = np.repeat(np.arange(len(first)), count)
         step = np.diff(point, prepend=point[0])
         loaded = track.force[rows] >= (LOADED * mean)[stance]
         # A step counts between two loaded rows of one stance.
