@@ -1,14 +1,12 @@
-"""Tables, and curves over the gait cycle: numpy arrays with units in their names."""
+"""Tables: numpy arrays with units in their names."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, Final
+from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.report.tables import arrow_table
 
@@ -82,13 +80,6 @@ class Table:
         return {name: column.copy() for name, column in self.columns.items()}
 
 
-def texts(values: list[str | None]) -> NDArray[np.object_]:
-    """Return a column of texts."""
-    column = np.empty(len(values), np.object_)
-    column[:] = values
-    return column
-
-
 def _package(name: str) -> Any:  # noqa: ANN401 - any module
     """Import a package that may not be installed.
 
@@ -102,53 +93,3 @@ def _package(name: str) -> Any:  # noqa: ANN401 - any module
             f"{name} is not installed; 'pip install {name}' into the environment of this Python "
             "installs it"
         ) from error
-
-
-POINTS: Final = 101
-"""Points of a curve: 0, 1, ... 100 %."""
-_CURVES: Final = ("force_n", "force_x_n", "force_y_n", "force_z_n")
-"""Columns of samples that curves are made of."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Curves:
-    """Curves of a foot over its whole strides; `curves["force_z_n"]` is an array, (n, p)."""
-
-    foot: str
-    percent: Floats
-    """(p,) % of the stride, from touchdown to the next touchdown."""
-    start_s: Floats
-    """(n,) s since the walk's `start_ns`, touchdown of each stride."""
-    values: Mapping[str, Floats]
-    """(n, p) each, the unit at the end of the name; NaN where not known."""
-
-    def __len__(self) -> int:
-        return len(self.start_s)
-
-    def __getitem__(self, name: str) -> Floats:
-        """Return the curves of a quantity, (n, p)."""
-        return self.values[name]
-
-
-def curves_of(foot: str, samples: Table, start_s: Floats, period_s: Floats, points: int) -> Curves:
-    """Interpolate samples linearly at equal parts of each stride.
-
-    Args:
-        foot: its name.
-        samples: of the foot, in the order of time; see `Walk.samples`.
-        start_s: (n,) s, touchdowns of whole strides.
-        period_s: (n,) s, to the next touchdown.
-        points: of each curve, at least 2.
-    """
-    phase: Floats = np.linspace(0.0, 1.0, points)
-    time = start_s[:, None] + period_s[:, None] * phase
-    # Samples that repeat a time or step back belong to no figure, either.
-    latest = np.maximum.accumulate(samples["time_s"])
-    forward = np.concatenate([[True], samples["time_s"][1:] > latest[:-1]])[: len(samples)]
-    values: dict[str, Floats] = {
-        name: np.interp(time, samples["time_s"][forward], samples[name][forward])
-        if len(time)
-        else time
-        for name in _CURVES
-    }
-    return Curves(foot, phase * 100.0, start_s, values)

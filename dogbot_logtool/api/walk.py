@@ -12,15 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.api.keywords import PathOrName
-from dogbot_logtool.api.table import POINTS, Curves, Table, curves_of, texts
+from dogbot_logtool.api.table import Table
 from dogbot_logtool.commands.stats import measure_log
 from dogbot_logtool.core.arrays import Floats, Ints, norms
-from dogbot_logtool.core.checks.engine import void_columns
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.corrected import usable_samples
 from dogbot_logtool.core.events.event import with_steps
-from dogbot_logtool.core.gait.feet import FIGURES
 from dogbot_logtool.core.metrics import (
     Event,
     Joint,
@@ -31,7 +28,7 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import Location, location
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.report.tables import stride_table
+from dogbot_logtool.report.tables import stance_columns, stride_table
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.robot.annotated import open_recorded
 
@@ -82,7 +79,7 @@ class Walk:
     def strides(self) -> Table:
         """Whole strides, foot by foot: the rows of `export --table strides`."""
         strides = stride_table(self._walk)
-        return Table({"foot": texts(list(strides.foot)), **strides.columns})
+        return Table({"foot": np.array(strides.foot, np.object_), **strides.columns})
 
     @cached_property
     def stances(self) -> Table:
@@ -90,20 +87,7 @@ class Walk:
 
         What a cut stance shows is there as well: a metric of whole stances leaves it out.
         """
-        feet, void = self._walk.feet, self._measured.findings
-        rows = [foot.stances for foot in feet]
-        cuts = [_CUTS[Cut(cut)] for each in rows for cut in each.cut.tolist()]
-        known = [
-            void_columns({n: getattr(foot.stances.figures, n) for n in _STANCE}, foot.name, void)
-            for foot in feet
-        ]
-        columns: dict[str, NDArray[Any]] = {
-            "foot": texts([foot.name for foot in feet for _ in foot.stances.touchdown]),
-            "touchdown_s": self._seconds(_joined([each.touchdown for each in rows])),
-            "lift_off_s": self._seconds(_joined([each.liftoff for each in rows])),
-            "cut": texts(list(cuts)),
-        }
-        return Table(columns | {name: _joined([each[name] for each in known]) for name in _STANCE})
+        return Table(stance_columns(self._walk))
 
     @cached_property
     def events(self) -> Table:
@@ -115,7 +99,7 @@ class Walk:
         """Joints, a row each: `legs.joints` without the curves; none where the log has none."""
         joints = self.legs.joints
         columns = _table(Joint, tuple(joints.values())).columns
-        return Table({"joint": texts(list(joints)), **columns})
+        return Table({"joint": np.array(list(joints), np.object_), **columns})
 
     @cached_property
     def base(self) -> Table:
@@ -154,26 +138,36 @@ class Walk:
         number = self._number(foot)
         return Table(self._sample_columns(number, self._samples()[number]))
 
-    def curves(self, foot: str, points: int = POINTS) -> Curves:
+    def curves(self, foot: str, points: int = 101) -> dict[str, Floats]:
         """Read the log again and return the forces of a foot over each of its whole strides.
 
-        The samples of `samples` are interpolated linearly at equal parts of the stride; the rows
-        are those of the foot in `strides`.
+        The samples of `samples` are interpolated linearly at equal parts of the stride.
 
         Args:
             foot: its name.
             points: from 0 to 100 % of the stride, both counted.
 
+        Returns:
+            "percent", (p,) of the stride; "start_s", (n,) touchdowns of the strides, as in
+            `strides`; "force_n", "force_x_n" ... (n, p), NaN where not known.
+
         Raises:
-            CallError: the robot has no such foot, fewer than 2 points are asked for, or the log is
-                gone.
+            CallError: the robot has no such foot, or the log is gone.
             LogError: the log has become one that cannot be read.
         """
-        if points < _FEWEST_POINTS:
-            raise CallError(f"points={points}: a curve has at least {_FEWEST_POINTS}")
         strides = self._walk.feet[self._number(foot)].strides
         start_s = self._seconds(strides.touchdown)
-        return curves_of(foot, self.samples(foot), start_s, strides.period_s, points)
+        phase = np.linspace(0.0, 1.0, points)
+        time = start_s[:, None] + strides.period_s[:, None] * phase
+        samples = self.samples(foot)
+        # Samples that repeat a time or step back belong to no metric, either.
+        latest = np.maximum.accumulate(samples["time_s"])
+        forward = np.diff(latest, prepend=-np.inf) > 0.0
+        known = samples["time_s"][forward]
+        values = {
+            n: np.interp(time, known, samples[n][forward]) if len(time) else time for n in _FORCES
+        }
+        return {"percent": 100.0 * phase, "start_s": start_s, **values}
 
     def plot(self, target: PathOrName, *, overwrite: bool = False) -> tuple[float, float]:
         """Draw gait diagram and load curves of some strides for a paper.
@@ -229,7 +223,7 @@ class Walk:
             LogError: it has become one that cannot be read.
         """
         for number, (name, samples) in enumerate(zip(self.feet, self._samples(), strict=True)):
-            names = texts([name] * len(samples.foot))
+            names = np.full(len(samples.foot), name, np.object_)
             yield Table({"foot": names, **self._sample_columns(number, samples)})
 
     def _number(self, foot: str) -> int:
@@ -261,7 +255,7 @@ class Walk:
             "state": self._states(foot, time),
             "in_contact": samples.in_contact.copy(),
             "force_n": norms(force),
-            **_parts(("force_x_n", "force_y_n", "force_z_n"), force_in_world),
+            **_parts(_FORCES[1:], force_in_world),
             **_parts(("point_x_m", "point_y_m", "point_z_m"), samples.position),
         }
 
@@ -284,17 +278,7 @@ class Walk:
         return states
 
 
-_FEWEST_POINTS = 2
-_CUTS = {
-    Cut.WHOLE: "",
-    Cut.LOG_START: "log_start",
-    Cut.LOG_END: "log_end",
-    Cut.GAP: "gap",
-    Cut.STANDING: "standing",
-    Cut.FALL: "fall",
-}
-_STANCE = (*FIGURES[:4], "vertical_impulse_ns", *FIGURES[4:])
-"""Columns of `Walk.stances` that are metrics of a stance."""
+_FORCES = ("force_n", "force_x_n", "force_y_n", "force_z_n")
 
 
 def _table(record: type, rows: Sequence[Any]) -> Table:
@@ -303,15 +287,9 @@ def _table(record: type, rows: Sequence[Any]) -> Table:
     for each in fields_of(record):
         if each.kind == "scalar":
             values = [getattr(row, each.name) for row in rows]
-            is_text = each.inner is str
             # None is NaN in a column of numbers.
-            columns[each.name] = texts(values) if is_text else np.array(values, np.float64)
+            columns[each.name] = np.array(values, np.object_ if each.inner is str else np.float64)
     return Table(columns)
-
-
-def _joined(parts: list[Any]) -> NDArray[Any]:
-    """Return the parts of a column as one; (n,)."""
-    return np.concatenate([np.empty(0, parts[0].dtype if parts else np.float64), *parts])
 
 
 def _parts(names: Sequence[str], vectors: Floats) -> dict[str, Floats]:

@@ -13,7 +13,7 @@ import click
 from dogbot_logtool import __version__
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.gone import instead_of
-from dogbot_logtool.io.printable import listed, printable
+from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import valid_unicode, without_secrets
 from dogbot_logtool.io.streams import safe_streams
 from dogbot_logtool.options import COMMANDS
@@ -130,22 +130,11 @@ def _has_no_directory() -> bool:
     return False
 
 
-NEW_LINE: Final = "\n  "
-"""Begins a line of a list in an error's sentence; names from logs cannot begin lines of ours."""
-
-
 def say(sentence: str) -> None:
-    """Print the sentence of an error; what it lists stands in indented lines below."""
-    from dogbot_logtool.report.text.console import diagnostics, print_command, print_sentence  # noqa: PLC0415
+    """Print the sentence of an error."""
+    from dogbot_logtool.report.text.console import diagnostics, print_error  # noqa: PLC0415
 
-    first, *others = map(printable, without_secrets(sentence).split(NEW_LINE))
-    label = "error: "
-    print_sentence(diagnostics(), (label, "red"), first, indent=len(label))
-    for line in others:
-        if line.startswith("dogbot-logtool "):
-            print_command(diagnostics(), line, 2)
-        else:
-            print_sentence(diagnostics(), f"  {line}", indent=4)
+    print_error(diagnostics(), without_secrets(sentence))
 
 
 def say_damage(sentence: str) -> None:
@@ -154,26 +143,6 @@ def say_damage(sentence: str) -> None:
 
     text = printable(without_secrets(valid_unicode(sentence)))
     print_sentence(diagnostics(), ("damage: ", "red"), text)
-
-
-def say_failures(failures: list[tuple[str, str]], logs: int) -> None:
-    """Print the logs that could not be done; those of one cause share a line.
-
-    Args:
-        failures: names and sentences.
-        logs: how many there were in all.
-    """
-    from dogbot_logtool.report.text.console import diagnostics, print_sentence  # noqa: PLC0415
-
-    say(f"{len(failures)} of {logs} logs could not be done")
-    names: dict[str, list[str]] = {}
-    for name, sentence in failures:
-        first, *_ = sentence.removeprefix(f"{name}: ").split(NEW_LINE)
-        names.setdefault(first, []).append(name)
-    labels = {first: printable(listed(each)) for first, each in names.items()}
-    width = min(max(map(len, labels.values())), 60)
-    for first, label in labels.items():
-        print_sentence(diagnostics(), f"  {label:<{width}}  {printable(first)}", indent=4)
 
 
 def note(sentence: str) -> None:

@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NoReturn, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, Protocol, TypeVar
 
 import click
 
-from dogbot_logtool.cli import note, say, say_damage, say_failures
+from dogbot_logtool.cli import note, say, say_damage
 from dogbot_logtool.errors import DAMAGED, CallError, LogtoolError
 from dogbot_logtool.io.output import whole_file
 from dogbot_logtool.io.plain_json import readable_json
@@ -26,8 +26,6 @@ from dogbot_logtool.run.runner import Command, Failure, Runner, SerialRunner, ru
 if TYPE_CHECKING:
     from dogbot_logtool.reader.containers.loss import Damage
     from dogbot_logtool.results import Figures
-
-_FEWEST_JOINED: Final = 2
 
 
 class OfALog(Protocol):
@@ -56,7 +54,7 @@ class Call:
 
             check_robot_options(options)
         self._quiet = options.quiet
-        self._for_workers = getattr(options, "scheduler", None) is not None
+        self._scheduler: str | None = getattr(options, "scheduler", None)
         self._results: list[dict[str, Any]] = []
         self._codes: set[int] = set()
         self._notes: list[str] = []
@@ -69,7 +67,7 @@ class Call:
         Raises:
             CallError: a word names nothing.
         """
-        log_set = find_logs(words, for_workers=self._for_workers)
+        log_set = find_logs(words, for_workers=self._scheduler is not None)
         for name, sentence in log_set.failures:
             self._add_failure(name, sentence, LogtoolError.exit_code)
         if log_set.left_out:
@@ -80,7 +78,7 @@ class Call:
     def joined_logs(self, options: Options) -> tuple[LogSet, Options]:
         """Find the logs; with --join the first stands for all, and the others in the options."""
         log_set = self.logs(options.logs)
-        if not options.join or len(log_set.logs) < _FEWEST_JOINED:
+        if not (options.join and log_set.logs[1:]):
             return log_set, options
         first, *others = log_set.logs
         joined = tuple(other.path for other in others)
@@ -93,7 +91,6 @@ class Call:
         items: Sequence[object],
         names: Sequence[str],
         command: Command | None = None,
-        on_outcome: Callable[[int, Result | None, str], None] | None = None,
     ) -> Iterator[Result]:
         """Work on all logs; yield the results in order, after their damage was said.
 
@@ -105,27 +102,20 @@ class Call:
             items: what it is done to.
             names: of the items.
             command: whose work it is, for `runner_for`; None: one item after the other, here.
-            on_outcome: called with the number of each item, its result and, where there is none,
-                the sentence on why.
         """
         runner: Runner[Result] = SerialRunner(options.jobs)
         if command is not None:
-            scheduler = getattr(options, "scheduler", None)
-            runner = runner_for(command, len(items), options.jobs, scheduler)
+            runner = runner_for(command, len(items), options.jobs, self._scheduler)
         work = partial(work, options=replace(options, jobs=runner.jobs))
         bars = ProgressBars(names, shown=not self._quiet)
         with runner, bars:
             outcomes = runner.run(work, items, bars)
-            for number, (name, outcome) in enumerate(zip(names, outcomes, strict=True)):
+            for name, outcome in zip(names, outcomes, strict=True):
                 if isinstance(outcome, Failure):
-                    sentence = self._add_failure(name, outcome.sentence, outcome.exit_code)
-                    if on_outcome is not None:
-                        on_outcome(number, None, sentence)
-                    continue
-                self.add_damage(outcome.damage)
-                if on_outcome is not None:
-                    on_outcome(number, outcome, "")
-                yield outcome
+                    self._add_failure(name, outcome.sentence, outcome.exit_code)
+                else:
+                    self.add_damage(outcome.damage)
+                    yield outcome
 
     def measured(self, logs: LogSet, options: MeasureOptions) -> "Iterator[Figures]":
         """Measure logs whose metrics are judged or compared."""
@@ -133,10 +123,12 @@ class Call:
 
         return self.each(figures, options, logs.paths, logs.names, "stats")
 
-    def side(self, logs: LogSet, options: MeasureOptions) -> "list[Figures]":
-        """Measure the logs of one of two sides that are compared."""
-        found = [*self.measured(logs, options)]
-        self._results += [{}] * len(found)
+    def sides(self, logs: Sequence[LogSet], options: MeasureOptions) -> "list[list[Figures]]":
+        """Measure the logs of each side; exit where nothing of one could be measured."""
+        found = [[*self.measured(each, options)] for each in logs]
+        self._results += [{}] * sum(map(len, found))
+        if not all(found):
+            self.finish()
         return found
 
     def add_damage(self, damage: "Damage") -> None:
@@ -153,19 +145,18 @@ class Call:
     def add_unchanged(self, logs: Sequence[tuple[str, int]]) -> None:
         """Take logs, by name and exit code, whose results are there already."""
         for name, exit_code in logs:
-            self.add({"input": name, "unchanged": True}, exit_code)
+            self.add({}, exit_code)
             if exit_code == DAMAGED:
                 say_damage(f"{name}: was damaged when it was measured, and is unchanged")
         if logs:
             many = "log is" if len(logs) == 1 else "logs are"
             self._note(f"{len(logs)} {many} there already, unchanged")
 
-    def _add_failure(self, name: str, sentence: str, exit_code: int) -> str:
-        """Take a failure; return its sentence as it may be shown."""
+    def _add_failure(self, name: str, sentence: str, exit_code: int) -> None:
+        """Take a failure, with its sentence as it may be shown."""
         sentence = without_secrets(valid_unicode(sentence))
         self.failures.append((name, sentence))
         self.add({"input": name, "error": sentence}, exit_code)
-        return sentence
 
     @property
     def has_results(self) -> bool:
@@ -187,13 +178,17 @@ class Call:
         self._codes.add(exit_code)
         for text in self._notes:
             note(text)
+        count = len(self._results)
         if as_json:
-            results = self._results
-            click.echo(readable_json(results[0] if len(results) == 1 else results))
-        if len(self._results) == 1 and self.failures:
+            click.echo(readable_json(self._results[0] if count == 1 else self._results))
+        if self.failures and count == 1:
             say(self.failures[0][1])
         elif self.failures:
-            say_failures(self.failures, len(self._results))
+            say(f"{len(self.failures)} of {count} logs could not be done")
+            from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415
+            from dogbot_logtool.report.text.written_text import print_failures  # noqa: PLC0415
+
+            print_failures(diagnostics(), self.failures)
         sys.exit(next((code for code in (1, 2, DAMAGED) if code in self._codes), 0))
 
 

@@ -19,7 +19,6 @@ from dogbot_logtool.options import (
 )
 
 _GROUPS: Final = {
-    "Options": (),
     "Robot": (RobotOptions,),
     "Log": (JoinOptions, SpanOptions),
     "Common": (CommonOptions, QuietOptions, JobOptions, ClusterOptions),
@@ -48,12 +47,6 @@ class GroupedOption(click.Option):
         self.option: Final = option
         self.record: Final = record
 
-    @property
-    def group(self) -> str:
-        """Title of the part of the help that it stands in."""
-        owner = self.option.owner
-        return next((title for title, those in _GROUPS.items() if owner in those), "Options")
-
     def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
         """See `click.Option`."""
         text = definitions(self.record)[self.option.name]
@@ -70,11 +63,13 @@ class GroupedCommand(click.Command):
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """See `click.Command`."""
-        groups: dict[str, list[tuple[str, str]]] = {title: [] for title in _GROUPS}
+        groups: dict[str, list[tuple[str, str]]] = {title: [] for title in ("Options", *_GROUPS)}
         for param in self.get_params(ctx):
             row = param.get_help_record(ctx)
             if row is not None and isinstance(param, click.Option):
-                groups[param.group if isinstance(param, GroupedOption) else "Common"].append(row)
+                owner = param.option.owner if isinstance(param, GroupedOption) else CommonOptions
+                titles = (title for title, records in _GROUPS.items() if owner in records)
+                groups[next(titles, "Options")].append(row)
         for title, rows in groups.items():
             if rows:
                 with formatter.section(title):

@@ -59,12 +59,9 @@ def _compare_gait(call: Call, options: Compare) -> NoReturn:
     """Compare how the robot walks on either side; exit."""
     from dogbot_logtool.comparison.walks import compare_walks  # noqa: PLC0415
 
-    measuring = part_of(options, MeasureOptions)
     sides = [call.logs((word,)) for word in (options.expected, options.actual)]
-    measured = [call.side(side, measuring) for side in sides]
-    if not all(measured):
-        call.finish()
-    found = compare_walks(*measured)
+    first, second = call.sides(sides, part_of(options, MeasureOptions))
+    found = compare_walks(first, second)
     if options.json:
         click.echo(to_json(gait_comparison_json(found), indent=2))
     elif not options.quiet:

@@ -1,14 +1,14 @@
 """`convert` on the command line."""
 
 from dataclasses import replace
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from dogbot_logtool.cli.call import Call
 from dogbot_logtool.commands.tasks import conversion_tasks, convert_task
 from dogbot_logtool.io.storage import from_root
 from dogbot_logtool.io.targets import may_be_several, output_at, targets
 from dogbot_logtool.options import Convert
-from dogbot_logtool.results import Conversion
+from dogbot_logtool.report.documents import conversion_json
 
 _ENDING = ".annotated.mcap"
 
@@ -25,16 +25,10 @@ def run(options: Convert) -> NoReturn:
     options = replace(options, makes_folder=where.is_folder)
     tasks = conversion_tasks(pairs, options)
     for done in call.each(convert_task, options, tasks, logs.names, "convert"):
-        call.add(_json(done) if options.json else {})
+        call.add(conversion_json(done) if options.json else {})
         if not options.quiet:
             from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415 - rich costs 40 ms
             from dogbot_logtool.report.text.written_text import print_conversion  # noqa: PLC0415
 
             print_conversion(diagnostics(), done, verbose=options.verbose)
     call.finish(as_json=options.json)
-
-
-def _json(done: Conversion) -> dict[str, Any]:
-    from dogbot_logtool.report.documents import conversion_json  # noqa: PLC0415 - seldom asked for
-
-    return conversion_json(done)

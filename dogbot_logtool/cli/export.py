@@ -5,7 +5,8 @@ from collections import Counter
 from pathlib import Path
 from typing import NoReturn
 
-from dogbot_logtool.api.table import texts
+import numpy as np
+
 from dogbot_logtool.api.walk import Walk
 from dogbot_logtool.cli.call import Call, refuse_given
 from dogbot_logtool.commands.stats import measure
@@ -55,7 +56,7 @@ def _write(call: Call, logs: LogSet, options: Export, file: TableFile) -> None:
         measured = measure(log, options, progress)
         walk = Walk(log, measured, options)
         for each in walk.all_samples() if table == "samples" else [getattr(walk, table)]:
-            file.add({"log": texts([shown(log)] * len(each)), **each.columns})
+            file.add({"log": np.full(len(each), shown(log), np.object_), **each.columns})
         return measured
 
     for _ in call.each(export, options, logs.paths, logs.names):
@@ -64,7 +65,7 @@ def _write(call: Call, logs: LogSet, options: Export, file: TableFile) -> None:
 
 def _dataset(call: Call, logs: LogSet, options: Export, name: str) -> NoReturn:
     """Measure the logs that are not in a dataset, or not as they are now; exit."""
-    from dogbot_logtool.commands.tasks import MeasuredEntry, measure_entry  # noqa: PLC0415
+    from dogbot_logtool.commands.tasks import measure_entry  # noqa: PLC0415
     from dogbot_logtool.report.dataset import dataset_at, parse_labels  # noqa: PLC0415 - loads pyarrow
     from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415
     from dogbot_logtool.report.text.written_text import print_dataset  # noqa: PLC0415
@@ -73,21 +74,18 @@ def _dataset(call: Call, logs: LogSet, options: Export, name: str) -> NoReturn:
     dataset = dataset_at(from_root(location(name)), options, parse_labels(options.label))
     pending = dataset.begin(logs, prune=options.prune)
     call.add_unchanged(pending.unchanged)
-    damaged_before = sum(bool(code) for _, code in pending.unchanged)
-    counts = Counter(unchanged=len(pending.unchanged), damaged=damaged_before)
-
-    def take(number: int, done: MeasuredEntry | None, sentence: str) -> None:
-        entry = pending.entries[number]
-        if done is None:
-            dataset.write_failed(entry, sentence)
-            return
-        damaged = bool(done.damage.losses)
-        dataset.write(entry, done.tables, damaged=damaged)
-        counts.update(measured=1, damaged=damaged)
-
+    counts = Counter(unchanged=len(pending.unchanged))
+    counts["damaged"] = sum(bool(code) for _, code in pending.unchanged)
     names = pending.log_set.names
-    for _ in call.each(measure_entry, options, pending.entries, names, "stats", take):
+    for done in call.each(measure_entry, options, pending.entries, names, "stats"):
+        damaged = bool(done.damage.losses)
+        dataset.write(done.entry, done.tables, damaged=damaged)
+        counts.update(measured=1, damaged=damaged)
         call.add({})
+    failures = dict(call.failures)
+    for entry, log in zip(pending.entries, names, strict=True):
+        if log in failures:
+            dataset.write_failed(entry, failures[log])
     if not options.quiet:
         counts["failed"] = len(call.failures)
         print_dataset(diagnostics(), shown(dataset.root), counts, pending.pruned)

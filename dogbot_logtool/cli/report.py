@@ -51,9 +51,7 @@ def _against(call: Call, options: Report) -> NoReturn:
     sides = [call.logs(options.logs), call.logs(options.against)]
     where = output_at(options.output, ENDING, several=False)
     target = comparison_target(where, *(each.paths for each in sides), overwrite=options.overwrite)
-    first, second = (call.side(each, options) for each in sides)
-    if not (first and second):
-        call.finish()
+    first, second = call.sides(sides, options)
     done = report_against(
         first, second, target, overwrite=options.overwrite, makes_folder=where.is_folder
     )

@@ -105,6 +105,7 @@ def _is_free(target: Location) -> bool:
 class MeasuredEntry:
     """A log that was measured for a dataset."""
 
+    entry: "Entry"
     tables: "Tables"
     damage: "Damage"
 
@@ -119,4 +120,4 @@ def measure_entry(
 
     measured = measure(entry.location, options, progress)
     tables = log_tables(measured.metrics, stride_table(measured.walk))
-    return MeasuredEntry(tables, measured.damage)
+    return MeasuredEntry(entry, tables, measured.damage)

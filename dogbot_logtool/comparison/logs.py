@@ -1,18 +1,19 @@
-"""Two logs compared: how topics are described, records, then the messages, window by window.
+"""Two logs compared: how topics are described, records, then the messages.
 
 Messages belong together when topic and log time are the same, and, where several of a topic have
 the same log time, when they have the same index among those in the order of the file.
 """
 
 from collections.abc import Iterator, Sequence
-from itertools import repeat
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.comparison.decoders import Undecodable, decoded
 from dogbot_logtool.comparison.descriptions import compare_descriptions, compare_records, kind_of
 from dogbot_logtool.comparison.fields import compare_fields
+from dogbot_logtool.comparison.message_index import Message, MessageIndex, Rows, pair_messages
 from dogbot_logtool.comparison.outcome import (
     RECORDS,
     Comparison,
@@ -22,17 +23,12 @@ from dogbot_logtool.comparison.outcome import (
     Tally,
 )
 from dogbot_logtool.comparison.tolerances import FieldRules, Rules, fits, nothing_left
-from dogbot_logtool.comparison.windows import (
-    Block,
-    Side,
-    UntrueTimes,
-    pair_messages,
-    plan_windows,
-    same_payloads,
-)
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.reader.containers.log import Channel, Log, damage_of
+from dogbot_logtool.reader.containers.log import Log, damage_of
+
+_KINDS: Final = (Kind.FIELD, Kind.MISSING, Kind.EXTRA)
+"""Kinds of differences between messages, by number."""
 
 
 def compare_logs(expected: Log, actual: Log, rules: Rules, max_differences: int) -> Comparison:
@@ -47,39 +43,28 @@ def compare_logs(expected: Log, actual: Log, rules: Rules, max_differences: int)
     Raises:
         CallError: none of the topics is wanted.
     """
-    try:
-        return _compare((expected, actual), rules, max_differences, measured=False)
-    except UntrueTimes:
-        # The index of one of them does not tell the truth: read both once more for it.
-        return _compare((expected, actual), rules, max_differences, measured=True)
-
-
-def _compare(
-    logs: tuple[Log, Log], rules: Rules, max_differences: int, *, measured: bool
-) -> Comparison:
+    logs = expected, actual
     findings = Findings(max_differences)
     names = sorted({name for log in logs for name in log.channels_by_topic if rules.takes(name)})
     if rules.topics and not names:
         raise CallError(f"--topics: neither file has a topic like {', '.join(rules.topics)}")
-    tallies = [_described(name, logs, findings) for name in names]
-    numbers = {name: number for number, name in enumerate(names)}
-    kinds: dict[str, int] = {}
-    sides = [Side(log, numbers, kinds, measured=measured) for log in logs]
-    comparer = _MessageComparer(tuple(tallies), rules, findings, logs)
+    topics = [_described(name, logs, findings) for name in names]
     is_whole = not (rules.topics or fits(rules.ignore, RECORDS))
-    if is_whole and logs[0].container == logs[1].container:
-        tallies.append(compare_records(*logs, rules, findings))
-    for window in plan_windows(sides):
-        comparer.compare(*(side.load(window) for side in sides))
-    # A damaged chunk is met again in each window that it reaches into.
-    damage = [damage_of(each.log, dict.fromkeys(each.losses)) for each in sides if each.losses]
+    has_records = is_whole and expected.container == actual.container
+    others = [compare_records(expected, actual, rules, findings)] if has_records else []
+    numbers, kinds = {name: number for number, name in enumerate(names)}, dict[str, int]()
+    indexes = [MessageIndex(log, numbers, kinds) for log in logs]
+    start = expected.start_time or actual.start_time or 0
+    _compare_messages(indexes, topics, rules, findings, start)
+    losses = zip(logs, (each.losses for each in indexes), strict=True)
+    damage = [damage_of(log, lost) for log, lost in losses if lost]
     # That both files have a profile says nothing.
     most = 0 if FieldRules(rules).ignored("profile") else 1
-    is_nothing = all(each.same and each.both <= most for each in tallies)
+    is_nothing = all(each.same and each.both <= most for each in others)
     if rules.ignore and is_nothing and not (names or damage):
         raise nothing_left(rules, "topic")
     one, other = (Path(str(log.source.path)) for log in logs)
-    count = findings.count
+    tallies, count = [*topics, *others], findings.count
     return Comparison(one, other, "messages", tallies, findings.differences, count, damage)
 
 
@@ -101,109 +86,95 @@ def _described(name: str, logs: tuple[Log, Log], findings: Findings) -> Tally:
     return tally
 
 
-class _MessageComparer:
-    """Goes through both logs window by window and fills the topics' tallies."""
+def _compare_messages(
+    indexes: Sequence[MessageIndex],
+    tallies: Sequence[Tally],
+    rules: Rules,
+    findings: Findings,
+    start: int,
+) -> None:
+    """Pair the messages of each topic, then compare what is not the same in the order of time.
 
-    def __init__(
-        self, tallies: Sequence[Tally], rules: Rules, findings: Findings, logs: Sequence[Log]
-    ) -> None:
-        self._tallies = tallies
-        self._rules = [FieldRules(rules, tally.name) for tally in tallies]
-        self._findings = findings
-        self._channels = [log.channels for log in logs]
-        self._origin = logs[0].start_time or logs[1].start_time or 0
-        self._seen = np.zeros((2, len(tallies)), np.int64)
-        """Messages of each topic in the windows before."""
-
-    def compare(self, one: Block, other: Block) -> None:
-        """Compare the messages of a window."""
-        counts = [self._counted(block.topic) for block in (one, other)]
-        # Messages stand by topic, so that a row is an index in it but for what stands before.
-        before = self._seen + counts - np.cumsum(counts, axis=1)
-        self._seen += counts
-        rows, others, missing, extra = pair_messages(one, other)
-        same = same_payloads(one, rows, other, others)
-        same &= one.messages.publish_time[rows] == other.messages.publish_time[others]
-        same &= one.kind[rows] == other.kind[others]
-        numbers = zip(
-            self._counted(one.topic[rows[same]]).tolist(),
-            self._counted(one.topic[missing]).tolist(),
-            self._counted(other.topic[extra]).tolist(),
-            strict=True,
-        )
-        for tally, (equal, absent, more) in zip(self._tallies, numbers, strict=True):
-            tally.equal += equal
-            tally.missing += absent
-            tally.extra += more
-        events = [
-            *_events(Kind.FIELD, one, rows[~same], others[~same]),
-            *_events(Kind.MISSING, one, missing, missing),
-            *_events(Kind.EXTRA, other, extra, extra),
-        ]
-        for time, topic, row, second, kind in sorted(events):
-            tally = self._tallies[topic]
-            index = row + int(before[int(kind is Kind.EXTRA), topic])
-            time_s = (time - self._origin) / 1e9
-            of = Difference(kind=kind, topic=tally.name, index=index, time_s=time_s)
-            if kind is Kind.FIELD:
-                self._compare_pair(topic, (one, row), (other, second), of)
-            elif not tally.only_in:  # such topics were named once and for all
-                found = self._findings.within(of)
-                found.add()
-                self._findings.take(found)
-
-    def _counted(self, topic: Ints) -> Ints:
-        """Return the number of messages of each topic."""
-        return np.bincount(topic, minlength=len(self._tallies))
-
-    def _compare_pair(
-        self, topic: int, one: tuple[Block, int], other: tuple[Block, int], of: Difference
-    ) -> None:
-        """Compare two messages, and count them as one that is equal or not."""
-        tally, rules = self._tallies[topic], self._rules[topic]
-        channels = [
-            channels[int(block.messages.channel[row])]
-            for channels, (block, row) in zip(self._channels, (one, other), strict=True)
-        ]
-        kinds = [kind_of(channel) for channel in channels]
-        if kinds[0] == kinds[1]:
-            payloads = [block.payload(row) for block, row in (one, other)]
-            found = self._compare_payloads(topic, channels, payloads, of)
-            times = [int(block.messages.publish_time[row]) for block, row in (one, other)]
-            compare_fields(times[0], times[1], rules, found, "publish_time")
-        elif tally.faults:  # they were named once, with the topic
-            tally.different += 1
-            return
+    Args:
+        indexes: of both logs.
+        tallies: one a topic, to be filled.
+        rules: what may differ.
+        findings: where to note what is found.
+        start: ns, from which times count.
+    """
+    of_topics = [FieldRules(rules, tally.name) for tally in tallies]
+    events = [np.empty((0, 6), np.int64)]
+    for topic, tally in enumerate(tallies):
+        events += _unequal(topic, tally, *(index.rows(topic) for index in indexes))
+    found = np.concatenate(events)
+    for time, topic, kind, row, *positions in found[np.lexsort(found.T[::-1])].tolist():
+        tally, time_s = tallies[topic], (time - start) / 1e9
+        of = Difference(kind=_KINDS[kind], topic=tally.name, index=row, time_s=time_s)
+        noted = findings.within(of)
+        if of.kind is Kind.FIELD:
+            one, other = map(MessageIndex.message, indexes, positions)
+            noted = _compare_pair(one, other, tally, of_topics[topic], noted)
         else:
-            found = compare_fields(kinds[0], kinds[1], rules, self._findings.within(of), "type")
-        self._findings.take(found)
-        tally.deviate(f"[{of.index}] {found.tally.deviation_path}", found.tally.deviation)
-        is_loose = bool(found.tally.within_tolerance)
-        tally.different += bool(found.count)
-        tally.within_tolerance += is_loose and not found.count
-        tally.equal += not (is_loose or found.count)
-
-    def _compare_payloads(
-        self, topic: int, channels: Sequence[Channel], payloads: Sequence[bytes], of: Difference
-    ) -> Findings:
-        """Compare payloads field by field; as bytes where they cannot be decoded."""
-        rules, found = self._rules[topic], self._findings.within(of)
-        if payloads[0] == payloads[1]:
-            return found
-        try:
-            one, other = map(decoded, channels, payloads)
-            return compare_fields(one, other, rules, found)
-        except Undecodable as undecodable:
-            reason = str(undecodable)
-        except RecursionError:
-            reason = "a message is nested too deeply"
-        self._tallies[topic].note = f"compared as bytes: {reason}"
-        return compare_fields(payloads[0], payloads[1], rules, self._findings.within(of), "payload")
+            noted.add()
+        findings.take(noted)
 
 
-def _events(
-    kind: Kind, block: Block, rows: Ints, others: Ints
-) -> Iterator[tuple[int, int, int, int, Kind]]:
-    """Yield what is looked at one by one: log time, topic, the two rows, kind."""
-    time, topic = block.messages.log_time[rows].tolist(), block.topic[rows].tolist()
-    return zip(time, topic, rows.tolist(), others.tolist(), repeat(kind), strict=False)
+def _unequal(topic: int, tally: Tally, one: Rows, other: Rows) -> Iterator[Ints]:
+    """Count the messages of a topic; yield those that are not the same byte for byte.
+
+    Yields:
+        (n, 6) log time, topic, kind of difference, row in the topic, positions in either log.
+    """
+    rows, others, missing, extra = pair_messages(one, other)
+    is_same = [
+        getattr(one, name)[rows] == getattr(other, name)[others]
+        for name in ("digest", "publish_time", "kind")
+    ]
+    differ = np.flatnonzero(~np.all(is_same, axis=0))
+    tally.equal += len(rows) - len(differ)
+    tally.missing += len(missing)
+    tally.extra += len(extra)
+    rows, others = rows[differ], others[differ]
+    found = [(one, rows, other.position[others])]
+    if not tally.only_in:  # such topics were named once and for all
+        found += [(one, missing, missing), (other, extra, extra)]
+    for kind, (side, row, position) in enumerate(found):
+        numbers = np.full(len(row), topic), np.full(len(row), kind)
+        yield np.stack([side.log_time[row], *numbers, row, side.position[row], position], axis=1)
+
+
+def _compare_pair(
+    one: Message, other: Message, tally: Tally, rules: FieldRules, found: Findings
+) -> Findings:
+    """Compare two messages, and count them as one that is equal or not."""
+    kinds = kind_of(one.channel), kind_of(other.channel)
+    if kinds[0] == kinds[1]:
+        if one.payload != other.payload:
+            found = _compare_payloads(one, other, tally, rules, found)
+        compare_fields(one.publish_time, other.publish_time, rules, found, "publish_time")
+    elif tally.faults:  # they were named once, with the topic
+        tally.different += 1
+        return found
+    else:
+        compare_fields(*kinds, rules, found, "type")
+    tally.deviate(f"[{found.of.index}] {found.tally.deviation_path}", found.tally.deviation)
+    is_loose = bool(found.tally.within_tolerance)
+    tally.different += bool(found.count)
+    tally.within_tolerance += is_loose and not found.count
+    tally.equal += not (is_loose or found.count)
+    return found
+
+
+def _compare_payloads(
+    one: Message, other: Message, tally: Tally, rules: FieldRules, none: Findings
+) -> Findings:
+    """Compare payloads field by field; as bytes where they cannot be decoded."""
+    try:
+        first, second = (decoded(each.channel, each.payload) for each in (one, other))
+        return compare_fields(first, second, rules, none.within(none.of))
+    except Undecodable as undecodable:
+        reason = str(undecodable)
+    except RecursionError:
+        reason = "a message is nested too deeply"
+    tally.note = f"compared as bytes: {reason}"
+    return compare_fields(one.payload, other.payload, rules, none, "payload")

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Aggregate, Floats
 from dogbot_logtool.core.checks.engine import void_columns
+from dogbot_logtool.core.contact.stances import Cut
+from dogbot_logtool.core.gait.feet import FIGURES
 from dogbot_logtool.core.metrics import Foot, Phase, Stride, WalkMetrics
 from dogbot_logtool.core.records import MetricPath, fields_of
 from dogbot_logtool.core.walk import Walk
@@ -26,6 +28,10 @@ NOTHING: Final = "-"
 _SIMULATED_BEFORE_S: Final = 1_000_000_000
 """Log times before this are simulation time, not dates."""
 _NEVER_S: Final = 3e10
+_STANCE: Final = (*FIGURES[:4], "vertical_impulse_ns", *FIGURES[4:])
+"""Columns of the table of stances that are metrics of a stance."""
+Columns = Mapping[str, NDArray[Any]]
+"""(n,) each: float64, bool, or texts and None as objects."""
 
 
 def decimal(value: float | None, decimals: int) -> str:
@@ -109,10 +115,7 @@ def stride_table(walk: Walk) -> StrideTable:
         void_columns(_strides_of(walk, row), foot.name, walk.findings)
         for row, foot in enumerate(walk.feet)
     ]
-    columns = {
-        field.name: np.concatenate([np.empty(0), *(foot[field.name] for foot in feet)])
-        for field in fields_of(Stride)
-    }
+    columns = {each.name: _joined([foot[each.name] for foot in feet]) for each in fields_of(Stride)}
     names = [foot.name for foot in walk.feet for _ in foot.strides.stance]
     return StrideTable(tuple(names), columns)
 
@@ -140,11 +143,33 @@ def _strides_of(walk: Walk, row: int) -> Mapping[str, Floats]:
     return columns
 
 
+def stance_columns(walk: Walk) -> Columns:
+    """Gather the stances of all feet; what findings void is NaN."""
+    stances = [foot.stances for foot in walk.feet]
+    figures = [
+        void_columns(
+            {n: getattr(foot.stances.figures, n) for n in _STANCE}, foot.name, walk.findings
+        )
+        for foot in walk.feet
+    ]
+    names = [foot.name for foot in walk.feet for _ in foot.stances.touchdown]
+    cuts = [Cut(cut) for each in stances for cut in each.cut.tolist()]
+    return {
+        "foot": np.array(names, np.object_),
+        "touchdown_s": _joined([(each.touchdown - walk.origin) / 1e9 for each in stances]),
+        "lift_off_s": _joined([(each.liftoff - walk.origin) / 1e9 for each in stances]),
+        "cut": np.array([cut.name.lower() if cut else "" for cut in cuts], np.object_),
+        **{name: _joined([each[name] for each in figures]) for name in _STANCE},
+    }
+
+
+def _joined(columns: Sequence[Floats]) -> Floats:
+    """Return columns of several feet as one, (n,)."""
+    return np.concatenate([np.empty(0), *columns])
+
+
 SUFFIXES: Final = (".csv", ".parquet", ".arrow", ".feather")
 _FORMULA: Final = ("=", "+", "-", "@", "\t", "\r")
-
-Columns = Mapping[str, NDArray[Any]]
-"""(n,) each: float64, bool, or texts and None as objects."""
 
 
 def arrow_table(columns: Columns) -> Any:  # noqa: ANN401 - pyarrow has no types

@@ -17,7 +17,7 @@ from dogbot_logtool.io.printable import listed
 from dogbot_logtool.reader.containers.log import Channel, Chunk, Log, Loss, malformed_messages
 from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS
 from dogbot_logtool.reader.messages.feet import FootChannels
-from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES, is_static
+from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.run.runner import OnProgress
@@ -81,9 +81,8 @@ def read_frames(
     read = read_recording(log, wanted, jobs, progress, log.grouped(_useful(log, channels)))
     losses = (*read.losses, *malformed_messages(channels, read.malformed))
     unread = tuple(channel for channel in foxglove if channel.id not in channels)
-    static = {number for number, one in channels.items() if is_static(one)}
-    recorded = recorded_frames(read.recording.transforms, static)
-    return Frames(recorded, channels, unread, losses)
+    frames = recorded_frames(read.recording.transforms, read.recording.slashed_frames)
+    return Frames(frames, channels, unread, losses)
 
 
 def _useful(log: Log, channels: Mapping[int, Channel]) -> Iterator[Chunk]:

@@ -7,7 +7,7 @@ import pyarrow as pa
 import pytest
 
 from dogbot_logtool.api import table
-from dogbot_logtool.api.table import Table, texts
+from dogbot_logtool.api.table import Table
 from dogbot_logtool.errors import LogtoolError
 
 
@@ -15,7 +15,7 @@ from dogbot_logtool.errors import LogtoolError
 def small() -> Table:
     return Table(
         {
-            "foot": texts(["left", None]),
+            "foot": np.array(["left", None], np.object_),
             "force_n": np.array([1.5, np.nan]),
             "in_contact": np.array([True, False]),
         }

@@ -83,6 +83,21 @@ def print_command(console: Console, command: str, indent: int) -> None:
     console.print(Text(" " * indent + printable(command)), soft_wrap=True)
 
 
+def print_error(console: Console, sentence: str) -> None:
+    """Print the sentence of an error; what it lists stands in indented lines below.
+
+    Such a line begins with two blanks: names from logs cannot begin lines of ours.
+    """
+    label = "error: "
+    first, *others = map(printable, sentence.split("\n  "))
+    print_sentence(console, (label, "red"), first, indent=len(label))
+    for line in others:
+        if line.startswith("dogbot-logtool "):
+            print_command(console, line, 2)
+        else:
+            print_sentence(console, f"  {line}", indent=4)
+
+
 def print_note(console: Console, sentence: str) -> None:
     """Print what is good to know."""
     print_sentence(console, f"   note  {printable(sentence)}", indent=_LABEL)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from rich.console import Console
 
-from dogbot_logtool.io.printable import printable
+from dogbot_logtool.io.printable import listed, printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.report.text.console import (
     human_size,
@@ -73,3 +73,15 @@ def print_dataset(
     _print_written(console, dataset, f"{', '.join(words)}; {every['damaged']:,} damaged")
     for name in pruned:
         print_sentence(console, f" pruned  {printable(name)}: is gone", indent=9)
+
+
+def print_failures(console: Console, failures: Sequence[tuple[str, str]]) -> None:
+    """Print names of logs and why they could not be done; those of one cause share a line."""
+    names: dict[str, list[str]] = {}
+    for name, sentence in failures:
+        first = sentence.removeprefix(f"{name}: ").partition("\n  ")[0]
+        names.setdefault(first, []).append(name)
+    labels = {first: printable(listed(each)) for first, each in names.items()}
+    width = min(max(map(len, labels.values())), 60)
+    for first, label in labels.items():
+        print_sentence(console, f"  {label:<{width}}  {printable(first)}", indent=4)

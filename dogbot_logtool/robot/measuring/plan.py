@@ -18,7 +18,7 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted
-from dogbot_logtool.robot.base_candidates import BASES
+from dogbot_logtool.robot.base import BASES
 from dogbot_logtool.robot.contact_evidence import decide_contacts
 from dogbot_logtool.robot.measuring.joined_sensors import with_joined_sensors
 from dogbot_logtool.robot.measuring.side_topics import SideTopics, joint_channels, side_topics
@@ -28,7 +28,6 @@ from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.robot.topics import nothing_to_do
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.frames.transforms import TransformBuffer
     from dogbot_logtool.core.legs.paths import LegSettings
     from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 
@@ -107,7 +106,6 @@ def settings_of(selection: Selection, options: RobotOptions) -> WalkSettings:
             origin="option" if robot.is_given("contact_on_n") else "robot",
         ),
         takes_offsets=robot.tare != "none",
-        static_channels=selection.static_transforms,
         promised_frame=promised.pop() if len(promised) == 1 else None,
         wrench_frame=WrenchFrame.WORLD
         if selection.contact_from
@@ -188,9 +186,8 @@ def prepare(
     recording = replace(recording, feet=feet, planned=planned_feet)
     if (scale := selection.robot.odometry_scale) is not None:
         recording = replace(recording, base=scaled(recording.base, scale))
-    topic, statics = selection.base_name or "", selection.static_transforms
-    base_frame = selection.robot.base_frame
-    recording, moved = poses_of_base(recording, topic, base_frame, BASES, statics)
+    topic, base_frame = selection.base_name or "", selection.robot.base_frame
+    recording, moved = poses_of_base(recording, topic, base_frame, BASES)
     recording, joined = on_one_clock(recording, topic)
     recording, selection, whole = with_joined_sensors(recording, selection)
     model = None
@@ -227,14 +224,11 @@ def prepare(
 def _find_legs(selection: Selection, model: "RobotOfUrdf | None") -> FindLegs:
     """Return what finds a recording's legs; nothing is imported for one that tells nothing."""
 
-    def find(
-        recording: Recording, corrected: Corrected
-    ) -> "tuple[LegSettings, TransformBuffer] | None":
-        if not recording.joints and not len(recording.transforms.stamp):
+    def find(recording: Recording, corrected: Corrected) -> "LegSettings | None":
+        if not recording.joints and not recording.transforms:
             return None
         from dogbot_logtool.robot.measuring.legs import find_legs  # noqa: PLC0415
 
-        clock = corrected.settings.clock
-        return find_legs(recording, selection, corrected.frames, clock, model)
+        return find_legs(recording, selection, corrected.frames, model)
 
     return find
