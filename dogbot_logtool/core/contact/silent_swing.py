@@ -129,7 +129,7 @@ def _dropouts(times: Sequence[Ints], usual: Mapping[int, _Silences]) -> Ints:
     if not all(each.strides for each in usual.values()):
         return np.empty((0, 2), np.int64)
     together = np.diff(np.sort(np.concatenate([times[foot] for foot in usual])))
-    longest = max(*(each.long for each in usual.values()), SILENCE_NS)
+    longest = float(max(*(each.long for each in usual.values()), SILENCE_NS))
     flights = together[(together > longest) & (together <= LONGEST_SWING_NS)]
     if len(flights) >= _PART_OF_STRIDES * median_of([each.strides for each in usual.values()]):
         longest = max(_LONGER_FLIGHT * float(median_of(flights)), longest)
