@@ -12,7 +12,7 @@ from dogbot_logtool.commands.stats import measure_log
 from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.checks.frames import zero_stamps
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.known_frames import DEFAULT_BASE, DEFAULT_WORLD
+from dogbot_logtool.core.known_frames import DEFAULT_BASE, DEFAULT_WORLD, turned_deg
 from dogbot_logtool.core.plausible import LARGEST
 from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.options import MeasureOptions, RobotOptions
@@ -20,9 +20,8 @@ from dogbot_logtool.reader.containers.log import damage_of
 from dogbot_logtool.report.layouts import View, upper_bound
 from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.feet import assign_feet
-from dogbot_logtool.robot.robot import Robot, load_robot
+from dogbot_logtool.robot.robot import Robot, load_robot, with_settings
 from dogbot_logtool.robot.robot_model.skeleton import body_size_m, robot_shape
-from dogbot_logtool.robot.settings import with_settings
 
 _NEARLY_ALL: Final = 0.995
 """Share of the loads that lie within the curves' bounds: a spike shall not flatten the rest."""
@@ -55,7 +54,7 @@ def view_of(log: Path | None, options: RobotOptions) -> View:
             peak_n=_peak_n(recording.feet) or view.peak_n,
             forward_axis=shape.forward_axis,
             size_m=shape.size_m,
-            turned_deg=frames.turned_deg,
+            turned_deg=turned_deg(recording),
             has_stamps=not zero_stamps(recording, settings),
             damage=damage_of(opened, opened.losses),
         )

@@ -8,19 +8,13 @@ import numpy as np
 
 from dogbot_logtool.conversion.plan import ConversionPlan
 from dogbot_logtool.core.arrays import AnyColumns, Ints, concatenated, picked
-from dogbot_logtool.core.base.poses import (
-    Odometry,
-    Transforms,
-    base_transforms,
-    from_opening,
-    usable_poses,
-)
+from dogbot_logtool.core.base.poses import Odometry, usable_poses
 from dogbot_logtool.core.checks.frames import transform_findings
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.events.event import EventMessage, GaitState
 from dogbot_logtool.core.events.log_messages import event_messages, gait_states, to_log_time
-from dogbot_logtool.core.frames.kinematics import LinkTransforms
+from dogbot_logtool.core.frames.kinematics import LinkTransforms, Transforms, from_opening
 from dogbot_logtool.core.hulls import NEAR_NS
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.scene.arrows import Arrows, force_arrows, pressure_arrows, removals
@@ -84,6 +78,8 @@ def draw(plan: ConversionPlan, walk: Walk, recorded: Sequence[Arrows]) -> Scene:
     )
     poses = recording.base.pick(usable_poses(recording.base))
     poses = poses.pick(first_at_each_tick(poses.time, plan.options.tf_rate))
+    place = poses.position[:, None], poses.orientation[:, None]
+    in_world = Transforms(poses.log_time, poses.time, *place)
     first = [int(foot.samples.log_time[0]) for foot in feet if len(foot.samples.log_time)]
     known_from = max([opening, *first])
     known_from = known_from if known_from - opening <= NEAR_NS else opening
@@ -95,7 +91,7 @@ def draw(plan: ConversionPlan, walk: Walk, recorded: Sequence[Arrows]) -> Scene:
     return Scene(
         plan=plan,
         feet=feet,
-        transforms=from_opening(base_transforms(poses), opening),
+        transforms=from_opening(in_world, opening),
         poses=_known_poses(poses, opening, known_from),
         links=_links(plan, recording, opening),
         loads=in_time_order(concatenated(loads)),
@@ -118,10 +114,8 @@ def _placed(plan: ConversionPlan, walk: Walk) -> tuple[tuple[Samples, ...], tupl
     if not any(points):
         return recording.feet, ()
     # Forces are in the world already, as far as they can be turned.
-    links, clock = (None,) * len(points), walk.settings.clock
-    frames = replace(plan.frames, points=points, links=links, clock=clock)
-    tracks = frames.tracks(recording.transforms, recording.base)
-    samples, counts = frames.place(recording.feet, tracks)
+    frames = replace(plan.frames, points=points, links=(None,) * len(points))
+    samples, counts = frames.place(recording.feet)
     return samples, tuple(transform_findings(frames, counts))
 
 
@@ -145,7 +139,8 @@ def _links(plan: ConversionPlan, recording: Recording, opening: int) -> list[Lin
         return []
     moved = (motion.links(table) for table in recording.joints if table.topic == motion.topic)
     return [
-        each.pick(first_at_each_tick(each.stamp, rate_hz)).from_opening(opening) for each in moved
+        from_opening(picked(each, first_at_each_tick(each.stamp, rate_hz)), opening)
+        for each in moved
     ]
 
 
@@ -170,7 +165,7 @@ def annotations_between(scene: Scene, start: int, end: int) -> tuple[list[Drawn]
     drawn: list[Drawn] = []
     if plan.writes_base:
         drawn.append(within(scene.transforms, scene.transforms.log_time))
-    drawn += [each.pick(rows(each.log_time)) for each in scene.links]
+    drawn += [within(each, each.log_time) for each in scene.links]
     if scene.recorded is not None:
         drawn.append(within(scene.recorded, scene.recorded.log_time))
     for foot, own in () if plan.style.needs_contact_states else forced:

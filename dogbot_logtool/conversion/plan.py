@@ -101,7 +101,7 @@ def make_plan(
     weight_n = settings.body_weight_n or settings.estimated_weight_n
     turns = settings.wrench_frame is WrenchFrame.LINK
     links = frames.links if turns else (None,) * len(settings.feet)
-    placed = frames.follow(settings, links, sensor_points(selection, frames, settings))
+    placed = frames.follow(links, sensor_points(selection, frames, settings))
     unsupported = no_support(selection)
     second = second_tf(selection, frames, options, left_out) if options.tf == "auto" else None
     motion = joint_motion(model, walk) if model else None

@@ -320,16 +320,22 @@ def rows_of_runs(begin: Ints, end: Ints) -> tuple[Ints, Ints, Ints]:
     return np.arange(len(run)) + (begin - first)[run], run, first
 
 
-def sorted_runs(values: Floats, run: Ints) -> Floats:
+def runs_of(numbers: Ints) -> tuple[Ints, Ints]:
+    """(k,) first row and (k,) length of each run of equal numbers, (n,) not negative."""
+    first = np.flatnonzero(np.diff(numbers, prepend=-1))
+    return first, np.diff(first, append=len(numbers))
+
+
+def sorted_runs(values: Floats, first: Ints) -> Floats:
     """Sort the values of each run.
 
     Args:
         values: (n,) any unit.
-        run: (n,) ascending small numbers, not negative: the run of each value.
+        first: (k,) where each run begins.
     """
-    # A sort by value and a stable one by 16-bit runs: three times as fast as `np.lexsort`.
-    order = np.argsort(values)
-    ordered: Floats = values[order[stable_order(run[order])]]
+    ordered = values.copy()
+    for begin, end in pairwise([*first.tolist(), len(values)]):
+        ordered[begin:end].sort()
     return ordered
 
 

@@ -230,8 +230,7 @@ def _corrected_samples(
         places = [path_in_base(clock.of(own), own.position, poses) for own in feet]
     turning = world_frames(frames, settings)
     if turning is not None:
-        tracks = turning.tracks(recording.transforms, recording.base)
-        samples, counts = turning.place(feet, tracks)
+        samples, counts = turning.place(feet)
         return samples, tuple(places), (turning, counts)
     if not settings.contact_from:
         # Nothing turns these places into the world.

@@ -48,7 +48,9 @@ def trapezoids(seconds: Floats, values: Floats | Float32s) -> Floats:
         seconds: (n - 1,) s, from each row to the next; 0 where nothing is to be added.
         values: (n, k) any unit.
     """
-    total = np.zeros(values.shape)
-    steps = np.add(values[1:], values[:-1], dtype=np.float64) * (seconds / 2.0)[:, None]
-    np.cumsum(steps, axis=0, out=total[1:])
+    # Each column lies in one piece, which is how it is added up and asked for.
+    total = np.zeros(values.shape, order="F")
+    half_steps = seconds / 2.0
+    for column, added in zip(values.T, total.T, strict=True):
+        np.cumsum(np.add(column[1:], column[:-1], dtype=np.float64) * half_steps, out=added[1:])
     return total

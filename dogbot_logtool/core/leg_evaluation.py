@@ -7,11 +7,9 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, aggregate
-from dogbot_logtool.core.base.foot_path import FootPath, places_on_path
-from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.base.foot_path import Footfalls, FootPath, footfalls
 from dogbot_logtool.core.corrections.clock import ClockDifference, too_far_apart
-from dogbot_logtool.core.frames.transforms import TransformBuffer
-from dogbot_logtool.core.gait.feet import FootSteps, own_lengths
+from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.strides import typical_period_s
 from dogbot_logtool.core.legs.joints import JointTable, JointTrack, joint_tracks
 from dogbot_logtool.core.legs.legs import LegFigures, LegFoot, joint_curve, summed_work
@@ -19,8 +17,6 @@ from dogbot_logtool.core.legs.paths import LegSettings, foot_path, link_tracks
 from dogbot_logtool.core.legs.swings import (
     STEPS,
     SWINGS,
-    Footfalls,
-    footfalls,
     is_slow,
     steps,
     swings,
@@ -42,7 +38,6 @@ def with_legs(
     walk: Walk,
     tables: Sequence[JointTable],
     settings: LegSettings,
-    frames: TransformBuffer,
     clocks: Sequence[ClockDifference],
 ) -> Walk:
     """Add what is known of the legs, and slips by the feet's frames where those are known.
@@ -51,12 +46,12 @@ def with_legs(
         walk: all other figures.
         tables: joint states, one table a topic, the best first.
         settings: sources of the legs.
-        frames: of the legs that transforms move.
         clocks: how far topics' clocks are from that of the feet, those of joint states among them.
     """
     joints = joint_tracks(tables, walk.settings.clock, settings.limits)
     links = link_tracks(settings.joints, joints)
-    frames = settings.statics.then(links).then(frames)
+    chained = {frame for chain in settings.chains if chain for frame in chain.frames}
+    frames = walk.frames.tracks(chained) | links
     paths = [foot_path(chain, frames) for chain in settings.chains]
     if not joints and not any(path is not None for path in paths):
         return walk
@@ -85,16 +80,15 @@ def with_legs(
         clocks_apart={each.topic: each for each in clocks if each.topic in apart},
     )
     pairs = zip(walk.feet, feet, strict=True)
-    with_places = tuple(_with_lengths(_with_slips(*each), each[1], walk.poses) for each in pairs)
+    with_places = tuple(_with_lengths(_with_slips(*each), each[1]) for each in pairs)
     return replace(walk, legs=legs, feet=with_places)
 
 
-def _with_lengths(foot: FootSteps, leg: LegFoot, base: BaseHistory) -> FootSteps:
+def _with_lengths(foot: FootSteps, leg: LegFoot) -> FootSteps:
     """Return a foot with the lengths by its frame, where its sensor tells none of its own."""
-    if foot.length_from != "base" or leg.path is None or leg.reason:
+    if foot.length_from != "base" or leg.reason:
         return foot
-    _, place = places_on_path(leg.path.in_world(base), foot.stances)
-    length = own_lengths(place, foot.strides)
+    length = leg.strides["swing_length_m"]
     known = bool(np.isfinite(length).any())
     return replace(foot, length_m=length, length_from="foot_frame") if known else foot
 

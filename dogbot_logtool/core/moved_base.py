@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from typing import Final
 
@@ -10,7 +9,8 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.poses import Odometry
-from dogbot_logtool.core.frames.transforms import static_tracks
+from dogbot_logtool.core.corrections.clock import TimeSource
+from dogbot_logtool.core.frames.transforms import lookup, track_of
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import conjugate, multiply, normalised, rotate
 from dogbot_logtool.finding import Finding, found
@@ -28,7 +28,6 @@ def poses_of_base(
     topic: str,
     named: str | None,
     bases: Sequence[str],
-    static_channels: AbstractSet[int],
 ) -> tuple[Recording, tuple[Finding, ...]]:
     """Move poses of another link to the base, where static transforms tell how.
 
@@ -37,7 +36,6 @@ def poses_of_base(
         topic: of the poses.
         named: the base's frame, if the robot's file tells it.
         bases: usual names of a base's frame, the best first.
-        static_channels: ids of channels whose transforms hold for ever.
 
     Returns:
         the recording, and what was done, or could not be.
@@ -45,8 +43,12 @@ def poses_of_base(
     frames = [name.lstrip("/") for name in recording.base_frames if name.strip("/")]
     if len(frames) != 1:
         return recording, ()
-    statics = static_tracks(recording.transforms, static_channels)
-    parents = {child: track.parent for child, track in statics.frames.items()}
+    statics = {
+        child: track
+        for (parent, child), own in recording.transforms.items()
+        if own.static.any() and (track := track_of(parent, own, TimeSource.LOG))
+    }
+    parents = {child: track.parent for child, track in statics.items()}
     above = [frames[0]]
     while above[-1] in parents and parents[above[-1]] not in above:
         above.append(parents[above[-1]])
@@ -54,7 +56,7 @@ def poses_of_base(
     if base == above[0]:
         return recording, ()
     now = np.zeros(1, np.int64)
-    own, other = (statics.lookup(frame, above[-1], now, now) for frame in (above[0], base or ""))
+    own, other = (lookup(statics, each, above[-1], now, now) for each in (above[0], base or ""))
     if not (own.known[0] and other.known[0]):
         return recording, (found("POSE_FRAME", "unknown", topic=topic, frame=above[0]),)
     way, back = other.translation - own.translation, conjugate(own.rotation)

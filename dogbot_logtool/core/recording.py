@@ -7,7 +7,7 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import Stamped
-from dogbot_logtool.core.frames.transforms import RecordedTransforms, no_transforms
+from dogbot_logtool.core.frames.transforms import Edge, Transforms
 from dogbot_logtool.core.legs.joints import JointTable
 from dogbot_logtool.core.vectors import VectorSamples
 
@@ -46,8 +46,10 @@ class Recording:
     world_frames: tuple[str, ...] = ()
     """Frames that these poses are in, as recorded, sorted; also `base_frames`, what they place."""
     base_frames: tuple[str, ...] = ()
-    transforms: RecordedTransforms = field(default_factory=no_transforms)
-    """The log's own transforms."""
+    transforms: Mapping[Edge, Transforms] = field(default_factory=dict)
+    """The log's own transforms, by parent and child."""
+    slashed_frames: frozenset[str] = frozenset()
+    """Frame ids among these that begin with a slash, as recorded."""
     joints: tuple[JointTable, ...] = ()
     """Joint states, the best topic first."""
     commands: VectorTopic | None = None

@@ -77,8 +77,6 @@ class WalkSettings:
     world_frame: str | None = None
     """The robot's; None: the odometry's. Also `base_frame`."""
     base_frame: str | None = None
-    static_channels: frozenset[int] = frozenset()
-    """Channels whose transforms hold for ever."""
     promised_frame: WrenchFrame | None = None
     """Frame of the forces by the types of the messages; None: these do not tell."""
     wrench_frame: WrenchFrame = WrenchFrame.UNKNOWN

@@ -213,25 +213,3 @@ def energy_margin_in(hull: Hulls, points: Floats, body: Floats) -> Floats:
         highest = np.linalg.norm(reach, axis=1) * np.hypot(unit[:, 0], unit[:, 1])
         lowest = np.where(edge, np.minimum(lowest, highest - reach[:, 2]), lowest)
     return np.where(inside, lowest, np.nan)
-
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class GroundPoints:
-    """Points on the ground over time."""
-
-    time: Ints
-    """(n,) ns, strictly increasing."""
-    point: Floats
-    """(n, 2) m, horizontal, world frame."""
-
-
-def footprints(foot: FootHistory) -> GroundPoints:
-    """Return where a foot stood: its first known contact point of each stance.
-
-    Stances without any are left out. The times are those of touchdown.
-    """
-    touchdown, liftoff = foot.stances.touchdown, foot.stances.liftoff
-    time, point = foot.track.contact_points
-    first = np.searchsorted(time, touchdown)
-    seen = first < np.searchsorted(time, liftoff)
-    return GroundPoints(touchdown[seen], point[first[seen], :2])

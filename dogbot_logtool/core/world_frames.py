@@ -1,23 +1,29 @@
-"""Forces and positions of feet turned into the world by the log's own frames."""
+"""Forces and positions of feet turned into the world by the log's own frames, and their soles."""
 
 from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, all_finite
-from dogbot_logtool.core.base.poses import Odometry, usable_poses
+from dogbot_logtool.core.arrays import Flags, all_finite, median_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.transforms import (
-    Poses,
-    RecordedTransforms,
-    TransformBuffer,
-    frame_track,
-    moving_tracks,
-)
+from dogbot_logtool.core.frames.transforms import FrameTrack, Poses, lookup
 from dogbot_logtool.core.frames.wrench_frame import FramePoint
-from dogbot_logtool.core.rotations import rotate
+from dogbot_logtool.core.rotations import conjugate, rotate
+
+_MOST_SAMPLES: Final = 2000
+"""Contacts of a foot that tell its sole, evenly spread over the recording."""
+_FEWEST: Final = 5
+SOLE_SPREAD_M: Final = 0.05
+"""m, median distance from the median beyond which points tell no sole."""
+STANCE_SPREAD_M: Final = 0.3
+"""m, the same in the base's frame, in which a foot moves back while it stands."""
+_FARTHEST_M: Final = 1.5
+"""m, from a link's origin; contact points farther away lie in another world than the link."""
+Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,49 +45,27 @@ class WorldFrames:
     points: tuple[FramePoint | None, ...]
     """Place of each foot's sensor; None: it tells contact points, or is not connected."""
     world: str
-    base: str
-    odometry_places_base: bool
-    moving: Mapping[str, str]
-    """Parent of each frame on the way to the world that the log's own transforms move."""
-    statics: TransformBuffer
+    tracks: Mapping[str, FrameTrack]
+    """Of the frames on the way from these to the world."""
     clock: TimeSource
 
-    def tracks(self, transforms: RecordedTransforms, poses: Odometry) -> TransformBuffer:
-        """Return what transforms and poses tell of the frames that are needed."""
-        tracks = TransformBuffer()
-        if self.odometry_places_base:
-            poses = poses.pick(usable_poses(poses))
-            time = self.clock.of(poses)
-            track = frame_track(self.world, time, poses.log_time, poses.position, poses.orientation)
-            tracks = TransformBuffer({self.base: track} if track else {})
-        return tracks.then(moving_tracks(transforms, self.moving, self.clock))
-
-    def place(
-        self, feet: Sequence[Samples], around: TransformBuffer
-    ) -> tuple[tuple[Samples, ...], PlacedCounts]:
-        """Turn forces into the world and give sensors their positions, where frames tell.
-
-        Args:
-            feet: samples of each foot.
-            around: the frames that move.
-        """
-        buffer = self.statics.then(around)
-        turned = [self._turn(*each, buffer) for each in zip(feet, self.links, strict=True)]
+    def place(self, feet: Sequence[Samples]) -> tuple[tuple[Samples, ...], PlacedCounts]:
+        """Turn forces of each foot into the world and place its sensor, where frames tell."""
+        turned = [self._turn(*each) for each in zip(feet, self.links, strict=True)]
         placed = [
-            self._put(samples, point, buffer)
+            self._put(samples, point)
             for (samples, _), point in zip(turned, self.points, strict=True)
         ]
         told = (np.concatenate([known for _, known in each]) for each in (turned, placed))
         counts = [(int(known.sum()), int((~known).sum())) for known in told]
         return tuple(samples for samples, _ in placed), PlacedCounts(*counts)
 
-    def _poses(self, buffer: TransformBuffer, frame: str, samples: Samples) -> Poses:
+    def _poses(self, frame: str, samples: Samples) -> Poses:
         """Return where a frame is in the world when samples were taken."""
-        return buffer.lookup(frame, self.world, self.clock.of(samples), samples.log_time)
+        time = self.clock.of(samples)
+        return lookup(self.tracks, frame, self.world, time, samples.log_time)
 
-    def _turn(
-        self, samples: Samples, link: str | None, buffer: TransformBuffer
-    ) -> tuple[Samples, Flags]:
+    def _turn(self, samples: Samples, link: str | None) -> tuple[Samples, Flags]:
         """Turn the forces of a foot that are not in the world already.
 
         Returns:
@@ -91,7 +75,7 @@ class WorldFrames:
         rows = np.flatnonzero(samples.in_contact & ~samples.in_world)
         if link is None or not len(rows):
             return samples, np.empty(0, np.bool_)
-        poses = self._poses(buffer, link, samples.pick(rows))
+        poses = self._poses(link, samples.pick(rows))
         found = rows[poses.known]
         force, in_world = samples.force.copy(), samples.in_world.copy()
         with np.errstate(invalid="ignore"):
@@ -99,9 +83,7 @@ class WorldFrames:
         in_world[found] = True
         return replace(samples, force=force, in_world=in_world), poses.known
 
-    def _put(
-        self, samples: Samples, point: FramePoint | None, buffer: TransformBuffer
-    ) -> tuple[Samples, Flags]:
+    def _put(self, samples: Samples, point: FramePoint | None) -> tuple[Samples, Flags]:
         """Place the samples of a foot that tell no contact point where a frame is at their time.
 
         Returns:
@@ -115,10 +97,39 @@ class WorldFrames:
             return replace(samples, position=position), np.empty(0, np.bool_)
         if point.recorded:
             rows = rows[all_finite(samples.position[rows])]
-        poses = self._poses(buffer, point.frame, samples.pick(rows))
+        poses = self._poses(point.frame, samples.pick(rows))
         found, points = rows[poses.known], samples.points.copy()
         inside = samples.position[found] if point.recorded else np.array([point.offset])
         shift, turn = poses.translation[poses.known], poses.rotation[poses.known]
         position[found] = shift + rotate(turn, inside)
         points[found] = 1
         return replace(samples, position=position, points=points), poses.known
+
+    def soles(
+        self, feet: Sequence[Samples], spread_m: float, in_base: AbstractSet[int] = frozenset()
+    ) -> dict[int, Point]:
+        """Return the median contact point, m, of each foot whose points agree in its link's frame.
+
+        Args:
+            feet: contact samples of each.
+            spread_m: m, median distance from the median beyond which a foot has no sole.
+            in_base: feet whose points are in the base's frame as they are recorded.
+        """
+        found: dict[int, Point] = {}
+        for foot, (samples, link) in enumerate(zip(feet, self.links, strict=True)):
+            rows = np.flatnonzero(samples.in_contact & all_finite(samples.position))
+            rows = rows[:: len(rows) // _MOST_SAMPLES + 1]
+            if link is None or not len(rows):
+                continue
+            points = samples.position[rows]
+            if foot not in in_base:
+                poses = self._poses(link, samples.pick(rows))
+                offset = (points - poses.translation)[poses.known]
+                points = rotate(conjugate(poses.rotation[poses.known]), offset)
+            if len(points) < _FEWEST:
+                continue
+            middle = median_of(points, axis=0)
+            spread = float(median_of(np.sqrt(((points - middle) ** 2).sum(axis=1))))
+            if spread <= spread_m and float(np.sqrt((middle**2).sum())) <= _FARTHEST_M:
+                found[foot] = tuple(middle.tolist())
+        return found

@@ -10,7 +10,6 @@ import numpy as np
 from dogbot_logtool.core.arrays import Ints, rows_by_group
 from dogbot_logtool.core.base.poses import concatenate_odometry
 from dogbot_logtool.core.contact.contacts import Samples, samples_by_foot
-from dogbot_logtool.core.frames.transforms import RecordedTransforms
 from dogbot_logtool.core.legs.joints import MOST_JOINTS, JointTable
 from dogbot_logtool.core.plausible import plausible
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss
@@ -58,13 +57,13 @@ class Part:
     foot's ``lags``, ns by which the newest physics step is older than the stamp (`UNTIMED`: not
     known), of ``steps``, ns between neighbouring physics steps of a message, and of ``times``, ns,
     log times of all messages of a channel in file order; `Odometry` of the ``base``;
-    `VectorSamples` of ``commands`` and ``accelerations``; `Stamps` of a topic's ``stamps``."""
+    `VectorSamples` of ``commands`` and ``accelerations``; `Stamps` of a topic's ``stamps``;
+    `Transforms` of a parent and child's ``transforms``."""
     names: dict[Key, set[str]] = field(default_factory=lambda: defaultdict(set))
-    """Names of frames: ``links`` of a foot, ``worlds`` and ``bases`` of poses, those of
-    ``commands`` and ``accelerations``."""
+    """Names of frames: ``links`` of a foot, ``worlds`` and ``bases`` of poses, ``slashed`` ones of
+    transforms, those of ``commands`` and ``accelerations``."""
     counts: Counter[Key] = field(default_factory=Counter)
     """``malformed`` messages of a channel; see `Recording` for the others."""
-    transforms: list[RecordedTransforms] = field(default_factory=list)
     joints: list[JointTable] = field(default_factory=list)
     losses: tuple[Loss, ...] = ()
 
@@ -147,8 +146,14 @@ def _add_transforms(part: Part, wanted: Wanted, batch: Batch, whole: Batch) -> N
     """Add transforms; those that hold for ever do so within the limits, too, wherever they are."""
     static = [channel for channel in wanted.transforms if is_static(channel)]
     moving = [channel for channel in wanted.transforms if not is_static(channel)]
-    for found, malformed in (*read_transforms(batch, moving), *read_transforms(whole, static)):
-        part.transforms.append(found)
+    for each in (
+        *read_transforms(batch, moving, static=False),
+        *read_transforms(whole, static, static=True),
+    ):
+        found, slashed, malformed = each
+        for edge, transforms in found.items():
+            part.columns["transforms", edge].append(transforms)
+        part.names["slashed", ONLY].update(slashed)
         part.add_malformed(malformed)
 
 

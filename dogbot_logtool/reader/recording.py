@@ -18,7 +18,6 @@ from dogbot_logtool.core.arrays import (
 )
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contacts import Samples, no_samples, without_contact
-from dogbot_logtool.core.frames.transforms import concatenate_transforms, no_transforms
 from dogbot_logtool.core.legs.joints import MOST_JOINTS, JointSamples, JointTable
 from dogbot_logtool.core.recording import Recording, Times, VectorTopic
 from dogbot_logtool.core.vectors import VectorSamples
@@ -160,7 +159,6 @@ class _Joined:
         for key, names in part.names.items():
             self._whole.names[key].update(names)
         self._whole.counts.update(part.counts)
-        self._whole.transforms.extend(part.transforms)
         self._whole.joints.extend(part.joints)
         self._losses.extend(part.losses)
 
@@ -192,7 +190,11 @@ class _Joined:
             base=base,
             world_frames=tuple(sorted(names["worlds", ONLY])),
             base_frames=tuple(sorted(names["bases", ONLY])),
-            transforms=concatenate_transforms([no_transforms(), *self._whole.transforms]),
+            transforms={
+                edge: in_time_order(self._columns["transforms", edge].finish(None))
+                for edge in self._which("transforms")
+            },
+            slashed_frames=frozenset(names["slashed", ONLY]),
             joints=_all_joints(self._whole.joints, self._wanted),
             commands=self._vectors("commands"),
             accelerations=self._vectors("accelerations"),

@@ -164,7 +164,7 @@ def _on_disk(path: Path, unreadable: Unreadable) -> Iterator[Found]:
     elif os.path.lexists(name) or not _WILD.search(name):
         yield Found(path)
     else:
-        paths = matches(name, unreadable)
+        paths = matches(name)
         if not paths and not unreadable:
             raise CallError(f"{storage.shown(path)}: no file has such a name")
         yield from _unique(

@@ -1,15 +1,14 @@
 """Searching a disk: every directory once, whatever links lead to it."""
 
-import glob
 import os
 import re
 from collections import deque
 from collections.abc import Iterator
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Final
 
-_ANY_DEPTH: Final = r"(?:^|(?<=/))\*\*(?:/+\*\*)*(?:/+|$)"
-"""``**`` as a whole part of a pattern, or several in a row."""
+_ANY: Final = re.compile(r"(?<=.)\*{2,}|\*{2,}(?=.)")
+"""Stars in a part of a pattern that is more than ``**``."""
 Unreadable = dict[Path, str]
 """Directories that could not be searched, and why."""
 
@@ -57,28 +56,23 @@ def _identity(path: Path) -> tuple[int, int] | Path:
     return status.st_dev, status.st_ino
 
 
-def matches(pattern: str, unreadable: Unreadable) -> list[Path]:
+def matches(pattern: str) -> list[Path]:
     """Return the files and directories of a disk that fit a pattern, sorted.
 
-    Patterns are those of `glob`, but ``**`` enters each directory only once: directories with
-    links to themselves have endlessly many names. Links to a directory above them fit none.
+    Patterns are those of `pathlib`, in which ``**`` follows no links: directories with links to
+    themselves have endlessly many names. Hidden names fit patterns with hidden parts only, and
+    links to a directory above them none.
     """
-    if os.name == "nt":
-        pattern = pattern.replace("\\", "/")
-    paths = {Path(name) for name in _fitting(pattern, unreadable)}
-    return sorted(path for path in paths if not (path.is_symlink() and _leads_up(path)))
+    pure = PurePath(pattern)
+    parts = [_ANY.sub("*", part) for part in pure.relative_to(pure.anchor).parts]
+    found = set(Path(pure.anchor).glob("/".join(parts)))
+    if not any(map(_is_hidden, parts)):
+        found = {path for path in found if not any(map(_is_hidden, path.parts))}
+    return sorted(path for path in found if not (path.is_symlink() and _leads_up(path)))
 
 
-def _fitting(pattern: str, unreadable: Unreadable) -> Iterator[str]:
-    depth = re.search(_ANY_DEPTH, pattern)
-    if depth is None:
-        yield from glob.glob(pattern)  # noqa: PTH207 - takes absolute patterns, too
-        return
-    head, tail = pattern[: depth.start()], pattern[depth.end() :] or "*"
-    for root in glob.glob(head) if head else [""]:  # noqa: PTH207
-        for path, _, _ in walk(Path(root), unreadable):
-            inside = os.path.join(glob.escape(str(path)), tail)  # noqa: PTH118 - a pattern
-            yield from _fitting(inside, unreadable)
+def _is_hidden(name: str) -> bool:
+    return name.startswith(".") and name != ".."
 
 
 def _leads_up(link: Path) -> bool:

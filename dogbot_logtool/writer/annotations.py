@@ -9,9 +9,8 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints, rows_by_group
-from dogbot_logtool.core.base.poses import Transforms
-from dogbot_logtool.core.frames.kinematics import LinkTransforms
+from dogbot_logtool.core.arrays import Ints, rows_by_group
+from dogbot_logtool.core.frames.kinematics import LinkTransforms, Transforms
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.core.scene.foot_style import short_names
 from dogbot_logtool.core.scene.loads import Labels, Loads
@@ -42,7 +41,7 @@ _CDR_HEAD: Final = b"\x00\x01\x00\x00"
 """Little-endian CDR."""
 
 
-Drawn = Transforms | LinkTransforms | Arrows | Loads | Labels | SupportScene | LegLines
+Drawn = Transforms | Arrows | Loads | Labels | SupportScene | LegLines
 """Columns of one kind of annotation."""
 DescribedBy = tuple[str, Callable[..., Described], tuple[Hashable, ...]]
 """A topic, the function that describes its message, and what that takes."""
@@ -125,12 +124,10 @@ class Annotations:
         """Return which messages share a topic and a template, what these are, and the columns."""
         frame, feet, look = self._wanted.world_frame, self._wanted.feet, self._wanted.look
         match drawn:
-            case Transforms(translation=translation, rotation=rotation):
-                pair = (frame, self._wanted.base_frame)
-                groups = _transforms((pair,), translation[:, None], rotation[:, None])
-            case LinkTransforms(poses=poses):
-                pairs = tuple(self._wanted.links)
-                groups = _transforms(pairs, poses.translation, poses.rotation)
+            case LinkTransforms():
+                groups = _transforms(tuple(self._wanted.links), drawn)
+            case Transforms():
+                groups = _transforms(((frame, self._wanted.base_frame),), drawn)
             case Arrows():
                 arrows = [(arrow_topic(foot), markers.arrow, (foot, frame, look)) for foot in feet]
                 groups = _shown_or_not(drawn, arrows, markers.arrow_columns(drawn))
@@ -149,12 +146,10 @@ class Annotations:
         return groups
 
 
-def _transforms(
-    pairs: tuple[tuple[str, str], ...], translation: Floats, rotation: Floats
-) -> Groups:
-    """Group the transforms of k parents and children, (n, k, 3) m and (n, k, 4) x y z w."""
-    columns = described.transform_columns(translation, rotation)
-    group = np.zeros(len(translation), np.int64)
+def _transforms(pairs: tuple[tuple[str, str], ...], drawn: Transforms) -> Groups:
+    """Group the transforms of k parents and children."""
+    columns = described.transform_columns(drawn.translation, drawn.rotation)
+    group = np.zeros(len(drawn.stamp), np.int64)
     return group, lambda _: (TF_TOPIC, described.transforms, (pairs,)), columns
 
 

@@ -181,9 +181,9 @@ def source(of: Channel) -> Source | None:
 def read(of: Channel, given: Batch) -> Outcome:
     """Decode a batch, and make all that the adapter can make of it."""
     if of.type_name in (*FOXGLOVE, *TRANSFORM_TYPES):
-        read = read_transforms(given, [of])
-        lost = {number: count for _, malformed in read for number, count in malformed.items()}
-        return Outcome(_times([each.log_time for each, _ in read]), lost)
+        read = list(read_transforms(given, [of], static=False))
+        lost = {number: count for *_, malformed in read for number, count in malformed.items()}
+        return Outcome(_times([own.log_time for each, *_ in read for own in each.values()]), lost)
     how = source(of)
     if of.type_name in (*BASES, *POSES):
         assert how is not None

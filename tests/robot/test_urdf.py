@@ -8,7 +8,7 @@ import pytest
 from dogbot_logtool.robot.robot_model.legs_of_urdf import Legs, find_legs
 from dogbot_logtool.robot.robot_model.primitives import primitive_urdf
 from dogbot_logtool.robot.robot_model.skeleton import Skeleton
-from dogbot_logtool.robot.robot_model.urdf import parse_urdf, read_robot, urdf_joints
+from dogbot_logtool.robot.robot_model.urdf import read_robot
 
 Joint = tuple[str, str, str, str, str]
 """Type, parent, child, place and axis."""
@@ -193,8 +193,9 @@ URDF = """<robot name="r">
 
 
 def test_joints_that_are_understood() -> None:
-    (hip, wheel, finger, sole), left_out = urdf_joints(parse_urdf(URDF))
-    assert left_out == 5
+    robot = read_robot(URDF)
+    hip, wheel, finger, sole = robot.joints
+    assert robot.left_out == 5
     assert (hip.name, hip.parent, hip.child, hip.kind) == ("hip", "base", "leg", "revolute")
     assert hip.translation == (0.1, 0.2, 0.3)
     assert hip.rotation == pytest.approx((0.0, 0.0, 0.5**0.5, 0.5**0.5))
@@ -216,9 +217,9 @@ def test_circles_and_second_parents_are_left_out() -> None:
         f'<child link="{pair[-1]}"/></joint>'
         for pair in pairs
     )
-    joints, left_out = urdf_joints(parse_urdf(f"<robot>{text}</robot>"))
-    assert [joint.name for joint in joints] == ["base a", "a b", "b f"]
-    assert left_out == 4
+    robot = read_robot(f"<robot>{text}</robot>")
+    assert [joint.name for joint in robot.joints] == ["base a", "a b", "b f"]
+    assert robot.left_out == 4
 
 
 @pytest.mark.parametrize(

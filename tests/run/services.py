@@ -5,12 +5,15 @@ import json
 import os
 import subprocess
 import sys
+import threading
 import time
 import uuid
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
+
+from moto.moto_server.werkzeug_app import DomainDispatcherApplication, create_backend_app
+from werkzeug.serving import make_server
 
 from tests.oracles.walks import START, Walk, write_mcap
 from tests.paths import ROOT
@@ -18,6 +21,10 @@ from tests.shell import Outcome
 
 BUCKET: Final = "lab"
 CONTACTS: Final = "gazebo_msgs/msg/ContactsState"
+UNAVAILABLE: Final = (
+    b'<?xml version="1.0"?><Error><Code>ServiceUnavailable</Code>'
+    b"<Message>Please try again.</Message></Error>"
+)
 _PATIENCE_S: Final = 60.0
 
 
@@ -51,12 +58,18 @@ def process(
         running.wait()
 
 
-@dataclass(frozen=True, slots=True)
 class Store:
-    """The S3 server, as its clients see it."""
+    """A real S3 API on loopback with one bucket, which can be told to fail."""
 
-    folder: Path
-    environment: Mapping[str, str]
+    def __init__(self, port: int) -> None:
+        self.environment = {
+            "AWS_ENDPOINT_URL": f"http://127.0.0.1:{port}",
+            "AWS_ACCESS_KEY_ID": "x",
+            "AWS_SECRET_ACCESS_KEY": "x",
+            "AWS_DEFAULT_REGION": "us-east-1",
+        }
+        self.requests: list[dict[str, Any]] = []
+        self._fail_every = 0
 
     @property
     def client(self) -> Any:
@@ -70,19 +83,21 @@ class Store:
             use_listings_cache=False,
         )
 
-    def requests(self) -> list[dict[str, Any]]:
-        text = (self.folder / "requests.jsonl").read_text()
-        return [json.loads(line) for line in text.splitlines()]
-
     @contextlib.contextmanager
     def failing(self, every: int) -> Iterator[None]:
         """Answer every n-th request with 503."""
-        switch = self.folder / "fail_every"
-        switch.write_text(str(every))
+        self._fail_every = every
         try:
             yield
         finally:
-            switch.unlink()
+            self._fail_every = 0
+
+    def fails(self, environ: Mapping[str, Any]) -> bool:
+        """Note a request; tell whether it fails."""
+        failed = self._fail_every > 0 and len(self.requests) % self._fail_every == 0
+        path, part = environ["PATH_INFO"], environ.get("HTTP_RANGE", "")
+        self.requests.append({"path": path, "range": part, "failed": failed})
+        return failed
 
     def run(self, *words: object, folder: Path) -> Outcome:
         """Run the command as a process of its own."""
@@ -100,19 +115,27 @@ class Store:
 
 
 @contextlib.contextmanager
-def store(folder: Path) -> Iterator[Store]:
+def store() -> Iterator[Store]:
     """Run an S3 server with one bucket."""
-    with process("-m", "tests.run.s3_server", folder):
-        port = wait_for((folder / "port").read_text, what="the store does not start")
-        environment = {
-            "AWS_ENDPOINT_URL": f"http://127.0.0.1:{port}",
-            "AWS_ACCESS_KEY_ID": "x",
-            "AWS_SECRET_ACCESS_KEY": "x",
-            "AWS_DEFAULT_REGION": "us-east-1",
-        }
-        running = Store(folder, environment)
+    backend = DomainDispatcherApplication(create_backend_app)
+
+    def application(environ: dict[str, Any], start_response: Any) -> Iterable[bytes]:
+        if running.fails(environ):
+            start_response("503 Service Unavailable", [("Content-Type", "application/xml")])
+            return [UNAVAILABLE]
+        answer: Iterable[bytes] = backend(environ, start_response)
+        return answer
+
+    server = make_server("127.0.0.1", 0, application, threaded=True)
+    running = Store(server.server_port)
+    thread = threading.Thread(target=server.serve_forever)
+    thread.start()
+    try:
         running.client.mkdir(BUCKET)
         yield running
+    finally:
+        server.shutdown()
+        thread.join()
 
 
 @contextlib.contextmanager

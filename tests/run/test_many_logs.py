@@ -1,6 +1,5 @@
 """Sixty logs in an S3 store, on a cluster of two workers, with faults: all of it real."""
 
-import json
 import os
 import signal
 import threading
@@ -59,16 +58,16 @@ class Lab:
 
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
-    folders = [tmp_path_factory.mktemp(name) for name in ("store", "dask", "logs", "figures")]
-    logs = named(small_logs(folders[2]), LOGS, DAMAGED)
+    folders = [tmp_path_factory.mktemp(name) for name in ("dask", "logs", "figures")]
+    logs = named(small_logs(folders[1]), LOGS, DAMAGED)
     with (
-        store(folders[0]) as running,
-        dask_scheduler(folders[1]) as address,
-        dask_workers(address, 2, folders[1], environment=running.environment) as workers,
+        store() as running,
+        dask_scheduler(folders[0]) as address,
+        dask_workers(address, 2, folders[0], environment=running.environment) as workers,
     ):
         content = {f"{BUCKET}/logs/{name}": path.read_bytes() for name, path in logs.items()}
         running.client.pipe(content)
-        yield Lab(running, address, workers, logs, folders[3] / "figures")
+        yield Lab(running, address, workers, logs, folders[2] / "figures")
 
 
 @pytest.fixture(scope="module")
@@ -78,16 +77,11 @@ def serial(lab: Lab) -> dict[Path, Any]:
     return {path: measure(path) for path in set(lab.logs.values())}
 
 
-def without_path(said: dict[str, Any]) -> dict[str, Any]:
-    log = {key: value for key, value in said["log"].items() if key != "path"}
-    return json.loads(json.dumps({**said, "log": log}))  # type: ignore[no-any-return]
-
-
 def kill_a_worker(lab: Lab, *, when: int) -> threading.Thread:
     """Kill one as soon as some logs were read."""
 
     def read() -> set[str]:
-        return {request["path"] for request in lab.store.requests() if request["range"]}
+        return {request["path"] for request in lab.store.requests if request["range"]}
 
     def kill() -> None:
         wait_for(lambda: len(read()) >= when, what="no log is read")
@@ -124,7 +118,7 @@ def test_figures_are_those_of_a_serial_run_whatever_fails(
     for name, figures in expected.items():
         found = [row["duty_factor"] for row in strides if paths[row["log_hash"]] == name]
         assert found == figures.strides.columns["duty_factor"].tolist()
-    assert sum(request["failed"] for request in lab.store.requests()) > LOGS / FAIL_EVERY
+    assert sum(request["failed"] for request in lab.store.requests) > LOGS / FAIL_EVERY
 
 
 def test_a_second_run_does_what_has_changed(lab: Lab, tmp_path: Path) -> None:
@@ -135,7 +129,7 @@ def test_a_second_run_does_what_has_changed(lab: Lab, tmp_path: Path) -> None:
     other = next(path for path in lab.logs.values() if path != lab.logs[name])
     before = {row["path"]: row["log"] for row in lab.table("logs")}
     lab.store.client.pipe_file(f"{BUCKET}/logs/{name}", other.read_bytes())
-    asked = len(lab.store.requests())
+    asked = len(lab.store.requests)
 
     done = lab.store.run(*export, folder=tmp_path)
 
@@ -145,7 +139,7 @@ def test_a_second_run_does_what_has_changed(lab: Lab, tmp_path: Path) -> None:
     after = {row["path"]: row["log"] for row in rows}
     assert {log for log in after if after[log] != before[log]} == {f"s3://{BUCKET}/logs/{name}"}
     assert len(after) == len(rows) == LOGS
-    read = {request["path"] for request in lab.store.requests()[asked:] if request["range"]}
+    read = {request["path"] for request in lab.store.requests[asked:] if request["range"]}
     assert read == {f"/{BUCKET}/logs/{name}"}
 
 

@@ -1,13 +1,10 @@
 """Runners: order, errors as outcomes, and processes that die."""
 
-import multiprocessing
 import os
 import signal
 import subprocess
 import sys
-import threading
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -67,37 +64,6 @@ def wait_for_endless(folder: Path, count: int) -> list[int]:
         assert time.monotonic() < end
         time.sleep(0.01)
     return [int(file.suffix[1:]) for file in begun]
-
-
-def test_closing_ends_the_workers_and_nothing_else(tmp_path: Path) -> None:
-    other = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(60.0,))
-    other.start()
-    try:
-        with ProcessRunner[str](2) as runner:
-            results = runner.run(work, [("endless", tmp_path)] * 3, Progress())
-            threading.Thread(target=interrupt, args=(tmp_path,)).start()
-            with pytest.raises(InterruptedError):
-                next(results)
-        assert list(tmp_path.iterdir()) == []
-        assert other.is_alive()
-    finally:
-        other.kill()
-        other.join()
-
-
-def interrupt(folder: Path) -> None:
-    wait_for_endless(folder, 2)
-    signal.raise_signal(signal.SIGUSR1)
-
-
-@pytest.fixture(autouse=True)
-def _usr1_interrupts() -> Iterator[None]:
-    def raised(_number: int, _frame: object) -> None:
-        raise InterruptedError
-
-    before = signal.signal(signal.SIGUSR1, raised)
-    yield
-    signal.signal(signal.SIGUSR1, before)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")

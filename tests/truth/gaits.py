@@ -63,8 +63,6 @@ def symmetrical(duty: float, diagonality: float) -> Gait:
 TROT: Final = Gait("trot", (0.0, 0.5, 0.5, 0.0), 0.6)
 PACE: Final = Gait("pace", (0.0, 0.5, 0.0, 0.5), 0.6)
 WALK: Final = Gait("walk", (0.0, 0.5, 0.75, 0.25), 0.75, "lateral")
-DIAGONAL_WALK: Final = Gait("walk", (0.0, 0.5, 0.25, 0.75), 0.75, "diagonal")
-AMBLE: Final = Gait("amble", (0.0, 0.5, 0.75, 0.25), 0.42, "lateral")
 
 PRONK: Final = Gait("pronk", (0.0, 0.0, 0.0, 0.0), 0.4)
 BOUND: Final = Gait("bound", (0.5, 0.5, 0.0, 0.0), 0.4)

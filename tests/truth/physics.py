@@ -17,6 +17,7 @@ import numpy as np
 from tests.oracles.mcap_file import Entry, write_mcap
 from tests.truth.messages import (
     CONTACTS,
+    IMU,
     JOINT_STATE,
     ODOMETRY,
     STRING,
@@ -26,6 +27,7 @@ from tests.truth.messages import (
     Messages,
 )
 from tests.truth.recording import Floats, Ints, inverse, product, turned
+from tests.truth.robots import GRAVITY_MPS2
 
 STEP_S: Final = 0.001
 SETTLE_S: Final = 0.5
@@ -87,7 +89,7 @@ def model_xml(
             f'<geom type="capsule" fromto="0 0 0 0 0 {-LINK}" size=".01" mass="{calf}" contype="0" '
             f'conaffinity="0"/><geom name="{foot}" type="sphere" size="{BALL}" '
             f'pos="0 0 {-LINK}" mass="{ball}" friction="1 .01 .001" solref=".004 1"/>'
-            f'<site name="{foot}" pos="0 0 {-LINK}"/></body></body></body>'
+            "</body></body></body>"
         )
     motors = [f'<position name="{joint}" joint="{joint}" kp="400" kv="6"/>' for joint in JOINTS]
     return (
@@ -138,30 +140,69 @@ class Physics:
     base_velocity: Floats
     """(n, 6) rad/s and m/s in the world."""
     position: Floats
-    """(n, 12) rad; also `velocity`, rad/s, and `torque`, N m."""
+    """(n, joints) rad; also `velocity`, rad/s, and `torque`, N m."""
     velocity: Floats
     torque: Floats
     foot: Floats
-    """(n, 4, 3) m, the middles of the balls; also `foot_velocity`, m/s."""
+    """(n, feet, 3) m, the middles of the balls; also `foot_velocity`, m/s."""
     foot_velocity: Floats
     calf: Floats
-    """(n, 4, 7) the frames of the calves in the base: m, and quaternion x, y, z, w."""
+    """(n, feet, 7) the frames of the calves in the base: m, and quaternion x, y, z, w."""
     force: Floats
-    """(n, 4, 3) N on each foot, in the world."""
+    """(n, feet, 3) N on each foot, in the world."""
     point: Floats
-    """(n, 4, 3) m, where it touches the ground; NaN in the air."""
+    """(n, feet, 3) m, where it touches the ground; NaN in the air."""
+    joints: tuple[str, ...] = JOINTS
+    urdf: str = ""
+    """Robot description; empty: `urdf()`, without masses."""
+
+    @property
+    def touching(self) -> Floats:
+        """(feet,) share of time in contact, bounces of less than 60 ms filled."""
+        down = self.force[:, :, 2] > 0.01 * self.mass_kg * GRAVITY_MPS2
+        rows = round(0.06 / float(self.time[1] - self.time[0]))
+        for column in down.T:
+            change = np.flatnonzero(np.diff(column.astype(int)))
+            for begin, end in itertools.pairwise(change.tolist()):
+                if not column[begin + 1] and end - begin < rows:
+                    column[begin + 1 : end + 1] = True
+        return np.asarray(down.mean(axis=0), np.float64)
+
+    @property
+    def speed_mps(self) -> float:
+        """Along the base's own x axis, seen from above."""
+        ahead = turned(self.attitude, np.tile([1.0, 0.0, 0.0], (len(self.time), 1)))[:, :2]
+        ahead /= np.linalg.norm(ahead, axis=1)[:, None]
+        return float((ahead * self.base_velocity[:, 3:5]).sum(axis=1).mean())
 
 
 class Engine:
     """The model while it runs, and what it did so far."""
 
-    def __init__(self, xml: str, angles: Floats | list[float]) -> None:
+    def __init__(
+        self,
+        xml: str,
+        angles: Floats | list[float],
+        joints: tuple[str, ...] = JOINTS,
+        feet: tuple[str, ...] = FEET,
+        calves: str = "{}_calf",
+    ) -> None:
+        """Set up.
+
+        Args:
+            xml: of the model.
+            angles: of all joints at the start.
+            joints: their names.
+            feet: names of the shapes that touch the ground.
+            calves: what the bodies that hold these are called.
+        """
         self._model = mujoco.MjModel.from_xml_string(xml)
         self._data = mujoco.MjData(self._model)
-        self._data.qpos[-len(JOINTS) :] = angles
-        self._sites = [self._model.site(foot).id for foot in FEET]
-        self._calves = [self._model.body(f"{foot}_calf").id for foot in FEET]
-        self._balls = {self._model.geom(foot).id: row for row, foot in enumerate(FEET)}
+        self._joints = joints
+        self._own = slice(-len(joints), None)
+        self._data.qpos[self._own] = angles
+        self._calves = [self._model.body(calves.format(foot)).id for foot in feet]
+        self._feet = {self._model.geom(foot).id: row for row, foot in enumerate(feet)}
         self._rows: list[tuple[Any, ...]] = []
 
     def step(
@@ -177,7 +218,7 @@ class Engine:
         data = self._data
         data.xfrc_applied[_TRUNK, :3] = push_n
         data.ctrl[:] = targets
-        state = data.qpos[-len(JOINTS) :].copy(), data.qvel[-len(JOINTS) :].copy()
+        state = data.qpos[self._own].copy(), data.qvel[self._own].copy()
         mujoco.mj_step(self._model, data)
         # What the engine derives, forces too, is of the state before the step.
         if keep:
@@ -191,7 +232,7 @@ class Engine:
         times: Floats = np.arange(len(base), dtype=np.float64) * step_s
         # The engine's quaternions begin with w.
         attitude, turn = np.roll(attitude, -1, axis=-1), np.roll(turn, -1, axis=-1)
-        back = np.repeat(inverse(attitude), len(FEET), axis=0)
+        back = np.repeat(inverse(attitude), len(self._feet), axis=0)
         away = (place - base[:, None]).reshape(-1, 3)
         calf = np.concatenate([turned(back, away), product(back, turn.reshape(-1, 4))], axis=1)
         position, velocity, torque = joints
@@ -206,21 +247,22 @@ class Engine:
             torque=torque,
             foot=foot,
             foot_velocity=foot_velocity,
-            calf=calf.reshape(len(base), len(FEET), 7),
+            calf=calf.reshape(len(base), len(self._feet), 7),
             force=force,
             point=point,
+            joints=self._joints,
         )
 
     def _row(self, position: Floats, velocity: Floats) -> tuple[Any, ...]:
         data, kinds = self._data, mujoco.mjtObj
-        feet = np.array([self._velocity(kinds.mjOBJ_SITE, site)[3:] for site in self._sites])
-        force, point = np.zeros((len(FEET), 3)), np.full((len(FEET), 3), np.nan)
+        feet = np.array([self._velocity(kinds.mjOBJ_GEOM, geom)[3:] for geom in self._feet])
+        force, point = np.zeros((len(feet), 3)), np.full((len(feet), 3), np.nan)
         contacts, local = data.contact, np.zeros(6)
         pairs, frames, places = contacts.geom, contacts.frame, contacts.pos
         for number, pair in enumerate(pairs.tolist()):
-            foot = next(self._balls[geom] for geom in pair if geom in self._balls)
+            foot = next(self._feet[geom] for geom in pair if geom in self._feet)
             mujoco.mj_contactForce(self._model, data, number, local)
-            away = 1.0 if pair[1] in self._balls else -1.0
+            away = 1.0 if pair[1] in self._feet else -1.0
             force[foot] += away * frames[number].reshape(3, 3).T @ local[:3]
             point[foot] = places[number]
         return (
@@ -229,8 +271,8 @@ class Engine:
             self._velocity(kinds.mjOBJ_BODY, _TRUNK),
             position,
             velocity,
-            data.actuator_force[-len(JOINTS) :].copy(),
-            data.site_xpos[self._sites],
+            data.actuator_force[self._own].copy(),
+            data.geom_xpos[[*self._feet]],
             feet,
             data.xpos[self._calves],
             data.xquat[self._calves],
@@ -328,9 +370,11 @@ def write_log(
     publishers: int = 1,
     silence_s: tuple[float, float] = (9.0, 9.0),
     change: Any = None,
-    names: tuple[str, ...] = JOINTS,
+    names: tuple[str, ...] = (),
     drift: float = 0.0,
     described: bool = True,
+    sensors: bool = True,
+    imu: tuple[str, Floats] | None = None,
 ) -> Path:
     """Write a walk as an MCAP of ROS 2 messages.
 
@@ -345,9 +389,11 @@ def write_log(
         publishers: topics that the joints are shared out on.
         silence_s: time in which no joint states are sent.
         change: takes and returns position, velocity and effort, (n, 12) each.
-        names: of the joints in their states.
+        names: of the joints in their states; empty: their own.
         drift: metres by which the odometry goes astray, to the left, a metre of the way.
         described: whether a robot description is in it, where legs are by joint states.
+        sensors: whether feet and odometry are recorded.
+        imu: frame and readings, (n, 6) m/s^2 and rad/s, of an inertial unit.
     """
     physics, make = robot or trot(), messages()
     rows = slice(0, None, every)
@@ -363,24 +409,27 @@ def write_log(
         )
 
     if described and not by_transforms:
-        entries.append((ORIGIN_NS, "/robot_description", STRING, make.text(urdf())))
+        entries.append((ORIGIN_NS, "/robot_description", STRING, make.text(physics.urdf or urdf())))
     if commands is not None:
         sent = ORIGIN_NS + np.rint(commands.time * 1e9).astype(np.int64)
         add("/cmd_vel", TWIST, sent, make.twist().all_filled(sent, commands.velocity))
-    speed = turned(inverse(physics.attitude), physics.base_velocity[:, 3:])
-    place = physics.base + drift * physics.base[:, :1] * [0.0, 1.0, 0.0]
-    poses = np.concatenate([place, physics.attitude, speed], axis=1)[rows]
-    add("/odom", ODOMETRY, time, make.odometry("world", "base_link").all_filled(time, poses))
+    if imu is not None:
+        add("/imu", IMU, time, make.imu(imu[0], turns=True).all_filled(time, imu[1][rows]))
     heard = (seconds < silence_s[0]) | (seconds >= silence_s[1])
-    for number, share in enumerate(np.array_split(np.arange(len(JOINTS)), publishers)):
+    for number, share in enumerate(np.array_split(np.arange(len(physics.joints)), publishers)):
         numbers = np.concatenate([each[heard][:, share] for each in told], axis=1)
-        joints = make.joint_states(tuple(names[joint] for joint in share))
+        joints = make.joint_states(tuple((names or physics.joints)[joint] for joint in share))
         topic = f"/joint_states_{number}" if number else "/joint_states"
         add(topic, JOINT_STATE, time[heard], joints.all_filled(time[heard], numbers))
     if by_transforms:
         calves = make.transforms("base_link", [f"{foot}_calf" for foot in FEET])
         add("/tf", TF, time, calves.all_filled(time, physics.calf[rows].reshape(len(time), -1)))
-    for number, foot in enumerate(FEET):
+    if sensors:
+        speed = turned(inverse(physics.attitude), physics.base_velocity[:, 3:])
+        place = physics.base + drift * physics.base[:, :1] * [0.0, 1.0, 0.0]
+        poses = np.concatenate([place, physics.attitude, speed], axis=1)[rows]
+        add("/odom", ODOMETRY, time, make.odometry("world", "base_link").all_filled(time, poses))
+    for number, foot in enumerate(FEET if sensors else ()):
         topic = f"/{NAMES[number]}_foot_contact"
         force, point = physics.force[rows, number], physics.point[rows, number]
         if not (by_transforms if points is None else points):

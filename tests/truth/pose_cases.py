@@ -12,12 +12,12 @@ from tests.truth import world_faults as world
 from tests.truth.judging import Case
 from tests.truth.recording import Disturbance, Recording
 from tests.truth.robots import biped, quadruped
-from tests.truth.walking import CurvedWalk, Walk
+from tests.truth.walking import Walk
 from tests.truth.walks import BIPED, QUIET, SLOW, TROT
 
-CIRCLE: Final = CurvedWalk(gait=gaits.WALK, period_s=1.0, seconds=10.0)
-ON_THE_SPOT: Final = CurvedWalk(gait=gaits.WALK, period_s=1.0, seconds=10.0, speed_mps=0.0)
-TO_THE_RIGHT: Final = CurvedWalk(period_s=0.7, seconds=9.0, turn_radps=-0.5)
+CIRCLE: Final = Walk(gait=gaits.WALK, period_s=1.0, seconds=10.0, turn_radps=0.4)
+ON_THE_SPOT: Final = replace(CIRCLE, speed_mps=0.0)
+TO_THE_RIGHT: Final = Walk(period_s=0.7, seconds=9.0, turn_radps=-0.5)
 DOWNHILL: Final = Walk(gait=gaits.WALK, period_s=1.1, speed_mps=0.35, slope_rad=radians(-9.0))
 UPHILL: Final = Walk(slope_rad=radians(12.0))
 
@@ -144,9 +144,9 @@ def _case(name: str, walk: Walk, way: str, fault: Disturbance, says: str) -> Cas
         skip += ["peak force, braking, load share, impulse, slip, height, froude"]
     if way.startswith(FORCES):
         skip += ["height, froude"]
-    if walk.body_yaw_rad or isinstance(walk, CurvedWalk) or walk.speed_mps <= 0.0:
+    if walk.body_yaw_rad or walk.turn_radps or walk.speed_mps <= 0.0:
         skip += ["braking", *(() if walk.speed_mps else ("froude",))]
-    if way in {FORCES, GYRO} and isinstance(walk, CurvedWalk):
+    if way in {FORCES, GYRO} and walk.turn_radps:
         # Strides of a robot that turns are known by where its feet are only.
         cause, skip = cause or "base turns", [*skip, "verdict"]
     return Case(name, walk, (*WAYS[way], fault), says, cause, skip=", ".join(skip))

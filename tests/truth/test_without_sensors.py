@@ -12,10 +12,12 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
 import dogbot_logtool as dl
+from tests.truth.physics import Physics
 from tests.truth.recording import Floats
-from tests.truth.without_sensors import HEAVY_KG, Change, Walk, biped, quadruped, write_log
+from tests.truth.without_sensors import HEAVY_KG, biped, quadruped, write_log
 
-ROBOTS: Final[Mapping[str, Callable[[], Walk]]] = {
+Change = Callable[[Floats, Floats, Floats], tuple[Floats, ...]]
+ROBOTS: Final[Mapping[str, Callable[[], Physics]]] = {
     "trot": quadruped,
     "turn": lambda: quadruped(command=(0.3, 0.0, 0.5)),
     "walk": lambda: quadruped(gait="walk", command=(0.2, 0.0, 0.0)),
@@ -33,11 +35,11 @@ def no_efforts(position: Floats, velocity: Floats, effort: Floats) -> tuple[Floa
 
 
 @cache
-def robot(name: str) -> Walk:
+def robot(name: str) -> Physics:
     return ROBOTS[name]()
 
 
-def measured(path: Path, walk: Walk, change: Change | None = None, **options: Any) -> dl.Walk:
+def measured(path: Path, walk: Physics, change: Change | None = None, **options: Any) -> dl.Walk:
     return dl.measure(write_log(path / "log.mcap", walk, change=change, **options))
 
 
@@ -45,7 +47,7 @@ def codes(walk: dl.Walk) -> dict[str, str]:
     return {each["code"]: each["text"] for each in walk.stats["findings"]}
 
 
-def force_error_bw(walk: dl.Walk, truth: Walk) -> float:
+def force_error_bw(walk: dl.Walk, truth: Physics) -> float:
     """The rms of the vertical forces of all feet against the engine's, in body weights."""
     errors = []
     for number, name in enumerate(walk.stats["feet"]):
@@ -132,7 +134,7 @@ def test_turns_are_told_by_the_feet_where_no_gyroscope_does(
 
 
 @cache
-def turning(command: tuple[float, ...]) -> Walk:
+def turning(command: tuple[float, ...]) -> Physics:
     return quadruped(command=command)
 
 

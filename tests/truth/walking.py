@@ -8,7 +8,7 @@ whole strides is the weight times the time, exactly. Along the slope it brakes a
 is in mid-stance.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -47,6 +47,8 @@ class Walk:
     heading_rad: float = 0.0
     body_yaw_rad: float = 0.0
     """Of the base's axes against the way it walks."""
+    turn_radps: float = 0.0
+    """To the left, as it walks; each foot stands where its corner is in mid-stance."""
     step_height_m: float = 0.05
     slip_m: float = 0.0
     """Way of each foot on the ground over a stance, forward, at constant speed."""
@@ -124,7 +126,7 @@ class Walk:
             vertical = self.peak_vertical_n(foot) * risen
         along = -self.traction * mean * np.sin(2.0 * np.pi * s)
         up = np.array([0.0, 0.0, 1.0])
-        return np.asarray(vertical[:, None] * up + along[:, None] * self._forward())
+        return np.asarray(vertical[:, None] * up + along[:, None] * self._forward(time))
 
     def sole(self, foot: int, time: Floats) -> Floats:
         """(n, 3) m, the foot's sole in the world."""
@@ -138,27 +140,43 @@ class Walk:
         mid_stance = (
             stride + eased - self.begin + self.gait.phases[foot]
         ) * self.period_s + self.stance_s / 2.0
-        along = corner_x + self.speed_mps * mid_stance + slid
+        ahead, left = self._turned(mid_stance, corner_x + slid, corner_y)
+        x, y = self._way(mid_stance)
         height = self.step_height_m * np.sin(np.pi * progress) ** 2
-        return self._in_world(along, np.full_like(along, corner_y), height)
+        return self._in_world(x + ahead, y + left, height)
 
     def base(self, time: Floats) -> Floats:
         """(n, 3) m, the base in the world: `height_m` off the ground, along its normal."""
-        zero = np.zeros_like(time)
-        return self._in_world(self.speed_mps * time, zero, zero + self.robot.height_m)
+        return self._in_world(*self._way(time), np.full_like(time, self.robot.height_m))
 
     def attitude(self, time: Floats) -> Floats:
         """(n, 4) the base's orientation: parallel to the ground."""
+        return product(self._ground(time), about_axis(2, self.turn_radps * time))
+
+    def _way(self, time: Floats) -> tuple[Floats, Floats]:
+        """(n,) m ahead and to the left of where the walk began, along the ground: an arc."""
+        half = self.turn_radps * time / 2.0
+        chord = self.speed_mps * time * np.sinc(half / np.pi)
+        return chord * np.cos(half), chord * np.sin(half)
+
+    def _turned(
+        self, time: Floats, ahead: Floats | float, left: Floats | float
+    ) -> tuple[Floats, Floats]:
+        """(n,) m, what is ahead and to the left of the base, in the directions of the start."""
+        cos, sin = np.cos(self.turn_radps * time), np.sin(self.turn_radps * time)
+        return cos * ahead - sin * left, sin * ahead + cos * left
+
+    def _forward(self, time: Floats) -> Floats:
+        """(n, 3) the way that the base looks."""
+        return self._in_world(*self._turned(time, 1.0, 0.0), np.zeros_like(time))
+
+    def _ground(self, time: Floats) -> Floats:
+        """(n, 4) the turn of the ground."""
         heading = about_axis(2, np.full_like(time, self.heading_rad))
         return product(heading, about_axis(1, np.full_like(time, -self.slope_rad)))
 
-    def _forward(self) -> Floats:
-        zero = np.zeros(1)
-        return np.asarray(self._in_world(zero + 1.0, zero, zero)[0])
-
     def _in_world(self, along: Floats, left: Floats, above: Floats) -> Floats:
-        vector = np.stack([along, left, above], axis=1)
-        return turned(self.attitude(along), vector)
+        return turned(self._ground(above), np.stack([along, left, above], axis=1))
 
     def link(self, foot: int, time: Floats) -> Floats:
         """(n, 4) orientation of the foot's link in the base."""
@@ -171,7 +189,8 @@ class Walk:
         """Return the messages of perfect sensors."""
         time = sample_times(self.seconds, rate_hz)
         base_time = time if odometry_hz is None else sample_times(self.seconds, odometry_hz)
-        velocity = np.tile(self.speed_mps * self._forward(), (len(base_time), 1))
+        # Constant, as the velocity commands of a robot that turns.
+        velocity = np.tile(self.speed_mps * self._forward(np.zeros(1)), (len(base_time), 1))
         body = about_axis(2, np.full_like(base_time, self.body_yaw_rad))
         attitude = product(self.attitude(base_time), body)
         base = base_messages(base_time, self.base(base_time), attitude, velocity)
@@ -197,6 +216,7 @@ class Walk:
             sequence=self.gait.sequence,
             feet=tuple(self._foot_truth(foot) for foot in range(len(self.robot.feet))),
             forward_speed_mps=self._level * self.speed_mps,
+            yaw_rate_radps=self.turn_radps or None,
             path_length_m=self._level * abs(self.speed_mps) * self.seconds,
             height_m=self.robot.height_m / self._level,
             slope_rad=self.slope_rad,
@@ -229,7 +249,7 @@ class Walk:
             swing_s=self.period_s - self.stance_s,
             duty_factor=duty,
             stride_period_s=self.period_s,
-            stride_length_m=self._level * abs(self.speed_mps) * self.period_s,
+            stride_length_m=self._stride_length_m(foot),
             peak_vertical_force_n=None if self.slope_rad else self.peak_vertical_n(foot),
             braking_impulse_ns=self._level
             * self.traction
@@ -241,6 +261,13 @@ class Walk:
             phase=(phases[foot] - phases[0]) % 1.0,
         )
 
+    def _stride_length_m(self, foot: int) -> float:
+        """Return the chord of the foot's own circle, or of a straight way."""
+        x, y = self.robot.corners_m[foot]
+        speed = np.hypot(self.speed_mps - self.turn_radps * y, self.turn_radps * x)
+        turn = self.turn_radps * self.period_s / 2.0
+        return float(self._level * speed * self.period_s * abs(np.sinc(turn / np.pi)))
+
     def _contact_fraction(self, foot: int) -> float:
         """Integrate the state over the recording: whole strides and what is left at both ends."""
         first, last = self.cycles(foot, np.array([0.0, self.seconds]))
@@ -250,63 +277,3 @@ class Walk:
             return float(whole * self.gait.duty + min(cycles - whole, self.gait.duty))
 
         return (down_until(last) - down_until(first)) / float(last - first)
-
-
-@dataclass(frozen=True, slots=True)
-class CurvedWalk(Walk):
-    """A robot that turns to the left as it walks; each foot stands where its corner is in
-    mid-stance."""
-
-    turn_radps: float = 0.4
-
-    def base(self, time: Floats) -> Floats:
-        """(n, 3) m, the base in the world."""
-        radius, yaw = self.speed_mps / self.turn_radps, self.turn_radps * time
-        ahead, left = radius * np.sin(yaw), radius * (1.0 - np.cos(yaw))
-        return self._in_world(ahead, left, np.full_like(time, self.robot.height_m))
-
-    def attitude(self, time: Floats) -> Floats:
-        """(n, 4) the base's orientation."""
-        return about_axis(2, self.heading_rad + self.turn_radps * time)
-
-    def _in_world(self, along: Floats, left: Floats, above: Floats) -> Floats:
-        cos, sin = np.cos(self.heading_rad), np.sin(self.heading_rad)
-        return np.stack([cos * along - sin * left, sin * along + cos * left, above], axis=1)
-
-    def sole(self, foot: int, time: Floats) -> Floats:
-        """(n, 3) m, the foot's sole in the world."""
-        cycles = self.cycles(foot, time)
-        stride = np.floor(cycles)
-        progress = np.clip((cycles - stride - self.gait.duty) / (1.0 - self.gait.duty), 0.0, 1.0)
-        eased = progress**3 * (10.0 - 15.0 * progress + 6.0 * progress**2)
-        middle = (
-            stride + eased - self.begin + self.gait.phases[foot]
-        ) * self.period_s + self.stance_s / 2.0
-        x, y = self.robot.corners_m[foot]
-        yaw = self.heading_rad + self.turn_radps * middle
-        place = self.base(middle)
-        place[:, 0] += np.cos(yaw) * x - np.sin(yaw) * y
-        place[:, 1] += np.sin(yaw) * x + np.cos(yaw) * y
-        place[:, 2] = self.step_height_m * np.sin(np.pi * progress) ** 2
-        return place
-
-    def force(self, foot: int, time: Floats) -> Floats:
-        """(n, 3) N on the foot, in the world; it brakes and propels along the heading."""
-        straight = replace(Walk(), **{n: getattr(self, n) for n in Walk.__slots__})
-        force = Walk.force(replace(straight, heading_rad=0.0), foot, time)
-        yaw = self.heading_rad + self.turn_radps * time
-        along = force[:, 0]
-        return np.stack([along * np.cos(yaw), along * np.sin(yaw), force[:, 2]], axis=1)
-
-    def truth(self) -> Truth:
-        """Return what is true of the walk."""
-        truth = Walk.truth(self)
-        feet = tuple(self._turning(foot, each) for foot, each in enumerate(truth.feet))
-        return replace(truth, feet=feet, yaw_rate_radps=self.turn_radps)
-
-    def _turning(self, foot: int, truth: FootTruth) -> FootTruth:
-        """Return the truth of a foot, whose stride is a chord of its own circle."""
-        x, y = self.robot.corners_m[foot]
-        radius = float(np.hypot(x, self.speed_mps / self.turn_radps - y))
-        chord = 2.0 * radius * np.sin(self.turn_radps * self.period_s / 2.0)
-        return replace(truth, stride_length_m=float(abs(chord)))

@@ -3,134 +3,66 @@
 What robots do is a physics engine's (`free_walker`); a biped with six joints a leg is here.
 """
 
-import itertools
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
-import mujoco
 import numpy as np
 
-from tests.oracles.mcap_file import Entry, write_mcap
 from tests.truth import free_walker, physics
-from tests.truth.messages import IMU, JOINT_STATE, STRING
-from tests.truth.physics import ORIGIN_NS, Physics
-from tests.truth.recording import Floats, inverse, turned
+from tests.truth.physics import Engine, Physics
+from tests.truth.recording import inverse, turned
+from tests.truth.robots import GRAVITY_MPS2
 
 HEAVY_KG: Final = (1.2, 1.5, 0.45, 0.15)
 """Of the parts of a leg."""
-GRAVITY: Final = 9.81
-Change = Callable[[Floats, Floats, Floats], tuple[Floats, ...]]
 
 
-@dataclass(frozen=True, slots=True)
-class Walk:
-    """What a robot did; (n, ...) rows each."""
-
-    urdf: str
-    mass_kg: float
-    joints: tuple[str, ...]
-    time: Floats
-    position: Floats
-    """(n, k) rad; also `velocity`, rad/s, and `torque`, N m."""
-    velocity: Floats
-    torque: Floats
-    attitude: Floats
-    """(n, 4) quaternion x, y, z, w of the base."""
-    base_velocity: Floats
-    """(n, 6) rad/s and m/s in the world."""
-    force: Floats
-    """(n, feet, 3) N on each foot, in the world."""
-
-    @property
-    def touching(self) -> Floats:
-        """(feet,) share of time in contact, bounces of less than 60 ms filled."""
-        down = self.force[:, :, 2] > 0.01 * self.mass_kg * GRAVITY
-        rows = round(0.06 / float(self.time[1] - self.time[0]))
-        for column in down.T:
-            change = np.flatnonzero(np.diff(column.astype(int)))
-            for begin, end in itertools.pairwise(change.tolist()):
-                if not column[begin + 1] and end - begin < rows:
-                    column[begin + 1 : end + 1] = True
-        return np.asarray(down.mean(axis=0), np.float64)
-
-    @property
-    def speed_mps(self) -> float:
-        """Along the base's own x axis, seen from above."""
-        ahead = turned(self.attitude, np.tile([1.0, 0.0, 0.0], (len(self.time), 1)))[:, :2]
-        ahead /= np.linalg.norm(ahead, axis=1)[:, None]
-        return float((ahead * self.base_velocity[:, 3:5]).sum(axis=1).mean())
-
-
-def quadruped(legs_kg: tuple[float, ...] = physics.LEGS_KG, **walk: Any) -> Walk:
+def quadruped(legs_kg: tuple[float, ...] = physics.LEGS_KG, **walk: Any) -> Physics:
     """Run a quadruped; see `free_walker.walker`."""
     steps = ((-9.0, walk.pop("command", (0.4, 0.0, 0.0))),)
     did: Physics = free_walker.walker(steps, 6.0, legs_kg=legs_kg, **walk)
-    return Walk(
-        physics.urdf(legs_kg, did.mass_kg - 4.0 * sum(legs_kg)),
-        did.mass_kg,
-        physics.JOINTS,
-        did.time,
-        did.position,
-        did.velocity,
-        did.torque,
-        did.attitude,
-        did.base_velocity,
-        did.force,
-    )
+    return replace(did, urdf=physics.urdf(legs_kg, did.mass_kg - 4.0 * sum(legs_kg)))
 
 
 def write_log(
     path: Path,
-    walk: Walk,
+    walk: Physics,
     *,
-    change: Change | None = None,
     with_imu: bool = True,
     with_urdf: bool = True,
     imu_frame: str = "base_link",
     gyro: float = 1.0,
-    every: int = 5,
+    change: Any = None,
 ) -> Path:
     """Write what a robot without foot sensors and odometry records.
 
     Args:
         path: of the log.
         walk: what it did.
-        change: takes and returns position, velocity and effort.
         with_imu: whether there is an inertial unit.
         with_urdf: whether there is a robot description.
         imu_frame: that of the base, or one that is turned by 90 degrees about its x axis.
         gyro: what a gyroscope reads for a turn rate of 1 rad/s.
-        every: rows between messages.
+        change: takes and returns position, velocity and effort.
     """
-    make, rows = physics.messages(), slice(0, None, every)
-    states = walk.position, walk.velocity, walk.torque
-    time = ORIGIN_NS + np.rint(walk.time[rows] * 1e9).astype(np.int64)
-    entries: list[Entry] = []
-    if with_urdf:
-        entries.append((ORIGIN_NS, "/robot_description", STRING, make.text(walk.urdf)))
-    told = np.concatenate(
-        [np.asarray(each)[rows] for each in (change(*states) if change else states)], axis=1
+    back = inverse(walk.attitude)
+    moved = np.gradient(walk.base_velocity[:, 3:], walk.time, axis=0)
+    moved[:, 2] += GRAVITY_MPS2
+    read = [turned(back, moved), gyro * turned(back, walk.base_velocity[:, :3])]
+    if imu_frame != "base_link":
+        read = [each[:, [0, 2, 1]] * [1.0, 1.0, -1.0] for each in read]
+    return physics.write_log(
+        path,
+        by_transforms=False,
+        robot=walk,
+        every=5,
+        described=with_urdf,
+        sensors=False,
+        imu=(imu_frame, np.concatenate(read, axis=1)) if with_imu else None,
+        change=change,
     )
-    joints = make.joint_states(walk.joints).all_filled(time, told)
-    entries += [
-        (at, "/joint_states", JOINT_STATE, data)
-        for at, data in zip(time.tolist(), joints, strict=True)
-    ]
-    if with_imu:
-        back = inverse(walk.attitude)
-        moved = np.gradient(walk.base_velocity[:, 3:], walk.time, axis=0)
-        moved[:, 2] += GRAVITY
-        read = [turned(back, moved), gyro * turned(back, walk.base_velocity[:, :3])]
-        if imu_frame != "base_link":
-            read = [each[:, [0, 2, 1]] * [1.0, 1.0, -1.0] for each in read]
-        numbers = np.concatenate(read, axis=1)[rows]
-        sent = make.imu(imu_frame, turns=True).all_filled(time, numbers)
-        entries += [(at, "/imu", IMU, data) for at, data in zip(time.tolist(), sent, strict=True)]
-    entries.sort(key=lambda entry: entry[0])
-    return write_mcap(path, entries, make.definition, 1 << 18, "zstd")
 
 
 THIGH, SHANK, SOLE, HIP_M = 0.4, 0.4, 0.06, 0.1
@@ -159,8 +91,12 @@ def _leg_angles(time: float, side: float) -> list[float]:
     return [0.0, 0.0, thigh, knee, -(thigh + knee), 0.0]
 
 
+def _angles(time: float) -> list[float]:
+    return _leg_angles(time, 1.0) + _leg_angles(time, -1.0)
+
+
 @cache
-def biped() -> Walk:
+def biped() -> Physics:
     """Run a biped with six joints a leg and flat feet, whose trunk is kept upright."""
     names = [f"{side}_{part}" for side in ("left", "right") for part in LEG_KG]
     legs, joints = [], []
@@ -196,7 +132,7 @@ def biped() -> Walk:
         links.append(f'<link name="{side}_sole"/>')
         legs.append(bodies + "</body>" * len(LEG_KG))
     motors = "".join(f'<position joint="{name}" kp="1500" kv="40"/>' for name in names)
-    model = mujoco.MjModel.from_xml_string(
+    xml = (
         '<mujoco><option timestep="0.001" integrator="implicitfast"/><worldbody>'
         '<geom name="floor" type="plane" size="50 50 1" friction="1 .01 .001"/>'
         f'<body name="pelvis" pos="0 0 {STANDING_M + 0.01}">'
@@ -204,35 +140,8 @@ def biped() -> Walk:
         '<geom type="box" size=".1 .1 .2" pos="0 0 .2" mass="30" contype="0" conaffinity="0"/>'
         f"{''.join(legs)}</body></worldbody><actuator>{motors}</actuator></mujoco>"
     )
-    data = mujoco.MjData(model)
-    feet = [model.geom(f"{side}_foot").id for side in ("left", "right")]
-    data.qpos[2:] = _leg_angles(0.0, 1.0) + _leg_angles(0.0, -1.0)
-    rows, local = [], np.zeros(6)
+    engine = Engine(xml, _angles(0.0), tuple(names), ("left_foot", "right_foot"), "{}")
     for step in range(8000):
-        time = step * 0.001
-        data.ctrl[:] = _leg_angles(time, 1.0) + _leg_angles(time, -1.0)
-        state = data.qpos[2:].copy(), data.qvel[2:].copy()
-        mujoco.mj_step(model, data)
-        force = np.zeros((2, 3))
-        for number, pair in enumerate(data.contact.geom.tolist()):
-            mujoco.mj_contactForce(model, data, number, local)
-            foot = next(row for row, geom in enumerate(feet) if geom in pair)
-            away = 1.0 if pair[1] in feet else -1.0
-            force[foot] += away * data.contact.frame[number].reshape(3, 3).T @ local[:3]
-        if step >= 2000 and step % 2 == 0:
-            moving = np.array([0.0, 0.0, 0.0, data.qvel[0], 0.0, data.qvel[1]])
-            rows.append((time - 2.0, *state, data.actuator_force.copy(), moving, force))
-    columns = [np.array(each) for each in zip(*rows, strict=True)]
-    seconds, position, velocity, torque, moving, force = columns
-    return Walk(
-        f'<robot name="biped">{"".join(links)}{"".join(joints)}</robot>',
-        float(model.body_subtreemass[0]),
-        tuple(names),
-        seconds,
-        position,
-        velocity,
-        torque,
-        np.tile([0.0, 0.0, 0.0, 1.0], (len(seconds), 1)),
-        moving,
-        force,
-    )
+        engine.step(_angles(step * 0.001), keep=step >= 2000 and step % 2 == 0)
+    description = f'<robot name="biped">{"".join(links)}{"".join(joints)}</robot>'
+    return replace(engine.finish(0.002), urdf=description)

@@ -66,15 +66,14 @@ def motion_in(base: BaseHistory, windows: Ints, forward_rad: float = 0.0) -> Mot
     if len(base.time) < 2:
         unknown = np.full(len(windows), np.nan)
         return Motion(unknown + 0j, unknown, unknown)
-    x, y, z = base.position.T
-    yaw = base.angles[:, 2]
-    step = np.diff(x + 1j * y) * np.exp(-1j * ((yaw[1:] + yaw[:-1]) / 2.0 + forward_rad))
-    way = np.concatenate([[0.0], np.cumsum(step)])
+    ahead, left, _ = base.steps(forward_rad)
+    way = np.concatenate([[0.0], np.cumsum(ahead + 1j * left)])
     edges = windows - base.time[0]
     since = (base.time - base.time[0]).astype(np.float64)
     outside = (edges[:, 0] < 0) | (edges[:, 1] > since[-1])
     outside |= timespans.touches(base.gaps, windows[:, 0], windows[:, 1])
-    changes = [np.diff(np.interp(edges, since, each))[:, 0] for each in (way, yaw, z)]
+    columns = way, base.angles[:, 2], base.position[:, 2]
+    changes = [np.diff(np.interp(edges, since, each))[:, 0] for each in columns]
     return Motion(*(np.where(outside, np.nan, each) for each in changes))
 
 

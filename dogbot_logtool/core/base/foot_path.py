@@ -7,7 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, median_of
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.contact.stances import Stances
+from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.corrections.clock import advancing, first_at_each_tick
 from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, rotate
 
@@ -105,14 +105,39 @@ def known_path(time: Ints, position: Floats | Float32s) -> FootPath:
     return FootPath(time[known], position[known], silent_before(time[known]))
 
 
-def places_on_path(path: FootPath, stances: Stances) -> tuple[Ints, Floats]:
-    """Return the middle of each stance, (k,) ns, and where a foot is in its middle half, (k, 3) m.
+MIDDLE: Final = (0.2, 0.8)
+"""Shares of a stance between which the foot is loaded and should be at rest."""
+_SEEN: Final = (Cut.WHOLE, Cut.LOG_START, Cut.LOG_END, Cut.STANDING)
+"""Stances between whose ends the foot is known to stand."""
 
-    Args:
-        path: of the foot in the world.
-        stances: of the foot.
-    """
-    shares = np.array([0.25, 0.375, 0.5, 0.625, 0.75])
-    duration = (stances.liftoff - stances.touchdown)[:, None]
-    time = stances.touchdown[:, None] + np.rint(duration * shares).astype(np.int64)
-    return time[:, 2], np.asarray(path.at(time).mean(axis=1))
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Footfalls:
+    """Position of a foot in each of its stances."""
+
+    position: Floats
+    """(stances, 3) m, in the middle of the stance; NaN where not known."""
+    travel_m: Floats
+    """(stances,) m, distance between its positions at 20 % and 80 % of the stance."""
+    slip_m: Floats
+    """(stances,) m, the same on the ground only; also `largest_slip_m`, the furthest that it is
+    in between from where it is at 20 %."""
+    largest_slip_m: Floats
+
+
+def footfalls(path: FootPath, stances: Stances) -> Footfalls:
+    """Return where a foot stands, by its path in the world."""
+    duration = stances.liftoff - stances.touchdown
+    steps = np.linspace(*MIDDLE, 13)
+    time = stances.touchdown[:, None] + np.rint(duration[:, None] * steps).astype(np.int64)
+    position = path.at(time)
+    known = path.unbroken(time[:, 0], time[:, -1]) & np.isin(stances.cut, _SEEN)
+    position[~known] = np.nan
+    way = position - position[:, :1]
+    flat = np.hypot(way[:, :, 0], way[:, :, 1])
+    return Footfalls(
+        position=position[:, len(steps) // 2],
+        travel_m=np.sqrt((way[:, -1] ** 2).sum(axis=1)),
+        slip_m=flat[:, -1],
+        largest_slip_m=flat.max(axis=1, initial=0.0),
+    )

@@ -5,7 +5,7 @@ that the base stays, one pose is right.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -78,20 +78,7 @@ def without_frozen(base: BaseHistory, spans: Ints) -> BaseHistory:
     """Return poses without those of some spans, (s, 2) ns, which become gaps."""
     inside = timespans.covers(spans, base.time - 1) | timespans.covers(spans, base.time)
     rows = np.flatnonzero(~inside)
-    if len(rows) < 2:
-        return base.without_poses()
-    time = base.time[rows]
-    broken = np.diff(rows) > 1
-    own = np.isin(time[:-1], base.gaps[:, 0]) | broken
-    gaps = np.stack([time[:-1][own], time[1:][own]], axis=1)
-    return replace(
-        base,
-        time=time,
-        position=base.position[rows],
-        angles=base.angles[rows],
-        velocity=base.velocity[rows],
-        gaps=gaps,
-    )
+    return base.pick(rows) if len(rows) > 1 else base.without_poses()
 
 
 def _one_pose(base: BaseHistory, shortest_ns: float) -> Ints:

@@ -171,17 +171,15 @@ def axis_by_legs(
     Returns:
         ``+x`` and so on; None where contact points and positions do not tell.
     """
-    ends: dict[str, list[Floats]] = {"front": [], "back": []}
-    for foot, position in zip(feet, positions, strict=True):
-        if position is None or position[0] not in ends:
-            continue
-        usual = _usual_place(base, foot)
-        if usual is not None:
-            ends[position[0]].append(usual)
-    if not all(ends.values()):
+    places = _usual_places(base, feet, positions)
+    ends = [
+        [place for (end, _), (_, place) in places.items() if end == name]
+        for name in ("front", "back")
+    ]
+    if not all(ends):
         return None
-    ahead = np.mean(ends["front"], axis=0) - np.mean(ends["back"], axis=0)
-    return nearest_axis(ahead)
+    front, back = (np.mean(each, axis=0) for each in ends)
+    return nearest_axis(front - back)
 
 
 def swapped_pairs(
@@ -201,11 +199,7 @@ def swapped_pairs(
     Returns:
         left and right foot of those pairs, and how many pairs contact points tell of.
     """
-    places = {
-        position: (row, usual)
-        for row, (foot, position) in enumerate(zip(feet, positions, strict=True))
-        if position is not None and (usual := _usual_place(base, foot)) is not None
-    }
+    places = _usual_places(base, feet, positions)
     left_axis = np.array([-np.sin(forward_rad), np.cos(forward_rad)])
     pairs = [
         (row, places[end, "right"][0], float((usual - places[end, "right"][1]) @ left_axis))
@@ -216,10 +210,16 @@ def swapped_pairs(
     return swapped, len(pairs)
 
 
-def _usual_place(base: BaseHistory, foot: FootHistory) -> Floats | None:
-    """(2,) m, along the body's x and y: the mean of a foot's contact points from the base."""
-    _, place = seen_from_base(foot, base)
-    return place.mean(axis=0) if len(place) else None
+def _usual_places(
+    base: BaseHistory, feet: Sequence[FootHistory], positions: Sequence[LegPosition | None]
+) -> dict[LegPosition, tuple[int, Floats]]:
+    """Return each foot and its contact points' mean, (2,) m along the body's x and y."""
+    seen = [seen_from_base(foot, base)[1] for foot in feet]
+    return {
+        position: (row, place.mean(axis=0))
+        for row, (place, position) in enumerate(zip(seen, positions, strict=True))
+        if position is not None and len(place)
+    }
 
 
 def seen_from_base(foot: FootHistory, base: BaseHistory) -> tuple[Ints, Floats]:

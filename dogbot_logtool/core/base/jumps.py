@@ -109,14 +109,11 @@ def without_jumps(base: BaseHistory, jumps: PoseJumps) -> BaseHistory:
     """
     if len(jumps.rows) == 0:
         return base
-    steps = len(jumps.rows)
     turns = np.where(_follows(base, jumps), jumps.turn_rad, 0.0)
     turned = np.concatenate([[0.0], np.cumsum(turns)])
-    moved = np.zeros((steps + 1, 3))
-    for number, row in enumerate(jumps.rows.tolist()):
-        after = base.position[row + 1]
-        before = _turned(after - jumps.size_m[number], turned[number]) + moved[number]
-        moved[number + 1] = before - _turned(after, turned[number + 1])
+    after = base.position[jumps.rows + 1]
+    moves = _turned(after - jumps.size_m, turned[:-1]) - _turned(after, turned[1:])
+    moved = np.concatenate([np.zeros((1, 3)), np.cumsum(moves, axis=0)])
     passed = np.searchsorted(jumps.rows, np.arange(len(base.time)) - 1, side="right")
     angles = base.angles.copy()
     angles[:, 2] -= np.concatenate([[0.0], np.cumsum(jumps.turn_rad)])[passed]
@@ -124,11 +121,11 @@ def without_jumps(base: BaseHistory, jumps: PoseJumps) -> BaseHistory:
     return replace(base, position=position, angles=angles)
 
 
-def _turned(position: Floats, turn_rad: Floats | float) -> Floats:
-    """(..., 3) m, turned back about the vertical."""
-    x, y, z = np.moveaxis(position, -1, 0)
+def _turned(position: Floats, turn_rad: Floats) -> Floats:
+    """(n, 3) m, turned back about the vertical."""
+    x, y, z = position.T
     cos, sin = np.cos(turn_rad), np.sin(turn_rad)
-    return np.stack([cos * x + sin * y, cos * y - sin * x, z], axis=-1)
+    return np.stack([cos * x + sin * y, cos * y - sin * x, z], axis=1)
 
 
 def _follows(base: BaseHistory, jumps: PoseJumps) -> Flags:

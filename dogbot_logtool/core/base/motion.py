@@ -14,7 +14,6 @@ from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.metrics import Base
-from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 
 AWAY_M: Final = 0.05
@@ -175,21 +174,24 @@ def base_motion(track: BaseTrack, forward_axis: str, within: Ints | None = None)
         return None
     first, last = int(rows[0]), int(rows[-1])
     moves = inside[:-1] & inside[1:] & ~np.isin(base.time[:-1], base.gaps[:, 0])
-    duration, forward, left, turned = _travelled(base, moves, forward_axis)
+    duration = float(np.diff(base.time)[moves].sum() / 1e9)
+    travelled = (float(each[moves].sum()) for each in base.steps(FORWARD_ANGLES[forward_axis]))
+    forward_speed, left_speed, yaw_rate = (
+        each / duration if duration > 0.0 else None for each in travelled
+    )
     walked = moves & ~timespans.covers(track.standing, base.time[:-1])
     path = path_length_m(base, track.travel, walked)
     height = aggregate(track.height_m[rows])
     roll, pitch = roll_and_pitch(base.angles[rows], forward_axis)
     net = base.position[last] - base.position[first]
-    forward_speed = forward / duration if duration > 0.0 else None
     return Base(
         duration_s=duration,
         path_length_m=path,
         net_displacement_m=float(np.hypot(net[0], net[1])),
         forward_speed_mps=forward_speed,
-        lateral_speed_mps=left / duration if duration > 0.0 else None,
+        lateral_speed_mps=left_speed,
         yaw_change_rad=float(base.angles[last, 2] - base.angles[first, 2]),
-        yaw_rate_radps=turned / duration if duration > 0.0 else None,
+        yaw_rate_radps=yaw_rate,
         height_m=height,
         climb_m=float(net[2]),
         slope_rad=slope_rad(track.feet, within),
@@ -197,23 +199,6 @@ def base_motion(track: BaseTrack, forward_axis: str, within: Ints | None = None)
         pitch_rad=aggregate(pitch),
         froude=froude_number(forward_speed, height.mean if height else None),
     )
-
-
-def _travelled(
-    base: BaseHistory, moves: Flags, forward_axis: str
-) -> tuple[float, float, float, float]:
-    """Add up the steps from pose to pose that count.
-
-    Returns:
-        s known; m along the forward axis, m to the left of it; rad turned.
-    """
-    yaw = base.angles[:, 2]
-    step = np.diff(base.position[:, :2], axis=0)[moves]
-    heading = (yaw[1:] + yaw[:-1])[moves] / 2.0 + FORWARD_ANGLES[forward_axis]
-    forward, left = along_heading(step, heading)
-    seconds = np.diff(base.time)[moves].sum() / 1e9
-    turned = np.diff(yaw)[moves].sum()
-    return float(seconds), float(forward.sum()), float(left.sum()), float(turned)
 
 
 def roll_and_pitch(angles: Floats, forward_axis: str) -> tuple[Floats, Floats]:

@@ -24,14 +24,12 @@ from dogbot_logtool.core.corrections.clock import (
 )
 from dogbot_logtool.core.quality import steady_gap_ns
 from dogbot_logtool.core.rotations import (
+    along_heading,
     from_roll_pitch_yaw,
     normalised,
     roll_pitch_yaw,
     rotate,
 )
-
-LARGEST_LAG_NS: Final = 100_000_000
-"""ns: stamps further behind log time are of another clock."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -84,20 +82,6 @@ def scaled(odometry: Odometry, metres: float) -> Odometry:
     return replace(odometry, position=position, linear_velocity=velocity)
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Transforms:
-    """Poses of one frame in its parent frame."""
-
-    log_time: Ints
-    """(n,) ns."""
-    stamp: Ints
-    """(n,) ns, the time at which the pose holds."""
-    translation: Floats
-    """(n, 3) m, in the parent frame."""
-    rotation: Floats
-    """(n, 4) quaternion x, y, z, w."""
-
-
 def usable_poses(odometry: Odometry) -> Flags:
     """Tell which poses can be a transform: all numbers finite and the quaternion not zero.
 
@@ -108,35 +92,6 @@ def usable_poses(odometry: Odometry) -> Flags:
     finite &= all_finite(odometry.orientation)
     turned: Flags = (odometry.orientation != 0.0).any(axis=1)
     return finite & turned
-
-
-def base_transforms(odometry: Odometry) -> Transforms:
-    """Turn poses into transforms of the base in the world, verbatim: nothing is normalised."""
-    return Transforms(odometry.log_time, odometry.time, odometry.position, odometry.orientation)
-
-
-def from_opening(transforms: Transforms, opening: int) -> Transforms:
-    """Return transforms of which the first also stands at the log's first time.
-
-    Its stamp is that time, too, unless the clock of the stamps is another one: a stamp from the
-    future of the others would hold for ever.
-
-    Args:
-        transforms: the first of a log.
-        opening: ns, log time.
-    """
-    if not len(transforms.stamp):
-        return transforms
-    first = int(transforms.stamp[0])
-    if int(transforms.log_time[0]) <= opening and first <= opening:
-        return transforms
-    stamp = opening if first > opening - LARGEST_LAG_NS else first
-    return Transforms(
-        log_time=np.concatenate([[opening], transforms.log_time]),
-        stamp=np.concatenate([[stamp], transforms.stamp]),
-        translation=np.concatenate([transforms.translation[:1], transforms.translation]),
-        rotation=np.concatenate([transforms.rotation[:1], transforms.rotation]),
-    )
 
 
 POSE_RATE_HZ: Final = 100.0
@@ -183,17 +138,33 @@ class BaseHistory:
         """How far a pose tells of, ns: further where poses are rare."""
         return max(LOOKUP_S, min(self.interval_s, SLOWEST_S)) * 1e9
 
-    def without_poses(self) -> "BaseHistory":
-        """Return the history of poses of which none can be used."""
-        none = np.empty((0, 3))
+    def pick(self, rows: Ints) -> "BaseHistory":
+        """Return the poses of some rows, ascending; where others lay between are gaps."""
+        time = self.time[rows]
+        silent = np.isin(time[:-1], self.gaps[:, 0]) | (np.diff(rows) > 1)
         return replace(
             self,
-            time=self.time[:0],
-            position=none,
-            angles=none,
-            velocity=none,
-            gaps=self.gaps[:0],
+            time=time,
+            position=self.position[rows],
+            angles=self.angles[rows],
+            velocity=self.velocity[rows],
+            gaps=np.stack([time[:-1][silent], time[1:][silent]], axis=1),
         )
+
+    def without_poses(self) -> "BaseHistory":
+        """Return the history of poses of which none can be used."""
+        return self.pick(np.empty(0, np.int64))
+
+    def steps(self, forward_rad: float) -> Floats:
+        """(3, n - 1) m ahead and to the left, and rad turned, from each pose to the next.
+
+        Args:
+            forward_rad: from the body's x axis to the axis that points forward.
+        """
+        yaw = self.angles[:, 2]
+        heading = (yaw[1:] + yaw[:-1]) / 2.0 + forward_rad
+        way = along_heading(np.diff(self.position[:, :2], axis=0), heading)
+        return np.stack([*way, np.diff(yaw)])
 
     def position_at(self, time: Ints) -> Floats:
         """Interpolate the position linearly between poses.

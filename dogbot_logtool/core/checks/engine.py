@@ -24,7 +24,7 @@ from dogbot_logtool.core.checks import (
     poses,
     sensors,
 )
-from dogbot_logtool.core.imu import Reading
+from dogbot_logtool.core.compared import Reading
 from dogbot_logtool.core.loads import vertical_is_known
 from dogbot_logtool.core.metrics import Check as Question
 from dogbot_logtool.core.walk import Walk
@@ -80,7 +80,7 @@ def _questions(walk: Walk) -> Sequence[tuple[str, str, str]]:
     odd_legs = (leg.reason for leg in walk.legs.feet) if walk.legs else ()
     seen = any(each.start is not None for each in records)
     posed = len(walk.base_history.time)
-    pointed = any(np.isfinite(each.track.point).any() for each in records)
+    pointed = any(len(each.track.contact_points[0]) for each in records)
     no_feet = "" if seen else "the log has no usable messages of feet"
     no_poses = "" if posed else "the log has no usable poses"
     no_points = "" if pointed else "the sensors report no contact points"

@@ -150,14 +150,17 @@ def payload(walk: Walk) -> Iterator[Finding]:
     """Yield that the feet's sum changes lastingly: a load is put on, or taken off."""
     time, weight = _weights(walk)
     # The stride in which it changes belongs to neither part.
-    rows = range(FEWEST_WEIGHTS // 2 - 1, len(weight) - FEWEST_WEIGHTS // 2 + 1)
-    rests = [row * weight[:row].var() + weight[row + 1 :].var() * len(weight[row + 1 :])
-             for row in rows]  # fmt: skip
-    if not rests:
+    rows = np.arange(FEWEST_WEIGHTS // 2 - 1, len(weight) - FEWEST_WEIGHTS // 2 + 1)
+    if not len(rows):
         return
-    row = rows[int(np.argmin(rests))]
+    away = weight - weight.mean()
+    total, squares = np.cumsum(away), np.cumsum(away * away)
+    rests = squares[rows - 1] - total[rows - 1] ** 2 / rows
+    rests += squares[-1] - squares[rows]
+    rests -= (total[-1] - total[rows]) ** 2 / (len(weight) - 1 - rows)
+    row = int(rows[np.argmin(rests)])
     before, after = float(weight[:row].mean()), float(weight[row + 1 :].mean())
-    scatter = float(np.sqrt(min(rests) / max(len(weight) - 2, 1)))
+    scatter = float(np.sqrt(max(rests.min(), 0.0) / max(len(weight) - 2, 1)))
     if abs(after - before) >= max(CHANGES * max(before, after), OVER_NOISE * scatter):
         since, load = walk.seconds(time[row : row + 1])[0], abs(after - before)
         verb = "taken off" if after < before else "put on"

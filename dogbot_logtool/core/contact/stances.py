@@ -156,7 +156,7 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
         np.add.reduceat(force, first) / count,
         np.add.reduceat(vertical, first),
     )
-    median = quantiles(sorted_runs(force, stance), first, first + count, 0.5)
+    median = quantiles(sorted_runs(force, first), first, first + count, 0.5)
     impact = np.maximum.reduceat(np.where(time <= IMPACT_S, force, -np.inf), first)
     spike = _spikes(track.force, rows, stance, first)
     highest = np.flatnonzero(spike)[np.argsort(force[spike], kind="stable")]
@@ -213,15 +213,16 @@ def _friction_use(
 ) -> Floats:
     """(k,) 95th percentile of the friction that is known, NaN where none is."""
     force = track.force[rows]
-    pressing = np.abs(dots(samples.force[rows].astype(np.float64), samples.normal[rows]))
+    vectors = samples.force.take(rows, axis=0).astype(np.float64)
+    pressing = np.abs(dots(vectors, samples.normal.take(rows, axis=0)))
     friction = np.sqrt(np.maximum(force * force - pressing * pressing, 0.0)) / pressing
     known = np.isfinite(friction) & ~np.isnan(track.vertical_force[rows]) & (force >= on_n)
     friction, of = friction[known], stance[known]
     count = np.bincount(of, minlength=stance[-1] + 1)
     use, has = np.full(len(count), np.nan), count > 0
     end = np.cumsum(count)
-    ordered = sorted_runs(friction, of)
-    use[has] = quantiles(ordered, (end - count)[has], end[has], 0.95)
+    first = end - count
+    use[has] = quantiles(sorted_runs(friction, first), first[has], end[has], 0.95)
     return use
 
 

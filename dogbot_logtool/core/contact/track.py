@@ -36,11 +36,9 @@ class FootTrack:
     """(n,) N; 0 without contact, NaN where its direction is not known."""
     horizontal_force: Floats | Float32s
     """(n, 2) N, along the world's x and y where the direction is known."""
-    point: Floats | Float32s
-    """(n, 3) m, contact point in the world; not finite where there is none."""
-    placed: Ints
-    """(p,) rows that have a contact point: the first of each run of such rows, and up to
-    `POINT_RATE_HZ` a second of the others."""
+    contact_points: tuple[Ints, Floats]
+    """(p,) ns and (p, 3) m: when and where in the world the foot touches, the first of each run of
+    samples that have a point, and up to `POINT_RATE_HZ` a second of the others."""
     gaps: Ints
     """(g, 2) ns, intervals that are too long: last sample before, first one after."""
     force_impulse: Integral
@@ -49,12 +47,6 @@ class FootTrack:
     """N s, of the force along the world's three axes, where that is known."""
     vertical_unknown: Ints
     """(u, 2) ns, time with a load whose direction is not known."""
-
-    @property
-    def contact_points(self) -> tuple[Ints, Floats]:
-        """(p,) ns and (p, 3) m: when and where in the world the foot touches, see `placed`."""
-        point = self.point.take(self.placed, axis=0)
-        return self.time[self.placed], point.astype(np.float64, copy=False)
 
     @property
     def vertical_impulse(self) -> Integral:
@@ -97,6 +89,7 @@ def foot_track(
     rows = np.flatnonzero(all_finite(samples.position))
     placed = first_at_each_tick(time[rows], POINT_RATE_HZ)
     placed |= np.diff(rows, prepend=-2) > 1
+    rows = rows[placed]
     # From the last known vertical force, or the start, to the next known one.
     edges = np.flatnonzero(np.diff(~known, prepend=False, append=False))
     first, behind = np.maximum(edges[::2] - 1, 0), np.minimum(edges[1::2], len(time) - 1)
@@ -109,8 +102,7 @@ def foot_track(
         force=force,
         vertical_force=vertical,
         horizontal_force=samples.force[:, :2],
-        point=samples.position,
-        placed=rows[placed],
+        contact_points=(time[rows], samples.position.take(rows, axis=0).astype(np.float64)),
         gaps=np.stack([time[:-1][gap], time[1:][gap]], axis=1),
         force_impulse=Integral(time, trapezoids(seconds, force[:, None])),
         impulse=Integral(time, trapezoids(known_s, samples.force)),

@@ -149,8 +149,8 @@ def judged(modes: Modes, other_width: float, step: float) -> Modes:
 
 def visit_quantiles(values: Floats, visits: Ints, *shares: float) -> Floats:
     """(v, len(shares)): quantiles of each visit's values, (n,); the nearest sample."""
-    rows, run, first = rows_of_runs(*visits.T)
-    ordered = sorted_runs(values[rows], run)
+    rows, _, first = rows_of_runs(*visits.T)
+    ordered = sorted_runs(values[rows], first)
     within = np.round((np.diff(visits) - 1) * np.array(shares)).astype(np.int64)
     return np.asarray(ordered[first[:, None] + within])
 

@@ -10,14 +10,9 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import (
-    Flags,
-    Ints,
-    all_finite,
-    distinct,
-)
+from dogbot_logtool.core.arrays import all_finite, distinct
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.transforms import RecordedTransforms, frame_pairs
+from dogbot_logtool.core.frames.transforms import Edge, Transforms
 from dogbot_logtool.core.quality import TopicQuality, topic_quality, topic_times
 
 NORM_TOLERANCE: Final = 0.01
@@ -72,62 +67,41 @@ class RecordedFrames:
 
 
 def recorded_frames(
-    recorded: RecordedTransforms, static_channels: AbstractSet[int]
+    transforms: Mapping[Edge, Transforms], slashed: AbstractSet[str]
 ) -> RecordedFrames:
     """Measure all transforms of a log, pair by pair of frames.
 
     Args:
-        recorded: transforms in the order of the log.
-        static_channels: ids of the channels whose transforms hold for ever.
+        transforms: by parent and child.
+        slashed: frame ids that begin with a slash.
     """
-    slashed = {
-        name
-        for code, names in (
-            (recorded.parent, recorded.parents),
-            (recorded.child, recorded.children),
-        )
-        for name in (names[number] for number in distinct(code).tolist())
-        if name.startswith("/")
-    }
-    pairs = list(frame_pairs(recorded, np.arange(len(recorded.log_time))))
-    named = [pair for pair in pairs if pair[0] and pair[1]]
-    static: Flags = np.isin(recorded.channel, list(static_channels))
-    told = sorted(named[:MOST_EDGES], key=lambda pair: pair[:2])
+    unnamed = [len(own.stamp) for pair, own in transforms.items() if not all(pair)]
+    named = sorted(pair for pair in transforms if all(pair))
     return RecordedFrames(
-        edges=tuple(_edge(parent, child, recorded, rows, static) for parent, child, rows in told),
+        edges=tuple(_edge(*pair, transforms[pair]) for pair in named[:MOST_EDGES]),
         slashed=tuple(sorted(slashed)),
-        unnamed=sum(len(rows) for parent, child, rows in pairs if not (parent and child)),
-        left_out=sum(len(rows) for _, _, rows in named[MOST_EDGES:]),
+        unnamed=sum(unnamed),
+        left_out=sum(len(transforms[pair].stamp) for pair in named[MOST_EDGES:]),
     )
 
 
-def _edge(
-    parent: str, child: str, recorded: RecordedTransforms, rows: Ints, static: Flags
-) -> FrameEdge:
-    """Measure the transforms of a frame in a parent.
-
-    Args:
-        parent: without leading slashes, as `child`.
-        child: the other frame.
-        recorded: all transforms.
-        rows: those of this pair.
-        static: (n,) which of all are static.
-    """
-    log_time, moving = recorded.log_time[rows], rows[~static[rows]]
-    rotation = recorded.rotation[rows]
-    finite = all_finite(recorded.translation[rows]) & all_finite(rotation)
+def _edge(parent: str, child: str, recorded: Transforms) -> FrameEdge:
+    """Measure the transforms of a frame in a parent."""
+    rotation, log_time = recorded.rotation, recorded.log_time
+    finite = all_finite(recorded.translation) & all_finite(rotation)
     zero = (rotation == 0.0).all(axis=1) & finite
     with np.errstate(over="ignore", invalid="ignore"):
         squared_norm = (rotation * rotation).sum(axis=1)
     unit = np.abs(squared_norm - 1.0) <= NORM_TOLERANCE
-    times = topic_times(child, recorded.log_time[moving], recorded.stamp[moving])
+    moving = ~recorded.static
+    times = topic_times(child, log_time[moving], recorded.stamp[moving])
     return FrameEdge(
         parent=parent,
         child=child,
-        transforms=len(rows),
-        static=len(rows) - len(moving),
-        timing=topic_quality(times, TimeSource.HEADER) if len(moving) else None,
-        channels=tuple(distinct(recorded.channel[rows]).tolist()),
+        transforms=len(log_time),
+        static=int(recorded.static.sum()),
+        timing=topic_quality(times, TimeSource.HEADER) if moving.any() else None,
+        channels=tuple(distinct(recorded.channel).tolist()),
         first_log_time=int(log_time.min()),
         last_log_time=int(log_time.max()),
         not_finite=int((~finite).sum()),

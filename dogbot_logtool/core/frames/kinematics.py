@@ -1,18 +1,20 @@
 """Forward kinematics: poses of links from positions of joints."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final, Literal
+from dataclasses import dataclass, replace
+from typing import Final, Literal, TypeVar
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.arrays import Floats, Ints, concatenated, picked
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.rotations import multiply, rotate
 
 Kind = Literal["revolute", "prismatic", "fixed"]
 Triple = tuple[float, float, float]
 _UPRIGHT: Final = (0.0, 0.0, 0.0, 1.0)
+LARGEST_LAG_NS: Final = 100_000_000
+"""ns: stamps further behind log time are of another clock."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,33 +55,43 @@ class LinkPoses:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LinkTransforms:
-    """Poses of links at the times of some messages."""
+class Transforms:
+    """Poses of k frames in their parents at the times of n messages."""
 
     log_time: Ints
     """(n,) ns."""
     stamp: Ints
     """(n,) ns, when the poses hold."""
-    poses: LinkPoses
+    translation: Floats
+    """(n, k, 3) m."""
+    rotation: Floats
+    """(n, k, 4) quaternion x, y, z, w."""
 
-    def pick(self, rows: Flags | slice) -> "LinkTransforms":
-        """Return the chosen rows."""
-        poses = LinkPoses(self.poses.translation[rows], self.poses.rotation[rows])
-        return LinkTransforms(self.log_time[rows], self.stamp[rows], poses)
 
-    def from_opening(self, opening: int) -> "LinkTransforms":
-        """Return these, of which the first also stands at the log's first time, ns."""
-        if not len(self.log_time) or self.log_time[0] <= opening:
-            return self
-        first = LinkPoses(
-            np.concatenate([self.poses.translation[:1], self.poses.translation]),
-            np.concatenate([self.poses.rotation[:1], self.poses.rotation]),
-        )
-        return LinkTransforms(
-            np.concatenate([[opening], self.log_time]),
-            np.concatenate([[min(opening, int(self.stamp[0]))], self.stamp]),
-            first,
-        )
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class LinkTransforms(Transforms):
+    """Those of links that joints move."""
+
+
+AnyTransforms = TypeVar("AnyTransforms", bound=Transforms)
+
+
+def from_opening(transforms: AnyTransforms, opening: int) -> AnyTransforms:
+    """Return transforms of which the first also stands at the log's first time.
+
+    Its stamp is that time, too, unless the clock of the stamps is another one: a stamp from the
+    future of the others would hold for ever.
+
+    Args:
+        transforms: the first of a log.
+        opening: ns, log time.
+    """
+    first = picked(transforms, slice(0, 1))
+    if (first.log_time <= opening).all() and (first.stamp <= opening).all():
+        return transforms
+    stamp = np.where(first.stamp > opening - LARGEST_LAG_NS, opening, first.stamp)
+    opened = replace(first, log_time=np.array([opening]), stamp=stamp)
+    return concatenated([opened, transforms])
 
 
 def link_poses(joints: Sequence[Joint], positions: Floats) -> LinkPoses:

@@ -15,7 +15,7 @@ from dogbot_logtool.core.arrays import (
     percentiles_of,
     rows_of_runs,
 )
-from dogbot_logtool.core.base.foot_path import FootPath, places_on_path
+from dogbot_logtool.core.base.foot_path import FootPath, footfalls
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES, stride_lengths
 from dogbot_logtool.core.base.moving_ground import MovingGround
 from dogbot_logtool.core.base.poses import BaseHistory
@@ -27,7 +27,6 @@ from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.loads import has_lone_spikes, slip_m, vertical_impulse_ns
 from dogbot_logtool.core.metrics import Foot
 from dogbot_logtool.core.records import Curve, Numbers, Shape, unknown
-from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.core.settings import WalkSettings
 
 CYCLE_POINTS: Final = 51
@@ -101,8 +100,9 @@ def fore_aft_impulses(foot: FootHistory, heading: Floats) -> tuple[Floats, Float
     # A foot that stopped to speak in a stance has no sample at its end.
     behind = np.minimum(np.searchsorted(track.time, stances.liftoff[known]) + 1, len(track.time))
     rows, stance, first = rows_of_runs(before, behind)
-    force = track.horizontal_force[rows].astype(np.float64)
-    along, _ = along_heading(force, heading[known][stance])
+    x, y = (column.take(rows) for column in track.horizontal_force.T)
+    cos, sin = np.cos(heading[known])[stance], np.sin(heading[known])[stance]
+    along = x * cos + y * sin
     time = (track.time[rows] - track.time[0]) / 1e9
     half_steps = np.diff(time, prepend=0.0) / 2.0
     half_steps[first] = 0.0
@@ -215,7 +215,9 @@ def foot_steps(
     braking, propulsive = (
         np.where(spiked, np.nan, each) for each in fore_aft_impulses(record, heading)
     )
-    at, place = stance_places(record) if path is None else places_on_path(path, stances)
+    at, place = stances.middle, footfalls(path, stances).position if path else None
+    if place is None:
+        at, place = stance_places(record)
     if ground is not None:
         place = place - ground.way_at(at)
     length, length_from = own_lengths(place, strides), "points"

@@ -8,7 +8,15 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import CircularMean, Floats, Ints, circular_mean, median_of, picked
+from dogbot_logtool.core.arrays import (
+    CircularMean,
+    Floats,
+    Ints,
+    circular_mean,
+    median_of,
+    picked,
+    rows_by_group,
+)
 from dogbot_logtool.core.gait.classes import (
     STAND,
     TOLERANCE,
@@ -97,11 +105,12 @@ def find_segments(
     strides, apart = feet[reference_foot(feet)].strides, standing.without_steps
     walked = picked(strides, ~timespans.touches(apart, strides.touchdown, strides.end))
     stood = np.searchsorted(apart[:, 0], walked.touchdown)
-    kinds = _kinds(feet, walked)
+    fits, label = _labels(feet, walked)
     found = []
-    for first, last in pairwise([0, *(np.flatnonzero(np.diff(stood)) + 1).tolist(), len(stood)]):
-        for parts in _runs(kinds, first, last) if last > first else ():
-            spans = [(walked.touchdown[begin], walked.end[end - 1]) for begin, end in parts]
+    for _, rows in rows_by_group(stood):
+        own = picked(walked, rows)
+        for parts in _runs(fits[rows], label[rows], own.end - own.touchdown):
+            spans = [(own.touchdown[begin], own.end[end - 1]) for begin, end in parts]
             found.append(_segment(feet, support, np.array(spans, np.int64)))
     none = replace(no_gait(feet), strides=0)
     stand = replace(none, name=STAND, confidence=1.0, nearest_name=STAND, class_distance=0.0)
@@ -128,47 +137,19 @@ _Run = tuple[int, int]
 """First stride, and stride after the last."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class _Kinds:
-    """The class and the period of n strides."""
+def _labels(feet: Sequence[FootSteps], walked: Strides) -> tuple[Ints, Ints]:
+    """Return the class of each stride by itself, and as it goes on from the strides before it.
 
-    fits: Ints
-    """(n,) the class that each fits best by itself; `_NONE`: it fits none."""
-    label: Ints
-    """(n,) its class, as it goes on from the strides before it."""
-    period: Ints
-    """(n,) ns."""
-    named: bool
-    """Whether gaits of so many feet have names."""
-
-    def usual(self, run: _Run) -> float:
-        """Return the median period of a run, ns."""
-        return float(median_of(self.period[slice(*run)]))
-
-    def alike(self, one: _Run, other: _Run) -> bool:
-        """Tell whether two runs are of one gait."""
-        usual = self.usual(one)
-        near = abs(usual - self.usual(other)) <= PERIOD_CHANGE * usual
-        return near and bool(self.label[one[0]] == self.label[other[0]])
-
-    def is_brief(self, one: _Run, other: _Run) -> bool:
-        """Tell whether too little lies between two runs of one gait for another one."""
-        between = float(self.period[one[1] : other[0]].sum())
-        least = LASTING * (1.0 - PERIOD_CHANGE) * self.usual(one)
-        return self.alike(one, other) and between < least
-
-
-def _kinds(feet: Sequence[FootSteps], walked: Strides) -> _Kinds:
-    """Return the class and the period of each stride."""
-    period = walked.end - walked.touchdown
+    (n,) each; `_NONE`: it fits none. One class for all where gaits of so many feet have no names.
+    """
     order = legs_in_order([foot.leg_position for foot in feet]) or ()
     classes: dict[str, Floats] = {}
-    if order and len(period):
+    if order and len(walked.end):
         phases = [phases_by_stride(walked, feet[foot].touchdown) for foot in order]
         classes = class_distances(np.stack(phases, axis=1), walked.duty_factor)
     if not classes:
-        none = np.full(len(period), _NONE)
-        return _Kinds(none, none, period, named=False)
+        nameless = np.zeros(len(walked.end), np.int64)
+        return nameless, nameless
     distance = np.nan_to_num(np.stack(list(classes.values()), axis=1), nan=np.inf)
     fits = np.where(distance.min(axis=1) <= TOLERANCE, distance.argmin(axis=1), _NONE)
     label = fits.copy()
@@ -177,50 +158,53 @@ def _kinds(feet: Sequence[FootSteps], walked: Strides) -> _Kinds:
         limit = DRIFT if label[row] == _NONE else BORDER
         if before != _NONE and distance[row, before] <= limit:
             label[row] = before
-    return _Kinds(fits, label, period, named=True)
+    return fits, label
 
 
-def _runs(kinds: _Kinds, first: int, last: int) -> list[list[_Run]]:
-    """Return the runs of one gait each among some strides, in parts where others interrupt one."""
-    settled = _settled(kinds, first, last)
-    if not settled:
-        return [[(first, last)]]
-    # What is too long for a transition is a run, too.
-    edges = [first, *(edge for run in settled for edge in run), last]
-    between = zip(edges[::2], edges[1::2], strict=True)
-    unsettled = [(start, end) for start, end in between if end - start > LONGEST_TRANSITION]
-    joined: list[list[_Run]] = []
-    for run in sorted([*settled, *unsettled]):
-        # One touchdown too many splits a stride into two short ones, which agree with each other.
-        same = next((parts for parts in joined if kinds.is_brief(parts[-1], run)), None)
-        if same is None:
-            joined.append([run])
-            continue
-        del joined[joined.index(same) + 1 :]
-        same.append(run)
-    return joined
+def _runs(fits: Ints, label: Ints, period: Ints) -> list[list[_Run]]:
+    """Return the strides of each gait, in parts where too few of another kind interrupt it.
 
-
-def _settled(kinds: _Kinds, first: int, last: int) -> list[_Run]:
-    """Return the runs of at least `LASTING` strides of one kind."""
-    label, period = kinds.label[first:last], kinds.period[first:last]
+    Args:
+        fits: (n,) classes of strides by themselves.
+        label: (n,) classes as they go on.
+        period: (n,) ns.
+    """
     shorter, longer = np.minimum(period[1:], period[:-1]), np.maximum(period[1:], period[:-1])
     cut = (label[1:] != label[:-1]) | (longer > (1.0 + PERIOD_CHANGE) * shorter)
-    settled: list[_Run] = []
-    for begin, end in pairwise([first, *(np.flatnonzero(cut) + first + 1).tolist(), last]):
+    brief = LASTING * (1.0 - PERIOD_CHANGE) * float(median_of(period))
+    found: list[list[_Run]] = []
+    for begin, border in pairwise([0, *(np.flatnonzero(cut) + 1).tolist(), len(label)]):
         # What only drifts from the class at the end of a run is no part of it.
-        own = np.flatnonzero(kinds.fits[begin:end] == kinds.label[begin])
-        run = (begin, begin + int(own.max(initial=-1)) + 1)
-        if run[1] - run[0] < LASTING:
+        own = np.flatnonzero(fits[begin:border] == label[begin])
+        end = begin + int(own.max(initial=-1)) + 1
+        # One touchdown too many splits a stride into two short ones, which agree with each other.
+        if end - begin < LASTING or period[begin:end].sum() < brief:
             continue
-        if settled and kinds.alike(settled[-1], run):
-            run = (settled.pop()[0], run[1])
-        settled.append(run)
-    return [
-        run
-        for run in settled
-        if not kinds.named or kinds.label[run[0]] != _NONE or run[1] - run[0] > LONGEST_TRANSITION
+        parts = found[-1] if found else []
+        if not parts or not _alike(label, period, parts[-1], (begin, end)):
+            found.append([(begin, end)])
+        elif begin - parts[-1][1] < LASTING:
+            parts[-1] = (parts[-1][0], end)
+        elif period[parts[-1][1] : begin].sum() < brief:
+            parts.append((begin, end))
+        else:
+            found.append([(begin, end)])
+    # What is too long for a transition is a run, too, however irregular.
+    found = [
+        parts
+        for parts in found
+        if label[parts[0][0]] != _NONE or parts[-1][1] - parts[0][0] > LONGEST_TRANSITION
     ]
+    edges = [0, *(edge for parts in found for edge in (parts[0][0], parts[-1][1])), len(label)]
+    rest = zip(edges[::2], edges[1::2], strict=True)
+    fewest = LONGEST_TRANSITION + 1 if found else 1
+    return [*found, *([run] for run in rest if run[1] - run[0] >= fewest)]
+
+
+def _alike(label: Ints, period: Ints, one: _Run, other: _Run) -> bool:
+    """Tell whether two runs are of one gait."""
+    usual, then = (float(median_of(period[slice(*run)])) for run in (one, other))
+    return bool(label[one[0]] == label[other[0]]) and abs(usual - then) <= PERIOD_CHANGE * usual
 
 
 def _segment(feet: Sequence[FootSteps], support: Support | None, spans: Ints) -> Segment:

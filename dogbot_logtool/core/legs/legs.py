@@ -9,7 +9,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats, Ints, median_of, percentiles_of
 from dogbot_logtool.core.base.foot_path import FootPath, silent_before, unbroken
 from dogbot_logtool.core.corrections.clock import ClockDifference
-from dogbot_logtool.core.frames.transforms import TransformBuffer
+from dogbot_logtool.core.frames.transforms import FrameTrack
 from dogbot_logtool.core.gait.feet import CYCLE_POINTS, QUARTILES
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.joints import JointTrack
@@ -51,7 +51,7 @@ class LegFigures:
     feet: tuple[LegFoot, ...]
     joints: Mapping[str, JointTrack]
     """Each joint, by its name."""
-    links: TransformBuffer
+    links: Mapping[str, FrameTrack]
     """The links that joints move, and those that rest on them."""
     work: Floats
     """(2, strides) J, positive and absolute work of all joints in strides of the reference foot."""

@@ -12,7 +12,7 @@ import numpy as np
 from dogbot_logtool.core.base.foot_path import FootPath, known_path
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.frames.kinematics import Joint, link_poses
-from dogbot_logtool.core.frames.transforms import FrameTrack, TransformBuffer, frame_track
+from dogbot_logtool.core.frames.transforms import FrameTrack, frame_track, lookup
 from dogbot_logtool.core.legs.joints import JointLimits, JointTrack
 from dogbot_logtool.core.rotations import rotate
 
@@ -63,11 +63,9 @@ class LegSettings:
     """Limits by the robot description, by the joint's name."""
     untold: tuple[str, ...] = ()
     """Joints of legs that the robot description has and joint states leave out."""
-    statics: TransformBuffer = field(default_factory=TransformBuffer)
-    """Transforms that hold for ever."""
 
 
-def link_tracks(joints: Sequence[Joint], told: Mapping[str, JointTrack]) -> TransformBuffer:
+def link_tracks(joints: Sequence[Joint], told: Mapping[str, JointTrack]) -> dict[str, FrameTrack]:
     """Return the links that joints move, `JOINT_RATE_HZ` times a second, and those that rest.
 
     Args:
@@ -91,24 +89,25 @@ def link_tracks(joints: Sequence[Joint], told: Mapping[str, JointTrack]) -> Tran
         at = poses.translation[:, 0], poses.rotation[:, 0]
         found = frame_track(joint.parent, *times, *at, static=not moves)
         links |= {joint.child: found} if found else {}
-    return TransformBuffer(links)
+    return links
 
 
-def foot_path(chain: LegChain | None, frames: TransformBuffer) -> FootPath | None:
+def foot_path(chain: LegChain | None, frames: Mapping[str, FrameTrack]) -> FootPath | None:
     """Return the path of a foot in the base's frame; None where too little is known.
 
     Args:
         chain: of the foot.
         frames: by transforms and joints.
     """
-    if chain is None or not frames.frames.keys() >= set(chain.frames):
+    if chain is None or not frames.keys() >= set(chain.frames):
         return None
-    moving = [frame for frame in chain.frames if not frames.frames[frame].static]
+    moving = [frame for frame in chain.frames if not frames[frame].static]
     if not moving:
         return None
-    last = frames.frames[moving[0]]
-    at = last.pick(first_at_each_tick(last.time, TRANSFORM_RATE_HZ))
-    poses = frames.lookup(chain.frames[0], chain.base, at.time, at.log_time)
+    last = frames[moving[0]]
+    rows = first_at_each_tick(last.time, TRANSFORM_RATE_HZ)
+    time, log_time = last.time[rows], last.log_time[rows]
+    poses = lookup(frames, chain.frames[0], chain.base, time, log_time)
     position = poses.translation + rotate(poses.rotation, np.array([chain.point]))
     position[~poses.known] = np.nan
-    return known_path(at.time, position.astype(np.float32)) if poses.known.any() else None
+    return known_path(time, position.astype(np.float32)) if poses.known.any() else None

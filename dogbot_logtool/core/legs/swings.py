@@ -1,61 +1,23 @@
 """Swings of a foot: its way in the world, above the line between its footfalls."""
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, median_of, rows_of_runs
-from dogbot_logtool.core.base.foot_path import SLOWEST_NS, FootPath
-from dogbot_logtool.core.contact.stances import Cut, Stances
+from dogbot_logtool.core.base.foot_path import SLOWEST_NS, Footfalls, FootPath
 from dogbot_logtool.core.gait.feet import CYCLE_POINTS, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.records import Shape
 
-MIDDLE: Final = (0.2, 0.8)
-"""Shares of a stance between which the foot is loaded and should be at rest."""
 APPROACH_S: Final = 0.03
 """s before a touchdown that its velocity is taken from."""
 FEWEST_ROWS: Final = 4
 """Rows of the path that its velocity is taken from."""
 SHORTEST_STEP_M: Final = 0.05
 """m: a shorter swing does not tell the direction of walking."""
-_SEEN: Final = (Cut.WHOLE, Cut.LOG_START, Cut.LOG_END, Cut.STANDING)
-"""Stances between whose ends the foot is known to stand."""
 SWINGS: Final = ("clearance_m", "swing_length_m", "touchdown_down_mps", "touchdown_along_mps")
 STEPS: Final = ("step_length_m", "step_width_m")
-
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Footfalls:
-    """Position of a foot in each of its stances."""
-
-    position: Floats
-    """(stances, 3) m, in the middle of the stance; NaN where not known."""
-    travel_m: Floats
-    """(stances,) m, distance between its positions at 20 % and 80 % of the stance."""
-    slip_m: Floats
-    """(stances,) m, the same on the ground only; also `largest_slip_m`, the furthest that it is
-    in between from where it is at 20 %."""
-    largest_slip_m: Floats
-
-
-def footfalls(path: FootPath, stances: Stances) -> Footfalls:
-    """Return where a foot stands, by its path in the world."""
-    duration = stances.liftoff - stances.touchdown
-    steps = np.linspace(*MIDDLE, 13)
-    time = stances.touchdown[:, None] + np.rint(duration[:, None] * steps).astype(np.int64)
-    position = path.at(time)
-    known = path.unbroken(time[:, 0], time[:, -1]) & np.isin(stances.cut, _SEEN)
-    position[~known] = np.nan
-    way = position - position[:, :1]
-    flat = np.hypot(way[:, :, 0], way[:, :, 1])
-    return Footfalls(
-        position=position[:, len(steps) // 2],
-        travel_m=np.sqrt((way[:, -1] ** 2).sum(axis=1)),
-        slip_m=flat[:, -1],
-        largest_slip_m=flat.max(axis=1, initial=0.0),
-    )
 
 
 def swings(

@@ -98,7 +98,7 @@ def _foot(walk: Walk, row: int) -> dict[str, bool]:
 
 
 def _has_points(foot: FootSteps) -> bool:
-    return bool(np.isfinite(foot.record.track.point).any())
+    return len(foot.record.track.contact_points[0]) > 0
 
 
 DOES_NOT_APPLY: Final = "does not apply"

@@ -5,8 +5,15 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints, concatenated, header_time
-from dogbot_logtool.core.frames.transforms import RecordedTransforms
+from dogbot_logtool.core.arrays import (
+    Floats,
+    Ints,
+    concatenated,
+    header_time,
+    picked,
+    rows_by_group,
+)
+from dogbot_logtool.core.frames.transforms import Edge, Transforms
 from dogbot_logtool.core.legs.joints import JointSamples, JointTable
 from dogbot_logtool.core.plausible import plausible_translations
 from dogbot_logtool.core.vectors import VectorSamples
@@ -41,7 +48,7 @@ def _decoded(
         if source is not None and not source.fault:
             groups.setdefault(source, []).append(channel)
     for source, own in groups.items():
-        yield from ((source, each) for each in decode_channels(batch, own, source.fields))
+        yield from ((source, each) for each in decode_channels(batch, own, source.columns))
 
 
 # Joints
@@ -154,29 +161,46 @@ def is_static(channel: Channel) -> bool:
 
 
 def read_transforms(
-    batch: Batch, channels: Sequence[Channel]
-) -> list[tuple[RecordedTransforms, Mapping[int, int]]]:
-    """Read the transforms of a batch, each with the malformed messages by channel id."""
-    return [
-        (_transforms(source, messages), messages.malformed)
-        for source, messages in _decoded(batch, channels, "base")
-    ]
+    batch: Batch, channels: Sequence[Channel], *, static: bool
+) -> Iterator[tuple[dict[Edge, Transforms], set[str], Mapping[int, int]]]:
+    """Yield the transforms of a batch, one entry a definition.
+
+    Args:
+        batch: messages.
+        channels: those that are read.
+        static: whether their transforms hold for ever.
+
+    Yields:
+        transforms by parent and child, frame ids that begin with a slash, and the malformed
+        messages by channel id.
+    """
+    for source, messages in _decoded(batch, channels, "base"):
+        yield *_transforms(source, messages, static=static), messages.malformed
 
 
-def _transforms(source: Source, messages: DecodedMessages) -> RecordedTransforms:
+def _transforms(
+    source: Source, messages: DecodedMessages, *, static: bool
+) -> tuple[dict[Edge, Transforms], set[str]]:
     table, paths = messages.table, source.paths
     (message, parents), (_, children) = (path.texts(table) for path in paths["choose"])
     order = np.argsort(message, kind="stable")
-    message = message[order]
     (parent, parent_names), (child, child_names) = parents.encode(), children.encode()
-    return RecordedTransforms(
+    whole = Transforms(
         channel=messages.channel[message],
+        static=np.full(len(message), static),
         log_time=messages.log_time[message],
-        stamp=paths["stamp"][0].times(table)[order],
-        parent=parent[order],
-        parents=parent_names,
-        child=child[order],
-        children=child_names,
-        translation=plausible_translations(paths["position"][0].all_values(table))[order],
-        rotation=paths["orientation"][0].all_values(table)[order],
+        stamp=paths["stamp"][0].times(table),
+        translation=plausible_translations(paths["position"][0].all_values(table)),
+        rotation=paths["orientation"][0].all_values(table),
     )
+    frames = [name.lstrip("/") for name in (*parent_names, *child_names)]
+    # Names that differ in leading slashes only are those of one frame.
+    number = {name: row for row, name in enumerate(dict.fromkeys(frames))}
+    codes = np.array([number[name] for name in frames], np.int64)
+    pair = codes[parent] * len(number) + codes[len(parent_names) + child]
+    names = list(number)
+    found = {
+        (names[one // len(names)], names[one % len(names)]): picked(whole, order[rows])
+        for one, rows in rows_by_group(pair[order])
+    }
+    return found, {name for name in (*parent_names, *child_names) if name.startswith("/")}

@@ -7,7 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, distinct
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
-from dogbot_logtool.core.stability import GroundPoints, footprints
+from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.page.chart import (
     MARGIN,
@@ -33,9 +33,9 @@ _AT: Final = "x %{x:.3f} m, y %{y:.3f} m<br>at %{customdata:.3f} s"
 
 def walk_from_above(walk: Walk) -> Drawing | None:
     """Draw the ground; None without odometry and contact points."""
-    prints = [footprints(foot.record) for foot in walk.feet]
+    prints = [_footprints(foot.record) for foot in walk.feet]
     has_base = len(walk.base_history.time) > 0
-    if not has_base and not any(len(each.time) for each in prints):
+    if not has_base and not any(len(time) for time, _ in prints):
         return None
     data = [_path(walk)] if has_base else []
     centre = walk.instants
@@ -45,12 +45,12 @@ def walk_from_above(walk: Walk) -> Drawing | None:
         at = seconds(walk, centre.time[rows])
         words = {"customdata": at, "hovertemplate": _AT}
         data.append(line(x, y, "centre of pressure", {"color": SECOND, "width": 1.2}, words))
-    for row, (foot, points) in enumerate(zip(walk.feet, prints, strict=True)):
-        if len(points.time):
-            rows = thinned(len(points.time), MOST_FOOTPRINTS)
+    for row, (foot, (time, place)) in enumerate(zip(walk.feet, prints, strict=True)):
+        if len(time):
+            rows = thinned(len(time), MOST_FOOTPRINTS)
             look = {"marker": foot_marker(walk, row), "hovertemplate": f"footfall at {_AT}"}
-            at = seconds(walk, points.time[rows])
-            data.append(_markers(points.point[rows], at, label(foot.name), **look))
+            at = seconds(walk, time[rows])
+            data.append(_markers(place[rows], at, label(foot.name), **look))
     if has_base:
         data += [_headings(walk), _ends(walk)]
     title = {"zeroline": False, "showspikes": False}
@@ -126,13 +126,20 @@ def _words(walk: Walk) -> str:
     )
 
 
-def _caption(prints: Sequence[GroundPoints]) -> str:
+def _footprints(foot: FootHistory) -> tuple[Ints, Floats]:
+    """Return when, (k,) ns, and where, (k, 2) m, a foot stands."""
+    time, place = stance_places(foot)
+    known = np.isfinite(place[:, 0])
+    return time[known], place[known, :2]
+
+
+def _caption(prints: Sequence[tuple[Ints, Floats]]) -> str:
     words = (
         "Arrows: where the robot heads. Markers: footfalls, each in its foot's colour and shape, "
         "hollow for hind feet."
     )
-    count = sum(len(each.time) for each in prints)
-    shown = sum(min(len(each.time), MOST_FOOTPRINTS) for each in prints)
+    count = sum(len(time) for time, _ in prints)
+    shown = sum(min(len(time), MOST_FOOTPRINTS) for time, _ in prints)
     if shown < count:
         words += f" {shown} of {count} footfalls are drawn, evenly spaced."
     return words

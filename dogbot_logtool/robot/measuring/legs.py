@@ -2,9 +2,8 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.kinematics import Joint
-from dogbot_logtool.core.frames.transforms import TransformBuffer, chain_of_frames, moving_tracks
+from dogbot_logtool.core.frames.transforms import chain_of_frames
 from dogbot_logtool.core.frames.wrench_frame import FramePoint
 from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.legs.paths import (
@@ -27,10 +26,9 @@ def find_legs(
     recording: Recording,
     selection: Selection,
     probe: KnownFrames,
-    clock: TimeSource,
     robot: RobotOfUrdf | None,
-) -> tuple[LegSettings, TransformBuffer] | None:
-    """Decide what tells of the legs, and follow their frames that move; None: nothing does.
+) -> LegSettings | None:
+    """Decide what tells of the legs; None: nothing does.
 
     Joint states with a robot description place the feet, else transforms do.
     """
@@ -42,34 +40,35 @@ def find_legs(
     lacking = [[name for name in names if name not in told] for names in moved]
     known = [bool(names) and not missing for names, missing in zip(moved, lacking, strict=True)]
     chains = [chain if kept else None for chain, kept in zip(chains, known, strict=True)]
-    parents = {c: next(iter(each)) for c, each in probe.parents.items() if len(each) == 1}
-    statics = probe.statics.frames
-    frames: set[str] = set()
-    if not any(chains):
-        found = _chains(selection, probe, parents)
-        chains = [c if c and not statics.keys() >= set(c.frames) else None for c in found]
-        frames = {frame for chain in chains if chain for frame in chain.frames}
+    by_joints = any(chains)
+    if not by_joints:
+        found = _chains(selection, probe, probe.parent_of)
+        chains = [chain if chain and _moves(chain, probe) else None for chain in found]
     if not any(chains) and not recording.joints:
         return None
-    moving = {frame: parents[frame] for frame in sorted(frames - statics.keys())}
-    foot_of_joint = _feet_of_joints(feet, [] if frames else moved, told)
+    by_frames = not by_joints and any(chains)
+    foot_of_joint = _feet_of_joints(feet, [] if by_frames else moved, told)
     # Joint states that name no joint of a leg leave none out.
     tells_of_legs = any(name in told for names in moved for name in names)
-    settings = LegSettings(
+    return LegSettings(
         chains=tuple(chains),
         reasons=tuple(
             "" if chain else _why_not(selection, probe, foot, lacking[foot], left_out)
             for foot, chain in enumerate(chains)
         ),
-        joints=() if frames else tuple(joints.values()),
+        joints=() if by_frames else tuple(joints.values()),
         joint_topics=tuple(table.topic for table in recording.joints),
         foot_of_joint=foot_of_joint,
         pairs=_pairs(feet, foot_of_joint),
         limits=robot.limits if robot else {},
         untold=tuple(name for each in lacking for name in each) if tells_of_legs else (),
-        statics=probe.statics,
     )
-    return settings, moving_tracks(recording.transforms, moving, clock)
+
+
+def _moves(chain: LegChain, probe: KnownFrames) -> bool:
+    """Tell whether transforms move a foot against the base."""
+    tracks = probe.tracks(chain.frames)
+    return not all(frame in tracks and tracks[frame].static for frame in chain.frames)
 
 
 def _moved(chain: LegChain | None, joints: Mapping[str, Joint]) -> list[str]:
@@ -177,9 +176,7 @@ def sensor_points(
     It is at the frame of the robot's file or of its messages; where the log's transforms do not
     place that, at the frame that is named like the leg's foot.
     """
-    parents = {child: next(iter(each)) for child, each in frames.parents.items() if len(each) == 1}
-    if selection.odometry:
-        parents[frames.base] = frames.world
+    parents = frames.parent_of
     named = named_frames(selection.robot.feet, parents)
     points: list[FramePoint | None] = []
     for foot, described in enumerate(selection.robot.feet):

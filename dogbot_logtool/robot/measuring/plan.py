@@ -18,17 +18,15 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted
-from dogbot_logtool.robot.base_candidates import BASES
-from dogbot_logtool.robot.contact_evidence import decide_contacts
-from dogbot_logtool.robot.measuring.joined_sensors import with_joined_sensors
+from dogbot_logtool.robot.base import BASES
+from dogbot_logtool.robot.feet import planned_feet
+from dogbot_logtool.robot.measuring.foot_samples import decide_contacts, with_joined_sensors
 from dogbot_logtool.robot.measuring.side_topics import SideTopics, joint_channels, side_topics
-from dogbot_logtool.robot.message_feet import planned_feet
 from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.robot.topics import nothing_to_do
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.frames.transforms import TransformBuffer
     from dogbot_logtool.core.legs.paths import LegSettings
     from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 
@@ -107,7 +105,6 @@ def settings_of(selection: Selection, options: RobotOptions) -> WalkSettings:
             origin="option" if robot.is_given("contact_on_n") else "robot",
         ),
         takes_offsets=robot.tare != "none",
-        static_channels=selection.static_transforms,
         promised_frame=promised.pop() if len(promised) == 1 else None,
         wrench_frame=WrenchFrame.WORLD
         if selection.contact_from
@@ -123,21 +120,23 @@ def settings_of(selection: Selection, options: RobotOptions) -> WalkSettings:
 def _foot(selection: Selection, row: int) -> FootSettings:
     """Return what is known of a foot."""
     robot, sources = selection.robot, selection.sources_of(row)
-    foot = robot.feet[row]
+    foot, is_estimated = robot.feet[row], bool(selection.contact_from)
     is_given = robot.is_given(f"tare.{foot.name}")
     offset = foot.offset_n if is_given or robot.tare != "none" else None
-    uses_flags = not selection.ignores_flags
-    lists_contacts = bool(sources) and all(
-        (source.has_flags and uses_flags) or not source.has_force or source.row.pairs
-        for source in sources
-    )
+    flagged = [source.has_flags and not selection.ignores_flags for source in sources]
+    lists = [
+        has_flags or not source.has_force or bool(source.row.pairs)
+        for has_flags, source in zip(flagged, sources, strict=True)
+    ]
+    scaled = foot.newtons_per_count is not None
+    in_newtons = all(s.has_force and (scaled or s.row.unit == "N") for s in sources)
     return FootSettings(
         foot.name,
         foot.topic,
         foot.leg_position,
-        has_force=selection.knows_force(row),
-        has_flags=selection.has_flags(row),
-        lists_contacts=lists_contacts or bool(selection.contact_from),
+        has_force=selection.contact_from == "joint_torques" if is_estimated else in_newtons,
+        has_flags=is_estimated or (bool(sources) and all(flagged)),
+        lists_contacts=is_estimated or (bool(sources) and all(lists)),
         only_presses=any(source.row.unit == "counts" or source.row.one_axis for source in sources),
         in_base=any(source.in_base for source in sources),
         silent_in_swing=any(source.row.silent_in_swing for source in sources),
@@ -150,9 +149,10 @@ def _time_source(selection: Selection) -> tuple[TimeSource | None, str]:
     """Return the clock, and why it is log time; None: header stamps, unless they are unusable."""
     if selection.robot.clock:
         return TimeSource(selection.robot.clock), ""
-    headless = selection.without_header
-    if headless:
-        return TimeSource.LOG, f"messages of {headless[0]} have no header"
+    used = [*selection.sources, *([selection.base.source] if selection.base else [])]
+    for source in used:
+        if not source.has_header:
+            return TimeSource.LOG, f"messages of {source.row.name} have no header"
     return None, ""
 
 
@@ -188,9 +188,8 @@ def prepare(
     recording = replace(recording, feet=feet, planned=planned_feet)
     if (scale := selection.robot.odometry_scale) is not None:
         recording = replace(recording, base=scaled(recording.base, scale))
-    topic, statics = selection.base_name or "", selection.static_transforms
-    base_frame = selection.robot.base_frame
-    recording, moved = poses_of_base(recording, topic, base_frame, BASES, statics)
+    topic, base_frame = selection.base_name or "", selection.robot.base_frame
+    recording, moved = poses_of_base(recording, topic, base_frame, BASES)
     recording, joined = on_one_clock(recording, topic)
     recording, selection, whole = with_joined_sensors(recording, selection)
     model = None
@@ -227,14 +226,11 @@ def prepare(
 def _find_legs(selection: Selection, model: "RobotOfUrdf | None") -> FindLegs:
     """Return what finds a recording's legs; nothing is imported for one that tells nothing."""
 
-    def find(
-        recording: Recording, corrected: Corrected
-    ) -> "tuple[LegSettings, TransformBuffer] | None":
-        if not recording.joints and not len(recording.transforms.stamp):
+    def find(recording: Recording, corrected: Corrected) -> "LegSettings | None":
+        if not recording.joints and not recording.transforms:
             return None
         from dogbot_logtool.robot.measuring.legs import find_legs  # noqa: PLC0415
 
-        clock = corrected.settings.clock
-        return find_legs(recording, selection, corrected.frames, clock, model)
+        return find_legs(recording, selection, corrected.frames, model)
 
     return find

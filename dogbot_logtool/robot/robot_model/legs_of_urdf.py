@@ -2,19 +2,18 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import hypot
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
-from dogbot_logtool.core.frames.kinematics import Joint, Leg, Mass, Triple, leg_motion
+from dogbot_logtool.core.frames.kinematics import Joint, Leg, Mass, leg_motion
 from dogbot_logtool.core.leg_position import LegPosition, leg_names
 from dogbot_logtool.core.legs.joints import JointLimits
 from dogbot_logtool.core.rotations import multiply, rotate
 from dogbot_logtool.robot.leg_names import leg_of, leg_position
-from dogbot_logtool.robot.robot_model.urdf import NOTHING, Link, RobotOfUrdf, joints_below
+from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, joints_below
 from dogbot_logtool.robot.words import SOLES, Part, words_of
 
 _HIGHEST: Final = 0.4
@@ -27,15 +26,12 @@ _REACH: Final = 0.1
 """Share of the length of a leg with fewer joints that its foot is from the last one, at least."""
 _SAME_LEG: Final = 0.5
 """Share of the joints of the shorter chain that two ends of one leg have in common."""
-_CENTRED: Final = 0.5
-"""Share of its radius that a ball may be off its link's origin."""
 _MOST_LEGS: Final = 16
 _ARMS: Final = frozenset(
     {"arm", "elbow", "finger", "fingers", "gripper", "hand", "head", "neck", "palm", "shoulder"}
     | {"thumb", "wrist"}
 )
 _SENSORS: Final = frozenset(["camera", "force", "ft", "imu", "motor", "rotor", "screw", "sensor"])
-_ORIGIN: Final = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,8 +124,8 @@ def _end(
     """Return where a chain ends: at a foot by its name, or what hangs lowest."""
     ends: list[tuple[bool, int, float, int, _End]] = []
     for tail in ((), *_fixed_tails(below, chain[-1].child)):
-        point, radius = _tip(robot.links.get((*chain, *tail)[-1].child, NOTHING))
-        leg = Leg((*chain, *tail), point=point, radius_m=radius)
+        link = robot.link((*chain, *tail)[-1].child)
+        leg = Leg((*chain, *tail), point=link.tip, radius_m=link.radius_m)
         usual = [posture.get(name, _at_rest(robot.limits.get(name))) for name in leg.measured]
         motion = leg_motion(leg, np.array([usual]))
         moving = [row for row, joint in enumerate(leg.joints) if joint.kind != "fixed"]
@@ -148,14 +144,6 @@ def _fixed_tails(below: Mapping[str, list[Joint]], link: str) -> Iterator[tuple[
     for joint in below.get(link, ()):
         yield (joint,)
         yield from ((joint, *tail) for tail in _fixed_tails(below, joint.child))
-
-
-def _tip(link: Link) -> tuple[Triple, float]:
-    """Return where a link touches the ground, m in its frame, and the radius of a ball there."""
-    if link.balls:
-        middle, radius = max(link.balls, key=lambda ball: (hypot(*ball[0]), ball[1]))
-        return (_ORIGIN if hypot(*middle) < _CENTRED * radius else middle), radius
-    return max(link.ends, key=lambda end: hypot(*end), default=_ORIGIN), 0.0
 
 
 def _rank(link: str) -> int:
@@ -230,7 +218,7 @@ def _carried(robot: RobotOfUrdf, below: Mapping[str, list[Joint]], leg: Leg) -> 
         hanging = [(joint.child, np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))]
         total, moment = 0.0, np.zeros(3)
         for link, place, turn in hanging:  # which grows
-            mass = robot.links.get(link, NOTHING)
+            mass = robot.link(link)
             total += mass.mass_kg
             moment += mass.mass_kg * (place + rotate(turn, np.array([mass.centre])))[0]
             for each in below.get(link, ()):

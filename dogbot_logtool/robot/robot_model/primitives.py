@@ -14,7 +14,7 @@ import numpy as np
 
 from dogbot_logtool.core.rotations import roll_pitch_yaw
 from dogbot_logtool.core.scene.foot_style import colour_parts
-from dogbot_logtool.core.soles import Point
+from dogbot_logtool.core.world_frames import Point
 from dogbot_logtool.robot.robot_model.skeleton import Skeleton, body_size_m
 
 _AXES: Final = {"+x": (1, 0), "-x": (-1, 0), "+y": (0, 1), "-y": (0, -1)}

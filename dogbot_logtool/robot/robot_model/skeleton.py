@@ -8,16 +8,12 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, median_of
 from dogbot_logtool.core.base.ground import nearest_axis
-from dogbot_logtool.core.frames.transforms import (
-    TransformBuffer,
-    chain_of_frames,
-    moving_tracks,
-)
+from dogbot_logtool.core.frames.transforms import FrameTrack, chain_of_frames, lookup
 from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.scene.foot_style import foot_colour
-from dogbot_logtool.core.soles import FramePose, Point, rounded
 from dogbot_logtool.core.walk import Walk
+from dogbot_logtool.core.world_frames import Point
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.selection import Selection
 
@@ -28,6 +24,21 @@ _DENSITY: Final = 500.0
 """kg/m3 of a body whose legs are not known; half of water's, as robots have."""
 _USUAL_MASS_KG: Final = 12.0
 _ORIGIN: Final = (0.0, 0.0, 0.0)
+_GRID_M: Final = 0.02
+"""m, to which points of soles are rounded: a picture needs no more."""
+
+
+@dataclass(frozen=True, slots=True)
+class FramePose:
+    """The first recorded pose of a frame in its parent."""
+
+    parent: str
+    """Frame ids have no leading slash."""
+    translation: Point
+    """m."""
+    rotation: tuple[float, float, float, float]
+    """Unit quaternion x, y, z, w."""
+    static: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,17 +96,23 @@ class RobotShape:
 
 def skeleton(selection: Selection, probe: KnownFrames, base: str) -> Skeleton:
     """Return the frames of a log that hang below the base; those with two parents do not."""
-    known = {
-        child: pose
-        for child, pose in probe.frame_poses.items()
-        if len(probe.parents.get(child, ())) < 2
-    }
-    parents = {child: pose.parent for child, pose in known.items()}
+    parents = probe.parent_of
+    known = probe.tracks(parents)
     chains = {child: chain_of_frames(parents, child, base) or () for child in known}
     below = sorted((len(chain), child) for child, chain in chains.items() if chain)
-    frames = {child: known[child] for _, child in below}
+    frames = {child: _first_pose(known[child]) for _, child in below}
     feet = (foot for foot in model_feet(selection, probe) if foot.frame in {base, *frames})
     return Skeleton(base, frames, tuple(feet))
+
+
+def _first_pose(track: FrameTrack) -> FramePose:
+    shift, turn = tuple(track.translation[0].tolist()), tuple(track.rotation[0].tolist())
+    return FramePose(track.parent, shift, turn, track.static)
+
+
+def _rounded(point: Point) -> Point:
+    x, y, z = (np.round(np.array(point) / _GRID_M) * _GRID_M + 0.0).tolist()
+    return x, y, z
 
 
 def model_feet(selection: Selection, probe: KnownFrames) -> Iterator[ModelFoot]:
@@ -104,7 +121,7 @@ def model_feet(selection: Selection, probe: KnownFrames) -> Iterator[ModelFoot]:
         if place := place_of_foot(selection, probe, number):
             frame, point = place
             if foot.frame is None:
-                point = rounded({number: point or _ORIGIN})[number]
+                point = _rounded(point or _ORIGIN)
             yield ModelFoot(foot.name, frame, point or _ORIGIN, foot_colour(number))
 
 
@@ -123,14 +140,15 @@ def place_of_foot(
     for like, link in sorted(enumerate(probe.links), key=lambda each: each[0] != number):
         if link is not None and (like == number or names[like] in link):
             named = link.lstrip("/").replace(names[like], foot.name)
-            if like == number or named in probe.frame_poses:
+            if like == number or named in probe.parents:
                 return named, probe.soles.get(number, probe.soles.get(like))
     return None
 
 
 def robot_shape(selection: Selection, probe: KnownFrames) -> RobotShape:
     """Return what the positions of standing feet, else the mass, tell of a robot's shape."""
-    robot, stances = selection.robot, probe.stances
+    robot = selection.robot
+    stances = {foot: _rounded(point) for foot, point in probe.stances.items()}
     length = height = body_size_m(robot.mass_kg)[0]
     if stances:
         points = np.array(list(stances.values()))
@@ -186,28 +204,25 @@ def find_limbs(walk: Walk, selection: Selection, time: Ints) -> Limbs | None:
         selection: the robot's feet.
         time: (n,) ns on the walk's clock, increasing.
     """
-    probe, transforms = walk.frames, walk.recording.transforms
-    links = walk.legs.links if walk.legs else TransformBuffer()
+    probe, links = walk.frames, walk.legs.links if walk.legs else {}
     known = skeleton(selection, probe, probe.base)
     legs = {frame for leg in known.legs for frame in leg}
     parents = {name: pose.parent for name, pose in known.frames.items()}
     drawn = [name for name, pose in known.frames.items() if name in legs or not pose.static]
-    for child, track in links.frames.items():
+    for child, track in links.items():
         drawn += [child] if child not in parents and not track.static else []
         parents.setdefault(child, track.parent)
     drawn = [frame for frame in drawn if chain_of_frames(parents, frame, probe.base) is not None]
     if not drawn or len(drawn) > MOST_FRAMES:
         return None
-    moving = {name: parent for name, parent in parents.items() if name not in probe.statics.frames}
-    buffer = probe.statics.only(parents.keys())
-    buffer = buffer.then(moving_tracks(transforms, moving, walk.settings.clock)).then(links)
+    tracks = {**links, **probe.tracks(known.frames)}
     feet = [foot for foot in model_feet(selection, probe) if foot.frame in parents]
     points: list[Floats] = []
     for frame, point in (
         *((frame, (0.0, 0.0, 0.0)) for frame in drawn),
         *((foot.frame, foot.point) for foot in feet),
     ):
-        pose = buffer.lookup(frame, probe.base, time, _recorded(buffer, frame, time))
+        pose = lookup(tracks, frame, probe.base, time, _recorded(tracks, frame, time))
         points.append(pose.translation + rotate(pose.rotation, np.array([point])))
     above = [*(parents[frame] for frame in drawn), *(foot.frame for foot in feet)]
     sole = {foot.name: len(drawn) + index for index, foot in enumerate(feet)}
@@ -218,9 +233,9 @@ def find_limbs(walk: Walk, selection: Selection, time: Ints) -> Limbs | None:
     )
 
 
-def _recorded(buffer: TransformBuffer, frame: str, time: Ints) -> Ints:
+def _recorded(tracks: Mapping[str, FrameTrack], frame: str, time: Ints) -> Ints:
     """(n,) ns, log times of some times: about when a frame's transforms were recorded."""
-    track = buffer.frames.get(frame)
+    track = tracks.get(frame)
     if track is None or track.static:
         return time
     since = np.interp(time - time[0], track.time - time[0], track.log_time - track.log_time[0])

@@ -1,8 +1,8 @@
 """URDF: reading it safely; its base link, joints and links."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite
+from math import hypot, isfinite
 from typing import Final, cast
 from xml.etree import ElementTree as ET
 
@@ -22,23 +22,23 @@ _KINDS: Final = {
 _WORLDS: Final = frozenset({"world", "map", "odom"})
 MOST_JOINTS: Final = 400
 """Joints of a robot, fixed ones too; no robot has more."""
+ORIGIN: Final = (0.0, 0.0, 0.0)
+_CENTRED: Final = 0.5
+"""Share of its radius that a ball may be off its link's origin."""
 
 
 @dataclass(frozen=True, slots=True)
 class Link:
     """A link of a robot description."""
 
-    mass_kg: float
+    mass_kg: float = 0.0
     """0: none is given."""
-    centre: Triple
+    centre: Triple = ORIGIN
     """m, its centre of mass."""
-    balls: tuple[tuple[Triple, float], ...]
-    """m, middles and radii of the balls that it consists of."""
-    ends: tuple[Triple, ...]
-    """m, middles of the ends of its cylinders."""
-
-
-NOTHING: Final = Link(0.0, (0.0, 0.0, 0.0), (), ())
+    tip: Triple = ORIGIN
+    """m, where it touches the ground: its farthest ball, or end of a cylinder."""
+    radius_m: float = 0.0
+    """Of the ball there; 0: there is none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +61,10 @@ class RobotOfUrdf:
         """The sum over all links; None where it has none."""
         return sum(link.mass_kg for link in self.links.values()) or None
 
+    def link(self, name: str) -> Link:
+        """Return a link, which a description need not have."""
+        return self.links.get(name, Link())
+
 
 def read_robot(urdf: str) -> RobotOfUrdf:
     """Read a robot description.
@@ -69,20 +73,21 @@ def read_robot(urdf: str) -> RobotOfUrdf:
         ValueError: it is none, or has no joints.
     """
     root = parse_urdf(urdf)
-    joints, left_out = urdf_joints(root)
+    elements = [each for each in root.iterfind("joint") if each.get("type") in _KINDS]
+    joints = _in_tree(joint for each in elements for joint in _joint(each))
     if not joints:
         raise ValueError("has no joints that make a tree of links")
     if len(joints) > MOST_JOINTS:
         raise ValueError(f"has {len(joints)} joints, more than {MOST_JOINTS}")
-    links = urdf_links(root)
-    turning = (joint for joint in root.findall("joint") if joint.get("type") == "continuous")
+    links = {each.get("name", "").lstrip("/"): _link(each) for each in root.iterfind("link")}
+    endless = (each.get("name", "") for each in elements if each.get("type") == "continuous")
     return RobotOfUrdf(
         base=_base(joints, links),
         joints=joints,
-        left_out=left_out,
-        limits=urdf_limits(root),
+        left_out=len(elements) - len(joints),
+        limits={each.get("name", ""): told for each in elements if (told := _limits(each))},
         links=links,
-        continuous=frozenset(joint.get("name", "") for joint in turning),
+        continuous=frozenset(endless),
     )
 
 
@@ -93,7 +98,7 @@ def _base(joints: Sequence[Joint], links: Mapping[str, Link]) -> str:
     roots = [link for link in below if link not in children]
     root = link = max(roots, key=lambda each: _count_below(below, each))
     stays = root.lower() not in _WORLDS
-    while not links.get(link, NOTHING).mass_kg and len(below[link]) == 1:
+    while not (link in links and links[link].mass_kg) and len(below[link]) == 1:
         (joint,) = below[link]
         if joint.child not in below:
             return root
@@ -134,27 +139,6 @@ def parse_urdf(text: str) -> ET.Element:
     return root
 
 
-def urdf_joints(root: ET.Element) -> tuple[tuple[Joint, ...], int]:
-    """Return the joints that make a tree of links, and how many others are left out.
-
-    Others lack a link, an axis or a finite number, hang in a circle, or give a link a second
-    parent. Planar and floating joints are not counted.
-    """
-    elements = [each for each in root.findall("joint") if each.get("type") in _KINDS]
-    joints: dict[str, Joint] = {}
-    below: dict[str, list[str]] = {}
-    for joint in (joint for element in elements for joint in _joint(element)):
-        if joint.child not in joints:
-            joints[joint.child] = joint
-            below.setdefault(joint.parent, []).append(joint.child)
-    reached = [link for link in below if link not in joints]
-    for link in reached:  # which grows
-        reached.extend(below.get(link, ()))
-    in_tree = frozenset(reached)
-    kept = tuple(joint for link, joint in joints.items() if link in in_tree)
-    return kept, len(elements) - len(kept)
-
-
 def said_of_left_out(count: int) -> str:
     """Say how many joints of a description are left out, and why."""
     return (
@@ -163,118 +147,112 @@ def said_of_left_out(count: int) -> str:
     )
 
 
-def urdf_limits(root: ET.Element) -> dict[str, JointLimits]:
-    """Return the limits of a description's joints by name, where numbers tell them.
+def _in_tree(joints: Iterable[Joint]) -> tuple[Joint, ...]:
+    """Return the joints that make a tree: no circle, and no link with a second parent."""
+    above: dict[str, Joint] = {}
+    for joint in joints:
+        above.setdefault(joint.child, joint)
+    below = joints_below([*above.values()])
+    reached = [link for link in below if link not in above]
+    for link in reached:  # which grows
+        reached.extend(joint.child for joint in below.get(link, ()))
+    in_tree = frozenset(reached)
+    return tuple(joint for link, joint in above.items() if link in in_tree)
+
+
+def _joint(element: ET.Element) -> Iterator[Joint]:
+    """Yield a joint, if it has two links, an axis, and numbers that can be used."""
+    name, kind = element.get("name", ""), _KINDS[element.get("type", "")]
+    parent, child = (_text(element, end, "link").lstrip("/") for end in ("parent", "child"))
+    try:
+        axis = _triple(element, "axis", "xyz", "1 0 0")
+        turn = from_roll_pitch_yaw(np.array([_triple(element, "origin", "rpy")]))[0]
+        length = hypot(*axis)
+        if name and parent and child and (length or kind == "fixed"):
+            yield Joint(
+                name=name,
+                parent=parent,
+                child=child,
+                kind=cast("Kind", kind),
+                translation=_triple(element, "origin", "xyz"),
+                rotation=tuple(turn.tolist()),
+                axis=cast("Triple", tuple(part / (length or 1.0) for part in axis)),
+                source=_text(element, "mimic", "joint"),
+                multiplier=_number(element, "mimic", "multiplier", "1"),
+                offset=_number(element, "mimic", "offset"),
+            )
+    except ValueError:
+        return
+
+
+def _limits(element: ET.Element) -> JointLimits | None:
+    """Return the limits of a joint; None where they are no numbers, or it does not move.
 
     A continuous joint has none of its position; an effort or velocity of 0 says nothing.
     """
-    found = {}
-    for joint in root.findall("joint"):
-        limit = joint.find("limit")
-        told: Mapping[str, str] = {} if limit is None else limit.attrib
-        try:
-            ends = ("lower", "upper", "effort", "velocity")
-            lower, upper, effort, velocity = (finite(told.get(end, "0")) for end in ends)
-        except ValueError:
-            continue
-        if joint.get("type") == "continuous" or lower >= upper:
-            lower, upper = -np.inf, np.inf
-        if joint.get("type") in {"revolute", "continuous", "prismatic"}:
-            limits = JointLimits(lower, upper, effort or np.inf, velocity or np.inf)
-            found[joint.get("name", "")] = limits
-    return found
+    try:
+        names = ("lower", "upper", "effort", "velocity")
+        lower, upper, effort, velocity = (_number(element, "limit", name) for name in names)
+    except ValueError:
+        return None
+    if element.get("type") == "continuous" or lower >= upper:
+        lower, upper = -np.inf, np.inf
+    moves = element.get("type") != "fixed"
+    return JointLimits(lower, upper, effort or np.inf, velocity or np.inf) if moves else None
 
 
-def urdf_links(root: ET.Element) -> dict[str, Link]:
-    """Return a description's links by name; parts with numbers that cannot be used are left out."""
-    found = {}
-    for link in root.findall("link"):
-        mass, centre = 0.0, (0.0, 0.0, 0.0)
-        balls: list[tuple[Triple, float]] = []
-        ends: list[Triple] = []
-        for part in (
-            *link.findall("inertial"),
-            *link.findall("collision"),
-            *link.findall("visual"),
-        ):
+def _link(element: ET.Element) -> Link:
+    """Return a link; parts with numbers that cannot be used are left out."""
+    mass, centre = 0.0, ORIGIN
+    balls: list[tuple[Triple, float]] = []
+    ends: list[Triple] = []
+    for tag in ("inertial", "collision", "visual"):
+        for part in element.iterfind(tag):
             try:
-                place = triple_of(part, "origin", "xyz")
-                if part.tag == "inertial":
-                    mass, centre = _number(part.find("mass"), "value"), place
-                elif radius := _number(part.find("geometry/sphere"), "radius"):
+                place = _triple(part, "origin", "xyz")
+                if tag == "inertial":
+                    mass, centre = max(_number(part, "mass", "value"), 0.0), place
+                elif radius := _number(part, "geometry/sphere", "radius"):
                     balls.append((place, radius))
-                elif length := _number(part.find("geometry/cylinder"), "length"):
-                    turn = from_roll_pitch_yaw(np.array([triple_of(part, "origin", "rpy")]))
+                elif length := _number(part, "geometry/cylinder", "length"):
+                    turn = from_roll_pitch_yaw(np.array([_triple(part, "origin", "rpy")]))
                     half = rotate(turn, np.array([[0.0, 0.0, length / 2.0]]))[0]
                     both = np.array(place) + half, np.array(place) - half
                     ends += [cast("Triple", tuple(each.tolist())) for each in both]
             except ValueError:
                 continue
-        name = link.get("name", "").lstrip("/")
-        found[name] = Link(max(mass, 0.0), centre, tuple(balls), tuple(ends))
-    return found
+    if not balls:
+        return Link(mass, centre, max(ends, key=lambda end: hypot(*end), default=ORIGIN))
+    middle, radius = max(balls, key=lambda ball: (hypot(*ball[0]), ball[1]))
+    return Link(mass, centre, ORIGIN if hypot(*middle) < _CENTRED * radius else middle, radius)
 
 
-def _number(element: ET.Element | None, attribute: str) -> float:
-    """Return a number of an element; 0 where there is none."""
-    return 0.0 if element is None else finite(element.get(attribute, "0"))
+def _text(element: ET.Element, path: str, attribute: str, default: str = "") -> str:
+    """Return an attribute of an element below another one."""
+    found = element.find(path)
+    return default if found is None else found.get(attribute, default)
 
 
-def _joint(element: ET.Element) -> Iterator[Joint]:
-    """Yield a joint, if it is understood."""
-    name, kind = element.get("name", ""), _KINDS.get(element.get("type", ""))
-    parent, child = (
-        "" if (link := element.find(end)) is None else link.get("link", "").lstrip("/")
-        for end in ("parent", "child")
-    )
-    if not (name and kind and parent and child):
-        return
-    mimic = element.find("mimic")
-    try:
-        axis = triple_of(element, "axis", "xyz", (1.0, 0.0, 0.0))
-        turn = from_roll_pitch_yaw(np.array([triple_of(element, "origin", "rpy")]))[0]
-        length = float(np.linalg.norm(axis))
-        if not length and kind != "fixed":
-            return
-        yield Joint(
-            name=name,
-            parent=parent,
-            child=child,
-            kind=cast("Kind", kind),
-            translation=triple_of(element, "origin", "xyz"),
-            rotation=tuple(turn.tolist()),
-            axis=cast("Triple", tuple(part / (length or 1.0) for part in axis)),
-            source="" if mimic is None else mimic.get("joint", ""),
-            multiplier=1.0 if mimic is None else finite(mimic.get("multiplier", "1")),
-            offset=0.0 if mimic is None else finite(mimic.get("offset", "0")),
-        )
-    except ValueError:
-        return
+def _number(element: ET.Element, path: str, attribute: str, default: str = "0") -> float:
+    """Return a finite number of a description.
+
+    Raises:
+        ValueError: it is none.
+    """
+    return _finite(_text(element, path, attribute, default))
 
 
-def triple_of(
-    element: ET.Element, tag: str, attribute: str, default: Triple = (0.0, 0.0, 0.0)
-) -> Triple:
-    """Return three numbers of a joint or a shape.
+def _triple(element: ET.Element, path: str, attribute: str, default: str = "0 0 0") -> Triple:
+    """Return three finite numbers of a description.
 
     Raises:
         ValueError: they are others.
     """
-    found = element.find(tag)
-    text = None if found is None else found.get(attribute)
-    if text is None:
-        return default
-    x, y, z = (finite(word) for word in text.split())
+    x, y, z = map(_finite, _text(element, path, attribute, default).split())
     return x, y, z
 
 
-def finite(text: str) -> float:
-    """Return a number of a description.
-
-    Raises:
-        ValueError: it is none, or not finite.
-    """
-    number = float(text)
-    if not isfinite(number):
+def _finite(text: str) -> float:
+    if not isfinite(number := float(text)):
         raise ValueError(f"{text!r} is not finite")
     return number

@@ -15,7 +15,7 @@ from dogbot_logtool.reader.messages.feet import flagged
 from dogbot_logtool.reader.messages.table import TABLE, rows_of
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.robot.contact_evidence import decide_contacts
+from dogbot_logtool.robot.measuring.foot_samples import decide_contacts
 from dogbot_logtool.robot.selection import Selection, select_topics
 from tests.oracles import state_walks, walks
 
@@ -117,7 +117,7 @@ def test_how_a_type_is_read_can_be_sent_to_another_process(tmp_path: Path, kind:
     log.close()
     for source in selection.sources:
         again = pickle.loads(pickle.dumps(source))  # noqa: S301 - our own bytes
-        assert (again.row, repr(again.fields)) == (source.row, repr(source.fields))
+        assert (again.row, again.columns) == (source.row, source.columns)
         assert source.row in TABLE
 
 

@@ -105,14 +105,13 @@ def test_without_frames_lines_lead_to_the_feet_and_unknown_feet_are_below_the_ba
     assert plain is not None
     assert plain["limbs"] is None
     assert not plain["schematic"]
+    no_points = np.empty(0, np.int64), np.empty((0, 3))
     nowhere = tuple(
         replace(
             foot,
             record=replace(
                 foot.record,
-                track=replace(
-                    foot.record.track, point=np.full_like(foot.record.track.point, np.nan)
-                ),
+                track=replace(foot.record.track, contact_points=no_points),
             ),
         )
         for foot in stats.feet
