@@ -5,6 +5,7 @@ Other rooms import what they need of a log from here.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
@@ -117,6 +118,12 @@ class Log(ABC):
             (start is not None and chunk.end_time is not None and chunk.end_time < start)
             or (end is not None and chunk.start_time is not None and chunk.start_time > end)
         )
+
+    def chunks_of(self, channels: AbstractSet[int]) -> Iterator[Chunk]:
+        """Yield the chunks that may have messages of some channels, given by their ids."""
+        for chunk in self.chunks if channels else ():
+            if chunk.counts is None or not channels.isdisjoint(chunk.counts):
+                yield chunk
 
     def grouped(self, chunks: Iterable[Chunk]) -> Iterator[Span]:
         """Group chunks, in file order, into what can be read at once."""
