@@ -57,6 +57,11 @@ class Worlds:
     """m, how far that position goes steadily; 0 where it does not, or too few stances tell."""
 
     @property
+    def shift_m(self) -> float:
+        """The larger of change and drift, m."""
+        return max(self.change_m, self.drift_m)
+
+    @property
     def agree(self) -> bool:
         """Whether base and feet are in one world, throughout."""
         steady = self.change_m <= MOST_CHANGE * self.spread_m
