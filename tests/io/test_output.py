@@ -48,8 +48,8 @@ def write(target: Path, *pieces: bytes, overwrite: bool = False) -> None:
             file.write(piece)
 
 
-def fail_midway(target: Path, error: type[BaseException], *, overwrite: bool) -> None:
-    with whole_file(target, overwrite=overwrite) as file:
+def fail_midway(target: Path, error: type[BaseException]) -> None:
+    with whole_file(target, overwrite=False, makes_folder=True) as file:
         file.write(b"half")
         raise error
 
@@ -58,7 +58,7 @@ def fail_midway(target: Path, error: type[BaseException], *, overwrite: bool) ->
 @pytest.mark.usefixtures("way")
 def test_any_error_leaves_nothing(tmp_path: Path, error: type[BaseException]) -> None:
     with pytest.raises(error):
-        fail_midway(tmp_path / "x.mcap", error, overwrite=False)
+        fail_midway(tmp_path / "made" / "x.mcap", error)
     assert files(tmp_path) == []
 
 
