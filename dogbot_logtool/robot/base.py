@@ -17,7 +17,6 @@ from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.definition import Struct
 from dogbot_logtool.reader.decode.field_path import every_field
-from dogbot_logtool.reader.decode.fields import are_alike
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base, choices, path_source
 from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.others import is_static
@@ -203,7 +202,7 @@ def _chosen(
     channels = tuple(
         channel
         for channel, like in sources.items()
-        if like.row.name == source.row.name and are_alike(like.fields, source.fields)
+        if like.row.name == source.row.name and like.columns == source.columns
     )
     if candidate.is_planned:
         findings.append(found("PLANNED", "base", where=topic, name=candidate.name))
@@ -315,7 +314,7 @@ def _elements(log: Log, robot: Robot, topic: str, source: Source) -> list[BaseCa
     frames: dict[str, tuple[str, ...]] = {}
     for channel in log.channels_by_topic[topic]:
         if source_of(channel, "base") is source:
-            for messages in first_messages(log, channel, source.fields):
+            for messages in first_messages(log, channel, source.columns):
                 frames |= choices(source, messages)
     return [
         BaseCandidate(topic, source, name, _rank(parts, robot, source), parts)

@@ -32,7 +32,7 @@ def feet_of_messages(log: Log, topic: str) -> tuple[Foot, ...]:
             continue
         found = [MessageFoot(name=leg) for leg in source.row.legs]
         if not found or source.row.maybe_without_legs:
-            seen = [feet_in(source, each) for each in first_messages(log, channel, source.fields)]
+            seen = [feet_in(source, each) for each in first_messages(log, channel, source.columns)]
             labelled = {foot.label: foot for feet in seen for foot in feet if foot.label}
             found = [labelled[label] for label in sorted(labelled)] or max(
                 seen, key=len, default=[]

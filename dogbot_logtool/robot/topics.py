@@ -11,7 +11,7 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import MOST, listed, printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log, damage_of
-from dogbot_logtool.reader.decode.fields import Fields
+from dogbot_logtool.reader.decode.paths import Columns
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.contacts import foot_source
@@ -73,10 +73,10 @@ def first_batches(log: Log, channel: Channel) -> Iterator[Batch]:
             yield batch.cropped(None, end)
 
 
-def first_messages(log: Log, channel: Channel, fields: Fields) -> Iterator[DecodedMessages]:
+def first_messages(log: Log, channel: Channel, columns: Columns) -> Iterator[DecodedMessages]:
     """Decode the messages of a channel's first seconds."""
     for batch in first_batches(log, channel):
-        yield from decode_channels(batch, [channel], fields)
+        yield from decode_channels(batch, [channel], columns)
 
 
 def has_field(channel: Channel, foot: Foot) -> bool:

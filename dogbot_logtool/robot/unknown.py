@@ -155,8 +155,9 @@ def _labels_beside(
     for text in sorted(texts, key=lambda each: not each.startswith(inside)):
         for channel in log.channels_by_topic[topic]:
             rows: set[tuple[str, ...]] = set()
-            for messages in first_messages(log, channel, path_of(text, "text").fields):
-                message, strings = path_of(text, "text").texts(messages.table)
+            beside_it = path_of(text, "text", definition_of(channel))
+            for messages in first_messages(log, channel, beside_it.columns):
+                message, strings = beside_it.texts(messages.table)
                 code, names = strings.encode()
                 ends = np.cumsum(np.bincount(message, minlength=1))[:-1]
                 for row in np.split(code[np.argsort(message, kind="stable")], ends):

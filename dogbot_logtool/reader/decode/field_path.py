@@ -6,7 +6,6 @@ in ``contacts&4``. What does not fit is refused with the nearest fields that the
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from itertools import islice
 from typing import Final
 
@@ -20,7 +19,6 @@ from dogbot_logtool.reader.decode.definition import (
     short_type_name,
     type_text,
 )
-from dogbot_logtool.reader.decode.fields import check_fields
 from dogbot_logtool.reader.decode.paths import FieldPath, Want, path_of
 
 _NAME: Final = r"[A-Za-z]\w*(?:\[[0-9]{1,6}\])?"
@@ -55,9 +53,7 @@ def parse_field_path(definition: Struct, whole: str) -> FieldPath:
             "&1, &2, &4, &8 ..."
         )
     want: Want = "number" if isinstance(found, Primitive) else "xyz"
-    path = path_of(whole, want, definition)
-    check_fields(definition, path.fields, short_type_name(definition.name))
-    return replace(path, is_integer=is_integer)
+    return path_of(whole, want, definition)
 
 
 def _any_element(path: str) -> str:

@@ -1,44 +1,52 @@
-"""Messages that a library decodes one by one, protobuf's and JSON's, as columns.
+"""Messages of protobuf and JSON, which a library decodes one by one.
 
-The definitions of such messages are the library's; `foxglove.` types are known. They come some
-hundred times a second, not thousands.
+The definitions of such messages are the library's; `foxglove.` types are known. Each is written
+anew as ROS 1 writes messages, which are decoded like all others. They come some hundred times a
+second, not thousands.
 """
 
 import json
-from collections.abc import Sequence
+import math
+import struct
+from collections.abc import Collection
 from functools import lru_cache
 from importlib import import_module
 from typing import Any, Final
 
-import numpy as np
-
-from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.errors import DefinitionError
-from dogbot_logtool.reader.decode.columns import Nested, Table, Texts
-from dogbot_logtool.reader.decode.fields import Field, Fields, Kind
+from dogbot_logtool.reader.decode.definition import (
+    FieldType,
+    Primitive,
+    Struct,
+    Text,
+    VariableArray,
+)
 
 OBJECT_ENCODINGS: Final = frozenset({"protobuf", "json"})
 _PACKAGE: Final = "foxglove."
 _LARGEST: Final = 1 << 20
 """Bytes of a message, some ten thousand transforms; decoded, a hostile one takes much more."""
-_LAST_SECOND: Final = (1 << 63) // 1_000_000_000 - 1
+_LAST_SECOND: Final = (1 << 32) - 1
 _FAULTS: Final = (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError)
-Row = list[Any]
-"""A value of each field: a number, a string, seconds and nanoseconds, or the rows of a table."""
+_NUMBER: Final = Primitive("f8", "float64")
+_OPTIONAL: Final = Primitive("f8", "optional float64")
+"""A number that a message may lack, and which then is NaN."""
+_TIME: Final = Struct("time", (("sec", Primitive("u4")), ("nanosec", Primitive("u4"))))
+_TIMES: Final = ("google.protobuf.Timestamp", "google.protobuf.Duration")
 
 
-def check_object_type(type_name: str, encoding: str) -> None:
-    """Check that messages of a type can be decoded.
+@lru_cache
+def object_definition(type_name: str, encoding: str) -> Struct:
+    """Return the definition of a type whose messages are objects.
 
     Raises:
-        DefinitionError: they cannot.
+        DefinitionError: it is not known.
     """
     if not type_name.startswith(_PACKAGE):
         raise DefinitionError(
             f"messages encoded as {encoding!r} are not read, only ROS 1's, CDR and foxglove's"
         )
-    if encoding == "protobuf":
-        _message_class(type_name)
+    return _struct(_message_class(type_name).DESCRIPTOR)
 
 
 @lru_cache
@@ -51,8 +59,49 @@ def _message_class(type_name: str) -> Any:  # noqa: ANN401 - made by protobuf
         raise DefinitionError(f"the installed schemas do not have {type_name}") from error
 
 
-def decode_object(type_name: str, encoding: str, payload: bytes, fields: Fields) -> Row | None:
-    """Return the values of a message's fields; None if it cannot be decoded."""
+def _struct(descriptor: Any) -> Struct:  # noqa: ANN401 - protobuf's
+    if descriptor.full_name in _TIMES:
+        return _TIME
+    return Struct(descriptor.full_name, tuple((f.name, _type(f)) for f in descriptor.fields))
+
+
+def _type(field: Any) -> FieldType:  # noqa: ANN401
+    kind: FieldType = _OPTIONAL if field.has_presence else _NUMBER
+    if field.message_type is not None:
+        kind = _struct(field.message_type)
+    elif field.type in {field.TYPE_STRING, field.TYPE_BYTES}:
+        kind = Text()
+    # Versions of protobuf name repeated fields differently.
+    return VariableArray(kind) if field.default_value == [] else kind
+
+
+def only(definition: Struct, columns: Collection[str], prefix: str = "") -> Struct:
+    """Return a definition that has some columns only; messages need not have the others."""
+    fields: list[tuple[str, FieldType]] = []
+    for name, kind in definition.fields:
+        path = f"{prefix}{name}"
+        if path in columns:
+            fields.append((name, kind))
+        elif any(each.startswith(f"{path}.") for each in columns):
+            fields.append((name, _inside(kind, columns, f"{path}.")))
+    return Struct(definition.name, tuple(fields))
+
+
+def _inside(kind: FieldType, columns: Collection[str], prefix: str) -> FieldType:
+    if isinstance(kind, VariableArray):
+        return VariableArray(_inside(kind.element, columns, prefix))
+    return only(kind, columns, prefix) if isinstance(kind, Struct) else kind
+
+
+def as_ros1(type_name: str, encoding: str, payload: bytes, definition: Struct) -> bytes | None:
+    """Return a message as ROS 1 would write it; None if it cannot be decoded.
+
+    Args:
+        type_name: of the message.
+        encoding: one of `OBJECT_ENCODINGS`.
+        payload: the message.
+        definition: of what is read of it.
+    """
     if len(payload) > _LARGEST:
         return None
     # Imported late: other logs need no protobuf.
@@ -60,83 +109,39 @@ def decode_object(type_name: str, encoding: str, payload: bytes, fields: Fields)
 
     try:
         if encoding == "json":
-            return _row(json.loads(payload), fields)
-        return _row(_message_class(type_name).FromString(payload), fields)
+            return _written(json.loads(payload), definition)
+        return _written(_message_class(type_name).FromString(payload), definition)
     except (DecodeError, *_FAULTS):
         return None
 
 
-def table_of_rows(rows: Sequence[Row], fields: Fields) -> Table:
-    """Return the columns of decoded messages, as those of ROS messages come."""
-    numbers: dict[str, Sequence[float]] = {}
-    times: dict[str, Sequence[int]] = {}
-    columns: dict[str, Texts | Nested] = {}
-    for index, field in enumerate(fields):
-        values = [row[index] for row in rows]
-        match field.kind:
-            case Kind.TEXT:
-                columns[field.path] = _texts(values)
-            case Kind.TIME:
-                times[f"{field.path}.sec"] = [seconds for seconds, _ in values]
-                times[f"{field.path}.nanosec"] = [rest for _, rest in values]
-            case Kind.TABLE:
-                parent = np.repeat(np.arange(len(rows)), [len(each) for each in values])
-                inner = [row for each in values for row in each]
-                columns[field.path] = Nested(parent, table_of_rows(inner, field.inside))
-            case _:
-                numbers[field.path] = values
-    runs = (_run(numbers, "<f8", len(rows)), _run(times, "<i8", len(rows)))
-    return Table(len(rows), runs, columns)
+def _written(value: Any, kind: FieldType) -> bytes:  # noqa: ANN401 - a message, a dict, a number
+    match kind:
+        case Struct() if kind is _TIME:
+            return struct.pack("<II", *_time(value))
+        case Struct(_, fields):
+            return b"".join(_written(_member(value, name, inner), inner) for name, inner in fields)
+        case VariableArray(element):
+            elements = [_written(each, element) for each in value]
+            return struct.pack("<I", len(elements)) + b"".join(elements)
+        case Text():
+            text: bytes = value.encode("utf-8", "replace")
+            return struct.pack("<I", len(text)) + text
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise TypeError
+    return struct.pack("<d", float(value))
 
 
-def _run(columns: dict[str, Sequence[Any]], dtype: str, rows: int) -> np.ndarray[Any, Any]:
-    run = np.zeros(rows, [(path, dtype) for path in columns])
-    for path, values in columns.items():
-        run[path] = values
-    return run
-
-
-def _texts(values: Sequence[str]) -> Texts:
-    encoded = [value.encode("utf-8", "replace") for value in values]
-    length: Ints = np.array([len(each) for each in encoded], np.int64)
-    buffer = np.frombuffer(b"".join(encoded), np.uint8)
-    return Texts(buffer, np.cumsum(length) - length, length)
-
-
-def _row(message: Any, fields: Fields) -> Row:  # noqa: ANN401 - a message or a dict
-    return [_value(message, field) for field in fields]
-
-
-def _value(message: Any, field: Field) -> Any:  # noqa: ANN401
-    value = message
-    *outer, last = field.path.split(".")
-    for name in outer:
-        value = _member(value, name)
-    if field.optional and not (last in value if isinstance(value, dict) else value.HasField(last)):
-        return np.nan
-    value = _member(value, last)
-    match field.kind:
-        case Kind.TEXT:
-            if not isinstance(value, str):
-                raise TypeError(field.path)
-            return value
-        case Kind.TIME:
-            return _time(value)
-        case Kind.TABLE:
-            return [_row(each, field.inside) for each in value]
-        case _:
-            if isinstance(value, bool) or not isinstance(value, int | float):
-                raise TypeError(field.path)
-            return float(value)
-
-
-def _member(value: Any, name: str) -> Any:  # noqa: ANN401
-    return value[name] if isinstance(value, dict) else getattr(value, name)
+def _member(value: Any, name: str, kind: FieldType) -> Any:  # noqa: ANN401
+    is_dict = isinstance(value, dict)
+    if kind is _OPTIONAL and not (name in value if is_dict else value.HasField(name)):
+        return math.nan
+    return value[name] if is_dict else getattr(value, name)
 
 
 def _time(value: Any) -> tuple[int, int]:  # noqa: ANN401
-    """Return seconds and nanoseconds; 0, which is no stamp, outside what 64 bits hold."""
+    """Return seconds and nanoseconds; 0, which is no stamp, outside what ROS 1's times hold."""
     names = ("sec", "nsec") if isinstance(value, dict) else ("seconds", "nanos")
-    seconds, nanoseconds = (int(_member(value, name)) for name in names)
+    seconds, nanoseconds = (int(_member(value, name, _NUMBER)) for name in names)
     inside = 0 <= seconds <= _LAST_SECOND and 0 <= nanoseconds < 1_000_000_000
     return (seconds, nanoseconds) if inside else (0, 0)

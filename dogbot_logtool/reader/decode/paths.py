@@ -7,37 +7,54 @@
     position[0:3 by 3]              numbers 0 to 3 of an array, three of them a vector
     input.value[0:12 by 3 of 24]    the same, where the array has 24 numbers (``of 18+``: at least)
     mode&8                          a bit of an integer: 1 or 0
-    joints[].effort?                a number that a message of protobuf or JSON may lack
 
 Values are (n, k, w): n messages, k elements, w numbers each; NaN where a message lacks an element.
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints
+from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.decode.columns import Nested, Table, Texts
 from dogbot_logtool.reader.decode.definition import (
     FieldType,
     FixedArray,
+    Primitive,
     Struct,
+    Text,
     VariableArray,
+    short_type_name,
+    type_text,
 )
-from dogbot_logtool.reader.decode.fields import Field, Fields, Kind
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
 
 Want = Literal["number", "xyz", "xyzw", "text", "time"]
 """What a path leads to; a vector may also be an array of numbers."""
+Columns = tuple[str, ...]
+"""Dotted paths of what is decoded of a message, as `compile_layout` takes them."""
 MOST_ELEMENTS: Final = 16
 """Elements of an array that are read side by side: of a hostile one, memory holds no more."""
 _PART: Final = (
     r"(?a)([A-Za-z]\w*)(\[(-1|\d{0,6})(?::(\d{1,6}))?(?: by (\d))?(?: of (\d{1,6})(\+?))?\])?"
 )
-_KINDS: Final = {"text": Kind.TEXT, "time": Kind.TIME}
+ArrayKind = Literal["messages", "texts", "numbers", "fixed"]
+"""What the elements of an array are; fixed: numbers that stand in the message itself."""
+_ARRAYS: Final[Mapping[ArrayKind, tuple[Any, Any, str]]] = {
+    "messages": (FixedArray | VariableArray, Struct, "an array of {least}messages"),
+    "texts": (VariableArray, Text, "a sequence of strings"),
+    "numbers": (VariableArray, Primitive, "a sequence of numbers"),
+    "fixed": (FixedArray, Primitive, "a fixed array of {least}numbers"),
+}
+"""How a definition has an array and its elements, and what errors call it."""
+_CALLED: Final = {"text": "string"}
+_TIME_PARTS: Final = ("sec", "nanosec")
+_WIDEST_TIME_PART: Final = 4
+"""Bytes; wider seconds would not fit as nanoseconds into 64 bits."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +63,7 @@ class ArrayPart:
 
     path: str
     """From the message or the element before."""
-    kind: Kind
-    """TABLE, FIXED_NUMBERS, NUMBERS or TEXTS."""
+    kind: ArrayKind
     first: int = 0
     """-1: the last element."""
     last: int | None = None
@@ -61,21 +77,20 @@ class ArrayPart:
 
 @dataclass(frozen=True, slots=True)
 class FieldPath:
-    """A path, ready to read."""
+    """A path that a definition has."""
 
     arrays: tuple[ArrayPart, ...]
     """Those that it leads through, from the message inwards."""
     leaf: str
     """Path of the field in the last element; empty: the element itself."""
-    kind: Kind
-    """NUMBER, TEXT or TIME."""
+    columns: Columns
+    """What must be decoded."""
     components: str = ""
     """Of a vector."""
     mask: int = 0
     """Bits of an integer: the value is 1 where one of them is set; 0: the number itself."""
-    optional: bool = False
     is_integer: bool = False
-    """Whether the field is an integer or a boolean, as far as `parse_field_path` looked."""
+    """Whether the field is an integer or a boolean."""
 
     @property
     def width(self) -> int:
@@ -85,19 +100,7 @@ class FieldPath:
     @property
     def is_array_of_elements(self) -> bool:
         """Whether it leads through elements, of which a message may have none."""
-        return bool(self.arrays) and self.arrays[0].kind is Kind.TABLE
-
-    @property
-    def fields(self) -> Fields:
-        """What must be decoded."""
-        inside: Fields = (Field(self.leaf, self.kind, optional=self.optional),)
-        if self.components:
-            before = f"{self.leaf}." if self.leaf else ""
-            inside = tuple(Field(f"{before}{each}", Kind.NUMBER) for each in self.components)
-        for array in reversed(self.arrays):
-            kept = inside if array.kind is Kind.TABLE else ()
-            inside = (Field(array.path, array.kind, array.last or 0, kept),)
-        return inside
+        return bool(self.arrays) and self.arrays[0].kind == "messages"
 
     def values(self, table: Table) -> Floats:
         """Return (n, k, w) numbers of n messages."""
@@ -164,11 +167,11 @@ def _elements(path: FieldPath, table: Table, depth: int) -> Floats:
     if depth == len(path.arrays):
         return _leaf(path, table)[:, None]
     array = path.arrays[depth]
-    if array.kind is Kind.FIXED_NUMBERS:
+    if array.kind == "fixed":
         column = table.numbers(array.path).astype(np.float64)[:, array.first : array.last]
         return column.reshape(table.rows, column.shape[1] // array.width, array.width)
     nested = table.nested(array.path)
-    if array.kind is Kind.NUMBERS:
+    if array.kind == "numbers":
         numbers = nested.table.numbers(ELEMENT).astype(np.float64)
         found = side_by_side(nested, numbers, table.rows, array)
         return found.reshape(table.rows, found.shape[1] // array.width, array.width)
@@ -232,74 +235,120 @@ def _element_rows(nested: Nested, count: Ints, message: Ints, index: Ints) -> In
     return found
 
 
-def path_of(text: str, want: Want, definition: Struct | None = None) -> FieldPath:
-    """Return the path that a text says.
-
-    Whether a definition has such a field, `check_fields` tells; the definition is only asked for
-    the lengths of arrays of numbers.
-
-    Args:
-        text: in the language of this module.
-        want: what the path leads to.
-        definition: None: no array has a fixed length.
+def path_of(text: str, want: Want, definition: Struct) -> FieldPath:
+    """Return the path that a text says, in the language of this module.
 
     Raises:
         ValueError: it is no path.
+        DefinitionError: the definition has no such field, or one of another kind or shape.
     """
     plain, _, mask = text.partition("&")
-    current: FieldType | None = definition
-    names: list[str] = []
-    arrays: list[ArrayPart] = []
-    parts = plain.removesuffix("?").split(".") if plain else []
+    walk, arrays = _Walk(definition), list[ArrayPart]()
+    parts = plain.split(".")
     for number, part in enumerate(parts, start=1):
         match = re.fullmatch(_PART, part)
         if match is None:
             raise ValueError(f"{text!r} is no path of a field")
-        current = dict(current.fields).get(match[1]) if isinstance(current, Struct) else None
-        names.append(match[1])
-        if match[2] is None:
-            continue
-        is_last = number == len(parts)
-        arrays.append(_array(match, ".".join(names), want if is_last else None, current))
-        current = current.element if isinstance(current, FixedArray | VariableArray) else None
-        names = []
-    of_numbers = bool(arrays) and not names and arrays[-1].kind is not Kind.TABLE
-    return FieldPath(
-        tuple(arrays),
-        ".".join(names),
-        _KINDS.get(want, Kind.NUMBER),
-        want if want in {"xyz", "xyzw"} and not of_numbers else "",
-        int(mask or "0", 0),
-        optional=plain.endswith("?"),
+        walk.enter(match[1])
+        if match[2] is not None:
+            arrays.append(walk.array(match, want if number == len(parts) else None))
+    found, leaf = walk.found, ".".join(walk.names)
+    columns: Columns = (walk.path,)
+    components = ""
+    of_numbers = bool(arrays) and not leaf and arrays[-1].kind != "messages"
+    if want in {"xyz", "xyzw"} and not of_numbers:
+        components, columns = want, tuple(f"{walk.path}.{each}" for each in want)
+        for each in want:
+            walk.enter(each)
+            walk.require(isinstance(walk.found, Primitive), "a single number")
+            walk.leave()
+    elif not of_numbers:
+        walk.require(_is_single(found, want), f"a single {_CALLED.get(want, want)}")
+    is_integer = isinstance(found, Primitive) and found.dtype[0] in "iu"
+    return FieldPath(tuple(arrays), leaf, columns, components, int(mask or "0", 0), is_integer)
+
+
+class _Walk:
+    """How far a path has come in a definition."""
+
+    def __init__(self, definition: Struct) -> None:
+        self._type_name = short_type_name(definition.name)
+        self._fields: list[FieldType] = [definition]
+        self._done: list[str] = []
+        self.names: list[str] = []
+        """From the message, or the element of the last array, on."""
+
+    @property
+    def found(self) -> FieldType:
+        return self._fields[-1]
+
+    @property
+    def path(self) -> str:
+        return ".".join(self._done)
+
+    def enter(self, name: str) -> None:
+        """Go on to a field of a message."""
+        found = self.found
+        self.require(isinstance(found, Struct), "a single message")
+        fields = dict(found.fields) if isinstance(found, Struct) else {}
+        self._done.append(name)
+        self.names.append(name)
+        if name not in fields:
+            raise DefinitionError(
+                f"the log's definition of {self._type_name} has no field {self.path!r}, "
+                "which is needed"
+            )
+        self._fields.append(fields[name])
+
+    def leave(self) -> None:
+        """Go back from the last field."""
+        for each in (self._fields, self._done, self.names):
+            each.pop()
+
+    def array(self, match: re.Match[str], want: Want | None) -> ArrayPart:
+        """Go on to the elements of the array that was entered; return which are wanted.
+
+        Args:
+            match: of the part of the path with brackets.
+            want: None where the path goes on behind it.
+        """
+        _, _, first, last, width, length, or_more = match.groups()
+        begin, found = int(first or 0), self.found
+        end = int(last) if last else begin + 1 if first and begin >= 0 else None
+        kind: ArrayKind = "fixed" if isinstance(found, FixedArray) else "numbers"
+        if want == "text":
+            kind = "texts"
+        elif want is None or (want != "number" and not last):
+            kind = "messages"
+        shape, elements, expected = _ARRAYS[kind]
+        element = found.element if isinstance(found, FixedArray | VariableArray) else found
+        fits = isinstance(found, shape) and isinstance(element, elements)
+        fits &= not isinstance(found, FixedArray) or found.length >= (end or 0)
+        self.require(fits, expected.format(least=f"at least {end} " if end else ""))
+        path = ".".join(self.names)
+        self._fields.append(element)
+        self.names.clear()
+        return ArrayPart(path, kind, begin, end, int(width or 1), int(length or 0), bool(or_more))
+
+    def require(self, fits: bool, expected: str) -> None:  # noqa: FBT001 - as an assertion
+        """Refuse a field that is not as it is expected."""
+        if not fits:
+            raise DefinitionError(
+                f"field {self.path!r} of {self._type_name} must be {expected}, but the log's "
+                f"definition has {type_text(self.found)}"
+            )
+
+
+def _is_single(found: FieldType, want: Want) -> bool:
+    if want != "time":
+        return isinstance(found, Text if want == "text" else Primitive)
+    parts = dict(found.fields) if isinstance(found, Struct) else {}
+    numbers = [part for name in _TIME_PARTS if isinstance(part := parts.get(name), Primitive)]
+    return len(numbers) == len(_TIME_PARTS) and all(
+        part.dtype[0] in "iu" and part.size <= _WIDEST_TIME_PART for part in numbers
     )
 
 
-def _array(
-    match: re.Match[str], path: str, want: Want | None, found: FieldType | None
-) -> ArrayPart:
-    """Return a part of a path with brackets; the want is None where the path goes on behind it."""
-    _, _, first, last, width, length, or_more = match.groups()
-    begin = int(first or 0)
-    end = int(last) if last else begin + 1 if first and begin >= 0 else None
-    if want == "text":
-        kind = Kind.TEXTS
-    elif want is None or (want != "number" and not last):
-        kind = Kind.TABLE
-    else:
-        kind = Kind.FIXED_NUMBERS if isinstance(found, FixedArray) else Kind.NUMBERS
-    return ArrayPart(path, kind, begin, end, int(width or 1), int(length or 0), bool(or_more))
-
-
-def merged(fields: Iterable[Field]) -> Fields:
-    """Return fields with those inside one array together, each once."""
-    found: dict[str, Field] = {}
-    for each in fields:
-        known = found.get(each.path)
-        kept = each
-        if known is not None and each.kind is Kind.TABLE:
-            inside = merged((*known.inside, *each.inside))
-            kept = Field(each.path, each.kind, max(known.length, each.length), inside)
-        elif known is not None:
-            kept = max(known, each, key=lambda field: field.length)
-        found[each.path] = kept
-    return tuple(found.values())
+def columns_of(paths: Iterable[FieldPath]) -> Columns:
+    """Return all that must be decoded, each once."""
+    return tuple(dict.fromkeys(column for path in paths for column in path.columns))

@@ -55,7 +55,7 @@ class Base:
 
     def read(self, batch: Batch, channels: Sequence[Channel]) -> list[BasePoses]:
         """Read the poses of a batch; one entry a definition, nearly always one."""
-        decoded = decode_channels(batch, channels, self.source.fields)
+        decoded = decode_channels(batch, channels, self.source.columns)
         return [_read(self.source, messages, self.element) for messages in decoded]
 
 

@@ -104,7 +104,7 @@ def read_contacts(
     return [
         _read(source, messages, feet)
         for source in sorted(groups, key=lambda each: order.get(each.row.name, len(order)))
-        for messages in decode_channels(batch, groups[source], source.fields)
+        for messages in decode_channels(batch, groups[source], source.columns)
     ]
 
 

@@ -1,8 +1,8 @@
 """From the messages of a batch to decoded tables: all channels of one definition in one go."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Final
 
 import numpy as np
@@ -14,15 +14,15 @@ from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.decode.columns import Table
 from dogbot_logtool.reader.decode.decode import decode
 from dogbot_logtool.reader.decode.definition import Struct, parse_definition, short_type_name
-from dogbot_logtool.reader.decode.fields import Fields, check_fields, column_paths
 from dogbot_logtool.reader.decode.known_definitions import known_definition
 from dogbot_logtool.reader.decode.message_layout import Layout, Serialisation, compile_layout
 from dogbot_logtool.reader.decode.objects import (
     OBJECT_ENCODINGS,
-    check_object_type,
-    decode_object,
-    table_of_rows,
+    as_ros1,
+    object_definition,
+    only,
 )
+from dogbot_logtool.reader.decode.paths import Columns
 
 SERIALISATIONS: Final[Mapping[str, Serialisation]] = {"ros1": "ros1", "cdr": "cdr"}
 """By the names of messages' encodings."""
@@ -42,39 +42,39 @@ class DecodedMessages:
     """Messages that could not be decoded, by channel id."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Decoder:
+    """How the messages of a type are decoded. It is a key of caches, by its identity."""
+
+    layout: Layout
+    as_ros1: Callable[[bytes], bytes | None] | None = None
+    """Writes a message as the layout's definition has it; None: it is as it stands."""
+
+
 def decode_channels(
-    batch: Batch, channels: Sequence[Channel], fields: Fields
+    batch: Batch, channels: Sequence[Channel], columns: Columns
 ) -> list[DecodedMessages]:
     """Decode some fields of all messages of some channels; a batch keeps them for the next call.
 
     Args:
         batch: the batch.
         channels: the channels to take.
-        fields: what is read of them.
+        columns: what is read of them.
 
     Returns:
         one entry a definition that the batch has messages of; nearly always one.
 
     Raises:
-        DefinitionError: a channel's messages cannot be decoded, see `check_channel`.
+        DefinitionError: a channel's messages cannot be decoded, see `described`.
     """
-    wanted = (fields, *(channel.id for channel in channels))
+    wanted = (columns, *(channel.id for channel in channels))
     if wanted not in batch.decoded:
-        batch.decoded[wanted] = _decoded(batch, channels, fields)
+        by_decoder: dict[_Decoder, list[int]] = {}
+        for channel in channels:
+            by_decoder.setdefault(_decoder(*_declared(channel), columns), []).append(channel.id)
+        decoded = [_decode(batch, decoder, ids) for decoder, ids in by_decoder.items()]
+        batch.decoded[wanted] = [messages for messages in decoded if messages is not None]
     return list(batch.decoded[wanted])
-
-
-def _decoded(batch: Batch, channels: Sequence[Channel], fields: Fields) -> list[DecodedMessages]:
-    by_layout: dict[int, tuple[Layout, list[int]]] = {}
-    decoded: list[DecodedMessages | None] = []
-    for channel in channels:
-        if channel.message_encoding in OBJECT_ENCODINGS:
-            decoded.append(_decode_objects(batch, channel, fields))
-            continue
-        layout, _ = _layout_of(channel, fields)
-        by_layout.setdefault(id(layout), (layout, []))[1].append(channel.id)
-    decoded += [_decode(batch, layout, ids) for layout, ids in by_layout.values()]
-    return [messages for messages in decoded if messages is not None]
 
 
 def malformed_in(decoded: Iterable[DecodedMessages]) -> dict[int, int]:
@@ -86,13 +86,21 @@ def malformed_in(decoded: Iterable[DecodedMessages]) -> dict[int, int]:
     return {channel: count for messages in decoded for channel, count in messages.malformed.items()}
 
 
-def _decode(batch: Batch, layout: Layout, ids: list[int]) -> DecodedMessages | None:
+def _decode(batch: Batch, decoder: _Decoder, ids: list[int]) -> DecodedMessages | None:
     messages = batch.messages
     rows = np.flatnonzero(np.isin(messages.channel, ids))
     if not len(rows):
         return None
     channel = messages.channel[rows]
-    table, sound = decode(layout, batch.buffer, messages.start[rows], messages.end[rows])
+    buffer, start, end = batch.buffer, messages.start[rows], messages.end[rows]
+    if decoder.as_ros1 is not None:
+        recorded = (buffer[a:b].tobytes() for a, b in zip(start, end, strict=True))
+        # A single byte is no message of ROS 1.
+        written = [decoder.as_ros1(payload) or b"\0" for payload in recorded]
+        buffer = np.frombuffer(b"".join(written), np.uint8)
+        end = np.cumsum([len(each) for each in written])
+        start = np.append(0, end[:-1])
+    table, sound = decode(decoder.layout, buffer, start, end)
     if sound.all():
         return DecodedMessages(channel, messages.log_time[rows], table, {})
     lost, counts = np.unique(channel[~sound], return_counts=True)
@@ -100,98 +108,85 @@ def _decode(batch: Batch, layout: Layout, ids: list[int]) -> DecodedMessages | N
     return DecodedMessages(channel[sound], messages.log_time[rows][sound], table, malformed)
 
 
-def _decode_objects(batch: Batch, channel: Channel, fields: Fields) -> DecodedMessages | None:
-    """Decode the messages of a channel one by one."""
-    messages = batch.messages
-    rows = np.flatnonzero(messages.channel == channel.id)
-    if not len(rows):
-        return None
-    kind, encoding = channel.type_name, channel.message_encoding
-    payloads = (
-        batch.buffer[messages.start[row] : messages.end[row]].tobytes() for row in rows.tolist()
-    )
-    decoded = [decode_object(kind, encoding, payload, fields) for payload in payloads]
-    sound = rows[[row is not None for row in decoded]]
-    table = table_of_rows([row for row in decoded if row is not None], fields)
-    lost = len(rows) - len(sound)
-    malformed = {channel.id: lost} if lost else {}
-    return DecodedMessages(messages.channel[sound], messages.log_time[sound], table, malformed)
-
-
-def check_channel(channel: Channel, fields: Fields) -> str:
-    """Check that a channel's messages can be decoded, and their fields are as declared.
-
-    Returns:
-        why the definition that comes with this program is used, not the log's; empty: the log's is.
-
-    Raises:
-        DefinitionError: they cannot; the sentence does not name the topic.
-    """
-    if channel.message_encoding in OBJECT_ENCODINGS:
-        check_object_type(channel.type_name, channel.message_encoding)
-        return ""
-    return _layout_of(channel, fields)[1]
-
-
 def definition_of(channel: Channel) -> Struct:
-    """Return the definition by which a channel's messages are decoded.
+    """Return the definition that a log of ROS has of a channel's messages.
 
     Raises:
         DefinitionError: there is none; the sentence does not name the topic.
     """
-    return _definition(*_declared(channel))[0]
+    if channel.message_encoding in OBJECT_ENCODINGS:
+        raise DefinitionError("its messages are objects")
+    return described(channel)[0]
 
 
-def _declared(channel: Channel) -> tuple[str, str, bytes, Serialisation]:
-    """Return a type's name, the definition's encoding and text, and how messages are encoded."""
-    if channel.schema is None:
-        raise DefinitionError("its messages have no type")
-    schema, encoding = channel.schema, channel.message_encoding
-    if encoding not in SERIALISATIONS:
-        raise DefinitionError(
-            f"messages encoded as {encoding!r} are not read, only ROS 1's and CDR"
-        )
-    return schema.name, schema.encoding, schema.data, SERIALISATIONS[encoding]
+def described(channel: Channel) -> tuple[Struct, str]:
+    """Return the definition by which a channel's messages are decoded.
 
-
-def _layout_of(channel: Channel, fields: Fields) -> tuple[Layout, str]:
-    """Return what decodes a channel's messages, and why it is not the log's definition.
+    Returns:
+        it, and why it comes with this program and is not the log's; empty: it is the log's.
 
     Raises:
-        DefinitionError: they cannot be decoded.
+        DefinitionError: there is none; the sentence does not name the topic.
     """
-    found = _compiled(_declared(channel), fields)
+    found = _definition(*_declared(channel))
     if isinstance(found, str):
         raise DefinitionError(found)
     return found
 
 
+_Declared = tuple[str, str, bytes, str]
+"""A type's name, the encoding and text of its definition, and the encoding of messages."""
+
+
+def _declared(channel: Channel) -> _Declared:
+    encoding = channel.message_encoding
+    if encoding in OBJECT_ENCODINGS:
+        return channel.type_name, "", b"", encoding
+    if channel.schema is None:
+        raise DefinitionError("its messages have no type")
+    if encoding not in SERIALISATIONS:
+        raise DefinitionError(
+            f"messages encoded as {encoding!r} are not read, only ROS 1's and CDR"
+        )
+    return channel.schema.name, channel.schema.encoding, channel.schema.data, encoding
+
+
 @lru_cache(maxsize=256)
-def _compiled(
-    declared: tuple[str, str, bytes, Serialisation], fields: Fields
-) -> tuple[Layout, str] | str:
-    """Compile a layout once for every definition; why it cannot be compiled is remembered, too."""
-    try:
-        definition, own_because = _definition(*declared)
-        check_fields(definition, fields, short_type_name(declared[0]))
-    except DefinitionError as error:
-        return str(error)
-    return compile_layout(definition, declared[-1], column_paths(fields)), own_because
+def _decoder(
+    name: str, schema_encoding: str, data: bytes, encoding: str, columns: Columns
+) -> _Decoder:
+    """Compile what decodes the messages of a type.
+
+    Raises:
+        DefinitionError: they cannot be decoded.
+    """
+    found = _definition(name, schema_encoding, data, encoding)
+    if isinstance(found, str):
+        raise DefinitionError(found)
+    definition, _ = found
+    if encoding not in OBJECT_ENCODINGS:
+        return _Decoder(compile_layout(definition, SERIALISATIONS[encoding], columns))
+    definition = only(definition, columns)
+    layout = compile_layout(definition, "ros1", None)
+    return _Decoder(layout, partial(as_ros1, name, encoding, definition=definition))
 
 
+@lru_cache(maxsize=256)
 def _definition(
-    name: str, schema_encoding: str, data: bytes, serialisation: Serialisation
-) -> tuple[Struct, str]:
-    """Return a type's definition: the log's, else our own and why."""
+    name: str, schema_encoding: str, data: bytes, encoding: str
+) -> tuple[Struct, str] | str:
+    """Return a type's definition: the log's, else our own and why; or why there is none."""
     text = data.decode("utf-8", "replace")
     try:
+        if encoding in OBJECT_ENCODINGS:
+            return object_definition(name, encoding), ""
         # A definition has a line that is no comment.
         if not any(line.partition("#")[0].strip() for line in text.splitlines()):
             raise DefinitionError(f"the log has no definition of {short_type_name(name)}")
         return parse_definition(name, text, schema_encoding), ""
     except DefinitionError as error:
-        own = known_definition(name, serialisation=serialisation)
-        if own is None:
-            raise
-        encoding = "ros1msg" if serialisation == "ros1" else "ros2msg"
-        return parse_definition(name, own, encoding), str(error)
+        own = known_definition(name, serialisation=SERIALISATIONS.get(encoding, "cdr"))
+        if own is None or encoding in OBJECT_ENCODINGS:
+            return str(error)
+        schema_encoding = "ros1msg" if encoding == "ros1" else "ros2msg"
+        return parse_definition(name, own, schema_encoding), str(error)

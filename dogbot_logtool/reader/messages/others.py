@@ -48,7 +48,7 @@ def _decoded(
         if source is not None and not source.fault:
             groups.setdefault(source, []).append(channel)
     for source, own in groups.items():
-        yield from ((source, each) for each in decode_channels(batch, own, source.fields))
+        yield from ((source, each) for each in decode_channels(batch, own, source.columns))
 
 
 # Joints

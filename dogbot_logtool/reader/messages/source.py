@@ -11,10 +11,9 @@ from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.decode.definition import Struct
-from dogbot_logtool.reader.decode.fields import Fields, check_fields
-from dogbot_logtool.reader.decode.paths import FieldPath, Want, merged, path_of
+from dogbot_logtool.reader.decode.paths import Columns, FieldPath, Want, columns_of, path_of
 from dogbot_logtool.reader.messages.message_type import WANTS, MessageType, Part
-from dogbot_logtool.reader.messages.messages import DecodedMessages, check_channel, definition_of
+from dogbot_logtool.reader.messages.messages import DecodedMessages, described
 from dogbot_logtool.reader.messages.table import rows_of
 
 Paths = Mapping[str, tuple[FieldPath, ...]]
@@ -27,7 +26,7 @@ class Source:
 
     row: MessageType
     paths: Paths
-    fields: Fields
+    columns: Columns
     """What is decoded of each message."""
     fault: str = ""
     """Why messages cannot be read; empty: they can."""
@@ -122,22 +121,22 @@ def first_fitting(
         part: what is read of it.
         given: paths that are fitted already, by field.
     """
-    try:
-        definition = definition_of(channel)
-    except DefinitionError:
-        definition = None
     faulty: list[Source] = []
     for row in rows:
-        source = _fitted(row, part, definition, given or {})
         try:
-            return replace(source, own_definition=check_channel(channel, source.fields))
+            return _fitted(row, part, channel, given or {})
         except DefinitionError as error:
-            faulty.append(replace(source, fault=str(error)))
+            faulty.append(Source(row, {}, (), fault=str(error)))
     return faulty[0]
 
 
-def _fitted(row: MessageType, part: Part, definition: Struct | None, given: Paths) -> Source:
-    """Return a row with the paths that a definition has, or else ought to have."""
+def _fitted(row: MessageType, part: Part, channel: Channel, given: Paths) -> Source:
+    """Return a row with the paths that a channel's definition has.
+
+    Raises:
+        DefinitionError: it lacks one.
+    """
+    definition, own_because = described(channel)
     wants = dict(WANTS[part])
     if part == "feet" and row.axes is not WrenchFrame.LINK:
         del wants["frame"]
@@ -145,28 +144,29 @@ def _fitted(row: MessageType, part: Part, definition: Struct | None, given: Path
         wants |= {field: WANTS["base"][field] for field in ("position", "orientation")}
     found = dict(given)
     for field, want in wants.items():
-        chosen = [_chosen(text, want, definition) for text in row.paths(field)]
-        if field not in given and (paths := tuple(path for path in chosen if path is not None)):
+        texts = () if field in given else row.paths(field)
+        chosen = [_chosen(text, want, definition) for text in texts]
+        if paths := tuple(path for path in chosen if path is not None):
             found[field] = paths
-    declared = [path for name in (*given, *wants) for path in found.get(name, ())]
+    declared = [path for paths in found.values() for path in paths]
     if part == "feet" and row.pairs is not None:
-        declared += [path_of(text, want) for text, want in row.pairs.paths.items()]
-    return Source(row, found, merged(field for path in declared for field in path.fields))
+        declared += [path_of(text, want, definition) for text, want in row.pairs.paths.items()]
+    return Source(row, found, columns_of(declared), own_definition=own_because)
 
 
-def _chosen(text: str, want: Want, definition: Struct | None) -> FieldPath | None:
-    """Return the first of some alternatives that a definition has; None: it need not have one."""
+def _chosen(text: str, want: Want, definition: Struct) -> FieldPath | None:
+    """Return the first of some alternatives that a definition has; None: it need not have one.
+
+    Raises:
+        DefinitionError: it has none.
+    """
+    faults: list[DefinitionError] = []
     alternatives = text.split("|")
-    paths = [path_of(each, want, definition) for each in alternatives if each]
-    for path in paths:
-        if definition is None or _has(definition, path.fields):
-            return path
-    return None if "" in alternatives else paths[0]
-
-
-def _has(definition: Struct, fields: Fields) -> bool:
-    try:
-        check_fields(definition, fields, "")
-    except DefinitionError:
-        return False
-    return True
+    for each in filter(None, alternatives):
+        try:
+            return path_of(each, want, definition)
+        except DefinitionError as error:
+            faults.append(error)
+    if "" in alternatives:
+        return None
+    raise faults[0]

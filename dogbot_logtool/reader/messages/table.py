@@ -115,8 +115,8 @@ def _vectors() -> Iterator[Row]:
 def _joints() -> Iterator[Row]:
     for package in ("foxglove.", "foxglove_msgs/"):
         yield Row(f"{package}JointStates", stamp="timestamp", joint="joints[].name",
-                  joint_position="joints[].position?", joint_velocity="joints[].velocity?",
-                  joint_effort="joints[].effort?")
+                  joint_position="joints[].position", joint_velocity="joints[].velocity",
+                  joint_effort="joints[].effort")
 
 
 def _feet() -> Iterator[Row]:

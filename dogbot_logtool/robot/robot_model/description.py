@@ -17,8 +17,8 @@ from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import shell_joined
 from dogbot_logtool.io.storage import content
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.decode.fields import Field, Kind
-from dogbot_logtool.reader.messages.messages import check_channel
+from dogbot_logtool.reader.decode.paths import path_of
+from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.robot.robot_model.primitives import primitive_urdf
 from dogbot_logtool.robot.robot_model.skeleton import robot_shape, skeleton
 from dogbot_logtool.robot.robot_model.urdf import (
@@ -32,7 +32,6 @@ from dogbot_logtool.robot.topics import first_messages
 
 _LARGEST: Final = 16 << 20
 """Bytes of a URDF that are read."""
-_TEXT: Final = (Field("data", Kind.TEXT),)
 
 
 def read_urdf(file: Path) -> str:
@@ -74,12 +73,12 @@ def own_description(log: Log) -> str | None:
     """Return the log's first robot description; None: it has none that can be read."""
     for channel in description_channels(log):
         try:
-            check_channel(channel, _TEXT)
+            urdf = path_of("data", "text", definition_of(channel))
         except DefinitionError:
             continue
-        for messages in first_messages(log, channel, _TEXT):
+        for messages in first_messages(log, channel, urdf.columns):
             if len(messages.channel):
-                return messages.table.texts("data").text(0)
+                return urdf.texts(messages.table)[1].text(0)
     return None
 
 

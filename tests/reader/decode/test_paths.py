@@ -12,9 +12,8 @@ from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.decode.columns import Nested, Table
 from dogbot_logtool.reader.decode.definition import parse_definition
 from dogbot_logtool.reader.decode.field_path import parse_field_path, readable_fields
-from dogbot_logtool.reader.decode.fields import Kind, check_fields
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
-from dogbot_logtool.reader.decode.paths import MOST_ELEMENTS, Want, merged, path_of
+from dogbot_logtool.reader.decode.paths import MOST_ELEMENTS, Want, path_of
 
 STATE: Final = parse_definition(
     "odd/State",
@@ -62,22 +61,33 @@ float64 w
     ],
 )
 def test_paths_that_a_definition_has(text: str, want: Want) -> None:
-    check_fields(STATE, path_of(text, want, STATE).fields, "odd/State")
+    assert path_of(text, want, STATE).columns
 
 
-@pytest.mark.parametrize("text", ["", ".", "a..b", "a[", "a[-2]", "a[1:2:3]", "a[9999999]", "1a"])
+@pytest.mark.parametrize("text", ["", ".", "mode..b", "mode[", "cells[-2]", "cells[1:2:3]", "1a"])
 def test_what_is_no_path_is_refused(text: str) -> None:
-    if text:
-        with pytest.raises(ValueError, match="is no path of a field"):
-            path_of(text, "number")
-    else:
-        assert path_of(text, "number").leaf == ""
+    with pytest.raises(ValueError, match="is no path of a field"):
+        path_of(text, "number", STATE)
 
 
-def test_fields_of_one_array_are_decoded_together() -> None:
-    paths = [path_of("legs[].label", "text", STATE), path_of("legs[].force.x", "number", STATE)]
-    (legs,) = merged(field for path in paths for field in path.fields)
-    assert (legs.kind, [field.path for field in legs.inside]) == (Kind.TABLE, ["label", "force.x"])
+@pytest.mark.parametrize(
+    ("text", "want", "words"),
+    [
+        ("name", "number", "field 'name' of odd/State must be a single number"),
+        ("mode", "text", "must be a single string, but the log's definition has int8"),
+        ("mode", "time", "must be a single time"),
+        ("mode.x", "number", "field 'mode' of odd/State must be a single message"),
+        ("legs[].weight", "number", "has no field 'legs.weight', which is needed"),
+        ("legs[].turn", "number", "field 'legs.turn' of odd/State must be a single number"),
+        ("name[]", "text", "must be a sequence of strings"),
+        ("loads[].x", "number", "must be an array of messages"),
+        ("legs[]", "number", "must be a sequence of numbers"),
+        ("loads[4]", "number", "must be a fixed array of at least 5 numbers"),
+    ],
+)
+def test_what_a_definition_does_not_have_is_refused(text: str, want: Want, words: str) -> None:
+    with pytest.raises(DefinitionError, match=re.escape(words)):
+        path_of(text, want, STATE)
 
 
 def table(lists: list[list[float]], order: list[int]) -> Table:
@@ -98,14 +108,14 @@ def test_elements_are_those_of_each_message(
     lists: list[list[float]], order: list[int], index: int
 ) -> None:
     given_lists = table(lists, order)
-    (one,) = path_of(f"cells[{index}]", "number").values(given_lists).T[0]
+    (one,) = path_of(f"cells[{index}]", "number", STATE).values(given_lists).T[0]
     expected = [values[index] if index < len(values) else np.nan for values in lists]
     np.testing.assert_array_equal(one, expected)
 
-    last = path_of("cells[-1]", "number").values(given_lists)[:, 0, 0]
+    last = path_of("cells[-1]", "number", STATE).values(given_lists)[:, 0, 0]
     np.testing.assert_array_equal(last, [values[-1] if values else np.nan for values in lists])
 
-    every = path_of("cells[]", "number").values(given_lists)[:, :, 0]
+    every = path_of("cells[]", "number", STATE).values(given_lists)[:, :, 0]
     most = min(max(map(len, lists)), MOST_ELEMENTS)
     padded = [(values + [np.nan] * most)[:most] for values in lists]
     np.testing.assert_array_equal(every, np.array(padded).reshape(len(lists), most))
@@ -116,7 +126,7 @@ def test_elements_are_those_of_each_message(
 )
 def test_vectors_of_arrays_of_another_length_are_not_known(condition: str, fits: list[int]) -> None:
     lists = [[float(number) for number in range(length)] for length in (3, 4, 5, 6, 7)]
-    path = path_of(f"cells[1:4 by 3 {condition}]".replace(" ]", "]"), "xyz")
+    path = path_of(f"cells[1:4 by 3 {condition}]".replace(" ]", "]"), "xyz", STATE)
     found = path.values(table(lists, list(range(6))))
     assert found.shape == (5, 1, 3)
     for values, row in zip(lists, found[:, 0], strict=True):
