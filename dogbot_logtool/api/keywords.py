@@ -11,7 +11,7 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.storage import Location, location
 from dogbot_logtool.option import as_keyword, definitions, make, options_of
 from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
-from dogbot_logtool.robot.settings import check_robot_options
+from dogbot_logtool.robot.robot import check_robot_options
 
 PathOrName = str | os.PathLike[str]
 """A file, the directory of a ROS 2 bag, or a URL."""

@@ -50,7 +50,7 @@ class Call:
             CallError: see `check_robot_options`.
         """
         if getattr(options, "set", None) or getattr(options, "foot", None):
-            from dogbot_logtool.robot.settings import check_robot_options  # noqa: PLC0415 - seldom
+            from dogbot_logtool.robot.robot import check_robot_options  # noqa: PLC0415 - seldom
 
             check_robot_options(options)
         self._quiet = options.quiet

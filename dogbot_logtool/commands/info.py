@@ -23,8 +23,8 @@ from dogbot_logtool.robot.annotated import without_annotations
 from dogbot_logtool.robot.frames import Frames, frame_findings, read_frames
 from dogbot_logtool.robot.measuring.plan import settings_of
 from dogbot_logtool.robot.measuring.side_topics import joint_channels, side_topics
-from dogbot_logtool.robot.message_feet import is_planned
 from dogbot_logtool.robot.selection import Selection, select_topics
+from dogbot_logtool.robot.topics import is_planned
 from dogbot_logtool.run.runner import OnProgress
 
 _FIRST_NS: Final = 2_000_000_000
@@ -121,8 +121,7 @@ def _first_seconds(log: Log, selection: Selection) -> tuple[KnownFrames, list[Fi
     last = (log.start_time or 0) + _FIRST_NS
     chunks = [
         chunk
-        for chunk in log.chunks
-        if chunk.counts is None or not used.isdisjoint(chunk.counts)
+        for chunk in log.chunks_of(used)
         if (chunk.start_time or 0) <= last or not static.isdisjoint(chunk.counts or ())
     ]
     read = read_recording(log, selection.wanted(), 1, spans=log.grouped(chunks))

@@ -88,7 +88,7 @@ def measure_planned(
     )
     damage = damage_of(log, _losses(log, read, plan.wanted.limits))
     told = prepare(log, read.recording, plan, options)
-    known = (*told.findings, *_order_findings(log, read.recording.out_of_order))
+    known = (*told.findings, *_order_findings(read.recording.out_of_order))
     lost = [Finding("LOST", damage.text)] if damage.losses else []
     walk = analyse(
         told.recording,
@@ -131,14 +131,15 @@ def _what_was_read(
     )
 
 
-def _order_findings(log: Log, out_of_order: int) -> Iterator[Finding]:
+def _order_findings(out_of_order: int) -> Iterator[Finding]:
     """Say that messages were sorted.
 
     Args:
-        log: the log.
         out_of_order: messages that stood behind later ones of their channel.
     """
-    if log.is_reordered or out_of_order:
-        count = f": {out_of_order:,} go back" if out_of_order else ""
-        text = f"messages stand out of order in the file{count}; they are read by their log times"
+    if out_of_order:
+        text = (
+            f"messages stand out of order in the file: {out_of_order:,} go back; they are read by "
+            "their log times"
+        )
         yield Finding("OUT_OF_ORDER", text)

@@ -11,14 +11,11 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
-from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.falls import find_tipping
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.base.witness import by_legs
 from dogbot_logtool.core.checks.engine import consequence, findings_of
+from dogbot_logtool.core.commands import follow_commands
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected, correct
 from dogbot_logtool.core.gait.segments import (
@@ -27,8 +24,7 @@ from dogbot_logtool.core.gait.segments import (
     main_segment,
     reference_foot,
 )
-from dogbot_logtool.core.gait.strides import any_strides
-from dogbot_logtool.core.imu import ImuComparison, compare_imu
+from dogbot_logtool.core.imu import compare_imu
 from dogbot_logtool.core.leg_position import quadruped
 from dogbot_logtool.core.masks import loads_in, mask_walk, stability_in, support_in
 from dogbot_logtool.core.metrics import Log
@@ -41,9 +37,7 @@ from dogbot_logtool.core.walk_metrics.walk import metrics_of
 from dogbot_logtool.finding import Finding
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.commands import CommandTrack
     from dogbot_logtool.core.legs.paths import LegSettings
-    from dogbot_logtool.core.vectors import VectorHistory
 
 NO_LOG: Final = Log("", "", "", None, None, 0, 0, 0)
 """What was read, for columns that come from no log."""
@@ -71,7 +65,7 @@ def analyse(
         known: what was found while it was read.
     """
     corrected = correct(recording, settings)
-    walk = _measured(mask_walk(corrected), corrected)
+    walk = _measured(mask_walk(corrected))
     legs = find_legs(recording, corrected) if find_legs else None
     if legs is not None:
         walk = _with_legs(walk, recording, corrected, legs)
@@ -89,7 +83,7 @@ def judge(walk: Walk, log: Log, known: Iterable[Finding] = ()) -> Walk:
     return replace(walk, findings=tuple(findings), metrics=metrics_of(walk, log, findings))
 
 
-def _measured(walk: Walk, corrected: Corrected) -> Walk:
+def _measured(walk: Walk) -> Walk:
     """Measure a walk of which the masks are known."""
     settings, records, feet = walk.settings, walk.records, walk.feet
     supported = support_in(walk)
@@ -101,11 +95,7 @@ def _measured(walk: Walk, corrected: Corrected) -> Walk:
     if walk.contacts_known and not (walk.base_is_apart or walk.base_by_feet):
         offset_m = settings.com_offset_m or (0.0, 0.0, 0.0)
         placed_at = instants(records, walk.placed_poses, settings.forward_axis, offset_m)
-    walk = replace(walk, instants=placed_at)
-    # In segments with strides the robot steps.
-    steps = [each.spans for each in segments if each.strides]
-    stepping = timespans.merge(np.concatenate([timespans.no_spans(), *steps]))
-    return replace(
+    walk = replace(
         walk,
         origin=origin,
         end=end,
@@ -115,10 +105,14 @@ def _measured(walk: Walk, corrected: Corrected) -> Walk:
         segments=segments,
         main=main_segment(segments),
         support=supported,
+        instants=placed_at,
+    )
+    return replace(
+        walk,
         loads=loads_in(walk),
         stability=stability_in(walk),
-        command_track=_command_track(walk, corrected.commands, stepping),
-        imu=_imu(walk, corrected.inertial),
+        command_track=follow_commands(walk, walk.commands),
+        imu=compare_imu(walk, walk.inertial),
     )
 
 
@@ -132,39 +126,6 @@ def _with_plan(walk: Walk, planned: Walk) -> Walk:
         follow_plan(foot, plan[foot.name]) if foot.name in plan else None for foot in walk.feet
     )
     return replace(walk, planned=found)
-
-
-def _command_track(
-    walk: Walk, commands: "VectorHistory | None", stepping: Ints
-) -> "CommandTrack | None":
-    """Compare commands with the base's velocity over time, in logs that have any."""
-    if commands is None:
-        return None
-    from dogbot_logtool.core.commands import follow_commands  # noqa: PLC0415
-
-    axis, jumps = walk.settings.forward_axis, walk.jumps.spans
-    poses = walk.track.history
-    return follow_commands(commands, poses, jumps, axis, stepping, walk.period_s)
-
-
-def _imu(walk: Walk, inertial: "VectorHistory | None") -> ImuComparison | None:
-    """Compare accelerometer, forces and poses, in logs that have all of them."""
-    if inertial is None:
-        return None
-    apart = walk.feet_clocks_are_apart or walk.base_is_apart
-    comparable = walk.vertical_known and not (apart or walk.settings.lacks_feet)
-    strides = any_strides(walk.records, walk.fallen, walk.standing.without_steps)
-    return compare_imu(
-        inertial,
-        walk.poses,
-        walk.jumps.spans,
-        walk.records if comparable else (),
-        mass_kg=walk.settings.mass_kg,
-        mounting=walk.settings.imu_mounting,
-        period_s=walk.period_s,
-        fallen=walk.fallen,
-        strides=timespans.merge(strides),
-    )
 
 
 def _extent(feet: Sequence[FootHistory], base: BaseHistory) -> tuple[int, int]:

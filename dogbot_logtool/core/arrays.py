@@ -320,6 +320,12 @@ def rows_of_runs(begin: Ints, end: Ints) -> tuple[Ints, Ints, Ints]:
     return np.arange(len(run)) + (begin - first)[run], run, first
 
 
+def runs_of(numbers: Ints) -> tuple[Ints, Ints]:
+    """(k,) first row and (k,) length of each run of equal numbers, (n,) not negative."""
+    first = np.flatnonzero(np.diff(numbers, prepend=-1))
+    return first, np.diff(first, append=len(numbers))
+
+
 def sorted_runs(values: Floats, first: Ints) -> Floats:
     """Sort the values of each run.
 

@@ -5,8 +5,6 @@ stride, which is no error. Commands are averaged alike, so that this delays noth
 until the next, but not beyond a time-out.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -15,22 +13,18 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.compared import AXES, TRACKING_HZ, CommandTrack
 from dogbot_logtool.core.integral import Integral
-from dogbot_logtool.core.metrics import Commands, Tracking, Turning
-from dogbot_logtool.core.records import Number
 from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.core.vectors import VectorHistory
+from dogbot_logtool.core.walk import Walk
 
-TRACKING_HZ: Final = 50.0
-"""Commanded and measured velocity are compared so often."""
 USUAL_WINDOW_S: Final = 0.5
 """s, what velocities are averaged over in a log without strides."""
 TIMEOUT_S: Final = 0.5
 """s; what ros2_controllers' diff_drive_controller waits for a command before it stops."""
 SPARSE_NS: Final = 1_000_000_000
 """ns; poses further apart than this tell no speed."""
-AXES: Final = ("forward", "lateral", "yaw")
-"""The columns of velocities: m/s forward, m/s to the left, rad/s to the left."""
 ZERO: Final = 0.01
 """m/s or rad/s; commands up to it stand for none."""
 STRAIGHT_MPS: Final = 0.05
@@ -51,86 +45,28 @@ _FEWEST_WINDOWS: Final = 4
 """Times the window; a correlation over less time means nothing."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class CommandTrack:
-    """Commanded and measured velocity over time."""
-
-    history: VectorHistory
-    axes: str | None
-    """``forward``: a command's x is the robot's forward direction; ``body``: x of the base's frame.
-    None: cannot be told."""
-    window_ns: int
-    timeout_ns: int
-    commanded_s: float
-    """s with a command, of the time that is known of the base; also `no_command_s`, without."""
-    no_command_s: float
-    time: Ints
-    """(n,) ns, times whose window is known of the base and of the command."""
-    commanded: Floats
-    """(n, 3) as in `AXES`; also `measured`."""
-    measured: Floats
-    opposed: tuple[str, ...]
-    """The axes of which the base does the opposite of the command."""
-    drifts: Mapping[str, Floats]
-    """(3,) mean velocity while ``straight`` ahead is commanded, and while the robot steps ``in
-    place``, where it does so for long enough."""
-
-    @property
-    def breaks(self) -> Ints:
-        """(b, 2) ns, holes between neighbouring times, over which no line leads."""
-        rows = np.flatnonzero(np.diff(self.time) > 1.5e9 / TRACKING_HZ)
-        return np.stack([self.time[rows], self.time[rows + 1]], axis=1)
-
-    def errors(self, axis: int) -> tuple[Number, Number, Number, Number]:
-        """Return means of command and measurement, mean and rms of measured less commanded."""
-        if not len(self.time) or (axis < 2 and self.axes is None):
-            return None, None, None, None
-        commanded, measured = self.commanded[:, axis], self.measured[:, axis]
-        error = measured - commanded
-        rms = float(np.sqrt((error * error).mean()))
-        return float(commanded.mean()), float(measured.mean()), float(error.mean()), rms
-
-    def metrics(self) -> Commands:
-        """Return how the base follows its commands."""
-        forward, lateral, yaw = (self.errors(axis) for axis in range(3))
-        return Commands(
-            topic=self.history.topic,
-            commanded_s=self.commanded_s,
-            forward=Tracking(*forward),
-            lateral=Tracking(*lateral),
-            yaw=Turning(*yaw),
-        )
-
-
-def follow_commands(
-    history: VectorHistory,
-    base: BaseHistory,
-    jumps: Ints,
-    forward_axis: str,
-    stepping: Ints,
-    period_s: float | None,
-) -> CommandTrack | None:
+def follow_commands(walk: Walk, history: VectorHistory | None) -> CommandTrack | None:
     """Compare commands with the base's velocity over time.
 
     Args:
-        history: commands: linear x and y, angular z.
-        base: poses without jumps.
-        jumps: (j, 2) ns.
-        forward_axis: the body's axis that points forward.
-        stepping: (s, 2) ns, time in which the robot steps.
-        period_s: s, the usual stride; None: there are none.
+        walk: its base, and when the robot steps.
+        history: commands: linear x and y, angular z; None: there are none.
 
     Returns:
         None without commands or poses.
     """
-    if len(base.time) < 2 or not len(history.time):
+    base, forward_axis = walk.track.history, walk.settings.forward_axis
+    if history is None or len(base.time) < 2 or not len(history.time):
         return None
-    window = round((period_s or USUAL_WINDOW_S) * 1e9)
+    # In segments with strides the robot steps.
+    steps = [each.spans for each in walk.segments if each.strides]
+    stepping = timespans.merge(np.concatenate([timespans.no_spans(), *steps]))
+    window = round((walk.period_s or USUAL_WINDOW_S) * 1e9)
     timeout = round(max(TIMEOUT_S * 1e9, history.gap_ns if np.isfinite(history.gap_ns) else 0.0))
     until = np.append(history.time[1:], history.time[-1:] + timeout)
     held = np.stack([history.time, np.minimum(until, history.time + timeout)], axis=1)
     holds = timespans.merge(held)
-    way, known = _base_way(base, forward_axis, jumps)
+    way, known = _base_way(base, forward_axis, walk.jumps.spans)
     both = timespans.intersect([known, holds])
     time = timespans.ticks(both, round(1e9 / TRACKING_HZ))
     half = window // 2

@@ -7,9 +7,6 @@ means over one stride about each of 25 instants a second. How the sensor sits on
 which unit it reads, is told by gravity.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from enum import StrEnum
 from typing import Final
 
 import numpy as np
@@ -17,13 +14,14 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.compared import ForceComparison, ImuComparison, Mounting, Reading
+from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.integral import Integral, trapezoids
 from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
-from dogbot_logtool.core.metrics import Imu
 from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, normalised, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.vectors import VectorHistory
+from dogbot_logtool.core.walk import Walk
 
 STANDING_WINDOW_S: Final = 0.5
 """s, what means are over in a log without strides."""
@@ -39,8 +37,6 @@ TOLERANCE: Final = 0.05
 """Share by which an accelerometer of g may read too much or too little."""
 NO_GRAVITY: Final = 0.04
 """Share of g: a mean specific force below it has no gravity in it; one in g reads 0.1 of it."""
-TILTED_RAD: Final = np.deg2rad(5.0)
-"""A mounting that is less off is as good as mountings are."""
 STEADY: Final = 0.1
 """Share of g: root mean square of means over strides that a mounting need not explain."""
 
@@ -61,107 +57,23 @@ _SHIFTS: Final = 0.05
 """Standard deviation of a foot's share from which the load shifts to and from it."""
 
 
-class Reading(StrEnum):
-    """The kind of readings of an accelerometer."""
-
-    SOUND = "m/s^2"
-    IN_G = "g"
-    WITHOUT_GRAVITY = "without gravity"
-    NOTHING = "nothing"
-    OTHER_SCALE = "another scale"
-    UNCLEAR = "unclear"
-
-
 _COMPARABLE: Final = frozenset({Reading.SOUND, Reading.IN_G, Reading.WITHOUT_GRAVITY})
 """Readings that tell of accelerations, once they are levelled and in m/s^2."""
 
 
-@dataclass(frozen=True, slots=True)
-class Mounting:
-    """How an accelerometer sits on the base, as far as gravity tells."""
-
-    reading: Reading
-    mean_mps2: float
-    """Mean specific force, as recorded, along its own direction."""
-    scale: float
-    """Reading over expected value."""
-    tilt_rad: float | None = None
-    """Angle of its mean specific force against what is up for the base; None: not known."""
-    turn: tuple[float, ...] = (0.0, 0.0, 0.0, 1.0)
-    """x, y, z, w: what levels it, in the base's frame. About the vertical gravity tells nothing."""
-
-    @property
-    def is_tilted(self) -> bool:
-        """Whether it is turned against the frame that it is said to be in."""
-        return self.tilt_rad is not None and self.tilt_rad > TILTED_RAD
-
-
-@dataclass(frozen=True, slots=True)
-class ForceComparison:
-    """The feet's forces over the mass against the accelerometer, in time known to all of them."""
-
-    ratio: float
-    """Vertical force over the mass over what the levelled accelerometer reads; 1 is right."""
-    magnitude_ratio: float
-    """The same of |F|."""
-    is_common: bool | None
-    """Whether one factor for all feet explains as much as one for each: the mass is wrong, or all
-    sensors alike. None: the load does not shift, so that it cannot be told."""
-    odd_foot: tuple[int, float] | None
-    """The one foot whose factor is not that of the others, which are right, and by what its force
-    must be multiplied."""
-
-
-@dataclass(frozen=True, slots=True)
-class ImuComparison:
-    """Comparison of the acceleration by accelerometer, forces and poses."""
-
-    topic: str
-    mounting_recorded: bool
-    known_s: float
-    """s in which accelerometer and poses are known."""
-    mounting: Mounting
-    turned_rad: float | None
-    """Turn of the horizontal accelerations against those of poses, to the left; None: none that is
-    clear."""
-    forces: ForceComparison | None
-    """None: no mass, or vertical forces are not known."""
-
-    def metrics(self) -> Imu:
-        """Return what the accelerometer says of forces and poses."""
-        ratio = None if self.forces is None else self.forces.ratio
-        seat = self.mounting
-        return Imu(self.topic, self.known_s, seat.mean_mps2, seat.tilt_rad, ratio)
-
-
-def compare_imu(
-    sensed: VectorHistory,
-    base: BaseHistory,
-    jumps: Ints,
-    feet: Sequence[FootHistory],
-    *,
-    mass_kg: float | None,
-    mounting: Sequence[float] | None,
-    period_s: float | None,
-    fallen: Ints,
-    strides: Ints,
-) -> ImuComparison | None:
+def compare_imu(walk: Walk, sensed: VectorHistory | None) -> ImuComparison | None:
     """Compare accelerometer, forces and poses.
 
     Args:
-        sensed: what the accelerometer reads, in its frame.
-        base: poses without jumps.
-        jumps: (j, 2) ns, spans that nothing is measured across.
-        feet: histories of all feet.
-        mass_kg: None: not known.
-        mounting: x, y, z, w: the sensor's frame in the base's; None: it is the base's.
-        period_s: s, the usual stride; None: there are none.
-        fallen: (f, 2) ns, time in which the robot lies.
-        strides: (s, 2) ns, whole strides: only in them it is sure that the feet carry the robot.
+        walk: its base and feet.
+        sensed: what the accelerometer reads, in its frame; None: there is none.
 
     Returns:
         None where accelerometer and poses have too little time in common.
     """
+    if sensed is None:
+        return None
+    base, mounting = walk.poses, walk.settings.imu_mounting
     angles = base.angles_at(sensed.time)
     rows = np.flatnonzero(all_finite(angles))
     if len(rows) < 2:
@@ -169,11 +81,12 @@ def compare_imu(
     at, attitude, body = sensed.time[rows], from_roll_pitch_yaw(angles[rows]), sensed.vector[rows]
     if mounting is not None:
         body = rotate(np.array([mounting]), body)
-    half = round((period_s or STANDING_WINDOW_S) * 5e8)
+    half = round((walk.period_s or STANDING_WINDOW_S) * 5e8)
     silent = np.flatnonzero(np.diff(at) > min(sensed.gap_ns, SPARSE_NS))
     gaps = np.stack([at[silent], at[silent + 1]], axis=1)
     known = timespans.intersect([at[[0, -1]][None, :], base.known])
-    known = timespans.subtract(known, timespans.merge(np.concatenate([gaps, jumps, fallen])))
+    left_out = timespans.merge(np.concatenate([gaps, walk.jumps.spans, walk.fallen]))
+    known = timespans.subtract(known, left_out)
     time = timespans.ticks(known, _CELL_NS)
     time = time[timespans.hold_window(known, time, half + _SPEED_NS, half + _SPEED_NS)]
     if len(time) < FEWEST:
@@ -190,8 +103,7 @@ def compare_imu(
         level[:, 2] += GRAVITY_MPS2 if seat.reading is Reading.WITHOUT_GRAVITY else 0.0
         world = _integral(at, level)
         turn_rad = find_turn(world.mean(time, 2 * half)[:, :2], poses[:, :2])
-        if mass_kg is not None:
-            forces = _compare_forces(feet, mass_kg, world, time, half, strides)
+        forces = _compare_forces(walk, world, time, half)
     seconds = len(time) / CELL_RATE_HZ
     return ImuComparison(sensed.topic, mounting is not None, seconds, seat, turn_rad, forces)
 
@@ -270,23 +182,21 @@ def find_turn(first: Floats, second: Floats) -> float | None:
 
 
 def _compare_forces(
-    feet: Sequence[FootHistory],
-    mass_kg: float,
-    world: Integral,
-    time: Ints,
-    half_ns: int,
-    strides: Ints,
+    walk: Walk, world: Integral, time: Ints, half_ns: int
 ) -> ForceComparison | None:
     """Return what the forces say; None where they are not known for long enough.
 
     Args:
-        feet: histories of all feet.
-        mass_kg: of the robot.
+        walk: its feet, which carry the robot in whole strides only.
         world: of the levelled accelerometer, gravity included, m/s along the world's axes.
         time: (n,) ns, 25 a second: means over the window about them are known.
         half_ns: half of the window, which is a stride.
-        strides: (s, 2) ns, time in which the feet carry the robot.
     """
+    feet, mass_kg = walk.records, walk.settings.mass_kg
+    apart = walk.feet_clocks_are_apart or walk.base_is_apart or walk.settings.lacks_feet
+    if mass_kg is None or apart or not walk.vertical_known:
+        return None
+    strides = timespans.merge(any_strides(feet, walk.fallen, walk.standing.without_steps))
     loaded = [foot for foot in feet if len(foot.in_contact)]
     if not loaded or not all(vertical_is_known(foot) for foot in loaded):
         return None

@@ -11,6 +11,7 @@ from dogbot_logtool.core.base.motion import BaseTrack
 from dogbot_logtool.core.base.moving_ground import MovingGround
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.base.witness import Witness
+from dogbot_logtool.core.compared import CommandTrack, ImuComparison
 from dogbot_logtool.core.consistency.worlds import Worlds
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import ClockDifference
@@ -27,15 +28,13 @@ from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.records import unknown
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.stability import Instants
+from dogbot_logtool.core.vectors import VectorHistory
 from dogbot_logtool.core.world_frames import PlacedCounts, WorldFrames
 from dogbot_logtool.finding import Finding
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.commands import CommandTrack
     from dogbot_logtool.core.consistency.heave import Delay
-    from dogbot_logtool.core.imu import ImuComparison
     from dogbot_logtool.core.legs.legs import LegFigures
-    from dogbot_logtool.core.vectors import VectorHistory
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -59,8 +58,9 @@ class Walk:
     topics: tuple[TopicQuality, ...]
     clocks: tuple[ClockDifference, ...]
     """How far topics' clocks are from that of the feet; nothing on log time."""
-    beside: "tuple[VectorHistory, ...]"
-    """Records of commands and accelerometer."""
+    commands: VectorHistory | None
+    """Velocity commands; None: the log has none. Likewise `inertial`."""
+    inertial: VectorHistory | None
     records: tuple[FootHistory, ...]
     """Of each foot, without what its sensor cannot have measured."""
     poses: BaseHistory
@@ -116,9 +116,9 @@ class Walk:
     instants: Instants | None = None
     """Where base and feet are; None where contacts are not known, or not on one clock with the
     base and in one world."""
-    command_track: "CommandTrack | None" = None
+    command_track: CommandTrack | None = None
     """Commanded and measured velocity; None without commands."""
-    imu: "ImuComparison | None" = None
+    imu: ImuComparison | None = None
     """Comparison of the base's accelerometer with forces and poses; None without one."""
     legs: "LegFigures | None" = None
     """None where the log tells nothing of its legs."""

@@ -9,7 +9,7 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader import not_a_log
-from dogbot_logtool.reader.containers.log import BATCH_SIZE, Log, Loss
+from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.containers.registry import (
     CONTAINERS,
     ROSBAG2_SUFFIXES,
@@ -19,8 +19,6 @@ from dogbot_logtool.reader.containers.registry import (
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 _MAGIC_SIZE: Final = 16
-_MOST_AT_ONCE: Final = 8 * BATCH_SIZE
-"""Bytes that are read at once of a log whose chunks overlap; with more, file order is kept."""
 _MOST_DAMAGED_BYTES: Final = 2
 
 
@@ -44,7 +42,7 @@ def open_log(path: Location) -> Log:
 
 
 def open_joined(paths: Sequence[Location]) -> Log:
-    """Open files of one recording as one log, merged by time.
+    """Open files of one recording as one log.
 
     Raises:
         CallError: there is no such file.
@@ -52,14 +50,14 @@ def open_joined(paths: Sequence[Location]) -> Log:
         StoreError: the store fails.
     """
     if len(paths) == 1:
-        return _by_time(open_log(paths[0]))
-    from dogbot_logtool.reader.containers.merged_log import join  # noqa: PLC0415
+        return open_log(paths[0])
+    from dogbot_logtool.reader.containers.joined_log import JoinedLog  # noqa: PLC0415
 
     logs: list[Log] = []
     try:
         for path in paths:
             logs.append(open_log(path))  # noqa: PERF401 - those that are open are closed
-        joined = join(logs[0].source.path, logs)
+        joined = JoinedLog(logs[0].source.path, logs)
     except BaseException:
         for log in logs:
             log.close()
@@ -68,15 +66,6 @@ def open_joined(paths: Sequence[Location]) -> Log:
     kinds = ", ".join(sorted({log.container for log in logs}))
     joined.container = f"{len(logs)} joined logs ({kinds})"
     return joined
-
-
-def _by_time(log: Log) -> Log:
-    """Return a log merged by time if its chunks are out of order and few of them overlap."""
-    if log.is_in_order():
-        return log
-    from dogbot_logtool.reader.containers.merged_log import most_at_once, reorder  # noqa: PLC0415
-
-    return reorder(log) if most_at_once(log.chunks) <= _MOST_AT_ONCE else log
 
 
 def _open_file(

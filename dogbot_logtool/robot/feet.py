@@ -12,15 +12,17 @@ from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.contacts import foot_source
+from dogbot_logtool.reader.messages.feet import MessageFoot, feet_in
 from dogbot_logtool.reader.messages.message_type import is_named_as_planned
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.robot.leg_names import leg_position
-from dogbot_logtool.robot.message_feet import feet_of_messages, front_to_back
-from dogbot_logtool.robot.names import FootSet, name_feet
-from dogbot_logtool.robot.offers import alternatives
+from dogbot_logtool.robot.names import FootSet, label_names, name_feet
 from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.robot.score import alternatives
 from dogbot_logtool.robot.topics import (
+    first_messages,
+    is_planned,
     message_count,
     most_frequent,
     readable_topics,
@@ -28,6 +30,7 @@ from dogbot_logtool.robot.topics import (
     sources_of,
     split_topic,
 )
+from dogbot_logtool.robot.words import Part, words_of
 
 _MOST_LISTED: Final = 12
 _MOST_COMPARED: Final = 2000
@@ -37,6 +40,11 @@ _RARE: Final = 2
 """States that come less often than this fraction of others are rare."""
 _MOST_OFFERED: Final = 16
 """Sets of topics of a type that are looked at more closely."""
+_ORDER: Final = ("front", "middle", "back", "left", "right")
+_JOINT_FOOT: Final = "sensor_msgs/JointState"
+"""Type of messages of joints and feet; the velocities of the feet are planned contacts."""
+_JOINTS: Final = 12
+"""Joints before the feet."""
 
 
 # --- by the user's word --------------------------------------------------------------------------
@@ -273,3 +281,92 @@ def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
     if foot.element is None:
         findings.append(found("FEET_UNSURE", say="element", topic=foot.topic, name=foot.name))
     return foot
+
+
+# --- by messages of all feet, and by plans -------------------------------------------------------
+
+
+def feet_of_messages(log: Log, topic: str) -> tuple[Foot, ...]:
+    """Return the feet that a topic's messages tell of; none where they are not about feet."""
+    for channel in log.channels_by_topic.get(topic, ()):
+        source = source_of(channel, "feet")
+        if source is None or source.fault or not source.tells_all_feet:
+            continue
+        found = [MessageFoot(name=leg) for leg in source.row.legs]
+        if not found or source.row.maybe_without_legs:
+            seen = [feet_in(source, each) for each in first_messages(log, channel, source.columns)]
+            labelled = {foot.label: foot for feet in seen for foot in feet if foot.label}
+            found = [labelled[label] for label in sorted(labelled)] or max(
+                seen, key=len, default=[]
+            )
+        if found:
+            return _named_feet(_without_hands(found), topic)
+    return ()
+
+
+def _without_hands(found: Sequence[MessageFoot]) -> Sequence[MessageFoot]:
+    """Leave out hands, wheels, tools ... where other labels say that they are feet."""
+    parts = [{word.part for word in words_of(foot.label)} for foot in found]
+    legs = [bool({Part.FOOT, Part.LEG} & each) for each in parts]
+    pairs = zip(found, parts, legs, strict=True)
+    return [
+        foot
+        for foot, each, is_leg in pairs
+        if is_leg or Part.NOT_A_FOOT not in each or not any(legs)
+    ]
+
+
+def _named_feet(found: Sequence[MessageFoot], topic: str) -> tuple[Foot, ...]:
+    labelled = label_names([foot.label for foot in found])
+    names = [foot.name or each.name for foot, each in zip(found, labelled, strict=True)]
+    feet = [
+        Foot(
+            name if names.count(name) == 1 else foot.label or f"{name}_{element + 1}",
+            topic,
+            leg_position=leg_position(name) or each.leg_position,
+            element=element,
+            label=foot.label,
+        )
+        for element, (foot, name, each) in enumerate(zip(found, names, labelled, strict=True))
+    ]
+    return tuple(sorted(feet, key=front_to_back))
+
+
+def front_to_back(foot: Foot) -> tuple[int, int, str]:
+    """Sort feet front to back, left before right."""
+    if foot.leg_position is None:
+        return len(_ORDER), 0, foot.name
+    end, side = ((*_ORDER, each).index(each) for each in foot.leg_position)
+    return end, side, foot.name
+
+
+def planned_feet(log: Log, robot: Robot, contacts: Sequence[Channel]) -> tuple[Foot, ...]:
+    """Return the feet of a robot as a plan in the log tells of them; none: there is no plan.
+
+    Args:
+        log: the log.
+        robot: with the feet that are used.
+        contacts: their channels.
+    """
+    used = {channel.topic: channel.type_name for channel in contacts}
+    if any(is_named_as_planned(topic) for topic in used):
+        return ()
+    if _JOINT_FOOT in used.values():
+        return tuple(_by_velocity(foot) for foot in robot.feet if foot.element is not None)
+    topics: dict[str, list[str]] = {}
+    for channel in log.channels.values():
+        if channel.topic not in used and is_planned(channel):
+            topics.setdefault(channel.type_name, []).append(channel.topic)
+    names = {foot.name for foot in robot.feet}
+    # A plan of the measurement's own type tells forces in the same way.
+    for _, of_type in sorted(topics.items(), key=lambda each: each[0] not in used.values()):
+        feet = feet_of_messages(log, most_frequent(log, of_type))
+        if found := tuple(foot for foot in feet if foot.name in names):
+            return found
+    return ()
+
+
+def _by_velocity(foot: Foot) -> Foot:
+    """Return a foot whose planned contact is the velocity beside its count."""
+    field = FootField(f"velocity[{_JOINTS + (foot.element or 0)}]", kind="contact", threshold=0.5)
+    return replace(foot, element=None, field=field, newtons_per_count=None, offset=0.0)

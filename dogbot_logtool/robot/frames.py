@@ -1,6 +1,6 @@
 """The frame tree of a whole log, and what is wrong with it: `info --frames`."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from typing import Final
@@ -14,7 +14,7 @@ from dogbot_logtool.core.frames.frame_tree import (
 )
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
-from dogbot_logtool.reader.containers.log import Channel, Chunk, Log, Loss, malformed_messages
+from dogbot_logtool.reader.containers.log import Channel, Log, Loss, malformed_messages
 from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES
@@ -78,18 +78,12 @@ def read_frames(
     readable = [channel for channel in foxglove if channel.message_encoding in OBJECT_ENCODINGS]
     channels = {channel.id: channel for channel in (*ros_channels, *readable)}
     wanted = Wanted((), FootChannels((), {}), transforms=tuple(channels.values()))
-    read = read_recording(log, wanted, jobs, progress, log.grouped(_useful(log, channels)))
+    spans = log.grouped(log.chunks_of(channels.keys()))
+    read = read_recording(log, wanted, jobs, progress, spans)
     losses = (*read.losses, *malformed_messages(channels, read.malformed))
     unread = tuple(channel for channel in foxglove if channel.id not in channels)
     frames = recorded_frames(read.recording.transforms, read.recording.slashed_frames)
     return Frames(frames, channels, unread, losses)
-
-
-def _useful(log: Log, channels: Mapping[int, Channel]) -> Iterator[Chunk]:
-    """Yield the chunks that may have something of some channels, by their index."""
-    for chunk in log.chunks if channels else ():
-        if chunk.counts is None or not channels.keys().isdisjoint(chunk.counts):
-            yield chunk
 
 
 _NAMED: Final = 5
@@ -142,27 +136,23 @@ def _of_transforms(edges: Sequence[FrameEdge]) -> Iterator[Finding]:
         ("BAD_TRANSFORMS", "zero", [edge.zero_rotations for edge in edges]),
         ("BAD_TRANSFORMS", "not_normalised", [edge.not_normalised for edge in edges]),
     ):
-        affected = [edge for edge, count in zip(edges, counts, strict=True) if count]
-        if affected:
-            yield found(code, say=say, count=sum(counts), edges=_named(affected))
+        if any(counts):
+            affected = _named(edge for edge, count in zip(edges, counts, strict=True) if count)
+            yield found(code, say=say, count=sum(counts), edges=affected)
     moving = [(edge, edge.timing) for edge in edges if edge.timing is not None]
-    for say, affected, cases in (
-        ("backward", [e for e, t in moving if t.backward_stamps], ()),
-        ("unstamped", [e for e, t in moving if t.zero_stamps], ()),
-        (
-            "repeated",
-            [e for e, t in moving if t.duplicate_stamps and not t.zero_stamps],
-            ("repeated",),
-        ),
-    ):
-        if affected:
-            yield found("BAD_TRANSFORMS", *cases, say=say, edges=_named(affected))
-    gaps = [(edge, timing) for edge, timing in moving if timing.gaps]
-    if gaps:
-        longest = max(timing.longest_gap_s for _, timing in gaps)
-        edges_late = _named([edge for edge, _ in gaps])
-        yield found("BAD_TRANSFORMS", say="gaps", longest=longest, edges=edges_late)
+    unstamped = [edge for edge, timing in moving if timing.zero_stamps]
+    twice = [edge for edge, t in moving if t.duplicate_stamps and not t.zero_stamps]
+    backward = [edge for edge, timing in moving if timing.backward_stamps]
+    if backward:
+        yield found("BAD_TRANSFORMS", say="backward", edges=_named(backward))
+    if unstamped:
+        yield found("BAD_TRANSFORMS", say="unstamped", edges=_named(unstamped))
+    if twice:
+        yield found("BAD_TRANSFORMS", "repeated", say="repeated", edges=_named(twice))
+    if gaps := [edge for edge, timing in moving if timing.gaps]:
+        longest = max(timing.longest_gap_s for _, timing in moving if timing.gaps)
+        yield found("BAD_TRANSFORMS", say="gaps", longest=longest, edges=_named(gaps))
 
 
-def _named(edges: Sequence[FrameEdge]) -> str:
+def _named(edges: Iterable[FrameEdge]) -> str:
     return listed([f"{edge.parent} -> {edge.child}" for edge in edges], _NAMED)

@@ -19,12 +19,17 @@ from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.base import choose_base
 from dogbot_logtool.robot.feet import assign_feet, channels_of_feet, check_topics, find_feet
-from dogbot_logtool.robot.message_feet import contact_findings
-from dogbot_logtool.robot.offers import call_of, candidates_finding, topics_finding
-from dogbot_logtool.robot.robot import GENERIC, Robot, known_robots, load_robot, robot_toml
-from dogbot_logtool.robot.score import FootCandidates
-from dogbot_logtool.robot.settings import with_settings
+from dogbot_logtool.robot.robot import (
+    GENERIC,
+    Robot,
+    known_robots,
+    load_robot,
+    robot_toml,
+    with_settings,
+)
+from dogbot_logtool.robot.score import FootCandidates, call_of, candidates_finding, topics_finding
 from dogbot_logtool.robot.topics import (
+    contact_findings,
     has_field,
     own_definition_findings,
     readable_topics,
@@ -73,12 +78,6 @@ class Selection:
         return bool(self.contact_from) or any(source.has_points for source in self.sources)
 
     @property
-    def without_header(self) -> tuple[str, ...]:
-        """The types of used messages that have no header."""
-        used = [*self.sources, *([self.base.source] if self.base else [])]
-        return tuple(source.row.name for source in used if not source.has_header)
-
-    @property
     def base_name(self) -> str | None:
         """Name of the base's poses, as ``--odom-topic`` takes it; None: there are none."""
         if self.base is None or not self.odometry:
@@ -102,22 +101,6 @@ class Selection:
         """Return how the contact messages are read that tell of a foot."""
         own = tuple(c for c in self.contacts if foot in self.feet_of[c.id])
         return replace(self, contacts=own).sources
-
-    def has_flags(self, foot: int) -> bool:
-        """Tell whether contact flags of the messages decide a foot's contact."""
-        sources = () if self.ignores_flags else self.sources_of(foot)
-        of_sensors = bool(sources) and all(source.has_flags for source in sources)
-        return of_sensors or bool(self.contact_from)
-
-    def knows_force(self, foot: int) -> bool:
-        """Tell whether a foot's messages give its force in newtons, not only whether it touches."""
-        if self.contact_from:
-            return self.contact_from == "joint_torques"
-        scaled = self.robot.feet[foot].newtons_per_count is not None
-        return all(
-            source.has_force and (scaled or source.row.unit == "N")
-            for source in self.sources_of(foot)
-        )
 
     def wanted(self) -> Wanted:
         """Return what is read of base, feet and frames."""

@@ -1,13 +1,13 @@
 """Topics of a log by the names that users write, and what is said of those that cannot be read."""
 
 import re
-from collections.abc import Collection, Container, Iterable, Iterator, Sequence
+from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import islice
 from typing import Final
 
-from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import MOST, listed, printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log, damage_of
@@ -19,8 +19,7 @@ from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.messages import SERIALISATIONS, DecodedMessages, decode_channels
 from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES, TRANSFORM_TYPES
 from dogbot_logtool.reader.messages.source import Source, source_of
-from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.reader.wanted import Wanted
+from dogbot_logtool.robot.robot import Robot
 
 _COMPARED: Final = 2000
 """Topics that a wrong name is compared with."""
@@ -61,9 +60,8 @@ def readable_topics(log: Log, part: Part) -> list[str]:
 
 def first_batches(log: Log, channel: Channel) -> Iterator[Batch]:
     """Yield the messages of a channel's first seconds, which tell names, wherever they stand."""
-    chunks = (c for c in log.chunks if c.counts is None or channel.id in c.counts)
     end: int | None = None
-    for chunk in islice(chunks, _MOST_CHUNKS):
+    for chunk in islice(log.chunks_of({channel.id}), _MOST_CHUNKS):
         if end is not None and chunk.start_time is not None and chunk.start_time > end:
             return
         batch = log.read((chunk,))
@@ -86,13 +84,6 @@ def has_field(channel: Channel, foot: Foot) -> bool:
         return named and foot_source(channel, [foot]) is not None
     except DefinitionError:
         return False
-
-
-def read_wanted(log: Log, wanted: Wanted) -> Recording:
-    """Read feet and base of a whole log, of the chunks that have messages of them."""
-    ids = {channel.id for channel in (*wanted.contacts, *wanted.base_channels)}
-    chunks = (c for c in log.chunks if c.counts is None or not ids.isdisjoint(c.counts))
-    return read_recording(log, wanted, 1, spans=log.grouped(chunks) if ids else ()).recording
 
 
 def split_topic(name: str, topics: Container[str]) -> tuple[str, str]:
@@ -190,6 +181,57 @@ def _is_read(channel: Channel) -> bool:
         return True
     source = source_of(channel, "base")
     return source is not None and not source.fault
+
+
+def is_planned(channel: Channel) -> bool:
+    """Tell whether a channel's messages tell what was planned, not what was measured."""
+    source = source_of(channel, "feet")
+    return source is not None and source.row.is_planned(channel.topic)
+
+
+def contact_findings(feet_of: Mapping[Channel, tuple[int, ...]], robot: Robot) -> Iterator[Finding]:
+    """Say what contact messages do not tell."""
+    unscaled = [foot for foot in robot.feet if foot.newtons_per_count is None]
+    for channel in sorted(feet_of, key=lambda channel: channel.type_name):
+        name = channel.type_name
+        source = foot_source(channel, robot.feet_of(channel.topic))
+        if source is None:
+            continue
+        if not source.has_force:
+            yield found("NO_FORCE", say="type", type=name)
+        if source.row.unit == "counts" and unscaled:
+            yield not_calibrated(robot, unscaled, name)
+        if not source.has_header:
+            yield found("LOG_TIME_USED", "no_header", say="type", type=name)
+        if source.row.silent_in_swing:
+            yield found("SILENT_SWING", type=name)
+    for channel in filter(is_planned, feet_of):
+        yield found("PLANNED", topic=channel.topic)
+
+
+def not_calibrated(
+    robot: Robot, feet: Sequence[Foot], name: str, say: str = "unseen", reason: str = ""
+) -> Finding:
+    """Return a warning of what is missing while the counts of raw sensors have no scale.
+
+    Args:
+        robot: with the threshold of contact.
+        feet: those without a scale.
+        name: of the type of their messages.
+        say: where the threshold of contact is from, if there is none in the robot's file.
+        reason: why contact cannot be estimated.
+    """
+    names = tuple(foot.name for foot in feet)
+    counts = robot.contact_on_counts
+    told = found(
+        "NOT_CALIBRATED",
+        say="given" if counts is not None and say != "estimated" else say,
+        type=name,
+        names=", ".join(names),
+        counts=counts,
+        reason=reason,
+    )
+    return replace(told, feet=names)
 
 
 def own_definition_findings(used: Iterable[Channel]) -> Iterator[Finding]:

@@ -20,6 +20,7 @@ from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.source import source_of
+from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.leg_names import leg_position
 from dogbot_logtool.robot.names import name_feet
@@ -32,7 +33,7 @@ from dogbot_logtool.robot.score import (
     with_content,
     word_of,
 )
-from dogbot_logtool.robot.topics import first_messages, has_field, message_count, read_wanted
+from dogbot_logtool.robot.topics import first_messages, has_field, message_count
 from dogbot_logtool.robot.words import Word, texts_of, words_of
 
 _ENOUGH: Final = 5
@@ -74,24 +75,23 @@ def find_candidates(log: Log) -> list[FootCandidates]:
 
 def _named_sets(log: Log) -> Iterator[FootCandidates]:
     """Yield sets of fields whose names do not speak against feet, scored by names and rate."""
-    by_type: dict[str, list[Channel]] = {}
+    by_type: dict[str, dict[str, Channel]] = {}
     for channel in log.channels.values():
         if channel.type_name and source_of(channel, "feet") is None:
-            by_type.setdefault(channel.type_name, []).append(channel)
+            by_type.setdefault(channel.type_name, {}).setdefault(channel.topic, channel)
     for type_name, channels in by_type.items():
-        try:
-            kinds = dict(every_field(definition_of(channels[0])))
-        except DefinitionError:
-            continue
         named: dict[str, dict[str, Foot]] = {"vector": {}, "integer": {}, "number": {}}
         rows: list[tuple[str, _Set]] = []
-        fields = list(_readable(kinds))
-        for topic in sorted({channel.topic for channel in channels}):
+        for topic, channel in sorted(channels.items()):
+            try:
+                kinds = dict(every_field(definition_of(channel)))
+            except DefinitionError:
+                continue
             around = words_of(f"{topic} {type_name}")
-            for path, is_a, own in fields:
+            for path, is_a, own in _readable(kinds):
                 if not _tells_of_feet(is_a, (*around, *own), own):
                     continue
-                labels = _labels_beside(log, topic, path, kinds)
+                labels = _labels_beside(log, channel, path, kinds)
                 named[is_a].update(_single_fields(topic, path, labels))
                 if not labels:
                     rows += ((is_a, each) for each in _rows_of_fields(topic, path, is_a, kinds))
@@ -138,7 +138,7 @@ def _tells_of_feet(is_a: str, words: Sequence[Word], own: Sequence[Word]) -> boo
 
 
 def _labels_beside(
-    log: Log, topic: str, path: str, kinds: Mapping[str, FieldType]
+    log: Log, channel: Channel, path: str, kinds: Mapping[str, FieldType]
 ) -> tuple[str, ...]:
     """Return the strings beside the elements of an array, in them or in an array beside it.
 
@@ -153,18 +153,16 @@ def _labels_beside(
         if each.startswith(inside) or (each.endswith("[]") and each.rpartition(".")[0] == beside)
     ]
     for text in sorted(texts, key=lambda each: not each.startswith(inside)):
-        for channel in log.channels_by_topic[topic]:
-            rows: set[tuple[str, ...]] = set()
-            beside_it = path_of(text, "text", definition_of(channel))
-            for messages in first_messages(log, channel, beside_it.columns):
-                message, strings = beside_it.texts(messages.table)
-                code, names = strings.encode()
-                ends = np.cumsum(np.bincount(message, minlength=1))[:-1]
-                for row in np.split(code[np.argsort(message, kind="stable")], ends):
-                    rows.add(tuple(names[each] for each in row.tolist()))
-            labels = rows.pop() if len(rows) == 1 else ()
-            if all(labels) and len(labels) == len(set(labels)) > 0:
-                return labels
+        beside_it, rows = path_of(text, "text", definition_of(channel)), set[tuple[str, ...]]()
+        for messages in first_messages(log, channel, beside_it.columns):
+            message, strings = beside_it.texts(messages.table)
+            code, names = strings.encode()
+            ends = np.cumsum(np.bincount(message, minlength=1))[:-1]
+            for row in np.split(code[np.argsort(message, kind="stable")], ends):
+                rows.add(tuple(names[each] for each in row.tolist()))
+        labels = rows.pop() if len(rows) == 1 else ()
+        if all(labels) and len(labels) == len(set(labels)) > 0:
+            return labels
     return ()
 
 
@@ -257,8 +255,10 @@ def _read_fields(log: Log, sets: Sequence[FootCandidates]) -> Mapping[str, Sampl
         if told := tuple(n for n, foot in enumerate(feet) if has_field(channel, foot)):
             of_channel[channel.id] = told
     channels = tuple(log.channels[number] for number in of_channel)
-    read = read_wanted(log, Wanted(channels, FootChannels(feet, of_channel)))
-    return {foot.name: samples for foot, samples in zip(feet, read.feet, strict=True)}
+    wanted = Wanted(channels, FootChannels(feet, of_channel))
+    spans = log.grouped(log.chunks_of(of_channel.keys()))
+    columns = read_recording(log, wanted, 1, spans=spans).recording.feet
+    return {foot.name: samples for foot, samples in zip(feet, columns, strict=True)}
 
 
 def _present(named: FootCandidates, columns: Mapping[str, Samples]) -> list[Samples]:

@@ -1,6 +1,8 @@
 """Tracking of commands, against a base that follows them in closed form."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -8,9 +10,11 @@ import pytest
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.poses import Odometry, base_history
-from dogbot_logtool.core.commands import AXES, CommandTrack, follow_commands
+from dogbot_logtool.core.commands import follow_commands
+from dogbot_logtool.core.compared import AXES, CommandTrack
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.vectors import VectorSamples, vector_history
+from dogbot_logtool.core.walk import Walk
 from tests.truth.commanded import Commanded
 from tests.truth.recording import START_NS, BaseRecording, VectorRecording
 
@@ -39,7 +43,14 @@ def follow(
     )
     steps = NONE if stepping is None else stepping
     poses = base_history(odometry, clock)
-    track = follow_commands(commands, poses, NONE, forward_axis, steps, period_s)
+    walk = SimpleNamespace(
+        track=SimpleNamespace(history=poses),
+        settings=SimpleNamespace(forward_axis=forward_axis),
+        jumps=SimpleNamespace(spans=NONE),
+        segments=(SimpleNamespace(strides=1, spans=steps),),
+        period_s=period_s,
+    )
+    track = follow_commands(cast("Walk", walk), commands)
     assert track is not None
     return track
 

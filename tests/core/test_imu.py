@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.checks.engine import findings_of
-from dogbot_logtool.core.imu import ForceComparison, ImuComparison, Reading
+from dogbot_logtool.core.compared import ForceComparison, ImuComparison, Reading
 from dogbot_logtool.core.recording import VectorTopic
 from dogbot_logtool.core.vectors import VectorSamples
 from dogbot_logtool.core.walk import Walk as MeasuredWalk

@@ -23,12 +23,6 @@ WRENCHES = "geometry_msgs/msg/WrenchStamped"
 COUNTS = "unitree_go/msg/LowState"
 
 
-def converted(log: Path, folder: Path, **options: Any) -> tuple[Conversion, Path]:
-    target = folder / "out.mcap"
-    chosen = ConvertOptions(encoding="ros2", copy=False, overwrite=True, **options)
-    return convert(log, target, chosen), target
-
-
 def counted(done: Conversion, what: str) -> int:
     """The number after the colon in the text of a note or warning."""
     found = {finding.text for finding in done.findings if finding.code == "TRANSFORMS_MISSING"}
@@ -70,44 +64,60 @@ class SwingingSensors(walks.Walk):
             yield walks.Entry("/tf", kind, time, data)
 
 
-def swinging_walk(folder: Path, kind: str) -> Path:
-    walk = SwingingSensors(2)
-    entries = sorted([*walk.frames(), *walk.messages(kind)], key=lambda entry: entry.log_time)
-    path = folder / "walk.mcap"
-    walks.write_mcap(path, walk, entries)
-    return path
+class Swinging:
+    """A log of swinging sensors, and what is made of it."""
+
+    def __init__(self, folder: Path, kind: str) -> None:
+        self.walk, self.kind, self.folder = SwingingSensors(2), kind, folder
+        self.frames = list(self.walk.frames())
+        self.robot = walks.robot_file(folder, kind)
+        self.log, self.target = folder / "walk.mcap", folder / "out.mcap"
+
+    def written(self) -> Path:
+        entries = sorted([*self.frames, *self.walk.messages(self.kind)], key=lambda e: e.log_time)
+        walks.write_mcap(self.log, self.walk, entries)
+        return self.log
+
+    def converted(self, style: Literal["pressure", "force"] = "force") -> Conversion:
+        options = ConvertOptions(encoding="ros2", copy=False, robot=str(self.robot), style=style)
+        return convert(self.written(), self.target, options)
+
+    def arrows(self) -> Iterator[tuple[str, int, Any]]:
+        """Each arrow's leg, the sample that it is of, and its marker."""
+        for topic, log_time, marker in arrows(self.target):
+            (leg,) = (leg for leg in walks.LEGS if leg in topic)
+            yield leg, round((log_time - walks.START) / walks.STEP), marker
 
 
-def test_arrows_of_force_sensors_stand_at_their_frames_along_the_force(tmp_path: Path) -> None:
-    log = swinging_walk(tmp_path, WRENCHES)
-    options = MeasureOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
-    done, target = converted(log, tmp_path, style="force", robot=options.robot, mass=options.mass)
+@pytest.mark.parametrize("until_s", [None, 3.0])
+def test_arrows_of_force_sensors_stand_at_their_frames_along_the_force(
+    tmp_path: Path, until_s: float | None
+) -> None:
+    """As long as there are frames; the rest is left where it is."""
+    made, last = Swinging(tmp_path, WRENCHES), walks.SAMPLES
+    if until_s is not None:
+        end = walks.START + round(until_s * 1e9)
+        made.frames = [entry for entry in made.frames if entry.log_time < end]
+        last = (made.frames[-1].log_time - walks.START) // walks.STEP - 3
+    done = made.converted()
     count = 0
-    for topic, log_time, marker in arrows(target):
-        (leg,) = (leg for leg in walks.LEGS if leg in topic)
-        sample = (log_time - walks.START) // walks.STEP
-        force = walks.FORCES[leg][sample]
-        assert 100.0 * marker.scale.x * matrix_of(marker.pose.orientation)[:, 0] == pytest.approx(
-            force, abs=1e-5
-        )
-        place = walks.LEGS.index(leg)
-        position = marker.pose.position
+    for leg, sample, marker in made.arrows():
+        drawn = 100.0 * marker.scale.x * matrix_of(marker.pose.orientation)[:, 0]
+        assert drawn == pytest.approx(walks.FORCES[leg][sample], abs=1e-5)
+        place, position = walks.LEGS.index(leg), marker.pose.position
         assert (position.x, position.y, position.z) == pytest.approx(
             (0.003 * sample + place, -place, 0.0), abs=1e-9
         )
         count += 1
-    assert count == sum(int(touch.sum()) for touch in walks.TOUCHES.values())
+    assert count == sum(int(touch[: last + 1].sum()) for touch in walks.TOUCHES.values())
     assert counted(done, "forces turned") == counted(done, "placed at the origins") == count
-    codes = {finding.code for finding in done.findings}
-    assert {"TRANSFORMS_MISSING"} <= codes
 
 
 def test_stats_take_forces_but_no_places_from_frames(tmp_path: Path) -> None:
     """Thresholds are given: of a sensor that goes round, no unloaded level can be learnt."""
-    log = swinging_walk(tmp_path, WRENCHES)
-    options = MeasureOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
-    done = measure(log, replace(options, set={"contact_on_n": "20.0", "contact_off_n": "5.0"}))
-    got = stats_json(done)
+    made = Swinging(tmp_path, WRENCHES)
+    given = {"contact_on_n": "20.0", "contact_off_n": "5.0"}
+    got = stats_json(measure(made.written(), MeasureOptions(robot=str(made.robot), set=given)))
     for leg in walks.LEGS:
         peak = got["feet"][leg]["peak_vertical_force_n"]["mean"]
         assert peak == pytest.approx(walks.FORCES[leg][:, 2].max())
@@ -120,52 +130,28 @@ def test_transforms_that_cannot_be_decoded_are_told(
     tmp_path: Path, style: Literal["pressure", "force"]
 ) -> None:
     """Here places come from frames, so that /tf is read whatever the style."""
-    walk = SwingingSensors(2)
-    frames = list(walk.frames())
-    for broken in (7, len(frames) // 2):
-        frames[broken] = replace(frames[broken], data=frames[broken].data[:-2])
-    entries = sorted([*frames, *walk.messages(WRENCHES)], key=lambda entry: entry.log_time)
-    log = tmp_path / "walk.mcap"
-    walks.write_mcap(log, walk, entries)
-    options = MeasureOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
-    done, _ = converted(log, tmp_path, style=style, robot=options.robot, mass=options.mass)
-    measured = measure(log, options)
+    made = Swinging(tmp_path, WRENCHES)
+    for broken in (7, len(made.frames) // 2):
+        made.frames[broken] = replace(made.frames[broken], data=made.frames[broken].data[:-2])
+    done = made.converted(style)
+    measured = measure(made.log, MeasureOptions(robot=str(made.robot)))
     for (loss,) in (done.damage.losses, measured.damage.losses):
         assert loss.messages == 2
         assert "/tf" in loss.what
 
 
 def test_a_robot_s_file_names_frame_and_point_of_feet_that_only_count(tmp_path: Path) -> None:
-    log = swinging_walk(tmp_path, COUNTS)
-    robot = walks.robot_file(tmp_path, COUNTS)
-    text = robot.read_text(encoding="utf-8")
+    made = Swinging(tmp_path, COUNTS)
+    text = made.robot.read_text(encoding="utf-8")
     for leg in walks.LEGS:
         named = f'[feet.{leg}]\nframe = "{leg}_sensor"\ncontact_point_m = [0.0, 0.5, 0.0]'
         text = text.replace(f"[feet.{leg}]", named)
-    robot.write_text(text, encoding="utf-8")
-    done, target = converted(log, tmp_path, robot=str(robot))
-    seen = {
-        (topic, round((log_time - walks.START) / walks.STEP)): marker.pose.position
-        for topic, log_time, marker in arrows(target)
-    }
+    made.robot.write_text(text, encoding="utf-8")
+    done = made.converted("pressure")
+    seen = {(leg, sample): marker.pose.position for leg, sample, marker in made.arrows()}
     assert counted(done, "placed at the origins") >= len(seen) > 1000
-    for (topic, sample), position in seen.items():
-        place = next(n for n, leg in enumerate(walks.LEGS) if leg in topic)
+    for (leg, sample), position in seen.items():
+        place = walks.LEGS.index(leg)
         # Such messages have no stamps, so both stand at log times, and /tf comes 30 ms late.
         assert position.x == pytest.approx(0.003 * sample + place, abs=1e-9)
         assert position.y == pytest.approx(0.5 - place, abs=1e-9)
-
-
-def test_frames_that_end_early_leave_the_rest_where_it_is(tmp_path: Path) -> None:
-    walk = SwingingSensors(2)
-    frames = [entry for entry in walk.frames() if entry.log_time < walks.START + 3_000_000_000]
-    entries = sorted([*frames, *walk.messages(WRENCHES)], key=lambda entry: entry.log_time)
-    log = tmp_path / "walk.mcap"
-    walks.write_mcap(log, walk, entries)
-    options = MeasureOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
-    done, target = converted(log, tmp_path, style="force", robot=options.robot, mass=options.mass)
-    last = (frames[-1].log_time - walks.START) // walks.STEP - 3
-    touching = {leg: int(touch[: last + 1].sum()) for leg, touch in walks.TOUCHES.items()}
-    assert counted(done, "forces turned") == sum(touching.values())
-    assert len(list(arrows(target))) == sum(touching.values())
-    assert {"TRANSFORMS_MISSING"} <= {f.code for f in done.findings}

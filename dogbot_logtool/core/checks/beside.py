@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.checks.loads import origin_of_mass
+from dogbot_logtool.core.compared import ForceComparison, Reading
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.imu import ForceComparison, Reading
 from dogbot_logtool.core.loads import WEIGHT_TOLERANCE
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Words, found
@@ -17,9 +17,8 @@ _NAMES: Final = {"forward": "forward speed", "lateral": "sideways speed", "yaw":
 
 def refused(walk: Walk) -> Iterator[Finding]:
     """Yield messages of commands or of the accelerometer that are left out for their numbers."""
-    for each in walk.beside:
-        if each.refused:
-            case = "commands" if each.topic == walk.settings.command_topic else "imu"
+    for case, each in (("commands", walk.commands), ("imu", walk.inertial)):
+        if each is not None and each.refused:
             yield found("NOT_FINITE", case, where=each.topic, say="beside", beside=each)
 
 

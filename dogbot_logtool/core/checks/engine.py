@@ -24,7 +24,7 @@ from dogbot_logtool.core.checks import (
     poses,
     sensors,
 )
-from dogbot_logtool.core.imu import Reading
+from dogbot_logtool.core.compared import Reading
 from dogbot_logtool.core.loads import vertical_is_known
 from dogbot_logtool.core.metrics import Check as Question
 from dogbot_logtool.core.walk import Walk

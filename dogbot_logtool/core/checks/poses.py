@@ -168,10 +168,9 @@ def _turns(
 
 def _inertial(walk: Walk, windows: Ints) -> tuple[Floats, Floats]:
     """(k,) rad turned and (k, 3) up by the inertial unit; NaN: not known. See `turns_and_up`."""
-    topic = walk.settings.imu_topic
-    for each in walk.beside:
-        if topic and each.topic == topic and len(windows):
-            return turns_and_up(each.time, each.vector, each.turn_rate, windows)
+    own = walk.inertial
+    if own is not None and len(windows):
+        return turns_and_up(own.time, own.vector, own.turn_rate, windows)
     return np.full(len(windows), np.nan), np.full((len(windows), 3), np.nan)
 
 

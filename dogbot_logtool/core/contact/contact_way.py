@@ -5,7 +5,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Floats, Ints, rows_of_runs
+from dogbot_logtool.core.arrays import Floats, Ints, rows_of_runs, runs_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.track import FootTrack
 
@@ -46,8 +46,9 @@ def contact_ways(samples: Samples, time: Ints, begin: Ints, end: Ints) -> tuple[
     known = np.isfinite(point)
     rows, stance, point = rows[known], stance[known], point[known]
     phase = (time[rows] - time[begin][stance]) / (time[end] - time[begin])[stance]
-    of, first, count = np.unique(stance, return_index=True, return_counts=True)
-    of = of[(phase[first] <= 0.1) & (phase[first + count - 1] >= 0.9) & (count >= 2)]
+    first, count = runs_of(stance)
+    surround = (phase[first] <= 0.1) & (phase[first + count - 1] >= 0.9) & (count >= 2)
+    of = stance[first[surround]]
     if not len(of):
         return travel, reach
     # Stances follow each other on one axis, so that all are interpolated at once.
@@ -91,14 +92,15 @@ def ways_under_load(
     inside = (phase >= 0.1) & (phase <= 0.9) & np.isfinite(point)
     if inside.any():
         rows, stance, time, point = rows[inside], stance[inside], since[inside] / 1e9, point[inside]
-        of, first, own = np.unique(stance, return_index=True, return_inverse=True)
+        first, count = runs_of(stance)
+        own = np.repeat(np.arange(len(first)), count)
         step = np.diff(point, prepend=point[0])
         loaded = track.force[rows] >= (LOADED * mean)[stance]
         # A step counts between two loaded rows of one stance.
         counts = loaded & np.roll(loaded, 1)
         counts[first] = False
         total = np.cumsum(np.where(counts, step, 0.0))
-        found[:, of] = _ways(time, total - total[first][own], own, first)
+        found[:, stance[first]] = _ways(time, total - total[first][own], own, first)
     return Ways(*found)
 
 

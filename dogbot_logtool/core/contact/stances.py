@@ -213,7 +213,8 @@ def _friction_use(
 ) -> Floats:
     """(k,) 95th percentile of the friction that is known, NaN where none is."""
     force = track.force[rows]
-    pressing = np.abs(dots(samples.force[rows].astype(np.float64), samples.normal[rows]))
+    vectors = samples.force.take(rows, axis=0).astype(np.float64)
+    pressing = np.abs(dots(vectors, samples.normal.take(rows, axis=0)))
     friction = np.sqrt(np.maximum(force * force - pressing * pressing, 0.0)) / pressing
     known = np.isfinite(friction) & ~np.isnan(track.vertical_force[rows]) & (force >= on_n)
     friction, of = friction[known], stance[known]

@@ -195,9 +195,9 @@ def zero_level(force: Floats, interval_s: float | None) -> SensorLevel | None:
         force: (n, 3) N, finite.
         interval_s: s, the usual sampling interval.
     """
-    if not _rests_at_zero(force):
-        return None
     magnitude = norms(force)
+    if not _rests_at_zero(force, magnitude):
+        return None
     loaded = float(median_of(magnitude[magnitude > 0.0])) if magnitude.any() else None
     return SensorLevel(
         zero_in_swing=True,
@@ -211,9 +211,13 @@ def zero_level(force: Floats, interval_s: float | None) -> SensorLevel | None:
     )
 
 
-def _rests_at_zero(force: Floats) -> bool:
-    """Tell whether a sensor reads exactly zero where its load is light, (n, 3) N, finite."""
-    magnitude = norms(force)
+def _rests_at_zero(force: Floats, magnitude: Floats) -> bool:
+    """Tell whether a sensor reads exactly zero where its load is light.
+
+    Args:
+        force: (n, 3) N, finite.
+        magnitude: (n,) N.
+    """
     zero = magnitude == 0.0
     if _in_runs(zero).sum() <= IN_RUNS * zero.sum():
         return False

@@ -100,9 +100,9 @@ def fore_aft_impulses(foot: FootHistory, heading: Floats) -> tuple[Floats, Float
     # A foot that stopped to speak in a stance has no sample at its end.
     behind = np.minimum(np.searchsorted(track.time, stances.liftoff[known]) + 1, len(track.time))
     rows, stance, first = rows_of_runs(before, behind)
-    force = track.horizontal_force[rows].astype(np.float64)
+    x, y = (column.take(rows) for column in track.horizontal_force.T)
     cos, sin = np.cos(heading[known])[stance], np.sin(heading[known])[stance]
-    along = force[:, 0] * cos + force[:, 1] * sin
+    along = x * cos + y * sin
     time = (track.time[rows] - track.time[0]) / 1e9
     half_steps = np.diff(time, prepend=0.0) / 2.0
     half_steps[first] = 0.0

@@ -5,13 +5,13 @@ Other rooms import what they need of a log from here.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
 from typing import Final
 
 from dogbot_logtool.io.storage import Location, shown
-from dogbot_logtool.provenance import is_marked
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
 from dogbot_logtool.reader.containers.contents import (
     Channel,
@@ -49,8 +49,6 @@ BATCH_SIZE: Final = 15 << 19
 """Bytes of decompressed chunks from which a batch is full: large enough to make the cost of a
 numpy call small, while each process that works on one takes some 40 MB."""
 
-_OVERLAP_NS: Final = 50_000_000
-"""By which chunks of a channel may overlap: as little of a log is out of order between batches."""
 _MOST_UNUSED: Final = 2 * BATCH_SIZE
 """Bytes of chunks without messages of interest from which a batch is full, too."""
 
@@ -66,9 +64,7 @@ class Log(ABC):
     reopen: "Callable[[], Log] | None" = None
     """Opens it again, in another process; None: that cannot be."""
     joined: tuple[Location, ...] = ()
-    """Further files that are merged into it."""
-    is_reordered: bool = False
-    """Whether its chunks stand out of order in the file, and are merged by time."""
+    """Further files that are read with it."""
     hidden: frozenset[int] = frozenset()
     """Channels in the file that are left out."""
     annotations: EarlierAnnotations | None = None
@@ -116,25 +112,18 @@ class Log(ABC):
         """
         yield from self.grouped(chunk for chunk in self.chunks if self.overlaps(chunk, start, end))
 
-    def is_in_order(self) -> bool:
-        """Tell whether the chunks of each recorded channel follow each other in time."""
-        recorded = {n for n, channel in self.channels.items() if not is_marked(channel.metadata)}
-        reached: dict[int, int] = {}
-        for chunk in self.chunks:
-            if chunk.start_time is None or chunk.end_time is None or chunk.counts is None:
-                continue
-            for number in recorded.intersection(chunk.counts):
-                if chunk.start_time < reached.get(number, chunk.start_time) - _OVERLAP_NS:
-                    return False
-                reached[number] = max(reached.get(number, chunk.end_time), chunk.end_time)
-        return True
-
     def overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
         """Tell whether a chunk may hold messages of a time span."""
         return not (
             (start is not None and chunk.end_time is not None and chunk.end_time < start)
             or (end is not None and chunk.start_time is not None and chunk.start_time > end)
         )
+
+    def chunks_of(self, channels: AbstractSet[int]) -> Iterator[Chunk]:
+        """Yield the chunks that may have messages of some channels, given by their ids."""
+        for chunk in self.chunks if channels else ():
+            if chunk.counts is None or not channels.isdisjoint(chunk.counts):
+                yield chunk
 
     def grouped(self, chunks: Iterable[Chunk]) -> Iterator[Span]:
         """Group chunks, in file order, into what can be read at once."""

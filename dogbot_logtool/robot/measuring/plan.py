@@ -19,10 +19,9 @@ from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.base import BASES
-from dogbot_logtool.robot.contact_evidence import decide_contacts
-from dogbot_logtool.robot.measuring.joined_sensors import with_joined_sensors
+from dogbot_logtool.robot.feet import planned_feet
+from dogbot_logtool.robot.measuring.foot_samples import decide_contacts, with_joined_sensors
 from dogbot_logtool.robot.measuring.side_topics import SideTopics, joint_channels, side_topics
-from dogbot_logtool.robot.message_feet import planned_feet
 from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.robot.topics import nothing_to_do
@@ -121,21 +120,23 @@ def settings_of(selection: Selection, options: RobotOptions) -> WalkSettings:
 def _foot(selection: Selection, row: int) -> FootSettings:
     """Return what is known of a foot."""
     robot, sources = selection.robot, selection.sources_of(row)
-    foot = robot.feet[row]
+    foot, is_estimated = robot.feet[row], bool(selection.contact_from)
     is_given = robot.is_given(f"tare.{foot.name}")
     offset = foot.offset_n if is_given or robot.tare != "none" else None
-    uses_flags = not selection.ignores_flags
-    lists_contacts = bool(sources) and all(
-        (source.has_flags and uses_flags) or not source.has_force or source.row.pairs
-        for source in sources
-    )
+    flagged = [source.has_flags and not selection.ignores_flags for source in sources]
+    lists = [
+        has_flags or not source.has_force or bool(source.row.pairs)
+        for has_flags, source in zip(flagged, sources, strict=True)
+    ]
+    scaled = foot.newtons_per_count is not None
+    in_newtons = all(s.has_force and (scaled or s.row.unit == "N") for s in sources)
     return FootSettings(
         foot.name,
         foot.topic,
         foot.leg_position,
-        has_force=selection.knows_force(row),
-        has_flags=selection.has_flags(row),
-        lists_contacts=lists_contacts or bool(selection.contact_from),
+        has_force=selection.contact_from == "joint_torques" if is_estimated else in_newtons,
+        has_flags=is_estimated or (bool(sources) and all(flagged)),
+        lists_contacts=is_estimated or (bool(sources) and all(lists)),
         only_presses=any(source.row.unit == "counts" or source.row.one_axis for source in sources),
         in_base=any(source.in_base for source in sources),
         silent_in_swing=any(source.row.silent_in_swing for source in sources),
@@ -148,9 +149,10 @@ def _time_source(selection: Selection) -> tuple[TimeSource | None, str]:
     """Return the clock, and why it is log time; None: header stamps, unless they are unusable."""
     if selection.robot.clock:
         return TimeSource(selection.robot.clock), ""
-    headless = selection.without_header
-    if headless:
-        return TimeSource.LOG, f"messages of {headless[0]} have no header"
+    used = [*selection.sources, *([selection.base.source] if selection.base else [])]
+    for source in used:
+        if not source.has_header:
+            return TimeSource.LOG, f"messages of {source.row.name} have no header"
     return None, ""
 
 

@@ -15,7 +15,7 @@ from dogbot_logtool.reader.messages.feet import flagged
 from dogbot_logtool.reader.messages.table import TABLE, rows_of
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.robot.contact_evidence import decide_contacts
+from dogbot_logtool.robot.measuring.foot_samples import decide_contacts
 from dogbot_logtool.robot.selection import Selection, select_topics
 from tests.oracles import state_walks, walks
 

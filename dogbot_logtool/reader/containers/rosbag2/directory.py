@@ -9,9 +9,9 @@ from typing import Final, Protocol
 
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.storage import Location, files_in, shown
+from dogbot_logtool.reader.containers.joined_log import JoinedLog
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.containers.loss import Loss, lost_messages
-from dogbot_logtool.reader.containers.merged_log import join
 from dogbot_logtool.reader.containers.registry import ANNOTATED, ROSBAG2_METADATA
 from dogbot_logtool.reader.containers.rosbag2.metadata import (
     Metadata,
@@ -66,7 +66,7 @@ def open_rosbag2(path: Location, open_file: OpenFile, suffixes: tuple[str, ...])
         losses.extend(_compare_counts(metadata, logs, losses))
     for log, following in pairwise(logs):
         log.losses = tuple(_before(loss, following) for loss in log.losses)
-    joined = join(path, logs, losses)
+    joined = JoinedLog(path, logs, losses)
     storage = logs[0].container
     joined.container = storage if "ROS 2 bag" in storage else f"ROS 2 bag ({storage})"
     return joined

@@ -1,14 +1,14 @@
 """ROS 2 bags in SQLite (.db3): rows become messages, runs of rows become chunks."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import ExitStack
 from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
 from dogbot_logtool.reader.containers.contents import Chunk, Contents, time_range
 from dogbot_logtool.reader.containers.log import Log, Span
@@ -35,26 +35,19 @@ class SqliteLog(Log):
     def __init__(self, source: ByteSource, contents: Contents, table: MessageTable) -> None:
         super().__init__(source, contents)
         self._table = table
-        self._ids = [*contents.channels]
 
     def _read(self, span: Span) -> Batch:
         """See `Log.read`."""
         found = self._table.between(*((chunk.data_offset, chunk.end) for chunk in span))
-        kept = np.flatnonzero(found.sound & np.isin(found.topic, self._ids))
-        leaf = found.leaf[kept]
         losses: list[Loss] = []
         loaded: list[LoadedChunk] = []
         for chunk in span:
-            rows = slice(*np.searchsorted(leaf, (chunk.data_offset, chunk.end + 1)).tolist())
+            rows = slice(*np.searchsorted(found.leaf, (chunk.data_offset, chunk.end + 1)).tolist())
             loaded.append(LoadedChunk(chunk, memoryview(b""), 0, rows, whole=False))
             if lost := (chunk.messages or 0) - (rows.stop - rows.start):
                 what = f"the database is damaged: {lost} messages cannot be read"
                 losses.append(Loss(0, what, 0, lost))
-        time, start = found.time[kept], found.start[kept]
-        end = start + found.size[kept]
-        nothing = np.zeros(len(kept), np.int64)
-        messages = Messages(found.topic[kept], time, time, nothing, start, end)
-        return unpacked(Batch(found.buffer, messages, tuple(loaded), tuple(losses)))
+        return unpacked(Batch(found.buffer, found.messages, tuple(loaded), tuple(losses)))
 
     def close(self) -> None:
         """Close the file, and the journals beside it."""
@@ -85,8 +78,8 @@ def open_log(source: ByteSource, distribution: str) -> SqliteLog:
         tables = find_tables(pages, TABLES, damage)
         check_tables(tables, pages, damage, source.path)
         channels = read_topics(tables, pages, damage, distribution)
-        table = MessageTable(pages, tables["messages"], damage)
-        chunks, more = _chunks(table, [*channels], damage)
+        table = MessageTable(pages, tables["messages"], [*channels], damage)
+        chunks, more = _chunks(table, damage)
         opened.pop_all()
     counts: Counter[int] = Counter(dict.fromkeys(channels, 0))
     for chunk in chunks:
@@ -97,18 +90,15 @@ def open_log(source: ByteSource, distribution: str) -> SqliteLog:
     return SqliteLog(source, contents, table)
 
 
-def _chunks(
-    table: MessageTable, ids: Sequence[int], damage: Damage
-) -> tuple[list[Chunk], Iterator[Loss]]:
+def _chunks(table: MessageTable, damage: Damage) -> tuple[list[Chunk], Iterator[Loss]]:
     """Cut the rows into chunks; and say what is lost of them."""
     chunks: list[Chunk] = []
     undescribed = unsound = 0
     for rows in table.rows():
-        known = rows.sound & np.isin(rows.topic, ids)
-        unsound += int((~rows.sound).sum())
-        undescribed += int((rows.sound & ~known).sum())
+        unsound += rows.unsound
+        undescribed += rows.undescribed
         chunks += [
-            _chunk(number, rows, known, part, table.pages.size)
+            _chunk(number, rows.leaf[part], rows.messages.pick(part), table.pages.size)
             for number, part in enumerate(_cut(rows), len(chunks))
         ]
     return chunks, _losses(table, damage, undescribed, unsound)
@@ -127,7 +117,7 @@ def _losses(table: MessageTable, damage: Damage, undescribed: int, unsound: int)
 
 def _cut(rows: MessageRows) -> Iterator[slice]:
     """Cut rows into those of whole leaf pages, of about `_CHUNK_SIZE` bytes."""
-    full = np.cumsum(np.where(rows.sound, rows.size, 0) + 1) // _CHUNK_SIZE
+    full = np.cumsum(rows.messages.end - rows.messages.start + 1) // _CHUNK_SIZE
     # A page belongs to the chunk that its first row does.
     full = full[np.searchsorted(rows.leaf, rows.leaf)]
     edges = np.flatnonzero(np.diff(full)) + 1
@@ -136,11 +126,10 @@ def _cut(rows: MessageRows) -> Iterator[slice]:
             yield slice(start, stop)
 
 
-def _chunk(number: int, rows: MessageRows, known: Flags, part: slice, page_size: int) -> Chunk:
-    numbers, counts = np.unique(rows.topic[part][known[part]], return_counts=True)
-    time = rows.time[part][known[part]]
-    size = int(rows.size[part][known[part]].sum())
-    first, last = int(rows.leaf[part][0]), int(rows.leaf[part][-1])
+def _chunk(number: int, leaf: Ints, messages: Messages, page_size: int) -> Chunk:
+    numbers, counts = np.unique(messages.channel, return_counts=True)
+    size = int((messages.end - messages.start).sum())
+    first, last = int(leaf[0]), int(leaf[-1])
     return Chunk(
         offset=number,
         data_offset=first,
@@ -149,7 +138,7 @@ def _chunk(number: int, rows: MessageRows, known: Flags, part: slice, page_size:
         index_end=last,
         compression="",
         size=max(size, (last - first + 1) * page_size),
-        start_time=int(time.min()) if len(time) else None,
-        end_time=int(time.max()) if len(time) else None,
+        start_time=int(messages.log_time.min()),
+        end_time=int(messages.log_time.max()),
         counts=dict(zip(numbers.tolist(), counts.tolist(), strict=True)),
     )

@@ -1,12 +1,11 @@
-"""The rows of the table of messages, as columns."""
+"""The rows of the table of messages, as messages."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Final
+from collections.abc import Iterator, Sequence
+from typing import Final, NamedTuple
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Bytes, Flags, Ints
+from dogbot_logtool.core.arrays import Bytes, Ints
 from dogbot_logtool.reader.containers.sqlite.pages import Pages
 from dogbot_logtool.reader.containers.sqlite.tables import Table, columns
 from dogbot_logtool.reader.containers.sqlite.tree import (
@@ -17,35 +16,38 @@ from dogbot_logtool.reader.containers.sqlite.tree import (
     leaves,
     with_overflow,
 )
+from dogbot_logtool.reader.decode.message_table import Messages
 
 _COLUMNS: Final = ("topic_id", "timestamp", "data")
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class MessageRows:
+class MessageRows(NamedTuple):
     """Some rows, in the order of the table."""
 
     leaf: Ints
-    """(n,) ascending; which leaf page of the table each stands in."""
-    sound: Flags
-    """(n,) which are messages: SQLite stores any type in any column."""
-    topic: Ints
-    """(n,) topic id."""
-    time: Ints
-    """(n,) ns."""
-    start: Ints
-    """(n,) where each message begins in the buffer, if its row is whole there."""
-    size: Ints
-    """(n,) bytes of it."""
+    """(n,) ascending; which leaf page of the table each message stands in."""
+    messages: Messages
     buffer: Bytes
+    undescribed: int
+    """Messages of other topics, left out."""
+    unsound: int
+    """Rows that are no messages, left out: SQLite stores any type in any column."""
 
 
 class MessageTable:
     """The table of messages; safe to share among threads."""
 
-    def __init__(self, pages: Pages, table: Table, damage: Damage) -> None:
-        """Find the pages of the rows."""
+    def __init__(self, pages: Pages, table: Table, topics: Sequence[int], damage: Damage) -> None:
+        """Find the pages of the rows.
+
+        Args:
+            pages: of the database.
+            table: the table.
+            topics: ids of the topics that are described.
+            damage: receives what is found.
+        """
         self.pages = pages
+        self._topics = topics
         self._wanted = [table.columns[name] for name in _COLUMNS]
         self._damage = damage
         self._leaves = leaves(pages, table.root, damage)
@@ -78,13 +80,17 @@ class MessageTable:
         """Return the times of the rows of a leaf page; none if there is no such page."""
         if not 0 <= leaf < len(self._leaves):
             return []
-        rows = self.between((leaf, leaf))
-        times: list[int] = rows.time[rows.sound].tolist()
+        times: list[int] = self.between((leaf, leaf)).messages.log_time.tolist()
         return times
 
     def _decoded(self, leaf: Ints, cells: Cells) -> MessageRows:
         (topic, time, data), _ = columns(cells, self._wanted)
-        times = time.integers(cells.buffer)
+        times, topics = time.integers(cells.buffer), topic.integers(cells.buffer)
         sound = topic.is_integer & time.is_integer & data.is_blob & (times >= 0)
-        topics = topic.integers(cells.buffer)
-        return MessageRows(leaf, sound, topics, times, data.start, data.size, cells.buffer)
+        known = sound & np.isin(topics, self._topics)
+        rows = np.flatnonzero(known)
+        start, at = data.start[rows], times[rows]
+        messages = Messages(topics[rows], at, at, 0 * rows, start, start + data.size[rows])
+        unsound = len(sound) - int(sound.sum())
+        undescribed = len(sound) - unsound - len(rows)
+        return MessageRows(leaf[rows], messages, cells.buffer, undescribed, unsound)

@@ -1,26 +1,21 @@
-"""Files of one recording, merged: the same results as of the recording in one file."""
+"""Files of one recording, joined: the same results as of the recording in one file."""
 
 import random
 import tempfile
 from collections.abc import Callable
-from contextlib import closing
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
-from mcap import records
 from mcap.reader import make_reader
-from mcap.writer import Writer
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.option import part_of
 from dogbot_logtool.options import ConvertOptions, MeasureOptions
-from dogbot_logtool.reader import opening
-from dogbot_logtool.reader.containers import log, merged_log
-from dogbot_logtool.reader.containers.mcap.records import read_extra
+from dogbot_logtool.reader.containers import log
 from dogbot_logtool.report.documents import stats_json
 from tests.oracles import walks
 
@@ -93,8 +88,8 @@ def test_joined_files_give_the_figures_of_the_whole(
     assert whole["gait"]["name"] == "trot"
     paths = write(tmp_path, ros, part)
     assert figures(paths) == whole
-    # Many windows of time, over which long chunks reach.
-    monkeypatch.setattr(merged_log, "BATCH_SIZE", 30_000)
+    # Many spans, over which long chunks reach.
+    monkeypatch.setattr(log, "BATCH_SIZE", 30_000)
     assert figures(paths) == whole
 
 
@@ -112,7 +107,13 @@ def late_by_chance(entries: list[walks.Entry]) -> list[walks.Entry]:
     return sorted(entries, key=lambda entry: entry.log_time + chance.uniform(0.0, 2e8))
 
 
-@pytest.mark.parametrize("order", [later_half_first, backwards, late_by_chance])
+def from_both_ends(entries: list[walks.Entry]) -> list[walks.Entry]:
+    """First and last, second and last but one ...: all chunks overlap."""
+    mixed = [entry for pair in zip(entries, entries[::-1], strict=True) for entry in pair]
+    return mixed[: len(entries)]
+
+
+@pytest.mark.parametrize("order", [later_half_first, backwards, late_by_chance, from_both_ends])
 @pytest.mark.parametrize("ros", [1, 2])
 @pytest.mark.parametrize("batch_size", [None, 50_000])
 def test_a_file_out_of_order_gives_the_figures_of_one_in_order(
@@ -123,8 +124,7 @@ def test_a_file_out_of_order_gives_the_figures_of_one_in_order(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     if batch_size is not None:
-        for module in (log, merged_log):
-            monkeypatch.setattr(module, "BATCH_SIZE", batch_size)
+        monkeypatch.setattr(log, "BATCH_SIZE", batch_size)
     entries = order(list(walks.messages(ros, KIND)))
     found = figures([write_file(tmp_path, ros, "mixed", entries)])
     notes = [each for each in found["findings"] if each["code"] == "OUT_OF_ORDER"]
@@ -133,7 +133,7 @@ def test_a_file_out_of_order_gives_the_figures_of_one_in_order(
     assert found == figures_of_whole(ros)
 
 
-def test_few_messages_out_of_order_are_copied_where_they_stand(tmp_path: Path) -> None:
+def test_messages_out_of_order_are_copied_where_they_stand(tmp_path: Path) -> None:
     entries = list(walks.messages(2, KIND))
     entries[50:60] = entries[59:49:-1]
     path = write_file(tmp_path, 2, "mixed", entries)
@@ -144,65 +144,7 @@ def test_few_messages_out_of_order_are_copied_where_they_stand(tmp_path: Path) -
         assert [m.data for _, c, m in copied if not c.metadata] == [e.data for e in entries]
 
 
-def test_a_file_out_of_order_keeps_its_channels_and_records(tmp_path: Path) -> None:
-    """Also two senders on one topic, which are one channel of several files."""
-    path = tmp_path / "mixed.mcap"
-    with path.open("wb") as file:
-        writer = Writer(file, chunk_size=100)
-        writer.start("ros1")
-        writer.add_metadata("notes", {"robot": "walks"})
-        schema = writer.register_schema("std_msgs/String", "ros1msg", b"string data")
-        senders = [
-            writer.register_channel("/words", "ros1", schema, {"callerid": name}) for name in "ab"
-        ]
-        for second in (8, 9, 1, 2):
-            for number in senders:
-                writer.add_message(number, second * 10**9, bytes(80), second * 10**9)
-        writer.finish()
-    with closing(opening.open_joined([path])) as opened, closing(opening.open_log(path)) as whole:
-        assert opened.is_reordered
-        assert opened.channels == whole.channels
-        assert opened.container == whole.container
-        (notes,) = opened.extras
-        found = read_extra(notes)
-        assert found is not None
-        assert found[1] == records.Metadata("notes", {"robot": "walks"})
-        (span,) = opened.spans()
-        times = (opened.read(span).messages.log_time / 1e9).tolist()
-        assert times == [1, 1, 2, 2, 8, 8, 9, 9]
-
-
-def test_damage_in_a_file_out_of_order_is_said_as_in_any_other(tmp_path: Path) -> None:
-    path = write_file(tmp_path, 2, "mixed", later_half_first(list(walks.messages(2, KIND))))
-    data = bytearray(path.read_bytes())
-    with closing(opening.open_joined([path])) as sound:
-        assert sound.is_reordered
-    with closing(opening.open_log(path)) as whole:
-        third = whole.chunks[2]
-    data[third.data_offset + 100] ^= 0xFF
-    path.write_bytes(data)
-    with closing(opening.open_joined([path])) as opened, closing(opening.open_log(path)) as whole:
-        losses = [loss for span in opened.spans() for loss in opened.read(span).losses]
-        assert losses == list(whole.read((third,)).losses) != []
-
-
-def test_chunks_that_all_overlap_are_read_as_they_stand(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Messages from first and last, second and last but one ...: memory would grow with the log."""
-    monkeypatch.setattr(opening, "_MOST_AT_ONCE", 100_000)
-    entries = list(walks.messages(2, KIND))
-    mixed = [e for pair in zip(entries, entries[::-1], strict=True) for e in pair][: len(entries)]
-    path = write_file(tmp_path, 2, "mixed", mixed)
-    with closing(opening.open_joined([path])) as opened:
-        assert not opened.is_in_order()
-        assert not opened.is_reordered
-
-
-def test_the_joined_output_has_every_message_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(merged_log, "BATCH_SIZE", 30_000)
+def test_the_joined_output_has_every_message_once(tmp_path: Path) -> None:
     (tmp_path / "parts").mkdir()
     paths = write(tmp_path / "parts", 2, by_sensor)
     topics = MeasureOptions(joined=tuple(paths[1:]))

@@ -1,0 +1,190 @@
+"""Files of one recording as one log: those of a split series, or one bag a sensor.
+
+Its chunks are those of all files, by the times at which they begin; the chunks of one file keep
+their order. Chunks may overlap in time: what reads them sorts what it makes of their messages.
+"""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import groupby
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.io.storage import Location, file_name
+from dogbot_logtool.provenance import is_marked
+from dogbot_logtool.reader.containers.batch import Batch
+from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Schema
+from dogbot_logtool.reader.containers.log import Log, Span
+from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.packed_messages import unpacked
+from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.decode.message_table import concatenate_messages
+
+_EARLIEST: Final = -(1 << 62)
+
+
+class _Place(NamedTuple):
+    """Where a chunk of the joined log stands."""
+
+    start: int
+    """ns, from which it is read: none of its file is read earlier than those before it."""
+    file: int
+    chunk: Chunk
+
+
+class _NoBytes(ByteSource):
+    """Stands for the bytes of all files, each of which has its own source."""
+
+    def __init__(self, path: Location, size: int) -> None:
+        self.path = path
+        self.size = size
+
+    def close(self) -> None:
+        """Do nothing."""
+
+
+class JoinedLog(Log):
+    """Several logs that are read as one; they are closed with it."""
+
+    def __init__(self, path: Location, logs: Sequence[Log], losses: Sequence[Loss] = ()) -> None:
+        """Join logs of one recording. Channels that are alike in all are one.
+
+        Args:
+            path: what the user named.
+            logs: at least one.
+            losses: damage to the whole.
+        """
+        channels: dict[tuple[object, ...], Channel] = {}
+        schemas: dict[tuple[str, str, bytes], Schema] = {}
+        self.logs = logs
+        self._ids = [_joint_ids(log.channels, channels, schemas) for log in logs]
+        self._places = sorted(_places(logs), key=lambda place: place.start)
+        counts: Counter[int] = Counter()
+        for log, ids in zip(logs, self._ids, strict=True):
+            counts.update(_joint(log.counts, ids))
+        starts = [log.start_time for log in logs if log.start_time is not None]
+        ends = [log.end_time for log in logs if log.end_time is not None]
+        contents = Contents(
+            channels={channel.id: channel for channel in channels.values()},
+            chunks=[self._chunk(number, place) for number, place in enumerate(self._places)],
+            counts=counts,
+            start_time=min(starts, default=None),
+            end_time=max(ends, default=None),
+            profile=logs[0].profile,
+            extras=[extra for log in logs for extra in log.extras],
+            losses=(*losses, *(_named(loss, log) for log in logs for loss in log.losses)),
+        )
+        super().__init__(_NoBytes(path, sum(log.source.size for log in logs)), contents)
+
+    def _chunk(self, number: int, place: _Place) -> Chunk:
+        """Return a chunk whose offset is its number in the joined log."""
+        chunk = place.chunk
+        counts = None if chunk.counts is None else _joint(chunk.counts, self._ids[place.file])
+        return replace(chunk, offset=number, counts=counts)
+
+    @property
+    def can_fork(self) -> bool:
+        """See `Log.can_fork`."""
+        return all(log.can_fork for log in self.logs)
+
+    def overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
+        """See `Log.overlaps`."""
+        place = self._places[chunk.offset]
+        return self.logs[place.file].overlaps(place.chunk, start, end)
+
+    def _read(self, span: Span) -> Batch:
+        """See `Log.read`."""
+        parts: list[Batch] = []
+        base = row = 0
+        for file, own in groupby(span, key=lambda chunk: self._places[chunk.offset].file):
+            part = self._of_file(file, tuple(own))
+            loaded = tuple(
+                replace(
+                    each,
+                    base=base + each.base,
+                    rows=slice(row + each.rows.start, row + each.rows.stop),
+                )
+                for each in part.chunks
+            )
+            parts.append(replace(part, messages=part.messages.shifted(base), chunks=loaded))
+            base += len(part.buffer)
+            row += len(part.messages)
+        return Batch(
+            np.concatenate([part.buffer for part in parts]) if len(parts) > 1 else parts[0].buffer,
+            concatenate_messages([part.messages for part in parts]),
+            tuple(each for part in parts for each in part.chunks),
+            tuple(loss for part in parts for loss in part.losses),
+        )
+
+    def _of_file(self, file: int, span: Span) -> Batch:
+        """Read chunks of a file, with joint channels; those that are damaged are not there."""
+        log = self.logs[file]
+        joint = {self._places[chunk.offset].chunk.offset: chunk for chunk in span}
+        batch = unpacked(log.read(tuple(self._places[chunk.offset].chunk for chunk in span)))
+        channel = self._ids[file][batch.messages.channel]
+        return replace(
+            batch,
+            messages=replace(batch.messages, channel=channel),
+            chunks=tuple(
+                replace(each, chunk=joint[each.chunk.offset], stored=memoryview(b""), whole=False)
+                for each in batch.chunks
+            ),
+            losses=tuple(_named(loss, log) for loss in batch.losses),
+        )
+
+    def close(self) -> None:
+        """Close all files."""
+        for log in self.logs:
+            log.close()
+
+
+def _places(logs: Sequence[Log]) -> list[_Place]:
+    places: list[_Place] = []
+    for file, log in enumerate(logs):
+        reached = _EARLIEST
+        for chunk in log.chunks:
+            reached = max(reached, _EARLIEST if chunk.start_time is None else chunk.start_time)
+            places.append(_Place(reached, file, chunk))
+    return places
+
+
+def _joint(counts: Mapping[int, int], ids: Ints) -> dict[int, int]:
+    """Return messages by joint channel; a file's channels may be one."""
+    joint: Counter[int] = Counter()
+    for number, count in counts.items():
+        joint[int(ids[number])] += count
+    return dict(joint)
+
+
+def _joint_ids(
+    own: Mapping[int, Channel],
+    channels: dict[tuple[object, ...], Channel],
+    schemas: dict[tuple[str, str, bytes], Schema],
+) -> Ints:
+    """Return joint ids by a file's own.
+
+    Args:
+        own: the file's channels.
+        channels: receives those that are new, by all that makes channels alike.
+        schemas: likewise.
+    """
+    ids = np.zeros(max(own, default=0) + 1, np.int64)
+    for number, channel in own.items():
+        schema = channel.schema
+        if schema is not None:
+            fresh = replace(schema, id=len(schemas) + 1)
+            schema = schemas.setdefault((schema.name, schema.encoding, schema.data), fresh)
+        kind = schema and schema.id
+        key = (channel.topic, channel.message_encoding, kind, is_marked(channel.metadata))
+        new = replace(channel, id=len(channels) + 1, schema=schema)
+        ids[number] = channels.setdefault(key, new).id
+    return ids
+
+
+def _named(loss: Loss, log: Log) -> Loss:
+    """Say in which file it is."""
+    name = file_name(log.source.path)
+    return replace(loss, what=f"{name}: {loss.what}", file=name)
