@@ -14,7 +14,6 @@ from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, LIFETIME_S, ArrowStyle
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.core.world_frames import WorldFrames
-from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Log
@@ -59,20 +58,6 @@ class ConversionPlan:
     left_out: frozenset[int]
     """Ids of the channels that are not copied."""
     findings: tuple[Finding, ...]
-
-
-def refuse_unknown_names(options: ConvertOptions) -> None:
-    """Refuse a style or an encoding that there is not.
-
-    Raises:
-        CallError: there is no such one.
-    """
-    for kind, name, known in (
-        ("arrow style", options.style, [*ARROW_STYLES]),
-        ("encoding", options.encoding, [*ENCODINGS]),
-    ):
-        if name not in known:
-            raise CallError(f"there is no {kind} {name!r}; known: {', '.join(known)}")
 
 
 def make_plan(

@@ -110,11 +110,10 @@ class Part:
 
 def read_part(wanted: Wanted, log: Log, whole: Batch) -> Part:
     """Decode some chunks that were read."""
-    recorded = whole.cropped(*wanted.limits)
-    batch = recorded.in_time_order()
+    batch = whole.cropped(*wanted.limits)
     part = Part(losses=batch.losses)
-    for channel, rows in rows_by_group(recorded.messages.channel):
-        part.columns["times", channel].append(Numbers(recorded.messages.log_time[rows]))
+    for channel, rows in rows_by_group(batch.messages.channel):
+        part.columns["times", channel].append(Numbers(batch.messages.log_time[rows]))
     base = _add_base(part, wanted, batch)
     contacts = read_contacts(batch, wanted.contacts, wanted.feet)
     for read in contacts:

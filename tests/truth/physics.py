@@ -24,7 +24,7 @@ from tests.truth.messages import (
     TF,
     TWIST,
     WRENCH,
-    Messages,
+    ros_messages,
 )
 from tests.truth.recording import Floats, Ints, inverse, product, turned
 from tests.truth.robots import GRAVITY_MPS2
@@ -343,12 +343,6 @@ def _ball(link: str) -> str:
     return shape if link.endswith("foot") else ""
 
 
-@cache
-def messages() -> Messages:
-    """Return what makes messages."""
-    return Messages(2)
-
-
 @dataclass(frozen=True, slots=True)
 class Commands:
     """Velocity commands: what was sent, and when."""
@@ -395,7 +389,7 @@ def write_log(
         sensors: whether feet and odometry are recorded.
         imu: frame and readings, (n, 6) m/s^2 and rad/s, of an inertial unit.
     """
-    physics, make = robot or trot(), messages()
+    physics, make = robot or trot(), ros_messages()
     rows = slice(0, None, every)
     states = (physics.position, physics.velocity, physics.torque)
     told = [np.asarray(each)[rows] for each in (change(*states) if change else states)]

@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
+from dogbot_logtool.core.arrays import Floats, Ints, median_of
 from dogbot_logtool.core.contact.contacts import Samples, without_contact
 from dogbot_logtool.core.corrections.clock import SILENCE_NS, TimeSource
 
@@ -24,6 +24,8 @@ _SPACING_NS: Final = 40_000_000
 """Samples without contact are told this far apart; more than 50 ms would be a gap."""
 _LONG_INTERVALS: Final = 6.0
 """Silences longer than so many intervals are swings nearly always, not lost messages."""
+_SURE_INTERVALS: Final = 10.0
+"""Silences longer than so many intervals are swings, however long the usual swing."""
 _BURST: Final = 0.5
 """Messages that are logged in less than this part of the time between their stamps come in
 bursts."""
@@ -32,8 +34,6 @@ _USUAL_INTERVAL_NS: Final = 10_000_000
 _FEWEST_SILENCES: Final = 3
 _PART_OF_SWING: Final = 0.5
 """A swing is at least this part of the usual swing."""
-_PART_OF_STANCE: Final = 0.9
-"""A stance may be over after this part of the usual stance."""
 _PART_OF_STRIDES: Final = 0.5
 """Part of the strides that must have a flight for flight to be usual."""
 _LONGER_FLIGHT: Final = 1.5
@@ -48,9 +48,7 @@ class _Silences(NamedTuple):
     strides: int = 0
     """Silences that are swings nearly always; the rest is known with enough of them."""
     swing: int = 0
-    """Silence from which the foot swings, by its usual swing."""
-    stance: int = 0
-    """The usual stance."""
+    """Half the usual swing."""
 
     @property
     def cut_swing(self) -> int:
@@ -58,9 +56,9 @@ class _Silences(NamedTuple):
         return round(MISSED_INTERVALS * self.interval)
 
     @property
-    def long(self) -> float:
+    def long(self) -> int:
         """Silence that is a swing nearly always."""
-        return _LONG_INTERVALS * self.interval
+        return round(_LONG_INTERVALS * self.interval)
 
 
 def with_swings(
@@ -118,10 +116,9 @@ def _usual(time: Ints) -> _Silences:
     long = step[(step > silences.long) & (step <= LONGEST_SWING_NS)]
     if len(long) < _FEWEST_SILENCES:
         return silences
-    swing = round(_PART_OF_SWING * float(median_of(long)))
-    ends = np.flatnonzero(step > swing)
-    stance = round(float(median_of(time[ends[1:]] - time[ends[:-1] + 1])))
-    return _Silences(silences.interval, len(long), swing, stance)
+    return silences._replace(
+        strides=len(long), swing=round(_PART_OF_SWING * float(median_of(long)))
+    )
 
 
 def _dropouts(times: Sequence[Ints], usual: Mapping[int, _Silences]) -> Ints:
@@ -132,7 +129,7 @@ def _dropouts(times: Sequence[Ints], usual: Mapping[int, _Silences]) -> Ints:
     if not all(each.strides for each in usual.values()):
         return np.empty((0, 2), np.int64)
     together = np.diff(np.sort(np.concatenate([times[foot] for foot in usual])))
-    longest = max(*(each.long for each in usual.values()), SILENCE_NS)
+    longest = float(max(*(each.long for each in usual.values()), SILENCE_NS))
     flights = together[(together > longest) & (together <= LONGEST_SWING_NS)]
     if len(flights) >= _PART_OF_STRIDES * median_of([each.strides for each in usual.values()]):
         longest = max(_LONGER_FLIGHT * float(median_of(flights)), longest)
@@ -166,9 +163,8 @@ def _swinging(
     known = np.searchsorted(dropouts[:, 1], time[1:], side="right") <= since
     # After the foot's last message, no other comes on any clock but the log's.
     known[-1] = since[-1] == len(dropouts)
-    lasts_from = np.full(len(step), max(usual.cut_swing, usual.swing))
-    if usual.strides:
-        lasts_from[_may_swing(time, usual)] = round(usual.long)
+    shortest = min(usual.swing, round(_SURE_INTERVALS * interval))
+    lasts_from = np.full(len(step), max(usual.cut_swing, shortest))
     lasts_from[[0, -1]] = usual.cut_swing
     swing = known & (step > lasts_from) & (step <= LONGEST_SWING_NS)
     swing &= (steps[1] >= 0) & (steps[1] <= 2 * LONGEST_SWING_NS)
@@ -186,23 +182,3 @@ def _swinging(
     log_time, stamp = np.concatenate([times[:, 1:-1], inserted], axis=1)[:, order]
     whole = replace(samples.pick(row[order]), log_time=log_time, stamp=stamp)
     return without_contact(whole, order >= len(own))
-
-
-def _may_swing(time: Ints, usual: _Silences) -> Flags:
-    """(n,) tell in which silences a foot may swing, by its last swing that was certain.
-
-    The swing is not over yet, as when the foot hits something in it; or the stance is.
-
-    Args:
-        time: (n + 1,) ns, when it fell silent; of the last one nothing is asked.
-        usual: its silences.
-    """
-    # What comes before the foot's first message is no certain swing.
-    step = np.diff(np.maximum(time, time[1]), prepend=time[1])
-    certain = (step > max(usual.cut_swing, usual.swing)) & (step <= LONGEST_SWING_NS)
-    row = np.maximum.accumulate(np.where(certain, np.arange(len(time)), -1))[:-1]
-    begun, stands = time[:-1] - time[row - 1], time[:-1] - time[row]
-    swing = usual.swing / _PART_OF_SWING
-    over = (stands >= _PART_OF_STANCE * usual.stance) & (stands <= usual.stance + swing)
-    may: Flags = (row >= 0) & ((begun < swing) | over)
-    return may

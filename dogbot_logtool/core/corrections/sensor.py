@@ -29,7 +29,6 @@ from dogbot_logtool.core.corrections.modes import (
     MIDDLE_SHARE,
     NOISY,
     ONCE,
-    WIDE,
     Modes,
     judged,
     strays,
@@ -123,8 +122,6 @@ class SensorLevel:
     """Whether single samples are zero under load, as where messages are lost on a sensor's bus."""
     reason: str = ""
     """Why the level could not be estimated; empty where it is known."""
-    alternative: "SensorLevel | None" = None
-    """The level if the lower of two loads were none, where that is not clear."""
     lightest_n: float | None = None
     """N, magnitude that the lightest samples stay below; only where the level is not known. Also
     `heaviest_n`, that the heaviest ones exceed."""
@@ -154,12 +151,13 @@ class SensorLevel:
         return np.stack([np.interp(since, knots, part) for part in self.offset.T], axis=1)
 
 
-def estimate_level(log_time: Ints, force: Floats) -> SensorLevel:
+def estimate_level(log_time: Ints, force: Floats, *, alternating: bool = False) -> SensorLevel:
     """Estimate offset, noise and drift of one foot's sensor from its own samples.
 
     Args:
         log_time: (n,) ns, ascending; there may be gaps.
         force: (n, 3) N, as recorded; rows that are not finite are left out.
+        alternating: whether the lighter of two loads that alternate is none.
     """
     finite = all_finite(force)
     log_time, force = log_time[finite], force[finite]
@@ -172,7 +170,9 @@ def estimate_level(log_time: Ints, force: Floats) -> SensorLevel:
     axis, runs = load_axis(force), run_numbers(log_time)
     along, step = without_spikes(force @ axis), _resolution_n(force)
     up, down = two_modes(along, runs, raises=True), two_modes(-along, runs, raises=False)
-    both = judged(up, down.width, step), judged(down, up.width, step)
+    both = [judged(up, down.width, step), judged(down, up.width, step)]
+    if alternating:
+        both = [replace(each, reason="") if each.reason == ALTERNATE else each for each in both]
     likely, other = sorted(both, key=lambda modes: -modes.score)
     level, opposite = (_judged_level(modes, log_time, force, axis) for modes in (likely, other))
     if level.reason:
@@ -182,7 +182,7 @@ def estimate_level(log_time: Ints, force: Floats) -> SensorLevel:
         # What is cut off at a limit does not vary there: that says nothing of swing.
         lead -= 2.0 * likely.width_fit
     if opposite.reason and lead < (SURE if opposite.reason == ONCE else UNSURE):
-        return replace(opposite, alternative=None)
+        return opposite
     if lead < 0.0:
         level, opposite, lead = opposite, level, -lead
     return replace(level, lead=lead, opposite=replace(opposite, lead=lead))
@@ -250,17 +250,14 @@ def _in_runs(flags: Flags) -> Flags:
 
 def _judged_level(modes: Modes, log_time: Ints, force: Floats, axis: Floats) -> SensorLevel:
     """Return the level that modes stand for, or why it is not known; see `level_of`."""
-    if modes.reason not in {"", ALTERNATE, ONCE, WIDE}:
+    if modes.reason not in {"", ONCE}:
         return _unknown(modes.reason, usual_interval_s(log_time), force)
     level = level_of(modes, log_time, force, axis)
-    noisy = (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0)
-    reason = modes.reason or (NOISY if noisy else "")
-    if not reason:
-        return level
-    unknown = _unknown(reason, level.interval_s, force)
-    if reason == ONCE:
-        return replace(unknown, wobble_n=level.wobble_n)
-    return replace(unknown, alternative=level)
+    if modes.reason == ONCE:
+        return replace(_unknown(ONCE, level.interval_s, force), wobble_n=level.wobble_n)
+    if (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0):
+        return _unknown(NOISY, level.interval_s, force)
+    return level
 
 
 def _unknown(reason: str, interval_s: float | None, force: Floats) -> SensorLevel:
