@@ -19,7 +19,6 @@ from dogbot_logtool import __version__
 from dogbot_logtool.conversion.annotate import Scene, annotations_between
 from dogbot_logtool.conversion.copying import CopiedSpan, as_it_stands
 from dogbot_logtool.conversion.plan import ConversionPlan
-from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import file_name
@@ -35,7 +34,7 @@ from dogbot_logtool.writer.channels import AddedChannels
 from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunk, finish_chunks
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from dogbot_logtool.writer.mcap_writer import McapWriter, metadata_record
-from dogbot_logtool.writer.message_records import MessageRecords, recorded
+from dogbot_logtool.writer.message_records import MessageRecords, of_payloads
 from dogbot_logtool.writer.topics import EVENTS_TOPIC, GAIT_TOPIC, SPANS_TOPIC
 
 SPAN_ROWS = 40_000
@@ -184,29 +183,15 @@ def event_records(annotations: Annotations, scene: Scene) -> Iterator[MessageRec
     """Yield the messages of `/gait`, `/events` and `/events/spans`."""
     made, channels = annotations.encoding.message, annotations.channels
     gaits = (made(described.gait(each)) for each in scene.gaits)
-    yield _records(channels[GAIT_TOPIC], gaits, scene.gait_log_time)
+    yield of_payloads(channels[GAIT_TOPIC], gaits, scene.gait_log_time)
     events, log_time = scene.events, scene.event_log_time
     logged = (made(described.event(each)) for each in events)
-    yield _records(channels[EVENTS_TOPIC], logged, log_time)
+    yield of_payloads(channels[EVENTS_TOPIC], logged, log_time)
     if SPANS_TOPIC in channels:
         # A viewer's timeline shows what calls for a look; steps are in the log panel.
         odd = [row for row, each in enumerate(events) if not each.is_step]
         spans = (made(described.span(events[row])) for row in odd)
-        yield _records(channels[SPANS_TOPIC], spans, log_time[odd])
-
-
-def _records(channel: int, payloads: Iterable[bytes], log_time: Ints) -> MessageRecords:
-    made = list(payloads)
-    end = np.cumsum([0, *map(len, made)])
-    return recorded(
-        np.full(len(made), channel),
-        np.zeros(len(made), np.int64),
-        log_time,
-        log_time,
-        np.frombuffer(b"".join(made), np.uint8),
-        end[:-1],
-        end[1:],
-    )
+        yield of_payloads(channels[SPANS_TOPIC], spans, log_time[odd])
 
 
 def added_channels(log: Log, plan: ConversionPlan) -> AddedChannels:
