@@ -6,7 +6,8 @@ a tree as `fields` compares it.
 
 import json
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Final
 
@@ -110,20 +111,16 @@ def _ros_decoder(encoding: str, schema: Schema) -> Decoder:
 
     def decode(data: bytes) -> Tree:
         try:
-            return _ros_tree(deserialize(data, type_name))
+            message: Any = deserialize(data, type_name)
+            return asdict(message, dict_factory=_ros_struct)
         except (SerdeError, struct.error, MemoryError, *_FAULTS) as error:
             raise Undecodable(f"not a {schema.name}: {error}") from error
 
     return decode
 
 
-def _ros_tree(value: Any) -> Tree:  # noqa: ANN401 - of any class
-    if isinstance(value, list):
-        return [_ros_tree(element) for element in value]
-    fields = getattr(value, "__dataclass_fields__", None)
-    if fields is None:
-        return value
-    return {name: _ros_tree(getattr(value, name)) for name in fields if name != "__msgtype__"}
+def _ros_struct(fields: list[tuple[str, Tree]]) -> dict[str, Tree]:
+    return {name: value for name, value in fields if name != "__msgtype__"}
 
 
 def descriptor_files(schema: Schema) -> "list[FileDescriptorProto]":
@@ -166,7 +163,7 @@ def protobuf_tree(message: "Message") -> dict[str, Tree]:
     tree: dict[str, Tree] = {
         field.name: None
         if field.has_presence and not message.HasField(field.name)
-        else _protobuf_value(field, getattr(message, field.name))
+        else _protobuf_value(getattr(message, field.name))
         for field in message.DESCRIPTOR.fields
     }
     if unknown := _unknown(UnknownFieldSet(message)):
@@ -174,22 +171,14 @@ def protobuf_tree(message: "Message") -> dict[str, Tree]:
     return tree
 
 
-def _protobuf_value(field: Any, value: Any) -> Tree:  # noqa: ANN401 - of any kind
-    kind = field.message_type
-    if kind is not None and kind.GetOptions().map_entry:
-        return {str(key): _plain(value[key]) for key in sorted(value)}
-    if kind is not None and not hasattr(value, "DESCRIPTOR"):
-        return [protobuf_tree(element) for element in value]
-    return _plain(value)
-
-
-def _plain(value: Any) -> Tree:  # noqa: ANN401 - of any kind
-    """Return a value that is no message's list, nor a map."""
+def _protobuf_value(value: Any) -> Tree:  # noqa: ANN401 - of any kind
     if hasattr(value, "DESCRIPTOR"):
         return protobuf_tree(value)
     if isinstance(value, bool | int | float | str | bytes):
         return value
-    elements = list(value)
+    if isinstance(value, Mapping):
+        return {str(key): _protobuf_value(value[key]) for key in sorted(value)}
+    elements = [_protobuf_value(element) for element in value]
     return np.array(elements) if elements and isinstance(elements[0], float) else elements
 
 

@@ -220,7 +220,7 @@ def _no_such_figure(pattern: str, parts: Sequence[Json]) -> str:
     """Say that no figure fits a pattern, and which are called nearly so."""
     names = {path for part in parts for path, _ in figures_in(part, "*")}
     near = get_close_matches(pattern, sorted(names), 3, 0.8)
-    text = "no figure of this log is called so"
+    text = "no metric of this log is called so"
     return f"{text}; near it are {', '.join(near)}" if near else text
 
 

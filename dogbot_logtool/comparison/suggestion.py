@@ -41,7 +41,7 @@ _METRICS: Final = (
         0.02,
     ),
     _Suggested(
-        METRICS.stability.static_margin_m.min, "m, least static margin", 0.0, 0.02, "at_least"
+        METRICS.stability.static_margin_m.min, "m, minimum static margin", 0.0, 0.02, "at_least"
     ),
     _Suggested(
         METRICS.gait.class_distance, "cycles, how far from the ideal gait", 0.0, 0.05, "at_most"

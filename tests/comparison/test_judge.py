@@ -34,7 +34,7 @@ LOG: Final[dict[str, Any]] = {
 }
 SLIP, RATIO, NAME = "feet.left.slip_m.max", "forces.ratio", "gait.name"
 TEXT = "a number, which the rule's value is not"
-NEAR = "no figure of this log is called so; near it are feet.left.slip_m.max, feet.right.slip_m.max"
+NEAR = "no metric of this log is called so; near it are feet.left.slip_m.max, feet.right.slip_m.max"
 RULES: Final = [
     # Rule, path, verdict, value, where to look.
     (f'figure = "{SLIP}"\nat_most = 0.005', SLIP, "FAIL", 0.02, "left slips"),

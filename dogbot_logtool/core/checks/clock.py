@@ -65,7 +65,7 @@ def feet_silent(walk: Walk) -> Iterator[Finding]:
     if len(silent):
         first, seconds = walk.seconds(silent[:, 0])[0], np.diff(silent).sum() / 1e9
         words: Words = {"times": len(silent), "first": first, "seconds": seconds}
-        yield found("ALL_FEET_SILENT", where="feet", **words)
+        yield found("GAPS", say="all_feet", where="feet", **words)
 
 
 def topics_timed(walk: Walk) -> Iterator[Finding]:

@@ -47,7 +47,7 @@ def joint_work(walk: Walk) -> Iterator[Finding]:
     if legs is None or legs.clocks_apart:
         return
     if missing := _no_work(legs) or _lacking(walk, legs):
-        yield found("JOINTS_MISSING", "work", where=_WORK, why=missing)
+        yield found("JOINT_VALUES", "missing", where=_WORK, why=missing)
         return
     if slow := _too_slow(walk, legs):
         yield found("SAMPLED_SLOWLY", "work", where=_WORK, why=slow)
@@ -55,12 +55,12 @@ def joint_work(walk: Walk) -> Iterator[Finding]:
     signs = _signs(walk, legs)
     odd = contradiction(legs.moving, legs.settings.foot_of_joint, walk.loads.weight_n)
     if odd := odd or _other_unit(walk, signs):
-        cases = () if odd.startswith("velocities") else ("efforts",)
-        yield found("JOINT_VALUES", *cases, where=_WORK, say="plain", why=odd)
+        case = "velocities" if odd.startswith("velocities") else "efforts"
+        yield found("JOINT_VALUES", case, where=_WORK, why=odd)
         return
     without = [joint.name for joint in legs.moving if not joint.has_effort]
     if without:
-        yield found("JOINTS_MISSING", where=_WORK, names=_named(without))
+        yield found("JOINT_VALUES", "some_missing", where=_WORK, names=_named(without))
     yield from _effort_signs(walk, legs, signs, judges_all=not without)
 
 

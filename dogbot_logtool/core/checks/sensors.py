@@ -34,7 +34,7 @@ def unloaded_levels(walk: Walk) -> Iterator[Finding]:
             unknown = f"feet.{name}.contact_fraction"
             yield found("CONTACT_UNKNOWN", where=unknown, feet=(name,), why=why)
         if level.reason:
-            yield found("OFFSET_UNKNOWN", where=where, foot=name, why=level.reason)
+            yield found("SENSOR_OFFSET", say="unknown", where=where, foot=name, why=level.reason)
             continue
         if level.moved_n:
             yield found("SENSOR_OFFSET", where=where, say="moves", foot=name, newtons=level.moved_n)

@@ -119,7 +119,8 @@ def _foot(walk: Walk, row: int, within: Ints | None = None) -> Foot:
         return found
     leg = walk.legs.feet[row]
     inside = slice(None) if within is None else foot.strides.rows_within(within)
-    swings = {name: aggregate(leg.strides[name][inside]) for name in (*SWINGS, *STEPS)}
+    told = [name for name in (*SWINGS, *STEPS) if name in leg.strides]
+    swings = {name: aggregate(leg.strides[name][inside]) for name in told}
     return replace(
         found,
         **dict[str, Any](swings),
