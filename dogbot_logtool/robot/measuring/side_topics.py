@@ -10,7 +10,7 @@ from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.others import JOINT_TYPES
 from dogbot_logtool.reader.messages.source import source_of
 from dogbot_logtool.reader.messages.table import types_of
-from dogbot_logtool.reader.wanted import WantedVectors
+from dogbot_logtool.reader.part import WantedVectors
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics import (
     message_count,
