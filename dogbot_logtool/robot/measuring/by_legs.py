@@ -82,10 +82,20 @@ def _estimated(
         lean = "by the accelerometer" if told.tells_up else "taken as none"
         findings.append(found("BASE_FROM_LEGS", say="joints", by=told.turns_from, lean=lean))
     if lacks_feet:
-        own = tuple(_foot(leg, joints.topic) for leg in legs)
+        topic = joints.topic
+        own = tuple(
+            Foot(
+                leg.name,
+                topic,
+                leg_position=leg.position,
+                frame=leg.foot,
+                contact_point_m=leg.point,
+            )
+            for leg in legs
+        )
         named = replace(named, mass_kg=mass, feet=own)
         findings = [each for each in findings if not _is_settled(each, recording)]
-        findings += _of_contact(told, joints.topic, tuple(leg.name for leg in legs))
+        findings += _of_contact(told, topic, tuple(leg.name for leg in legs))
     selection = replace(
         selection,
         robot=named,
@@ -94,17 +104,6 @@ def _estimated(
         base_from_legs=not selection.odometry,
     )
     return legs, selection, told
-
-
-def _foot(leg: Leg, topic: str) -> Foot:
-    """Return the foot of a leg, as its joint states tell of it."""
-    return Foot(
-        name=leg.name,
-        topic=topic,
-        leg_position=leg.position,
-        frame=leg.foot,
-        contact_point_m=leg.point,
-    )
 
 
 def _posture(tables: Sequence[JointTable]) -> dict[str, float]:
