@@ -17,7 +17,7 @@ from dogbot_logtool.core.gait.support import Support
 from dogbot_logtool.core.legs.swings import STEPS, SWINGS
 from dogbot_logtool.core.loads import (
     WalkLoads,
-    grouped_shares,
+    share_of,
     symmetry_index_percent,
 )
 from dogbot_logtool.core.masks import base_in, loads_in, stability_in, support_in
@@ -37,7 +37,7 @@ from dogbot_logtool.core.metrics import (
     Symmetry,
     WalkMetrics,
 )
-from dogbot_logtool.core.records import fields_of, unknown, void
+from dogbot_logtool.core.records import taken, unknown, void
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.core.walk_metrics.nulls import null_because
 from dogbot_logtool.core.walk_metrics.rest import (
@@ -76,8 +76,9 @@ def metrics_of(walk: Walk, log: Log, findings: Sequence[Finding]) -> WalkMetrics
         log=log,
         settings=settings_metrics(walk, findings),
         base=walk.base or unknown(Base),
-        gait=GaitOfLog(
-            **{field.name: getattr(gait, field.name) for field in fields_of(Gait)},
+        gait=taken(
+            GaitOfLog,
+            gait,
             transition_strides=0 if own is None else own - strides,
             segments=tuple(_segment(walk, each) for each in walk.segments),
         ),
@@ -153,9 +154,9 @@ def _forces(walk: Walk, loads: WalkLoads, feet: dict[str, Foot]) -> Forces:
     """Return the loads of the whole robot over a span."""
     share = unknown(LoadShare)
     if loads.shares is not None:
-        groups = grouped_shares(loads.shares, [foot.leg_position for foot in walk.feet])
-        by_name = dict(zip(feet, loads.shares, strict=True))
-        share = LoadShare(feet=by_name, fore=groups["fore"], left=groups["left"])
+        positions = [foot.leg_position for foot in walk.feet]
+        fore, left = (share_of(word, loads.shares, positions) for word in ("front", "left"))
+        share = LoadShare(dict(zip(feet, loads.shares, strict=True)), fore, left)
     corners, each = walk.corners, list(feet.values())
     return Forces(
         vertical_impulse_over_weight=loads.vertical_impulse_over_weight,
