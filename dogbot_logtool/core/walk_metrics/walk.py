@@ -62,7 +62,7 @@ def metrics_of(walk: Walk, log: Log, findings: Sequence[Finding]) -> WalkMetrics
     """
     main, support = walk.main, walk.support
     gait = _supported(walk, no_gait(walk.feet) if main is None else main.gait, support)
-    gait = replace(gait, flight_fraction=None if support is None else support.flight_fraction)
+    gait = replace(gait, flight_fraction=None if support is None else support.feet_down[0])
     feet = {
         foot.name: replace(_foot(walk, row), planned=_planned(walk, row))
         for row, foot in enumerate(walk.feet)
@@ -142,7 +142,7 @@ def _supported(walk: Walk, gait: Gait, support: Support | None) -> Gait:
     names = [foot.name for foot in walk.feet]
     return replace(
         gait,
-        double_support_fraction=support.double_support_fraction,
+        double_support_fraction=support.feet_down[2] if len(names) == 2 else None,
         support={str(number): share for number, share in enumerate(support.feet_down)},
         support_sets=tuple(
             SupportSet(tuple(names[foot] for foot in feet), share) for feet, share in support.sets
