@@ -11,7 +11,6 @@ import dogbot_logtool as dl
 from tests.truth import free_walker, physics
 from tests.truth.recording import Floats
 
-STEPS: Final[free_walker.Steps] = ((-9.0, (0.4, 0.0, 0.0)),)
 SECONDS: Final = 4.0
 States = tuple[Floats, Floats, Floats]
 Measure = Callable[..., dl.Walk]
@@ -22,10 +21,9 @@ CALF: Final = 2
 @pytest.fixture
 def measure(tmp_path: Path) -> Measure:
     def walk(**options: Any) -> dl.Walk:
-        robot = free_walker.walker(STEPS, SECONDS)
-        path = physics.write_log(
-            tmp_path / "walk.mcap", **{"robot": robot, "by_transforms": True, "every": 1, **options}
-        )
+        robot = free_walker.trot(SECONDS)
+        path = tmp_path / "walk.mcap"
+        physics.write_log(path, robot, **{"by_transforms": True, **options})
         return dl.measure(path, mass=robot.mass_kg)
 
     return walk
