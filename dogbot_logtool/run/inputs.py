@@ -289,6 +289,8 @@ def _matches(pattern: str) -> list[Path]:
     """
     pure = PurePath(pattern)
     parts = [_ANY.sub("*", part) for part in pure.relative_to(pure.anchor).parts]
+    if parts[-1] == "**":
+        parts.append("*")  # which Python 3.13 takes it for, earlier ones do not
     found = set(Path(pure.anchor).glob("/".join(parts)))
     if not any(map(_is_hidden, parts)):
         found = {path for path in found if not any(map(_is_hidden, path.parts))}
