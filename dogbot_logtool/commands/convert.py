@@ -2,11 +2,14 @@
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_planned
 from dogbot_logtool.conversion.annotate import draw
-from dogbot_logtool.conversion.annotated_log import AnnotatedLog, added_channels
+from dogbot_logtool.conversion.annotated_log import (
+    AnnotatedLog,
+    added_channels,
+    provenance_record,
+)
 from dogbot_logtool.conversion.copying import make_copier
 from dogbot_logtool.conversion.findings import bad_poses, count_findings
-from dogbot_logtool.conversion.plan import ConversionPlan, make_plan, refuse_unknown_names
-from dogbot_logtool.conversion.provenance import provenance_record
+from dogbot_logtool.conversion.plan import ConversionPlan, make_plan
 from dogbot_logtool.core.checks.frames import columns_corrected, frames_known
 from dogbot_logtool.finding import Severity, by_severity, found
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
@@ -52,7 +55,6 @@ def convert(
     overwrite, makes_folder = options.overwrite, options.makes_folder
     inputs = (source, *options.joined)
     refuse_bad_target(target, inputs, overwrite=overwrite, makes_folder=makes_folder)
-    refuse_unknown_names(options)
     log = open_recorded(source, options.joined)
     try:
         wanted = plan_measuring(log, options)

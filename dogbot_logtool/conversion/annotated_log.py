@@ -7,7 +7,7 @@ recorded messages.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from functools import partial
 from typing import BinaryIO, Final
@@ -15,13 +15,16 @@ from typing import BinaryIO, Final
 import numpy as np
 from mcap import records
 
+from dogbot_logtool import __version__
 from dogbot_logtool.conversion.annotate import Scene, annotations_between
 from dogbot_logtool.conversion.copying import CopiedSpan, as_it_stands
 from dogbot_logtool.conversion.plan import ConversionPlan
-from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.scene.arrows import Arrows
+from dogbot_logtool.io.printable import printable
+from dogbot_logtool.io.storage import file_name
 from dogbot_logtool.options import ConvertOptions
-from dogbot_logtool.reader.containers.log import Chunk, Log, Loss
+from dogbot_logtool.provenance import PROVENANCE
+from dogbot_logtool.reader.containers.log import Chunk, Log, Loss, lost_messages
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
 from dogbot_logtool.reader.workers import Start, in_order
 from dogbot_logtool.run.runner import OnProgress
@@ -30,14 +33,16 @@ from dogbot_logtool.writer.annotations import Annotations
 from dogbot_logtool.writer.channels import AddedChannels
 from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunk, finish_chunks
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
-from dogbot_logtool.writer.mcap_writer import McapWriter
-from dogbot_logtool.writer.message_records import MessageRecords, recorded
+from dogbot_logtool.writer.mcap_writer import McapWriter, metadata_record
+from dogbot_logtool.writer.message_records import MessageRecords, of_payloads
 from dogbot_logtool.writer.topics import EVENTS_TOPIC, GAIT_TOPIC, SPANS_TOPIC
 
 SPAN_ROWS = 40_000
 """Samples of feet in a span: enough to make the cost of a numpy call small, and few enough to be
 annotated in some 60 MB."""
 _TIMES: Final = np.iinfo(np.int64)
+_LONGEST_NUMBER: Final = 18
+"""Digits of a count that a record tells."""
 TimeSpan = tuple[int, int]
 """ns, log times from which on and before which is annotated."""
 
@@ -178,29 +183,15 @@ def event_records(annotations: Annotations, scene: Scene) -> Iterator[MessageRec
     """Yield the messages of `/gait`, `/events` and `/events/spans`."""
     made, channels = annotations.encoding.message, annotations.channels
     gaits = (made(described.gait(each)) for each in scene.gaits)
-    yield _records(channels[GAIT_TOPIC], gaits, scene.gait_log_time)
+    yield of_payloads(channels[GAIT_TOPIC], gaits, scene.gait_log_time)
     events, log_time = scene.events, scene.event_log_time
     logged = (made(described.event(each)) for each in events)
-    yield _records(channels[EVENTS_TOPIC], logged, log_time)
+    yield of_payloads(channels[EVENTS_TOPIC], logged, log_time)
     if SPANS_TOPIC in channels:
         # A viewer's timeline shows what calls for a look; steps are in the log panel.
         odd = [row for row, each in enumerate(events) if not each.is_step]
         spans = (made(described.span(events[row])) for row in odd)
-        yield _records(channels[SPANS_TOPIC], spans, log_time[odd])
-
-
-def _records(channel: int, payloads: Iterable[bytes], log_time: Ints) -> MessageRecords:
-    made = list(payloads)
-    end = np.cumsum([0, *map(len, made)])
-    return recorded(
-        np.full(len(made), channel),
-        np.zeros(len(made), np.int64),
-        log_time,
-        log_time,
-        np.frombuffer(b"".join(made), np.uint8),
-        end[:-1],
-        end[1:],
-    )
+        yield of_payloads(channels[SPANS_TOPIC], spans, log_time[odd])
 
 
 def added_channels(log: Log, plan: ConversionPlan) -> AddedChannels:
@@ -217,3 +208,80 @@ def added_channels(log: Log, plan: ConversionPlan) -> AddedChannels:
     estimated = plan.selection.contact_from
     notes = {"contact_from": estimated} if estimated else {}
     return AddedChannels(schema_ids, channel_ids, taken, notes)
+
+
+def provenance_record(
+    log: Log, plan: ConversionPlan, losses: Sequence[Loss], *, force_in_world: bool
+) -> records.Metadata:
+    """Return the metadata record that tells how a file was made: no dates, no paths."""
+    options, robot = plan.options, plan.selection.robot
+    values: dict[str, object] = {
+        "version": __version__,
+        "style": options.style,
+        "encoding": options.encoding,
+        "copy": options.copy,
+        "wrench_frame": robot.wrench_frame,
+        "force_in_world": force_in_world,
+        "tf": options.tf,
+        "tf_rate_hz": options.tf_rate,
+        "robot": robot.name,
+        "mass_kg": robot.mass_kg,
+        "world_frame": plan.wanted.world_frame,
+        "base_frame": plan.wanted.base_frame,
+        **_copied(plan),
+        **_origin(log, plan),
+        **_loss(log, losses),
+    }
+    texts = {key: "" if value is None else str(value) for key, value in values.items()}
+    return metadata_record(PROVENANCE, texts)
+
+
+def _copied(plan: ConversionPlan) -> dict[str, object]:
+    """Return which topics were copied, where that was not all."""
+    globs = {"topics": plan.options.copied_topics, "without": plan.options.topics_left_out}
+    return {key: " ".join(map(printable, value)) for key, value in globs.items() if value}
+
+
+def _origin(log: Log, plan: ConversionPlan) -> dict[str, object]:
+    """Return where the recorded messages come from.
+
+    For a log that was annotated before, that is the log which it was made from, as long as a part
+    of its time is not cut out anew.
+    """
+    start_s, end_s = plan.options.start, plan.options.end
+    earlier = _earlier(log)
+    if earlier and not any(
+        (start_s, end_s, *(each.get(key) for each in earlier[1:] for key in ("start_s", "end_s")))
+    ):
+        return {key: earlier[0].get(key) for key in ("input", "container", "start_s", "end_s")}
+    return {
+        "input": printable(file_name(log.source.path)),
+        "container": log.container,
+        "start_s": start_s,
+        "end_s": end_s,
+    }
+
+
+def _loss(log: Log, losses: Sequence[Loss]) -> dict[str, object]:
+    """Return what was lost on the way, also when the log was annotated before."""
+    earlier = _earlier(log)
+    messages = [lost_messages(losses), *(_number(each.get("lost_messages")) for each in earlier)]
+    texts = [*(each.get("damage", "") for each in earlier), *(loss.what for loss in losses)]
+    known = [count for count in messages if count is not None]
+    return {
+        "lost_messages": sum(known) if len(known) == len(messages) else None,
+        "lost_bytes": sum(loss.bytes for loss in losses)
+        + sum(_number(each.get("lost_bytes")) or 0 for each in earlier),
+        "damage": "; ".join(text for text in texts if text),
+    }
+
+
+def _earlier(log: Log) -> Sequence[Mapping[str, str]]:
+    annotations = log.annotations
+    return annotations.records if annotations else ()
+
+
+def _number(text: str | None) -> int | None:
+    """Return a count that a record tells; None if it tells none."""
+    sound = text and text.isascii() and text.isdigit() and len(text) <= _LONGEST_NUMBER
+    return int(text) if text and sound else None

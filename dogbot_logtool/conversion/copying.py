@@ -53,8 +53,7 @@ class Copier:
     def __call__(self, log: Log, batch: Batch) -> CopiedSpan:
         """Return what is made of the messages of a batch."""
         arrows, counts = [], Counter[str]()
-        in_order = batch.in_time_order() if self.drawn else batch
-        for read in read_contacts(in_order, self.drawn, self.feet):
+        for read in read_contacts(batch, self.drawn, self.feet):
             if read.pairs is not None:
                 drawn, skipped = classic_arrows(read.pairs.contacts)
                 arrows.append(drawn)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Bytes, Flags, stable_order
+from dogbot_logtool.core.arrays import Bytes, Flags
 from dogbot_logtool.reader.containers.contents import Chunk
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.decode.message_table import Messages
@@ -39,8 +39,6 @@ class Batch:
     messages: Messages
     chunks: tuple[LoadedChunk, ...]
     losses: tuple[Loss, ...] = ()
-    out_of_order: int = 0
-    """Messages logged earlier than the one before on their channel; all are sorted then."""
     decoded: dict[object, Any] = field(init=False, repr=False, compare=False)
     """Columns that `decode_channels` made of it, which may be asked for again."""
 
@@ -59,34 +57,6 @@ class Batch:
         if end is not None:
             kept &= time <= end
         return self.only(kept)
-
-    def in_time_order(self) -> "Batch":
-        """Sort the messages by log time if those of any channel are not.
-
-        Recorders with several threads, and tools that join logs, write them so.
-        """
-        time = self.messages.log_time
-        if (time[1:] >= time[:-1]).all():
-            return self
-        by_channel = stable_order(self.messages.channel)
-        same = np.diff(self.messages.channel[by_channel]) == 0
-        backwards = int((same & (np.diff(time[by_channel]) < 0)).sum())
-        if not backwards:
-            return self
-        # All are the first chunk's then, since those of several may be mixed.
-        order = np.argsort(self.messages.log_time, kind="stable")
-        end = slice(len(order), len(order))
-        rows = [slice(0, len(order)), *[end] * (len(self.chunks) - 1)]
-        chunks = (
-            replace(loaded, rows=own, whole=False)
-            for loaded, own in zip(self.chunks, rows, strict=False)
-        )
-        return replace(
-            self,
-            messages=self.messages.pick(order),
-            chunks=tuple(chunks),
-            out_of_order=backwards,
-        )
 
     def without(self, channels: AbstractSet[int]) -> "Batch":
         """Leave out the messages of some channels."""
