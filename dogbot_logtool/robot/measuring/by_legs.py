@@ -67,10 +67,9 @@ def _estimated(
     knows_axis = named.is_given("forward_axis") or not selection.robot_is_guessed
     axis = named.forward_axis if knows_axis else None
     try:
-        found_legs = find_legs(robot, _posture(recording.joints), axis)
+        legs, axis = find_legs(robot, _posture(recording.joints), axis)
     except ValueError as reason:
         raise ValueError(f"the robot description {reason}") from None
-    legs, axis = found_legs.legs, found_legs.forward_axis
     names = dict.fromkeys(name for leg in legs for name in leg.measured)
     joints = joints_of_legs(recording.joints, tuple(names))
     mass = named.mass_kg or robot.mass_kg
