@@ -19,6 +19,7 @@ from dogbot_logtool.core.arrays import Flags, Floats, Ints, flagged_runs, latche
 from dogbot_logtool.core.corrections.clock import SILENCE_NS
 from dogbot_logtool.core.corrections.modes import ALTERNATE, NOISY, WIDE
 from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
+from dogbot_logtool.core.timespans import covers
 
 ZERO_ON: Final = 0.05
 """Share of the weight from which a foot is in contact whose sensor reads zero in swing."""
@@ -43,9 +44,6 @@ HEAVILY_FILTERED: Final = "its forces went through a low-pass filter that hides 
 DEBOUNCE_S: Final = 0.020
 DEBOUNCE_INTERVALS: Final = 1.5
 """Shorter swings and stances are no longer than one sample."""
-BOUNCE: Final = 0.0625
-"""Share of a foot's usual swing below which a swing is a bounce, or load that another foot takes
-for a moment."""
 MOST_DEBOUNCE_S: Final = 10.0
 """No foot steps more slowly: such intervals are those of stamps gone wrong."""
 ANY_FORCE_N: Final = 1e-9
@@ -64,8 +62,6 @@ class ContactRule:
     """N: |F| below which contact ends; it always ends at 0. 0: only there."""
     debounce_s: float
     """s: shorter swings are filled, then shorter stances dropped."""
-    bounce_s: float = 0.0
-    """s: so are shorter swings: much shorter than the foot's usual ones, they are none."""
     backdates: bool = False
     """Whether a touchdown is dated back to where the force rose above `off_n`."""
     origin: Origin = "default"
@@ -74,11 +70,6 @@ class ContactRule:
     """Whether the message's own contact flag decides, whatever the force."""
     unusable: str = ""
     """Why the sensor cannot tell contact; empty: it can."""
-
-    @property
-    def fill_s(self) -> float:
-        """Shorter swings are filled, s."""
-        return max(self.debounce_s, self.bounce_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +115,6 @@ def contact_rule(
         on_n=on,
         off_n=off,
         debounce_s=_debounce_s(level, given.debounce_s),
-        bounce_s=BOUNCE * (level.swing_s or 0.0) if given.debounce_s is None else 0.0,
         backdates=True,
         origin=given.origin if given.on_n else "estimated" if estimated else "default",
         unusable="" if given.on_n else _why_unusable(level, on, off),
@@ -207,24 +197,24 @@ def backdated(contact: Flags, time: Ints, force: Floats, off_n: float) -> Flags:
     return contact | (np.cumsum(change[:-1], dtype=np.int32) > 0)
 
 
-def find_stances(time: Ints, contact: Flags, rule: ContactRule) -> tuple[Ints, Ints, int, int]:
+def find_stances(time: Ints, contact: Flags, debounce_s: float) -> tuple[Ints, Ints, int, int]:
     """Fill swings that are too short, then drop stances that are.
 
     Args:
         time: (n,) ns, strictly increasing.
         contact: (n,) state of the Schmitt trigger.
-        rule: what is too short.
+        debounce_s: s, what is too short.
 
     Returns:
         (k,) the first row of each stance in contact, (k,) the first row after it that is not, or
         the last row where the log ends in the stance; how many swings were filled, how many
         stances dropped.
     """
-    silent, fill_ns = silent_before(time), round(rule.fill_s * 1e9)
+    silent, shortest_ns = silent_before(time), round(debounce_s * 1e9)
     begins, breaks = flagged_runs(contact).T
     runs = len(begins)
     # Of a swing that begins with a silence it is not known that it is short.
-    parts = (time[begins[1:]] - time[breaks[:-1]] >= fill_ns) | silent[breaks[:-1]]
+    parts = (time[begins[1:]] - time[breaks[:-1]] >= shortest_ns) | silent[breaks[:-1]]
     starts = begins[np.append(True, parts)[:runs]]
     ends = breaks[np.append(parts, True)[:runs]]
     # Where the log ends in a stance, its last sample ends it.
@@ -236,7 +226,14 @@ def find_stances(time: Ints, contact: Flags, rule: ContactRule) -> tuple[Ints, I
     loaded_ns = total[last] - total[starts]
     single = np.flatnonzero((last - starts == 1) & (starts > 0))
     loaded_ns[single] = np.minimum(loaded_ns[single], step[starts[single] - 1])
-    brief = (loaded_ns < round(rule.debounce_s * 1e9)) & ~silent[starts]
+    brief = (loaded_ns < shortest_ns) & ~silent[starts]
     # A short one at the log's end may be part of a longer one.
-    brief &= (ends < len(time)) & (silent[last] | (time[-1:] - time[last] >= fill_ns))
+    brief &= (ends < len(time)) & (silent[last] | (time[-1:] - time[last] >= shortest_ns))
     return starts[~brief], last[~brief], runs - len(starts), int(brief.sum())
+
+
+def rows_in_stances(starts: Ints, ends: Ints, contact: Flags) -> Flags:
+    """(n,) whether rows are in stances; the last one is where the log ends in contact."""
+    down = covers(np.stack([starts, ends], axis=1), np.arange(len(contact)))
+    down[-1:] |= contact[-1:]
+    return down
