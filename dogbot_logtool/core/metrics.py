@@ -89,7 +89,7 @@ class FootSettings:
     """|F| above the unloaded level below which contact ends."""
     debounce_s: Annotated[Number, Of("s")]
     """Shorter swings are filled, then shorter stances dropped. If not set, max(20 ms, 1.5 sampling
-    intervals)."""
+    intervals); then swings below 1/16 of the foot's usual one are filled, too."""
     offset_from: Text
     """Source of the unloaded level: option, robot, estimated or default."""
 

@@ -44,6 +44,9 @@ HEAVILY_FILTERED: Final = "its forces went through a low-pass filter that hides 
 DEBOUNCE_S: Final = 0.020
 DEBOUNCE_INTERVALS: Final = 1.5
 """Shorter swings and stances are no longer than one sample."""
+BOUNCE: Final = 0.0625
+"""Share of a foot's usual swing below which a swing is a bounce, or load that another foot takes
+for a moment."""
 MOST_DEBOUNCE_S: Final = 10.0
 """No foot steps more slowly: such intervals are those of stamps gone wrong."""
 ANY_FORCE_N: Final = 1e-9
@@ -62,6 +65,8 @@ class ContactRule:
     """N: |F| below which contact ends; it always ends at 0. 0: only there."""
     debounce_s: float
     """s: shorter swings are filled, then shorter stances dropped."""
+    bounce_s: float = 0.0
+    """s: so are shorter swings: much shorter than the foot's usual ones, they are none."""
     backdates: bool = False
     """Whether a touchdown is dated back to where the force rose above `off_n`."""
     origin: Origin = "default"
@@ -115,6 +120,7 @@ def contact_rule(
         on_n=on,
         off_n=off,
         debounce_s=_debounce_s(level, given.debounce_s),
+        bounce_s=BOUNCE * (level.swing_s or 0.0) if given.debounce_s is None else 0.0,
         backdates=True,
         origin=given.origin if given.on_n else "estimated" if estimated else "default",
         unusable="" if given.on_n else _why_unusable(level, on, off),
@@ -197,24 +203,27 @@ def backdated(contact: Flags, time: Ints, force: Floats, off_n: float) -> Flags:
     return contact | (np.cumsum(change[:-1], dtype=np.int32) > 0)
 
 
-def find_stances(time: Ints, contact: Flags, debounce_s: float) -> tuple[Ints, Ints, int, int]:
+def find_stances(
+    time: Ints, contact: Flags, debounce_s: float, bounce_s: float = 0.0
+) -> tuple[Ints, Ints, int, int]:
     """Fill swings that are too short, then drop stances that are.
 
     Args:
         time: (n,) ns, strictly increasing.
         contact: (n,) state of the Schmitt trigger.
-        debounce_s: s, what is too short.
+        debounce_s: s, below which swings and stances are too short.
+        bounce_s: s, below which swings are, too.
 
     Returns:
         (k,) the first row of each stance in contact, (k,) the first row after it that is not, or
         the last row where the log ends in the stance; how many swings were filled, how many
         stances dropped.
     """
-    silent, shortest_ns = silent_before(time), round(debounce_s * 1e9)
+    silent, fill_ns = silent_before(time), round(max(debounce_s, bounce_s) * 1e9)
     begins, breaks = flagged_runs(contact).T
     runs = len(begins)
     # Of a swing that begins with a silence it is not known that it is short.
-    parts = (time[begins[1:]] - time[breaks[:-1]] >= shortest_ns) | silent[breaks[:-1]]
+    parts = (time[begins[1:]] - time[breaks[:-1]] >= fill_ns) | silent[breaks[:-1]]
     starts = begins[np.append(True, parts)[:runs]]
     ends = breaks[np.append(parts, True)[:runs]]
     # Where the log ends in a stance, its last sample ends it.
@@ -226,9 +235,9 @@ def find_stances(time: Ints, contact: Flags, debounce_s: float) -> tuple[Ints, I
     loaded_ns = total[last] - total[starts]
     single = np.flatnonzero((last - starts == 1) & (starts > 0))
     loaded_ns[single] = np.minimum(loaded_ns[single], step[starts[single] - 1])
-    brief = (loaded_ns < shortest_ns) & ~silent[starts]
+    brief = (loaded_ns < round(debounce_s * 1e9)) & ~silent[starts]
     # A short one at the log's end may be part of a longer one.
-    brief &= (ends < len(time)) & (silent[last] | (time[-1:] - time[last] >= shortest_ns))
+    brief &= (ends < len(time)) & (silent[last] | (time[-1:] - time[last] >= fill_ns))
     return starts[~brief], last[~brief], runs - len(starts), int(brief.sum())
 
 

@@ -149,7 +149,8 @@ def foot_history(
     repeated = int((equal & contact[1:] & contact[:-1]).sum())
     if rule.backdates:
         contact = backdated(contact, time, force, rule.off_n)
-    starts, ends, filled, dropped = find_stances(time, contact, rule.debounce_s)
+    short = rule.debounce_s, rule.bounce_s
+    starts, ends, filled, dropped = find_stances(time, contact, *short)
     is_scuff = _scuffs(track, starts, ends)
     scuffs = np.stack([time[starts[is_scuff]], time[ends[is_scuff]]], axis=1)
     starts, ends = starts[~is_scuff], ends[~is_scuff]
