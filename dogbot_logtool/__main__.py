@@ -9,7 +9,7 @@ if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
 import gc
 from typing import Final, NoReturn
 
-from dogbot_logtool.signals import ignore_signals, raise_on_signals
+from dogbot_logtool.signals import ignore_signals, raise_on_signals, stopped
 
 _NEW_OBJECTS: Final = 100_000
 """More than are made before a log is read: nearly all that is loaded stays until the end, and to
@@ -25,6 +25,11 @@ def main() -> NoReturn:
         from dogbot_logtool.cli import main as run  # noqa: PLC0415
 
         run()
+    except Exception:
+        # Where a signal comes while a class is made, Python 3.11 makes another error of it.
+        if (interruption := stopped()) is None:
+            raise
+        raise interruption from None
     finally:
         ignore_signals()
         gc.freeze()

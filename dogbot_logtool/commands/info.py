@@ -167,8 +167,8 @@ def _base_use(selection: Selection) -> str:
 def _side_uses(log: Log, selection: Selection) -> dict[int, str]:
     """Return what `stats` uses channels beside feet and base for, by id."""
     joints = {channel.id: "joints" for channel in joint_channels(log)}
-    side = side_topics(log, selection.robot)
-    uses = ((side.commands, "commands"), (side.inertial, "accelerometer"))
+    commands, accelerations, _ = side_topics(log, selection.robot)
+    uses = ((commands, "commands"), (accelerations, "accelerometer"))
     return joints | {each.id: use for topic, use in uses if topic for each in topic.channels}
 
 

@@ -7,7 +7,7 @@ recorded messages.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from functools import partial
 from typing import BinaryIO, Final
@@ -15,13 +15,16 @@ from typing import BinaryIO, Final
 import numpy as np
 from mcap import records
 
+from dogbot_logtool import __version__
 from dogbot_logtool.conversion.annotate import Scene, annotations_between
 from dogbot_logtool.conversion.copying import CopiedSpan, as_it_stands
 from dogbot_logtool.conversion.plan import ConversionPlan
-from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.scene.arrows import Arrows
+from dogbot_logtool.io.printable import printable
+from dogbot_logtool.io.storage import file_name
 from dogbot_logtool.options import ConvertOptions
-from dogbot_logtool.reader.containers.log import Chunk, Log, Loss
+from dogbot_logtool.provenance import PROVENANCE
+from dogbot_logtool.reader.containers.log import Chunk, Log, Loss, lost_messages
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
 from dogbot_logtool.reader.workers import Start, in_order
 from dogbot_logtool.run.runner import OnProgress
@@ -30,14 +33,16 @@ from dogbot_logtool.writer.annotations import Annotations
 from dogbot_logtool.writer.channels import AddedChannels
 from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunk, finish_chunks
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
-from dogbot_logtool.writer.mcap_writer import McapWriter
-from dogbot_logtool.writer.message_records import MessageRecords, recorded
+from dogbot_logtool.writer.mcap_writer import McapWriter, metadata_record
+from dogbot_logtool.writer.message_records import MessageRecords, of_payloads
 from dogbot_logtool.writer.topics import EVENTS_TOPIC, GAIT_TOPIC, SPANS_TOPIC
 
 SPAN_ROWS = 40_000
 """Samples of feet in a span: enough to make the cost of a numpy call small, and few enough to be
 annotated in some 60 MB."""
 _TIMES: Final = np.iinfo(np.int64)
+_LONGEST_NUMBER: Final = 18
+"""Digits of a count that a record tells."""
 TimeSpan = tuple[int, int]
 """ns, log times from which on and before which is annotated."""
 
@@ -61,14 +66,16 @@ class AnnotatedLog:
         self._writer = McapWriter(file, profile)
         self.arrows: list[Arrows] = []
         """Those that were made of recorded messages."""
-        self._counts = Counter[str]()
-        if options.copy:
-            copied = {n: c for n, c in log.channels.items() if n not in left_out}
-            schemas = {c.schema.id: c.schema for c in copied.values() if c.schema is not None}
-            self._describe(
-                (schema_record(schema) for _, schema in sorted(schemas.items())),
-                (channel_record(channel) for _, channel in sorted(copied.items())),
-            )
+        self.counts = Counter[str]()
+        """Arrows and other annotations that lack something, by what."""
+        self.added = AddedChannels()
+        copied = log.channels if options.copy else {}
+        self._copied = {number: c for number, c in copied.items() if number not in left_out}
+        schemas = {c.schema.id: c.schema for c in self._copied.values() if c.schema is not None}
+        self._describe(
+            (schema_record(schema) for _, schema in sorted(schemas.items())),
+            (channel_record(channel) for _, channel in sorted(self._copied.items())),
+        )
 
     @property
     def messages(self) -> dict[int, int]:
@@ -84,26 +91,22 @@ class AnnotatedLog:
             else:
                 self._writer.add_chunk(chunk)
         self.arrows += span.arrows
-        self._counts += span.counts
+        self.counts += span.counts
 
     def annotate(
-        self,
-        scene: Scene,
-        added: AddedChannels,
-        progress: OnProgress | None = None,
-        start: Start | None = None,
-    ) -> Counter[str]:
-        """Write everything that is drawn of the walk; return how many annotations lack something.
+        self, scene: Scene, progress: OnProgress | None = None, start: Start | None = None
+    ) -> None:
+        """Write everything that is drawn of the walk.
 
         Args:
             scene: what is drawn.
-            added: takes the channels.
             progress: called with the share done and all, as bytes of the log.
             start: how processes start; None: as the system and the log allow.
         """
         plan, total = scene.plan, sum(chunk.data_size for chunk in self._log.chunks)
-        annotations = Annotations(plan.encoding.load(), plan.wanted, added)
-        self._describe(added.schemas, added.channels)
+        self.added = self._channels_for(plan)
+        annotations = Annotations(plan.encoding.load(), plan.wanted, self.added)
+        self._describe(self.added.schemas, self.added.channels)
         if plan.description.urdf is not None and plan.opening is not None:
             message = annotations.robot_description(plan.description.urdf, plan.opening)
             self._writer.add_chunk(finish_chunk(message, plan.options.compression or "zstd"))
@@ -113,10 +116,19 @@ class AnnotatedLog:
             for number, (chunks, counts) in enumerate(results, 1):
                 for chunk in chunks:
                     self._writer.add_chunk(chunk)
-                self._counts += counts
+                self.counts += counts
                 if progress is not None:
                     progress(total * number // len(spans), total)
-        return self._counts
+
+    def _channels_for(self, plan: ConversionPlan) -> AddedChannels:
+        """Return what declares the channels of annotations, beside those that are copied."""
+        taken = {c.topic: (c.type_name, c.message_encoding) for c in self._copied.values()}
+        # Chunks that are copied as they are may describe channels that are left out.
+        described = self._log.channels.values() if plan.options.copy else ()
+        schema_ids = {channel.schema.id for channel in described if channel.schema}
+        estimated = plan.selection.contact_from
+        notes = {"contact_from": estimated} if estimated else {}
+        return AddedChannels(schema_ids, {channel.id for channel in described}, taken, notes)
 
     def copy_extras(self) -> Iterator[Loss]:
         """Copy attachments and metadata records; yield those that cannot be read."""
@@ -178,42 +190,89 @@ def event_records(annotations: Annotations, scene: Scene) -> Iterator[MessageRec
     """Yield the messages of `/gait`, `/events` and `/events/spans`."""
     made, channels = annotations.encoding.message, annotations.channels
     gaits = (made(described.gait(each)) for each in scene.gaits)
-    yield _records(channels[GAIT_TOPIC], gaits, scene.gait_log_time)
+    yield of_payloads(channels[GAIT_TOPIC], gaits, scene.gait_log_time)
     events, log_time = scene.events, scene.event_log_time
     logged = (made(described.event(each)) for each in events)
-    yield _records(channels[EVENTS_TOPIC], logged, log_time)
+    yield of_payloads(channels[EVENTS_TOPIC], logged, log_time)
     if SPANS_TOPIC in channels:
         # A viewer's timeline shows what calls for a look; steps are in the log panel.
         odd = [row for row, each in enumerate(events) if not each.is_step]
         spans = (made(described.span(events[row])) for row in odd)
-        yield _records(channels[SPANS_TOPIC], spans, log_time[odd])
+        yield of_payloads(channels[SPANS_TOPIC], spans, log_time[odd])
 
 
-def _records(channel: int, payloads: Iterable[bytes], log_time: Ints) -> MessageRecords:
-    made = list(payloads)
-    end = np.cumsum([0, *map(len, made)])
-    return recorded(
-        np.full(len(made), channel),
-        np.zeros(len(made), np.int64),
-        log_time,
-        log_time,
-        np.frombuffer(b"".join(made), np.uint8),
-        end[:-1],
-        end[1:],
-    )
-
-
-def added_channels(log: Log, plan: ConversionPlan) -> AddedChannels:
-    """Return what declares the channels of annotations, beside those that are copied."""
-    copied = [*log.channels.values()] if plan.options.copy else []
-    taken = {
-        channel.topic: (channel.type_name, channel.message_encoding)
-        for channel in copied
-        if channel.id not in plan.left_out
+def provenance_record(
+    log: Log, plan: ConversionPlan, losses: Sequence[Loss], *, force_in_world: bool
+) -> records.Metadata:
+    """Return the metadata record that tells how a file was made: no dates, no paths."""
+    options, robot = plan.options, plan.selection.robot
+    values: dict[str, object] = {
+        "version": __version__,
+        "style": options.style,
+        "encoding": options.encoding,
+        "copy": options.copy,
+        "wrench_frame": robot.wrench_frame,
+        "force_in_world": force_in_world,
+        "tf": options.tf,
+        "tf_rate_hz": options.tf_rate,
+        "robot": robot.name,
+        "mass_kg": robot.mass_kg,
+        "world_frame": plan.wanted.world_frame,
+        "base_frame": plan.wanted.base_frame,
+        **_copied(plan),
+        **_origin(log, plan),
+        **_loss(log, losses),
     }
-    # Chunks that are copied as they are may describe channels that are left out.
-    schema_ids = {channel.schema.id for channel in copied if channel.schema}
-    channel_ids = {channel.id for channel in copied}
-    estimated = plan.selection.contact_from
-    notes = {"contact_from": estimated} if estimated else {}
-    return AddedChannels(schema_ids, channel_ids, taken, notes)
+    texts = {key: "" if value is None else str(value) for key, value in values.items()}
+    return metadata_record(PROVENANCE, texts)
+
+
+def _copied(plan: ConversionPlan) -> dict[str, object]:
+    """Return which topics were copied, where that was not all."""
+    globs = {"topics": plan.options.copied_topics, "without": plan.options.topics_left_out}
+    return {key: " ".join(map(printable, value)) for key, value in globs.items() if value}
+
+
+def _origin(log: Log, plan: ConversionPlan) -> dict[str, object]:
+    """Return where the recorded messages come from.
+
+    For a log that was annotated before, that is the log which it was made from, as long as a part
+    of its time is not cut out anew.
+    """
+    start_s, end_s = plan.options.start, plan.options.end
+    earlier = _earlier(log)
+    if earlier and not any(
+        (start_s, end_s, *(each.get(key) for each in earlier[1:] for key in ("start_s", "end_s")))
+    ):
+        return {key: earlier[0].get(key) for key in ("input", "container", "start_s", "end_s")}
+    return {
+        "input": printable(file_name(log.source.path)),
+        "container": log.container,
+        "start_s": start_s,
+        "end_s": end_s,
+    }
+
+
+def _loss(log: Log, losses: Sequence[Loss]) -> dict[str, object]:
+    """Return what was lost on the way, also when the log was annotated before."""
+    earlier = _earlier(log)
+    messages = [lost_messages(losses), *(_number(each.get("lost_messages")) for each in earlier)]
+    texts = [*(each.get("damage", "") for each in earlier), *(loss.what for loss in losses)]
+    known = [count for count in messages if count is not None]
+    return {
+        "lost_messages": sum(known) if len(known) == len(messages) else None,
+        "lost_bytes": sum(loss.bytes for loss in losses)
+        + sum(_number(each.get("lost_bytes")) or 0 for each in earlier),
+        "damage": "; ".join(text for text in texts if text),
+    }
+
+
+def _earlier(log: Log) -> Sequence[Mapping[str, str]]:
+    annotations = log.annotations
+    return annotations.records if annotations else ()
+
+
+def _number(text: str | None) -> int | None:
+    """Return a count that a record tells; None if it tells none."""
+    sound = text and text.isascii() and text.isdigit() and len(text) <= _LONGEST_NUMBER
+    return int(text) if text and sound else None

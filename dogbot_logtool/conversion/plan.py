@@ -14,7 +14,6 @@ from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, LIFETIME_S, ArrowStyle
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.core.world_frames import WorldFrames
-from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Log
@@ -27,7 +26,7 @@ from dogbot_logtool.robot.robot_model.description import (
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.time_span import time_limits
-from dogbot_logtool.writer.annotations import WantedAnnotations, description_type
+from dogbot_logtool.writer.annotations import WantedAnnotations
 from dogbot_logtool.writer.encodings.registry import ENCODINGS, OutputEncoding
 from dogbot_logtool.writer.markers import Look
 
@@ -56,23 +55,7 @@ class ConversionPlan:
     """ns, log time of the output's first message; None: the log is empty."""
     end: int
     """ns, of its last."""
-    left_out: frozenset[int]
-    """Ids of the channels that are not copied."""
     findings: tuple[Finding, ...]
-
-
-def refuse_unknown_names(options: ConvertOptions) -> None:
-    """Refuse a style or an encoding that there is not.
-
-    Raises:
-        CallError: there is no such one.
-    """
-    for kind, name, known in (
-        ("arrow style", options.style, [*ARROW_STYLES]),
-        ("encoding", options.encoding, [*ENCODINGS]),
-    ):
-        if name not in known:
-            raise CallError(f"there is no {kind} {name!r}; known: {', '.join(known)}")
 
 
 def make_plan(
@@ -114,7 +97,7 @@ def make_plan(
     writes_base = selection.has_base and options.tf != "never" and second is None
     pairs = description.motion.pairs if description.motion else ()
     profile = options.copy and log.profile
-    typed = description_type(ENCODINGS[options.encoding].profile or profile or "")
+    is_ros1 = (ENCODINGS[options.encoding].profile or profile) == "ros1"
     # A scale of the robot's file has colours of its own.
     colour_n = weight_n if given is None else settings.body_weight_n
     start, end = time_limits(log, options.start, options.end)
@@ -133,7 +116,7 @@ def make_plan(
             has_transforms=writes_base or bool(pairs),
             has_support=unsupported is None,
             has_legs=description.hips is not None,
-            description=typed if description.urdf is not None else None,
+            description="" if description.urdf is None else "ros1" if is_ros1 else "ros2",
         ),
         writes_base=writes_base,
         frames=placed,
@@ -142,7 +125,6 @@ def make_plan(
         description=description,
         opening=log.start_time if start is None else start,
         end=last if end is None else min(end, last),
-        left_out=left_out,
         findings=(
             *([unsupported] if unsupported else []),
             *arrow_findings(selection, style, placed, settings, colour_n),

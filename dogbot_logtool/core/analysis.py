@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool.core.base.falls import find_tipping
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.base.witness import by_legs
 from dogbot_logtool.core.checks.engine import consequence, findings_of
 from dogbot_logtool.core.commands import follow_commands
 from dogbot_logtool.core.contact.foot_history import FootHistory
@@ -68,7 +67,9 @@ def analyse(
     walk = _measured(mask_walk(corrected))
     legs = find_legs(recording, corrected) if find_legs else None
     if legs is not None:
-        walk = _with_legs(walk, recording, corrected, legs)
+        from dogbot_logtool.core.leg_evaluation import with_legs  # noqa: PLC0415
+
+        walk = with_legs(walk, recording.joints, legs, corrected)
     if planned is not None:
         of_plan = replace(
             recording, feet=recording.planned, links={}, commands=None, accelerations=None
@@ -136,16 +137,3 @@ def _extent(feet: Sequence[FootHistory], base: BaseHistory) -> tuple[int, int]:
         starts.append(int(base.time[0]))
         ends.append(int(base.time[-1]))
     return min(starts, default=0), max(ends, default=0)
-
-
-def _with_legs(
-    walk: Walk, recording: Recording, corrected: Corrected, settings: "LegSettings"
-) -> Walk:
-    """Add the metrics of the legs."""
-    from dogbot_logtool.core.leg_evaluation import with_legs  # noqa: PLC0415
-
-    walk = with_legs(walk, recording.joints, settings, corrected.joint_clocks)
-    if walk.legs is None or walk.witness is not None or walk.settings.base_from_legs:
-        return walk
-    paths = [leg.path for leg in walk.legs.feet]
-    return replace(walk, witness=by_legs(paths, walk.records, corrected.base))

@@ -326,6 +326,19 @@ def runs_of(numbers: Ints) -> tuple[Ints, Ints]:
     return first, np.diff(first, append=len(numbers))
 
 
+def flagged_runs(flags: Flags) -> Ints:
+    """(k, 2) the first row of each run of true flags, and the row behind it."""
+    return np.flatnonzero(np.diff(flags, prepend=False, append=False)).reshape(-1, 2)
+
+
+def latched(on: Flags, off: Flags) -> Flags:
+    """(n, ...) states that last from on to off; at first off."""
+    row = np.arange(len(on)).reshape(-1, *[1] * (on.ndim - 1))
+    last = np.maximum.accumulate(np.where(on | off, row, -1), axis=0)
+    state = np.take_along_axis(on, np.maximum(last, 0), axis=0)
+    return np.asarray(state & (last >= 0))
+
+
 def sorted_runs(values: Floats, first: Ints) -> Floats:
     """Sort the values of each run.
 

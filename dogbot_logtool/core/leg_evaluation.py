@@ -8,19 +8,15 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, aggregate
 from dogbot_logtool.core.base.foot_path import Footfalls, FootPath, footfalls
-from dogbot_logtool.core.corrections.clock import ClockDifference, too_far_apart
+from dogbot_logtool.core.base.witness import by_legs
+from dogbot_logtool.core.corrected import Corrected
+from dogbot_logtool.core.corrections.clock import too_far_apart
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.strides import typical_period_s
 from dogbot_logtool.core.legs.joints import JointTable, JointTrack, joint_tracks
 from dogbot_logtool.core.legs.legs import LegFigures, LegFoot, joint_curve, summed_work
-from dogbot_logtool.core.legs.paths import LegSettings, foot_path, link_tracks
-from dogbot_logtool.core.legs.swings import (
-    STEPS,
-    SWINGS,
-    is_slow,
-    steps,
-    swings,
-)
+from dogbot_logtool.core.legs.paths import LegChain, LegSettings, foot_path, link_tracks
+from dogbot_logtool.core.legs.swings import is_slow, steps, swings
 from dogbot_logtool.core.loads import slip_m, symmetry_index_percent
 from dogbot_logtool.core.metrics import Joint, Legs
 from dogbot_logtool.core.walk import Walk
@@ -35,10 +31,7 @@ SHORTEST_WAY_M: Final = 0.1
 
 
 def with_legs(
-    walk: Walk,
-    tables: Sequence[JointTable],
-    settings: LegSettings,
-    clocks: Sequence[ClockDifference],
+    walk: Walk, tables: Sequence[JointTable], settings: LegSettings, corrected: Corrected
 ) -> Walk:
     """Add what is known of the legs, and slips by the feet's frames where those are known.
 
@@ -46,7 +39,7 @@ def with_legs(
         walk: all other figures.
         tables: joint states, one table a topic, the best first.
         settings: sources of the legs.
-        clocks: how far topics' clocks are from that of the feet, those of joint states among them.
+        corrected: clocks, and the base as it was recorded.
     """
     joints = joint_tracks(tables, walk.settings.clock, settings.limits)
     links = link_tracks(settings.joints, joints)
@@ -56,17 +49,28 @@ def with_legs(
     if not joints and not any(path is not None for path in paths):
         return walk
     period = typical_period_s([foot.stances for foot in walk.feet])
-    apart = too_far_apart(clocks, period) & set(settings.joint_topics)
-    feet = _feet(walk, settings, joints, paths, joints_apart=bool(apart))
+    clocks = {each.topic: each for each in corrected.joint_clocks}
+    apart = too_far_apart(corrected.joint_clocks, period) & set(settings.joint_topics)
+    legs, stood = [], []
+    for row, path in enumerate(paths):
+        reason = _no_swings(walk, settings, row, path, joints_apart=bool(apart))
+        leg, falls = _leg(walk, settings, row, path, reason)
+        own = [each for name, each in joints.items() if settings.foot_of_joint.get(name) == row]
+        legs.append(replace(leg, strides={**leg.strides, **_leg_work(walk.feet[row], own)}))
+        stood.append(falls)
+    legs = [
+        replace(leg, strides={**leg.strides, **_steps(walk, row, stood)})
+        for row, leg in enumerate(legs)
+    ]
     strides = walk.feet[walk.reference].strides if walk.feet else None
     working = [each for each in joints.values() if each.moves and each.has_effort]
     work = np.empty((2, 0))
     if strides is not None:
         work = summed_work(working, strides.touchdown, strides.end)
     found, ranges = _joints(walk, settings, joints)
-    legs = LegFigures(
+    figures = LegFigures(
         settings=settings,
-        feet=feet,
+        feet=tuple(legs),
         joints=joints,
         links=links,
         work=work,
@@ -77,94 +81,52 @@ def with_legs(
             joints=found,
             asymmetry_percent=_asymmetry(settings, ranges),
         ),
-        clocks_apart={each.topic: each for each in clocks if each.topic in apart},
+        clocks_apart={topic: clocks[topic] for topic in apart},
     )
-    pairs = zip(walk.feet, feet, strict=True)
-    with_places = tuple(_with_lengths(_with_slips(*each), each[1]) for each in pairs)
-    return replace(walk, legs=legs, feet=with_places)
-
-
-def _with_lengths(foot: FootSteps, leg: LegFoot) -> FootSteps:
-    """Return a foot with the lengths by its frame, where its sensor tells none of its own."""
-    if foot.length_from != "base" or leg.reason:
-        return foot
-    length = leg.strides["swing_length_m"]
-    known = bool(np.isfinite(length).any())
-    return replace(foot, length_m=length, length_from="foot_frame") if known else foot
-
-
-def _feet(
-    walk: Walk,
-    settings: LegSettings,
-    joints: Mapping[str, JointTrack],
-    paths: Sequence[FootPath | None],
-    *,
-    joints_apart: bool,
-) -> tuple[LegFoot, ...]:
-    """Return the leg of each foot."""
-    base = walk.poses
-    legs, stood = [], []
-    for row, foot in enumerate(walk.feet):
-        chain, path = settings.chains[row], paths[row]
-        reason = settings.reasons[row]
-        if chain is not None and path is None:
-            reason = "too little of its leg is told"
-        elif path is not None and walk.base_clock_is_apart:
-            reason = "the clocks of odometry and feet differ"
-        elif path is not None and walk.loses_way:
-            reason = "the odometry drifts among the contact points"
-        elif path is not None and joints_apart and settings.joints:
-            reason = "the clock of the joint states differs from that of the feet"
-        elif path is not None and not len(base.time):
-            reason = "the log has no usable poses"
-        own = [each for name, each in joints.items() if settings.foot_of_joint.get(name) == row]
-        leg = LegFoot(
-            name=foot.name,
-            frame=chain.frames[0] if chain else "",
-            reason=reason,
-            moves=False,
-            path=path,
-            slips=None,
-            strides=_leg_work(foot, own),
-            height=None,
-            is_slow=False,
-        )
-        falls = None
-        if path is not None and not reason:
-            leg, falls = _swinging(leg, foot, path.in_world(base))
-        if falls is not None and chain is not None:
-            rolling = None if chain.touches else walk.settings.foot_rolling_m
-            slips = falls.slip_m, falls.largest_slip_m
-            if rolling is not None:
-                slips = slip_m(slips[0], rolling), slip_m(slips[1], rolling)
-            # The middle of a ball rolls with it: less the rolling, if that is known.
-            leg = replace(leg, slips=slips if chain.touches or rolling is not None else None)
-        legs.append(leg)
-        stood.append(falls)
-    return tuple(
-        replace(leg, strides={**leg.strides, **_steps(walk, row, stood)})
-        for row, leg in enumerate(legs)
+    witness = walk.witness
+    if witness is None and not walk.settings.base_from_legs:
+        witness = by_legs(paths, walk.records, corrected.base)
+    feet = tuple(
+        _with_frame(walk, settings.chains[row], foot, legs[row], stood[row])
+        for row, foot in enumerate(walk.feet)
     )
+    return replace(walk, legs=figures, feet=feet, witness=witness)
 
 
-def _leg_work(foot: FootSteps, joints: Sequence[JointTrack]) -> dict[str, Floats]:
-    """Return the work of a leg in the strides of its foot, with NaN for what else is of strides."""
-    unknown = np.full(len(foot.strides.stance), np.nan)
-    found = dict.fromkeys((*SWINGS, *STEPS, "positive_work_j", "absolute_work_j"), unknown)
-    if all(joint.has_effort or not joint.moves for joint in joints):
-        work = summed_work(joints, foot.strides.touchdown, foot.strides.end)
-        found["positive_work_j"], found["absolute_work_j"] = work
-    return found
+def _no_swings(
+    walk: Walk, settings: LegSettings, row: int, path: FootPath | None, *, joints_apart: bool
+) -> str:
+    """Say why a foot's swings cannot be known; empty if they may be."""
+    if path is None:
+        told = settings.chains[row] is None
+        return settings.reasons[row] if told else "too little of its leg is told"
+    reasons = (
+        (walk.base_clock_is_apart, "the clocks of odometry and feet differ"),
+        (walk.loses_way, "the odometry drifts among the contact points"),
+        (
+            joints_apart and len(settings.joints) > 0,
+            "the clock of the joint states differs from that of the feet",
+        ),
+        (not len(walk.poses.time), "the log has no usable poses"),
+    )
+    return next((why for holds, why in reasons if holds), settings.reasons[row])
 
 
-def _swinging(leg: LegFoot, foot: FootSteps, path: FootPath) -> tuple[LegFoot, Footfalls | None]:
-    """Add the swings of a foot by its path in the world, if it is at rest in stances."""
-    stood = footfalls(path, foot.stances)
+def _leg(
+    walk: Walk, settings: LegSettings, row: int, path: FootPath | None, reason: str
+) -> tuple[LegFoot, Footfalls | None]:
+    """Return the leg of a foot, and where that stands if its frame is at rest in stances."""
+    foot, chain = walk.feet[row], settings.chains[row]
+    leg = LegFoot(foot.name, chain.frames[0] if chain else "", reason, path)
+    if path is None or reason:
+        return leg, None
+    world = path.in_world(walk.poses)
+    stood = footfalls(world, foot.stances)
     travel = aggregate(stood.travel_m[foot.stances.whole])
     if travel is None:
         return replace(leg, reason="no whole stance in which its leg is told"), None
     interval_s = foot.record.median_interval_s or np.inf
-    found, height = swings(path, stood, foot.strides, interval_s)
+    found, height = swings(world, stood, foot.strides, interval_s)
     length = aggregate(found["swing_length_m"])
     if travel.median > max(RESTING_M, RESTING_SHARE * (length.median if length else 0.0)):
         reason = (
@@ -172,16 +134,38 @@ def _swinging(leg: LegFoot, foot: FootSteps, path: FootPath) -> tuple[LegFoot, F
             "the foot's, the odometry drifts, or the foot slips"
         )
         return replace(leg, reason=reason, moves=True), None
-    slow = is_slow(path, interval_s)
-    leg = replace(leg, strides={**leg.strides, **found}, height=height, is_slow=slow)
-    return leg, stood
+    slow = is_slow(world, interval_s)
+    return replace(leg, strides=found, height=height, is_slow=slow), stood
+
+
+def _leg_work(foot: FootSteps, joints: Sequence[JointTrack]) -> dict[str, Floats]:
+    """Return the work of a leg in the strides of its foot, where its efforts are known."""
+    if not all(joint.has_effort or not joint.moves for joint in joints):
+        return {}
+    positive, absolute = summed_work(joints, foot.strides.touchdown, foot.strides.end)
+    return {"positive_work_j": positive, "absolute_work_j": absolute}
+
+
+def _with_frame(
+    walk: Walk, chain: LegChain | None, foot: FootSteps, leg: LegFoot, stood: Footfalls | None
+) -> FootSteps:
+    """Return a foot with the slips of its frame, and lengths where its sensor tells none."""
+    if stood is None or chain is None:
+        return foot
+    length = leg.strides["swing_length_m"]
+    if foot.length_from == "base" and np.isfinite(length).any():
+        foot = replace(foot, length_m=length, length_from="foot_frame")
+    # The middle of a ball rolls with it: less the rolling, if that is known.
+    rolling = 0.0 if chain.touches else walk.settings.foot_rolling_m
+    if rolling is None:
+        return foot
+    slips = slip_m(stood.slip_m, rolling), slip_m(stood.largest_slip_m, rolling)
+    return replace(foot, slip_m=slips[0], slip_largest_m=slips[1], slip_from="foot_frame")
 
 
 def _steps(walk: Walk, row: int, stood: Sequence[Footfalls | None]) -> dict[str, Floats]:
     """Return the steps of a foot against the other of its pair, where both are known."""
-    others = [
-        number for number in range(len(walk.feet)) if number != row and walk.paired(row, number)
-    ]
+    others = [other for other in range(len(walk.feet)) if other != row and walk.paired(row, other)]
     own = stood[row]
     other = stood[others[0]] if len(others) == 1 else None
     if own is None or other is None:
@@ -227,11 +211,3 @@ def _cost(walk: Walk, absolute_j: Floats) -> float | None:
     known = np.isfinite(absolute_j) & np.isfinite(way)
     total = float(way[known].sum())
     return float(absolute_j[known].sum()) / (weight * total) if total >= SHORTEST_WAY_M else None
-
-
-def _with_slips(foot: FootSteps, leg: LegFoot) -> FootSteps:
-    """Return a foot with the slips of its frame, where these are known."""
-    slips = leg.slips
-    if slips is None:
-        return foot
-    return replace(foot, slip_m=slips[0], slip_largest_m=slips[1], slip_from="foot_frame")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Ints
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.axes import with_forward_axis
 from dogbot_logtool.core.base.falls import fallen_spans
 from dogbot_logtool.core.base.frozen import find_frozen, without_frozen
@@ -101,7 +101,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     base = without_jumps(recorded, jumps)
     records = without_stopped(_without_stuck(corrected.feet), base)
     placed, worlds = placed_poses(records, recorded, base)
-    height = _steadiest_height(records, placed, base)
+    height = height_over_feet(placed, records)
     fallen = fallen_spans(recorded, records, height, jumps.spans)
     weighed = loads_of(
         records,
@@ -114,7 +114,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     apart = too_far_apart(corrected.clocks, period_s)
     unsupported = any(dead) or settings.lacks_feet or _feet_apart(settings, apart)
     supported = None if unsupported else support(records)
-    standing = _standing(settings, records, supported, base, fallen)
+    standing = _standing(records, supported, base, fallen)
     strides = any_strides(records, fallen, standing.without_steps)
     delay = None if apart or settings.lacks_feet else _long_delay(records, base, period_s, strides)
     apart = apart | {settings.odometry_topic} if delay else apart
@@ -176,26 +176,6 @@ def mask_walk(corrected: Corrected) -> Walk:
     )
 
 
-def _steadiest_height(
-    records: Sequence[FootHistory], placed: BaseHistory, without: BaseHistory
-) -> Floats:
-    """(n,) m, over the feet: z may be reset in poses of which x and y jump with the feet, or not.
-
-    Args:
-        records: of all feet.
-        placed: poses among the contact points.
-        without: poses without jumps.
-    """
-    height = height_over_feet(placed, records)
-    if placed is without:
-        return height
-    other = height_over_feet(without, records)
-    known = np.isfinite(height) & np.isfinite(other)
-    if not known.any():
-        return height if np.isfinite(height).any() else other
-    return other if np.std(other[known]) < np.std(height[known]) else height
-
-
 def _without_stuck(feet: Sequence[FootHistory]) -> tuple[FootHistory, ...]:
     """Return histories without the forces of sensors that show one constant force."""
     return tuple(
@@ -211,7 +191,6 @@ def _feet_apart(settings: WalkSettings, apart: frozenset[str]) -> bool:
 
 
 def _standing(
-    settings: WalkSettings,
     records: Sequence[FootHistory],
     supported: Support | None,
     base: BaseHistory,
@@ -220,13 +199,11 @@ def _standing(
     """Find the time in which the robot stands, or moves without steps."""
     # Sensors that never report a contact say nothing of where the feet are.
     touching = any(len(each.in_contact) for each in records)
-    sensors = [settings.sensor(row) for row in range(len(records))]
     return standing_in(
         supported if touching else None,
         typical_period_s([each.stances for each in records]),
         base,
         fallen,
-        is_steady=bool(sensors) and all(sensor.is_steady for sensor in sensors),
     )
 
 

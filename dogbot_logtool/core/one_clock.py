@@ -54,7 +54,15 @@ def on_one_clock(recording: Recording, topic: str) -> tuple[Recording, tuple[Fin
         own = _clock(base.log_time, log_time, stamp)
         changed = replace(recording, base=replace(base, stamp=own))
     others, stamped_ones = ("feet", "odometry")[:: 1 if base_is_stamped else -1]
-    told = found("CLOCK_SPEED", where=topic, stamped=stamped_ones, others=others, speed=speed)
+    told = found(
+        "CLOCK_OFFSET",
+        "little",
+        say="others",
+        where=topic,
+        stamped=stamped_ones,
+        others=others,
+        speed=speed,
+    )
     return changed, (told,)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, distinct
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, distinct, flagged_runs
 
 
 def no_spans() -> Ints:
@@ -97,8 +97,7 @@ def spans_where(edges: Ints, held: Flags) -> Ints:
         edges: (n + 1,) sorted, ns.
         held: (n,) for the cell between each edge and the next.
     """
-    change = np.diff(np.concatenate([[False], held, [False]]).astype(np.int8))
-    return np.stack([edges[change[: len(edges)] == 1], edges[change[: len(edges)] == -1]], axis=1)
+    return edges[flagged_runs(held)]
 
 
 def merge(spans: Ints) -> Ints:

@@ -4,7 +4,7 @@ import json
 import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import field, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, Final
 
@@ -125,65 +125,12 @@ class TomlTable:
             raise self._wrong(key, value, "a table")
         return TomlTable(value, self._source, (*self._keys, key))
 
-    def take(self, key: str, is_right: Callable[[Any], bool], wanted: str) -> Any:  # noqa: ANN401 - any TOML value
-        """Take a value; None where there is none.
-
-        Args:
-            key: of the value.
-            is_right: tells whether it may be so.
-            wanted: what it must be, to end a sentence with.
-        """
+    def take(self, key: str, kind: "Kind") -> Any:  # noqa: ANN401 - any TOML value
+        """Take a value; None where there is none."""
         value = self._values.pop(key, None)
-        if value is not None and not is_right(value):
-            raise self._wrong(key, value, wanted)
-        return value
-
-    def text(self, key: str) -> str | None:
-        """Take a text."""
-        value: str | None = self.take(key, _is_text, "a text")
-        return value
-
-    def frame(self, key: str) -> str | None:
-        """Take a frame id."""
-        value = self.text(key)
-        if value is not None and (not value or value.startswith("/")):
-            raise self._wrong(key, value, "a frame name without a leading slash")
-        return value
-
-    def positive(self, key: str) -> float | None:
-        """Take a number above 0."""
-        value = self.take(key, lambda one: _is_number(one) and one > 0, "a number above 0")
-        return None if value is None else float(value)
-
-    def number(self, key: str) -> float | None:
-        """Take a number."""
-        value = self.take(key, _is_number, "a number")
-        return None if value is None else float(value)
-
-    def count(self, key: str) -> int | None:
-        """Take an index into an array."""
-        wanted = "an index into an array, counted from 0"
-        value: int | None = self.take(key, lambda one: type(one) is int and 0 <= one < 100, wanted)
-        return value
-
-    def vector(self, key: str) -> tuple[float, float, float] | None:
-        """Take x, y and z."""
-        value = self.take(key, _is_vector, "three numbers such as [0.0, 0.0, -0.02]")
-        return None if value is None else (float(value[0]), float(value[1]), float(value[2]))
-
-    def words(
-        self, key: str, choices: tuple[frozenset[str], frozenset[str]], example: str
-    ) -> tuple[str, str] | None:
-        """Take a pair of words, each one of its own choices."""
-
-        def is_right(value: object) -> bool:
-            match value:
-                case [str(first), str(second)]:
-                    return first in choices[0] and second in choices[1]
-            return False
-
-        value = self.take(key, is_right, f"a pair such as {example}")
-        return None if value is None else (value[0], value[1])
+        if value is not None and not kind.is_right(value):
+            raise self._wrong(key, value, kind.wanted)
+        return None if value is None else kind.converted(value)
 
     def refuse_leftovers(self, hint: str) -> None:
         """Refuse keys that were not read.
@@ -198,20 +145,56 @@ class TomlTable:
         return self.fault(f"{self.path(key)} is {shortened(value)}; it must be {wanted}")
 
 
-def _is_text(value: object) -> bool:
-    return isinstance(value, str)
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """What the value of a key must be."""
 
+    wanted: str
+    """To end a sentence with."""
+    is_right: Callable[[Any], bool]
+    converted: Callable[[Any], Any] = lambda value: value
 
-def _is_vector(value: object) -> bool:
-    return isinstance(value, list) and len(value) == 3 and all(map(_is_number, value))
+    def __call__(self, table: TomlTable, key: str) -> Any:  # noqa: ANN401 - any TOML value
+        """Take a value out of a table; None where there is none."""
+        return table.take(key, self)
 
 
 def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e9
 
 
+def _is_vector(value: object) -> bool:
+    return isinstance(value, list) and len(value) == 3 and all(map(_is_number, value))
+
+
+def _is_frame(value: object) -> bool:
+    return isinstance(value, str) and value != "" and not value.startswith("/")
+
+
+TEXT: Final = Kind("a text", lambda value: isinstance(value, str))
+FRAME: Final = Kind("a frame name without a leading slash", _is_frame)
+NUMBER: Final = Kind("a number", _is_number, float)
+POSITIVE: Final = Kind("a number above 0", lambda value: _is_number(value) and value > 0, float)
+NOT_NEGATIVE: Final = Kind("a number from 0", lambda value: _is_number(value) and value >= 0, float)
+NOT_ZERO: Final = Kind("a number other than 0", lambda value: _is_number(value) and value, float)
+COUNT: Final = Kind(
+    "an index into an array, counted from 0",
+    lambda value: type(value) is int and 0 <= value < 100,
+)
+VECTOR: Final = Kind(
+    "three numbers such as [0.0, 0.0, -0.02]",
+    _is_vector,
+    lambda value: tuple(map(float, value)),
+)
+
+
+def one_of(*choices: str) -> Kind:
+    """Return the kind of some words."""
+    return Kind(f"one of {', '.join(choices)}", lambda value: value in choices)
+
+
 def toml_field(
-    take: Callable[[TomlTable, str], Any],
+    kind: Kind,
     default: Any = None,  # noqa: ANN401 - that of any field
     *,
     key: str = "",
@@ -219,17 +202,11 @@ def toml_field(
     """Declare a field of a data class that stands in a TOML table.
 
     Args:
-        take: takes the value, checked, out of its table; None: it is not there.
+        kind: of its value.
         default: the field's value without one in the file.
         key: with the tables that it stands in, as in ``contact.on_n``; empty: the field's name.
     """
-    return field(default=default, metadata={"take": take, "key": key})
-
-
-def one_of(*choices: str) -> Callable[[TomlTable, str], str | None]:
-    """Return what takes one of some words."""
-    wanted = f"one of {', '.join(choices)}"
-    return lambda table, key: table.take(key, lambda one: one in choices, wanted)
+    return field(default=default, metadata={"kind": kind, "key": key})
 
 
 def take_fields(record: type[Any], table: TomlTable, hint: str) -> dict[str, Any]:
@@ -241,10 +218,10 @@ def take_fields(record: type[Any], table: TomlTable, hint: str) -> dict[str, Any
         hint: see `TomlTable.refuse_leftovers`.
     """
     tables, found = {"": table}, {}
-    for name, take, section, key in declared_fields(record):
+    for name, kind, section, key in declared_fields(record):
         if section not in tables:
             tables[section] = table.section(section)
-        value = take(tables[section], key)
+        value = tables[section].take(key, kind)
         if value is not None:
             found[name] = value
     for section, each in tables.items():
@@ -273,9 +250,9 @@ def to_toml(value: object) -> str:
     return repr(value)
 
 
-def declared_fields(record: type[Any]) -> Iterator[tuple[str, Callable[..., Any], str, str]]:
-    """Yield the fields that stand in a table: name, what takes them, section and key."""
+def declared_fields(record: type[Any]) -> Iterator[tuple[str, Kind, str, str]]:
+    """Yield the fields that stand in a table: name, kind, section and key."""
     for each in fields(record):
-        if take := each.metadata.get("take"):
+        if kind := each.metadata.get("kind"):
             section, _, key = (each.metadata["key"] or each.name).rpartition(".")
-            yield each.name, take, section, key
+            yield each.name, kind, section, key

@@ -3,39 +3,42 @@
 from dataclasses import MISSING, dataclass
 from typing import Final
 
-from dogbot_logtool.io.toml_table import TomlTable, one_of, toml_field
+from dogbot_logtool.io.toml_table import (
+    COUNT,
+    FRAME,
+    NOT_ZERO,
+    NUMBER,
+    POSITIVE,
+    TEXT,
+    VECTOR,
+    Kind,
+    one_of,
+    toml_field,
+)
 
 NEWTONS: Final = {"N": 1.0, "kN": 1e3, "kg": 9.80665, "g": 9.80665e-3, "lbf": 4.4482216152605}
 """Newtons in units of force."""
-_PLACES: Final = (
-    frozenset({"front", "middle", "back"}),
-    frozenset({"left", "right", "centre"}),
-)
 
 
-def _scale(table: TomlTable, key: str) -> float | None:
-    scale = table.number(key)
-    if scale == 0.0:
-        raise table.fault(f"{table.path(key)} is 0; nothing would be left")
-    return scale
+def _is_leg_position(value: object) -> bool:
+    match value:
+        case ["front" | "middle" | "back", "left" | "right" | "centre"]:
+            return True
+    return False
 
 
-def _topic(table: TomlTable, key: str) -> str:
-    topic = table.text(key)
-    if not topic:
-        raise table.fault(f"{table.path(key)} is missing")
-    return topic
+_LEG_POSITION: Final = Kind('a pair such as ["front", "left"]', _is_leg_position, tuple)
 
 
 @dataclass(frozen=True, slots=True)
 class FootField:
     """A field of a message of any type that is a foot's force or contact."""
 
-    path: str = toml_field(TomlTable.text, MISSING, key="field")
+    path: str = toml_field(TEXT, MISSING, key="field")
     """From the message: ``data[3]``, ``legs[2].force``."""
     kind: str = toml_field(one_of("force", "contact"), "")
     """``force`` or ``contact``; empty: booleans and integers are contacts, all others forces."""
-    scale: float = toml_field(_scale, 1.0)
+    scale: float = toml_field(NOT_ZERO, 1.0)
     """Units a recorded number."""
     unit: str = toml_field(one_of(*NEWTONS), "N")
     """One of `NEWTONS`."""
@@ -44,7 +47,7 @@ class FootField:
     axis: str = toml_field(one_of("x", "y", "z", "-x", "-y", "-z"), "")
     """``x``, ``-z`` ...: the axis of a vector along which the ground pushes the foot; empty: the
     vector is used as a whole."""
-    threshold: float = toml_field(TomlTable.number, 0.0)
+    threshold: float = toml_field(NUMBER, 0.0)
     """A number above it is a contact."""
 
     @property
@@ -58,30 +61,28 @@ class Foot:
     """One foot of a robot."""
 
     name: str
-    topic: str = toml_field(_topic, MISSING)
+    topic: str = toml_field(TEXT, MISSING)
     """Contact topic; empty: the log has none."""
-    collision: str = toml_field(TomlTable.text, "")
+    collision: str = toml_field(TEXT, "")
     """Glob for the name of the foot's collision; empty: recognised by the names in the log."""
-    leg_position: tuple[str, str] | None = toml_field(
-        lambda table, key: table.words(key, _PLACES, '["front", "left"]'), key="place"
-    )
+    leg_position: tuple[str, str] | None = toml_field(_LEG_POSITION, key="place")
     """("front" | "middle" | "back", "left" | "right" | "centre"); None when not known."""
-    frame: str | None = toml_field(TomlTable.frame)
+    frame: str | None = toml_field(FRAME)
     """Frame that places the foot where its sensor tells no contact point; None: the sensor's."""
-    contact_point_m: tuple[float, float, float] = toml_field(TomlTable.vector, (0.0, 0.0, 0.0))
+    contact_point_m: tuple[float, float, float] = toml_field(VECTOR, (0.0, 0.0, 0.0))
     """m, where the foot touches, in that frame."""
-    element: int | None = toml_field(TomlTable.count)
+    element: int | None = toml_field(COUNT)
     """Place in the arrays of a message that tells of all feet; None: told by the message type."""
-    label: str = toml_field(TomlTable.text, "")
+    label: str = toml_field(TEXT, "")
     """Its name in messages that name their feet; empty: found by its name and leg."""
     field: FootField | None = None
     """Which field of its messages is the foot's; None: the type of the messages tells."""
-    offset: float = toml_field(TomlTable.number, 0.0)
+    offset: float = toml_field(NUMBER, 0.0)
     """Counts of a raw sensor, or a field's number, without load."""
-    offset_n: tuple[float, float, float] | None = toml_field(TomlTable.vector)
+    offset_n: tuple[float, float, float] | None = toml_field(VECTOR)
     """N, what its sensor reads without load; None: estimated from the log."""
-    newtons_per_count: float | None = toml_field(TomlTable.positive)
+    newtons_per_count: float | None = toml_field(POSITIVE)
     """Scale of a raw sensor; None: it was never measured."""
 
-    sensor_of: str = toml_field(TomlTable.text, "")
+    sensor_of: str = toml_field(TEXT, "")
     """The foot that this is one of several sensors of; empty: it is a foot of its own."""

@@ -12,17 +12,53 @@ from dogbot_logtool.core.base.poses import concatenate_odometry
 from dogbot_logtool.core.contact.contacts import Samples, samples_by_foot
 from dogbot_logtool.core.legs.joints import MOST_JOINTS, JointTable
 from dogbot_logtool.core.plausible import plausible
-from dogbot_logtool.reader.containers.log import Batch, Log, Loss
-from dogbot_logtool.reader.messages.bases import BasePoses
+from dogbot_logtool.reader.containers.log import Batch, Channel, Log, Loss
+from dogbot_logtool.reader.messages.bases import Base, BasePoses
 from dogbot_logtool.reader.messages.contacts import ReadContacts, read_contacts
+from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
+from dogbot_logtool.reader.messages.message_type import Part as Told
 from dogbot_logtool.reader.messages.others import (
     is_static,
     read_joints,
     read_transforms,
     read_vectors,
 )
-from dogbot_logtool.reader.wanted import Wanted
+
+TimeLimits = tuple[int | None, int | None]
+"""ns, log times from which and up to which messages are taken; None: no limit."""
+
+
+@dataclass(frozen=True, slots=True)
+class WantedVectors:
+    """A topic of vectors, with all of its senders."""
+
+    topic: str
+    channels: tuple[Channel, ...]
+    """All of one type."""
+    part: Told
+    """What is read of its messages."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """The channels of a log that are read, by what they tell."""
+
+    contacts: tuple[Channel, ...]
+    feet: FootChannels
+    base: Base | None = None
+    """How the base's poses are read; None: there are none."""
+    base_channels: tuple[Channel, ...] = ()
+    transforms: tuple[Channel, ...] = ()
+    joints: tuple[Channel, ...] = ()
+    """Of joint states, the best first."""
+    commands: WantedVectors | None = None
+    accelerations: WantedVectors | None = None
+    planned: tuple[Channel, ...] = ()
+    """Channels of contacts that a plan has for the same feet."""
+    planned_feet: FootChannels | None = None
+    limits: TimeLimits = (None, None)
+
 
 Key = tuple[str, Any]
 """What something is of: a kind, and which of that kind: a foot, a topic, a channel's id."""

@@ -25,8 +25,7 @@ from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Loss, Span
 from dogbot_logtool.reader.growing import LARGEST_IN_MEMORY, GrowingColumns
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
 from dogbot_logtool.reader.messages.others import is_static
-from dogbot_logtool.reader.part import ONLY, Key, Numbers, Part, Stamps, read_part
-from dogbot_logtool.reader.wanted import Wanted
+from dogbot_logtool.reader.part import ONLY, Key, Numbers, Part, Stamps, Wanted, read_part
 from dogbot_logtool.reader.workers import Start, in_order
 
 Table = TypeVar("Table")

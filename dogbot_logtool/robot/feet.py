@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
+from itertools import compress
 from typing import Final
 
 from dogbot_logtool.errors import CallError, DefinitionError
@@ -32,10 +33,6 @@ from dogbot_logtool.robot.topics import (
 )
 from dogbot_logtool.robot.words import Part, words_of
 
-_MOST_LISTED: Final = 12
-_MOST_COMPARED: Final = 2000
-_LIKELY: Final = ("contact", "force", "grf", "load", "stance", "touch", "wrench")
-"""Parts of names of fields that may be feet."""
 _RARE: Final = 2
 """States that come less often than this fraction of others are rare."""
 _MOST_OFFERED: Final = 16
@@ -271,10 +268,9 @@ def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
     row = sources[0].row
     if foot.element is not None and row.legs and not row.maybe_without_legs:
         return foot
-    positions = (foot.leg_position, leg_position(foot.name))
-    names = (foot.name, *("_".join(position) for position in positions if position))
     told = feet_of_messages(log, foot.topic)
-    for name in names:
+    position = foot.leg_position or leg_position(foot.name)
+    for name in (foot.name, "_".join(position or ())):
         for other in told:
             if foot.label == other.label if foot.label else name == other.name:
                 return replace(foot, element=other.element, label=other.label)
@@ -307,13 +303,9 @@ def feet_of_messages(log: Log, topic: str) -> tuple[Foot, ...]:
 def _without_hands(found: Sequence[MessageFoot]) -> Sequence[MessageFoot]:
     """Leave out hands, wheels, tools ... where other labels say that they are feet."""
     parts = [{word.part for word in words_of(foot.label)} for foot in found]
-    legs = [bool({Part.FOOT, Part.LEG} & each) for each in parts]
-    pairs = zip(found, parts, legs, strict=True)
-    return [
-        foot
-        for foot, each, is_leg in pairs
-        if is_leg or Part.NOT_A_FOOT not in each or not any(legs)
-    ]
+    legs = [not own.isdisjoint({Part.FOOT, Part.LEG}) for own in parts]
+    kept = [is_leg or Part.NOT_A_FOOT not in own for is_leg, own in zip(legs, parts, strict=True)]
+    return [*compress(found, kept)] if any(legs) else found
 
 
 def _named_feet(found: Sequence[MessageFoot], topic: str) -> tuple[Foot, ...]:

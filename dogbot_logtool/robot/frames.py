@@ -18,8 +18,8 @@ from dogbot_logtool.reader.containers.log import Channel, Log, Loss, malformed_m
 from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES
+from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.run.runner import OnProgress
 
 

@@ -18,7 +18,7 @@ One name alone misleads: ``rl_controller`` is no left hind leg and the ``front``
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
 
@@ -173,21 +173,19 @@ def _sets(group: Group, *, contacts_only: bool) -> Iterator[FootSet]:
         yield _as_feet(group, legs, kind)
         return
     others = sorted({at for own in of_leg.values() for at in _that_differ(own.values())})
-    sensors: dict[str, dict[tuple[str, ...], str]] = {}
-    robots: dict[tuple[str, ...], dict[str, Sequence[Word]]] = {}
-    for leg, own in of_leg.items():
+    parts: dict[tuple[str, ...], dict[str, Sequence[Word]]] = {}
+    for own in of_leg.values():
         for topic, words in own.items():
-            other = tuple(words[at].text for at in others)
-            sensors.setdefault(leg, {})[other] = topic
-            robots.setdefault(other, {})[topic] = words
-    same = len({frozenset(own) for own in sensors.values()}) == 1 < len(sensors)
-    if kind != "numbers" and same and _are_places(group, legs, others):
+            parts.setdefault(tuple(words[at].text for at in others), {})[topic] = words
+    is_grid = len(of_leg) > 1 and all(len(part) == len(of_leg) for part in parts.values())
+    if kind != "numbers" and is_grid and _are_places(group, legs, others):
+        sensors = [part for _, part in sorted(parts.items())]
         several = _as_feet(group, legs, kind, sensors)
         if several.is_clear(contacts_only=contacts_only):
             yield several
             return
-    for each in robots.values() if len(robots) > 1 else ():
-        yield from _sets(each, contacts_only=contacts_only)
+    for part in parts.values() if len(parts) > 1 else ():
+        yield from _sets(part, contacts_only=contacts_only)
 
 
 def _that_differ(names: Iterable[Sequence[Word]]) -> list[int]:
@@ -221,7 +219,7 @@ def _as_feet(
     group: Group,
     legs: Mapping[str, Leg],
     kind: str,
-    sensors: Mapping[str, Mapping[tuple[str, ...], str]] | None = None,
+    sensors: Sequence[Group] = (),
 ) -> FootSet:
     """Return siblings as feet, or as the sensors of each foot; one's words stand for all."""
     topics = sorted(group, key=lambda topic: legs[topic].order)
@@ -238,15 +236,12 @@ def _as_feet(
         inside = {word.part for word in words if word.segment == first}
         doubtful = Part.FOOT in inside and Part.LEG not in inside
     told = frozenset(word.text for word in near)
-    if sensors is None:
-        feet = [Foot(legs[t].name, t, leg_position=legs[t].position) for t in topics]
-    else:
+    feet = [Foot(legs[t].name, t, leg_position=legs[t].position) for t in topics]
+    if sensors:
         told -= ON_A_FOOT
-        feet = [
-            Foot(f"{leg}_{n}", topic, leg_position=legs[topic].position, sensor_of=leg)
-            for leg, own in sensors.items()
-            for n, (_, topic) in enumerate(sorted(own.items()), start=1)
-        ]
+        number = {topic: n for n, part in enumerate(sensors, start=1) for topic in part}
+        feet = [replace(f, name=f"{f.name}_{number[f.topic]}", sensor_of=f.name) for f in feet]
+        feet.sort(key=lambda foot: number[foot.topic])
     return FootSet(
         tuple(feet),
         kind,

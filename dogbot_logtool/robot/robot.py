@@ -9,6 +9,11 @@ from typing import Any, Final
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.toml_table import (
+    FRAME,
+    NOT_NEGATIVE,
+    POSITIVE,
+    TEXT,
+    VECTOR,
     TomlTable,
     declared_fields,
     one_of,
@@ -33,20 +38,13 @@ _NOT_SET: Final = frozenset({"name", "description", "topic"})
 """Fields that have options of their own, or change nothing."""
 
 
-def _not_negative(table: TomlTable, key: str) -> float | None:
-    number = table.number(key)
-    if number is not None and number < 0.0:
-        raise table.fault(f"{table.path(key)} is {number:g}; it must be a number from 0")
-    return number
-
-
 @dataclass(frozen=True, slots=True)
 class Robot:
     """A robot's file, checked. What is None is taken from the log or stays unknown."""
 
-    name: str = toml_field(TomlTable.text, MISSING)
-    description: str = toml_field(TomlTable.text, "")
-    mass_kg: float | None = toml_field(TomlTable.positive)
+    name: str = toml_field(TEXT, MISSING)
+    description: str = toml_field(TEXT, "")
+    mass_kg: float | None = toml_field(POSITIVE)
     forward_axis: str = toml_field(one_of(*AXES), "+x")
     wrench_frame: str = toml_field(one_of("auto", "world", "link"), "auto")
     """The frame of the recorded wrenches; auto: by evidence."""
@@ -56,31 +54,31 @@ class Robot:
     tare: str = toml_field(one_of("auto", "none"), "auto")
     """Whether what unloaded sensors read is estimated for feet without `offset_n`, and taken off;
     none: all forces stay as recorded."""
-    com_offset_m: tuple[float, float, float] | None = toml_field(TomlTable.vector)
+    com_offset_m: tuple[float, float, float] | None = toml_field(VECTOR)
     """m: the centre of mass from the base's frame, in its axes; None: taken to be there."""
-    foot_rolling_m: float | None = toml_field(TomlTable.positive)
+    foot_rolling_m: float | None = toml_field(POSITIVE)
     """m: how far a foot's contact point travels in a stance without slipping; None: not known."""
-    odometry_topic: str | None = toml_field(TomlTable.text, key="topics.odometry")
-    command_topic: str | None = toml_field(TomlTable.text, key="topics.command")
+    odometry_topic: str | None = toml_field(TEXT, key="topics.odometry")
+    command_topic: str | None = toml_field(TEXT, key="topics.command")
     """Topic of the velocity commands; None: found by type and name. Likewise `imu_topic`, of the
     base's inertial unit."""
-    imu_topic: str | None = toml_field(TomlTable.text, key="topics.imu")
-    odometry_scale: float | None = toml_field(TomlTable.positive)
+    imu_topic: str | None = toml_field(TEXT, key="topics.imu")
+    odometry_scale: float | None = toml_field(POSITIVE)
     """Metres in one unit of the recorded positions of the base; None: they are in metres."""
-    world_frame: str | None = toml_field(TomlTable.frame, key="frames.world")
-    base_frame: str | None = toml_field(TomlTable.frame, key="frames.base")
+    world_frame: str | None = toml_field(FRAME, key="frames.world")
+    base_frame: str | None = toml_field(FRAME, key="frames.base")
     feet: tuple[Foot, ...] = ()
     """The first is the reference for phases."""
-    newtons_per_metre: float | None = toml_field(TomlTable.positive, key="arrows.newtons_per_metre")
+    newtons_per_metre: float | None = toml_field(POSITIVE, key="arrows.newtons_per_metre")
     """N of an arrow of 1 m; None: a body weight is as long as the base is high."""
-    shaft_diameter_m: float = toml_field(TomlTable.positive, 0.04, key="arrows.shaft_diameter_m")
-    contact_on_n: float | None = toml_field(TomlTable.positive, key="contact.on_n")
+    shaft_diameter_m: float = toml_field(POSITIVE, 0.04, key="arrows.shaft_diameter_m")
+    contact_on_n: float | None = toml_field(POSITIVE, key="contact.on_n")
     """N: |F| from which a foot is in contact; None: a share of the weight, above the noise."""
-    contact_off_n: float | None = toml_field(TomlTable.positive, key="contact.off_n")
+    contact_off_n: float | None = toml_field(POSITIVE, key="contact.off_n")
     """N: |F| below which contact ends; None: as `contact_on_n`."""
-    contact_on_counts: float | None = toml_field(TomlTable.positive, key="contact.on_counts")
+    contact_on_counts: float | None = toml_field(POSITIVE, key="contact.on_counts")
     """Counts above a foot's `offset` from which a raw sensor without a scale is in contact."""
-    debounce_s: float | None = toml_field(_not_negative, key="contact.debounce_s")
+    debounce_s: float | None = toml_field(NOT_NEGATIVE, key="contact.debounce_s")
     """s: shorter swings are filled, then shorter stances dropped; None: 20 ms, or 1.5
     sampling intervals where that is more."""
     given: frozenset[str] = frozenset()
@@ -171,6 +169,8 @@ def parse_robot(text: str, source: str) -> Robot:
 
 def _foot(table: TomlTable, name: str) -> Foot:
     values = take_fields(Foot, table, _ALL_KEYS)
+    if not values.get("topic"):
+        raise table.fault(f"{table.path('topic')} is missing")
     of_field = take_fields(FootField, table, _ALL_KEYS)
     field = FootField(**of_field) if of_field.get("path") else None
     for key in of_field.keys() - {"path"} if field is None else ():

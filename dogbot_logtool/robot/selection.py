@@ -16,7 +16,7 @@ from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES, is_static
 from dogbot_logtool.reader.messages.source import Source, source_of
-from dogbot_logtool.reader.wanted import Wanted
+from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.robot.base import choose_base
 from dogbot_logtool.robot.feet import assign_feet, channels_of_feet, check_topics, find_feet
 from dogbot_logtool.robot.robot import (

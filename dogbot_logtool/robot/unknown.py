@@ -20,8 +20,8 @@ from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.source import source_of
+from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot.leg_names import leg_position
 from dogbot_logtool.robot.names import name_feet
 from dogbot_logtool.robot.score import (

@@ -117,9 +117,15 @@ _MOST_WORDS: Final = 32
 _PIECES: Final = frozenset({*ENDS, "left", "right", *LETTERS, *PARTS, *NEUTRAL})
 _LEADING: Final = frozenset({"l", "r"})
 """Pieces that can only begin a word."""
-_NUMBERING: Final = frozenset("abcdefgh")
-"""Letters that stand for numbers."""
-_CAPITALS: Final = re.compile(r"([A-Z]+)([A-Z][a-z]+)")
+_SLOTS: Final[Mapping[str, str]] = {
+    **dict.fromkeys("abcdefgh", "row"),
+    **dict.fromkeys(_PLACES, "place"),
+    **dict.fromkeys(ENDS, "end"),
+    **{word: "side" if len(word) > 1 else "l or r" for word in SIDES},
+    **dict.fromkeys((*LETTERS, *ROWS), "letters"),
+}
+"""What kind of a word of a leg, or of a place on a foot, a word may be; numbers are some, too."""
+_CAMEL_CASE: Final = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,17 +155,7 @@ class Word:
     @property
     def slot(self) -> str:
         """What kind of a word of a leg, or of a place on a foot, it may be; empty: none."""
-        if self.text in LETTERS or self.text in ROWS:
-            return "letters"
-        if self.text in SIDES:
-            return "side" if len(self.text) > 1 else "l or r"
-        if self.text in ENDS:
-            return "end"
-        if self.text.isdecimal():
-            return "number"
-        if self.text in _PLACES:
-            return "place"
-        return "row" if self.text in _NUMBERING else ""
+        return "number" if self.text.isdecimal() else _SLOTS.get(self.text, "")
 
 
 def words_of(name: str) -> tuple[Word, ...]:
@@ -184,23 +180,21 @@ def _words_of(name: str) -> Iterator[Word]:
 
 @lru_cache(maxsize=4096)
 def _split_letters(letters: str) -> tuple[str, ...]:
-    """Split letters at camelCase, then words written together."""
-    spaced = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", letters)
-    spaced = _CAPITALS.sub(_split_capitals, spaced)
-    return tuple(text for word in spaced.lower().split() for text in _split_word(word))
+    """Split letters at camelCase, then words written together; ``FLfoot`` is no ``Lfoot``."""
+    words = [word.lower() for word in _CAMEL_CASE.split(letters)]
+    pieces = [_known(word) for word in words]
+    if not all(pieces) and (whole := _known(letters.lower())):
+        return whole
+    return tuple(
+        text for known, word in zip(pieces, words, strict=True) for text in known or (word,)
+    )
 
 
-def _split_capitals(match: re.Match[str]) -> str:
-    """Split ``FTSensor`` before the S, but ``FLfoot`` before the f."""
-    capitals, word = match.groups()
-    if word[1:] in PARTS or word[1:] in NEUTRAL:
-        return f"{capitals}{word[0]} {word[1:]}"
-    return f"{capitals} {word}"
-
-
-def _split_word(word: str) -> tuple[str, ...]:
-    """Take a word apart if all its pieces are known, the longest first; else it stays whole."""
-    return WHOLE.get(word) or _pieces(word[:_LONGEST_WORD], _PIECES | _LEADING) or (word,)
+def _known(word: str) -> tuple[str, ...]:
+    """Take a word apart if all its pieces are known, the longest first; else there are none."""
+    if len(word) > _LONGEST_WORD:
+        return ()
+    return WHOLE.get(word) or _pieces(word, _PIECES | _LEADING)
 
 
 @lru_cache(maxsize=4096)

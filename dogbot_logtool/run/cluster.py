@@ -5,7 +5,6 @@ import logging
 import pickle
 import pkgutil
 import re
-import time
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError, Future
@@ -16,7 +15,7 @@ from typing import Any, Final
 from dogbot_logtool import __version__
 from dogbot_logtool.errors import CallError, ExtraMissingError, LogtoolError
 from dogbot_logtool.io.storage import shown
-from dogbot_logtool.run.executor import AHEAD, ExecutorRunner, RunLost
+from dogbot_logtool.run.executor import AHEAD, LOOK_EVERY_S, ExecutorRunner, RunLost
 from dogbot_logtool.run.runner import Failure, Progress, Result, Work, attempt
 
 try:
@@ -32,8 +31,6 @@ _FIRST_WORKER_S: Final = 10
 """How long a scheduler may be without workers when a run begins."""
 _NEXT_WORKER_S: Final = 60
 """How long it may be without workers while a run goes on: lost ones may be started anew."""
-_LOOK_EVERY_S: Final = 2
-_WAIT_S: Final = 0.2
 _CLOSE_S: Final = 5
 
 
@@ -62,10 +59,10 @@ class ClusterRunner(ExecutorRunner[Result]):
         self._name = scheduler
         self._client = _connected(scheduler)
         self._executor = self._client.get_executor(pure=False)
-        self._next_look = self._workers_seen = time.monotonic()
+        self._looks_without_workers = 0
 
     def run(
-        self, work: Work[Result], items: Sequence[Any], progress: Progress, ahead: int = AHEAD
+        self, work: Work[Result], items: Sequence[Any], progress: Progress
     ) -> Iterator[Result | Failure]:
         """See `ExecutorRunner.run`.
 
@@ -77,19 +74,18 @@ class ClusterRunner(ExecutorRunner[Result]):
             self._check_workers()
         except OSError as error:
             raise LogtoolError(f"--scheduler {self._name}: it was lost; start it again") from error
-        yield from super().run(work, items, progress, ahead)
+        yield from super().run(work, items, progress)
 
     def _await_workers(self, progress: Progress) -> None:
-        end = time.monotonic() + _FIRST_WORKER_S
         if not self._has_workers():
             progress.say(f"{self._name} has no workers; waiting {_FIRST_WORKER_S} s for one")
-        while not self._has_workers():
-            if time.monotonic() > end:
-                raise LogtoolError(
-                    f"--scheduler {self._name}: has no workers; start some where dogbot-logtool is "
-                    f"installed, with: dask worker {self._name}"
-                )
-            time.sleep(_WAIT_S)
+        try:
+            self._client.wait_for_workers(1, _FIRST_WORKER_S)
+        except TimeoutError as error:
+            raise LogtoolError(
+                f"--scheduler {self._name}: has no workers; start some where dogbot-logtool is "
+                f"installed, with: dask worker {self._name}"
+            ) from error
 
     def _has_workers(self) -> bool:
         return bool(self._client.scheduler_info(n_workers=1)["workers"])
@@ -125,15 +121,12 @@ class ClusterRunner(ExecutorRunner[Result]):
         """See `ExecutorRunner.look`."""
         if self._client.status != "running":
             raise self._run_lost()
-        now = time.monotonic()
-        if now < self._next_look:
-            return
-        self._next_look = now + _LOOK_EVERY_S
         try:
-            self._workers_seen = now if self._has_workers() else self._workers_seen
+            found = self._has_workers()
         except OSError as error:
             raise self._run_lost() from error
-        if now - self._workers_seen > _NEXT_WORKER_S:
+        self._looks_without_workers = 0 if found else self._looks_without_workers + 1
+        if self._looks_without_workers * LOOK_EVERY_S > _NEXT_WORKER_S:
             raise RunLost(f"was not done: {self._name} has no workers any more")
 
     def _run_lost(self) -> RunLost:

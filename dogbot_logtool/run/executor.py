@@ -12,7 +12,7 @@ from dogbot_logtool.run.runner import Failure, Progress, Result, Runner, Work
 
 AHEAD: Final = 2000
 """Items that are begun beyond the first one whose outcome is waited for: they bound the memory."""
-_LOOK_EVERY_S: Final = 0.25
+LOOK_EVERY_S: Final = 0.25
 
 
 class RunLost(Exception):  # noqa: N818 - the outcome of all items that are left
@@ -55,7 +55,7 @@ class ExecutorRunner(Runner[Result]):
 
     @abstractmethod
     def look(self) -> None:
-        """Look after the workers; called several times a second.
+        """Look after the workers; called every `LOOK_EVERY_S` in which no item is done.
 
         Raises:
             RunLost: nothing more will be done.
@@ -66,25 +66,17 @@ class ExecutorRunner(Runner[Result]):
         """Return the outcome, in words, of an item whose worker was lost for good."""
 
     def run(
-        self, work: Work[Result], items: Sequence[Any], progress: Progress, ahead: int = AHEAD
+        self, work: Work[Result], items: Sequence[Any], progress: Progress
     ) -> Iterator[Result | Failure]:
-        """See `Runner.run`.
-
-        Args:
-            work: see there.
-            items: see there.
-            progress: see there.
-            ahead: bounds how many outcomes wait for an earlier one.
-        """
+        """See `Runner.run`."""
         state: _Items[Result] = _Items()
         while state.wanted < len(items):
             try:
-                for number in self._next(state, len(items), ahead, progress):
+                for number in self._next(state, len(items), progress):
                     future = self.submit(work, items[number])
                     state.under_way[future] = number
                     future.add_done_callback(state.done.put)
                 self._collect(state, progress)
-                self.look()
             except RunLost as error:
                 for number in set(range(state.wanted, len(items))) - state.finished.keys():
                     state.finished[number] = Failure(str(error), 1)
@@ -93,9 +85,7 @@ class ExecutorRunner(Runner[Result]):
                 state.wanted += 1
                 yield state.finished.pop(state.wanted - 1)
 
-    def _next(
-        self, state: _Items[Result], count: int, ahead: int, progress: Progress
-    ) -> Sequence[int]:
+    def _next(self, state: _Items[Result], count: int, progress: Progress) -> Sequence[int]:
         """Return the items to begin now: several, or one that is tried alone."""
         if state.lost or state.retried.intersection(state.under_way.values()):
             if state.under_way:
@@ -106,14 +96,15 @@ class ExecutorRunner(Runner[Result]):
             return (number,)
         first = state.begun
         room = first + self.capacity - len(state.under_way)
-        state.begun = max(first, min(count, state.wanted + ahead, room))
+        state.begun = max(first, min(count, state.wanted + AHEAD, room))
         return range(first, state.begun)
 
     def _collect(self, state: _Items[Result], progress: Progress) -> None:
         """Take the outcome of an item that is done, after waiting a while for one."""
         try:
-            future = state.done.get(timeout=_LOOK_EVERY_S)
+            future = state.done.get(timeout=LOOK_EVERY_S)
         except Empty:
+            self.look()
             return
         number = state.under_way.pop(future)
         try:

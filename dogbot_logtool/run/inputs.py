@@ -3,6 +3,7 @@
 import codecs
 import os
 import re
+from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -18,7 +19,6 @@ from dogbot_logtool.reader.containers.registry import (
     ROSBAG2_METADATA,
     ROSBAG2_SUFFIXES,
 )
-from dogbot_logtool.run.search import Unreadable, matches, walk
 
 if TYPE_CHECKING:
     from upath import UPath
@@ -27,6 +27,10 @@ _SUFFIXES: Final = tuple(container.suffix for container in CONTAINERS)
 _MAGIC: Final = tuple(container.magic for container in CONTAINERS)
 _WILD: Final = re.compile(r"[*?\[]")
 _LARGEST_LIST: Final = 256 << 20
+_ANY: Final = re.compile(r"(?<=.)\*{2,}|\*{2,}(?=.)")
+"""Stars in a part of a pattern that is more than ``**``."""
+Unreadable = dict[Path, str]
+"""Directories that could not be searched, and why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,7 +168,7 @@ def _on_disk(path: Path, unreadable: Unreadable) -> Iterator[Found]:
     elif os.path.lexists(name) or not _WILD.search(name):
         yield Found(path)
     else:
-        paths = matches(name)
+        paths = _matches(name)
         if not paths and not unreadable:
             raise CallError(f"{storage.shown(path)}: no file has such a name")
         yield from _unique(
@@ -177,7 +181,7 @@ def _on_disk(path: Path, unreadable: Unreadable) -> Iterator[Found]:
 def _searched(folder: Path, unreadable: Unreadable) -> list[Found]:
     """Find the logs below a directory of a disk, or that it is one; by name."""
     found: list[Found] = []
-    for path, folders, files in walk(folder, unreadable):
+    for path, folders, files in _walk(folder, unreadable):
         below = path.relative_to(folder)
         if _is_bag(files, PurePath(os.path.realpath(path)).name):
             found.append(Found(path, below.parent, searched=path != folder))
@@ -233,6 +237,74 @@ def _is_bag(names: Sequence[str], folder: str) -> bool:
     return any(numbered.fullmatch(name) for name in names)
 
 
+def _walk(root: Path, unreadable: Unreadable) -> Iterator[tuple[Path, list[str], list[str]]]:
+    """Yield a directory and those below it, each once, however many links lead to it.
+
+    A directory that is reached without a link comes under that name. Links to a directory above
+    the root are not followed: they would search the whole disk.
+
+    Args:
+        root: where to begin.
+        unreadable: receives the directories that cannot be read.
+
+    Returns:
+        its path, and the names of its directories and files but for hidden ones. Directories that
+        are removed from the list are not entered.
+    """
+
+    def note(error: OSError) -> None:
+        unreadable[Path(error.filename)] = error.strerror or str(error)
+
+    seen = {_identity(above) for above in Path(os.path.realpath(root)).parents}
+    roots = deque([root])
+    while roots:
+        for name, folders, files in os.walk(roots.popleft(), onerror=note):
+            path = Path(name)
+            identity = _identity(path)
+            if identity in seen:
+                folders.clear()
+                continue
+            seen.add(identity)
+            folders[:] = [each for each in folders if not each.startswith(".")]
+            yield path, folders, [each for each in files if not each.startswith(".")]
+            links = (path / each for each in sorted(folders))
+            roots.extend(each for each in links if os.path.islink(each))  # noqa: PTH114 - false for a name that no disk takes
+
+
+def _identity(path: Path) -> tuple[int, int] | Path:
+    """Return what tells a directory from all others."""
+    try:
+        status = path.stat()
+    except OSError:
+        return path
+    return status.st_dev, status.st_ino
+
+
+def _matches(pattern: str) -> list[Path]:
+    """Return the files and directories of a disk that fit a pattern, sorted.
+
+    Patterns are those of `pathlib`, in which ``**`` follows no links: directories with links to
+    themselves have endlessly many names. Hidden names fit patterns with hidden parts only, and
+    links to a directory above them none.
+    """
+    pure = PurePath(pattern)
+    parts = [_ANY.sub("*", part) for part in pure.relative_to(pure.anchor).parts]
+    if parts[-1] == "**":
+        parts.append("*")  # which Python 3.13 takes it for, earlier ones do not
+    found = set(Path(pure.anchor).glob("/".join(parts)))
+    if not any(map(_is_hidden, parts)):
+        found = {path for path in found if not any(map(_is_hidden, path.parts))}
+    return sorted(path for path in found if not (path.is_symlink() and _leads_up(path)))
+
+
+def _is_hidden(name: str) -> bool:
+    return name.startswith(".") and name != ".."
+
+
+def _leads_up(link: Path) -> bool:
+    return Path(os.path.realpath(link.parent)).is_relative_to(os.path.realpath(link))
+
+
 # --- Stores ---------------------------------------------------------------------------------------
 
 
@@ -240,7 +312,7 @@ def _in_store(path: "UPath") -> Iterator[Found]:
     names: list[str] = []
     if _WILD.search(path.path) and path.protocol not in {"http", "https"}:
         names = sorted(storage.asked(path, lambda: list(path.fs.glob(path.path))))
-        if not names and not storage.asked(path, lambda: path.fs.exists(path.path)):
+        if not names and not storage.exists(path):
             raise CallError(f"{storage.shown(path)}: no object has such a name")
     for one in [_like(path, name) for name in names] or [path]:
         if _ends_like_a_log(one.name) or not storage.is_folder(one):

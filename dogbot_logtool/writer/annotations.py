@@ -1,6 +1,5 @@
 """The messages that we add: transforms, arrows, loads, support and the robot, made of columns."""
 
-import struct
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -18,9 +17,10 @@ from dogbot_logtool.core.scene.support_scene import LegLines, SupportScene
 from dogbot_logtool.writer import described, markers
 from dogbot_logtool.writer.channels import AddedChannels
 from dogbot_logtool.writer.described import LOAD_STATES, Described
-from dogbot_logtool.writer.encodings.encoding import Encoding, MessageType
+from dogbot_logtool.writer.encodings.encoding import Encoding
+from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from dogbot_logtool.writer.markers import Look
-from dogbot_logtool.writer.message_records import MessageRecords, by_channel, recorded
+from dogbot_logtool.writer.message_records import MessageRecords, by_channel, of_payloads
 from dogbot_logtool.writer.template import Columns, Records, Template
 from dogbot_logtool.writer.topics import (
     EVENTS_TOPIC,
@@ -37,8 +37,6 @@ from dogbot_logtool.writer.topics import (
 
 _TEMPLATES_KEPT: Final = 1024
 """Templates that are kept for later messages and for other logs of a run."""
-_CDR_HEAD: Final = b"\x00\x01\x00\x00"
-"""Little-endian CDR."""
 
 
 Drawn = Transforms | Arrows | Loads | Labels | SupportScene | LegLines
@@ -62,8 +60,8 @@ class WantedAnnotations:
     has_transforms: bool = True
     has_support: bool = False
     has_legs: bool = False
-    description: MessageType | None = None
-    """Type of the robot's description; None: there is none."""
+    description: str = ""
+    """Encoding of the robot's description; empty: there is none."""
 
 
 class Annotations:
@@ -94,18 +92,17 @@ class Annotations:
             SPANS_TOPIC: described.SPAN,
         }
         types = {topic: encoding.types.get(name) for topic, name in names.items()}
-        types[ROBOT_DESCRIPTION_TOPIC] = wanted.description
+        if wanted.description:
+            describing = ENCODINGS[wanted.description].load()
+            types[ROBOT_DESCRIPTION_TOPIC] = describing.types[described.STRING]
         self.channels = {topic: added.declare(topic, kind) for topic, kind in types.items() if kind}
         """Ids by topic, whatever the log calls it."""
 
     def robot_description(self, urdf: str, log_time: int) -> MessageRecords:
         """Return the message that describes the robot."""
-        if self._wanted.description is None:
-            raise AssertionError("the output has no channel for a robot description")
-        payload = np.frombuffer(_description_message(urdf, self._wanted.description), np.uint8)
+        made = ENCODINGS[self._wanted.description].load().message(described.text(urdf))
         channel = self.channels[ROBOT_DESCRIPTION_TOPIC]
-        time, start, end = np.array([[log_time], [0], [len(payload)]])
-        return recorded(np.array([channel]), start, time, time, payload, start, end)
+        return of_payloads(channel, [made], np.array([log_time]))
 
     def messages(self, drawn: Iterable[Drawn]) -> Iterator[MessageRecords]:
         """Yield the messages of a batch; see `by_channel`."""
@@ -207,20 +204,3 @@ def _kept_template(
 ) -> Template:
     """Return the template of what a function describes, which outputs that are alike share."""
     return encoding.template(describe(*of))
-
-
-def description_type(profile: str) -> MessageType:
-    """Return the type of the robot's description, a `std_msgs/String`.
-
-    It is ROS 1 in files with that profile, else CDR.
-    """
-    if profile == "ros1":
-        return MessageType("std_msgs/String", "ros1msg", b"string data\n", "ros1")
-    return MessageType("std_msgs/msg/String", "ros2msg", b"string data\n", "cdr")
-
-
-def _description_message(urdf: str, kind: MessageType) -> bytes:
-    text = urdf.encode()
-    if kind.message_encoding == "ros1":
-        return struct.pack("<I", len(text)) + text
-    return _CDR_HEAD + struct.pack("<I", len(text) + 1) + text + b"\x00"

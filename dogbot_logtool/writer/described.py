@@ -17,6 +17,7 @@ TF: Final = "tf2_msgs/msg/TFMessage"
 MARKER: Final = "visualization_msgs/msg/Marker"
 MARKERS: Final = "visualization_msgs/msg/MarkerArray"
 LOG: Final = "rcl_interfaces/msg/Log"
+STRING: Final = "std_msgs/msg/String"
 LOAD: Final = "dogbot_logtool/msg/Load"
 GAIT: Final = "dogbot_logtool/msg/Gait"
 SPAN: Final = "foxglove/msg/Event"
@@ -106,6 +107,11 @@ def load(state: str, in_contact: bool) -> Described:  # noqa: FBT001 - what diff
     """Describe a foot's load in one of `LOAD_STATES`: slots ``force`` and ``force_bw``."""
     values = {name: Slot(name) for name in ("force", "force_bw")}
     return Described(LOAD, {"stamp": STAMP, "state": state, "in_contact": in_contact, **values})
+
+
+def text(data: str) -> Described:
+    """Describe a text."""
+    return Described(STRING, {"data": data})
 
 
 def gait(state: GaitState) -> Described:

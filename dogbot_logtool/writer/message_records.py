@@ -93,6 +93,15 @@ def recorded(
     return MessageRecords(data, record_bounds(size), channel, log_time)
 
 
+def of_payloads(channel: int, payloads: Iterable[bytes], log_time: Ints) -> MessageRecords:
+    """Return records of messages of one channel, (n,) ns."""
+    made = list(payloads)
+    end = np.cumsum([len(each) for each in made], dtype=np.int64)
+    start, none = np.append(0, end)[:-1], np.zeros(len(made), np.int64)
+    data = np.frombuffer(b"".join(made), np.uint8)
+    return recorded(none + channel, none, log_time, log_time, data, start, end)
+
+
 def by_channel(parts: Iterable[Records]) -> Iterator[MessageRecords]:
     """Group records by channel: each channel that has many, then the rest together.
 
@@ -121,37 +130,17 @@ def in_time_order(parts: Sequence[Records]) -> MessageRecords:
     Args:
         parts: copies of record templates, each (k,).
     """
-    counts = [len(part) for part in parts]
-    sizes = [part.dtype.itemsize for part in parts]
-    log_time = _joined(parts, "log_time")
-    if len(parts) == 1 and (log_time[1:] >= log_time[:-1]).all():
-        bounds = np.arange(counts[0] + 1) * sizes[0]
-        return MessageRecords(parts[0].view(np.uint8), bounds, _joined(parts, "channel"), log_time)
+    log_time, channel = (_joined(parts, field) for field in ("log_time", "channel"))
     order = np.argsort(log_time, kind="stable")
-    bounds = _bounds(np.repeat(np.array(sizes, np.int64), counts)[order])
-    offset = np.empty(len(order), np.int64)
-    offset[order] = bounds[:-1]
-    data = np.empty(int(bounds[-1]), np.uint8)
-    first = 0
-    for part in parts:
-        _scatter(data, offset[first : first + len(part)], part)
-        first += len(part)
-    return MessageRecords(data, bounds, _joined(parts, "channel")[order], log_time[order])
+    pieces = [each for part in parts for each in part.view(f"V{part.dtype.itemsize}").tolist()]
+    data = np.frombuffer(b"".join([pieces[row] for row in order.tolist()]), np.uint8)
+    size = np.repeat([part.dtype.itemsize for part in parts], [len(part) for part in parts])
+    return MessageRecords(data, _bounds(size[order]), channel[order], log_time[order])
 
 
 def _joined(parts: Sequence[Records], field: str) -> Ints:
-    return np.concatenate([np.empty(0, np.int64), *(part[field] for part in parts)])
+    return np.concatenate([part[field] for part in parts]).astype(np.int64)
 
 
 def _bounds(size: Ints) -> Ints:
-    bounds = np.zeros(len(size) + 1, np.int64)
-    np.cumsum(size, out=bounds[1:])
-    return bounds
-
-
-def _scatter(target: Bytes, offset: Ints, data: Records) -> None:
-    """Write pieces of one size at their offsets."""
-    if len(offset):
-        width = data.dtype.itemsize
-        pieces = np.ndarray((len(target) - width + 1,), f"V{width}", target.data, 0, (1,))
-        pieces[offset] = data.view(f"V{width}")
+    return np.concatenate([[0], np.cumsum(size)])

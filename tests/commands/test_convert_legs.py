@@ -21,6 +21,7 @@ from tests.oracles.ros1_logs import BASE, FEET, LIFTED, LIFTED_S, START, write_s
 from tests.oracles.state_walks import StateWalk
 from tests.paths import TROUBLED
 from tests.truth import physics
+from tests.truth.free_walker import KEPT_S, trot
 
 NAMES = tuple(FEET)
 
@@ -46,17 +47,17 @@ def test_links_are_where_the_engine_has_them(
     tmp_path: Path, encoding: str, *, is_own: bool
 ) -> None:
     """By the description in the log, or by one that is given instead of it."""
-    file, truth = tmp_path / "dog.urdf", physics.trot()
+    file, truth = tmp_path / "dog.urdf", trot()
     file.write_text(physics.urdf())
-    log = physics.write_log(tmp_path / "log.mcap", by_transforms=False, described=is_own)
+    log = physics.write_log(tmp_path / "log.mcap", trot(), by_transforms=False, described=is_own)
     given = None if is_own else file
     done = convert(log, tmp_path / "out.mcap", ConvertOptions(encoding=encoding, urdf=given))
     assert "ROBOT_DESCRIPTION" in codes(done)
     frames = moved(tmp_path / "out.mcap", encoding)
     assert len(frames.parents) == 16
-    assert len(frames.times["FL_calf"]) == round(50 * physics.DURATION_S)
+    assert len(frames.times["FL_calf"]) == 175
     for time in frames.times["FL_calf"][::10]:
-        row = round((time - physics.ORIGIN_NS) / 1e9 / physics.STEP_S)
+        row = round((time - physics.ORIGIN_NS) / 1e9 / KEPT_S)
         for foot, calf in zip(physics.FEET, truth.calf[row], strict=True):
             found = frames.in_world(f"{foot}_calf", time, "base_link")
             assert found is not None
@@ -75,8 +76,8 @@ CALF: Final = (
 def test_only_joints_of_the_base_s_links_move_a_description(tmp_path: Path) -> None:
     """Nor do any, where the log has transforms of the links or joints that it does not name."""
     file, target = tmp_path / "dog.urdf", tmp_path / "out.mcap"
-    log = physics.write_log(tmp_path / "log.mcap", by_transforms=False, described=False)
-    own = physics.write_log(tmp_path / "own.mcap", by_transforms=True)
+    log = physics.write_log(tmp_path / "log.mcap", trot(), by_transforms=False, described=False)
+    own = physics.write_log(tmp_path / "own.mcap", trot(), by_transforms=True)
     for source, urdf, is_said in (
         (log, CALF, True),
         (own, CALF, False),
@@ -91,7 +92,7 @@ def test_only_joints_of_the_base_s_links_move_a_description(tmp_path: Path) -> N
 def test_joints_that_are_left_out_are_counted(tmp_path: Path) -> None:
     file = tmp_path / "dog.urdf"
     file.write_text(physics.urdf().replace('axis xyz="0 1 0"', 'axis xyz="0 nan 0"', 1))
-    log = physics.write_log(tmp_path / "log.mcap", by_transforms=False, described=False)
+    log = physics.write_log(tmp_path / "log.mcap", trot(), by_transforms=False, described=False)
     done = convert(log, tmp_path / "out.mcap", ConvertOptions(urdf=file))
     said = [each.text for each in done.findings if each.code == "ROBOT_DESCRIPTION"]
     assert any("joints left out of the robot description: 1 (" in each for each in said)

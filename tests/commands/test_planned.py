@@ -88,7 +88,7 @@ def test_a_walk_that_is_late_against_its_plan(tmp_path: Path, kind: str) -> None
         known = (walks.SAMPLES - 1 - AHEAD) * walks.STEP / 1e9
         changes = steps + len(foot["lift_off_s"])
         assert planned["agreement"] == pytest.approx(1 - 0.04 * changes / known, abs=1e-6)
-    assert "AGAINST_PLAN" in {finding["code"] for finding in found["findings"]}
+    assert "PLANNED" in {finding["code"] for finding in found["findings"]}
 
 
 def test_a_planned_touchdown_that_does_not_come_is_missed(tmp_path: Path) -> None:

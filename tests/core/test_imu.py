@@ -147,7 +147,9 @@ def test_a_wrong_mass_is_named() -> None:
 @pytest.mark.parametrize("factor", [0.5, 1.5])
 def test_a_foot_with_another_scale_is_named(factor: float) -> None:
     stats = measured(with_imu(walk()).each_foot(scaled(factor), "front_right"))
-    assert codes(stats) == {"FOOT_SCALE"}
+    assert codes(stats) == {"IMPULSE_IS_NOT_WEIGHT"}
+    (text,) = (f.text for f in findings_of(stats) if QUESTION in f.fails)
+    assert "the load on front_right, whose sensor reads" in text
     assert forces_of(stats).odd_foot == pytest.approx((1, 1.0 / factor), rel=0.02)
 
 

@@ -3,7 +3,7 @@
 import json
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pytest
@@ -49,79 +49,121 @@ def names(*words: str) -> list[str]:
     return find_logs(words).names
 
 
+def add(folder: Path, files: Mapping[str, bytes | str]) -> None:
+    """Add files by their content, and links by where they lead."""
+    for name, content in files.items():
+        path = folder / name
+        path.parent.mkdir(exist_ok=True)
+        if isinstance(content, str):
+            path.symlink_to(content)
+        else:
+            path.write_bytes(content)
+
+
+ALL = ["a.mcap", "b.bag", "lost", "run/deep/noted", "run/walk.bag", "run/walk.db3.zstd", "split"]
+LINKS = {
+    "again": ".",
+    "up": "..",
+    "root": "/",
+    "a link": "run",
+    "run/other": "../split",
+    "a latest.bag": "run/walk.bag",
+}
+"""To the directory itself, those above it, each other, and to logs that are here as well."""
+ODD_NAMES = {os.fsdecode(b"\xff.bag"): b"", " spaced.bag ": b"", "@at.bag": b"", "#hash.bag": b""}
+
+
+@pytest.mark.parametrize(
+    ("files", "words", "expected"),
+    [
+        ({}, ["."], ALL),
+        (
+            {},
+            ["run/walk.bag", "*.mcap", "run", "absent.bag"],
+            ["run/walk.bag", "a.annotated.mcap", "a.mcap", *ALL[3:4], ALL[5], "absent.bag"],
+        ),
+        ({}, ["**/*.bag"], ["b.bag", "run/walk.bag"]),
+        ({}, ["b.bag", "./b.bag", "run/../b.bag"], ["b.bag"]),
+        ({"link.bag": "b.bag"}, ["b.bag", "link.bag"], ["b.bag"]),
+        # Lists
+        ({"l": b"# mine\n\nb.bag\n  run \n"}, ["@l", "a.mcap"], ["b.bag", *ALL[3:6], "a.mcap"]),
+        ({"l": b"a.annotated.mcap\n"}, ["@l"], ["a.annotated.mcap"]),
+        (
+            # A byte-order mark, Windows' line ends, and separators that only Unicode knows.
+            {"l": "\ufeffb.bag\r\n# mine\r\nodd\u2028name.bag\r\n".encode()},
+            ["@l"],
+            ["b.bag", "odd\u2028name.bag"],
+        ),
+        (
+            {**ODD_NAMES, "l": b"\xff.bag\n spaced.bag \n./@at.bag\n./#hash.bag\n"},
+            ["@l"],
+            ["\\xff.bag", " spaced.bag ", "@at.bag", "#hash.bag"],
+        ),
+        # Links
+        (LINKS, ["."], ALL),
+        (LINKS, ["**/*.bag", "again/**/walk.bag"], ["b.bag", "run/walk.bag"]),
+        (
+            {"here/data": "../lost", "here/walk.bag": "../b.bag"},
+            ["here"],
+            ["here/data", "here/walk.bag"],
+        ),
+        (
+            {"gone*.bag": "nowhere", "loop.bag": "loop.bag"},
+            ["g*.bag", "l*.bag", "gone*.bag"],
+            ["gone*.bag", "loop.bag"],
+        ),
+        ({"gone.bag": "nowhere"}, ["."], sorted([*ALL, "gone.bag"])),
+        ({"empty/notes": b""}, ["e*", "ru*"], ALL[3:6]),
+    ],
+)
+def test_words_name_logs_each_once_in_their_order(
+    folder: Path, files: Mapping[str, bytes | str], words: list[str], expected: list[str]
+) -> None:
+    add(folder, files)
+    assert names(*words) == expected
+
+
+@pytest.mark.parametrize(
+    ("files", "word", "said"),
+    [
+        ({"l": b"\xff\xfeb\0.\0"}, "@l", "not even text"),
+        ({}, "@absent.txt", r"^@absent.txt: no such file"),
+        ({}, "@" + "x" * 5000, "cannot be opened: File name too long"),
+        ({"l": b"b.bag\n\n  @other\n"}, "@l", r"@l, line 3: @other: .*cannot name another"),
+        ({"l": b"b.bag\n*.nothing\n"}, "@l", r"@l, line 2: \*\.nothing: no file"),
+        ({}, "@run", "not a regular file"),
+        ({}, "@/dev/zero", "not a regular file"),
+        ({"empty/notes": b""}, "e*", "there are no logs"),
+    ],
+)
+def test_words_that_name_no_logs_are_refused(
+    folder: Path, files: Mapping[str, bytes | str], word: str, said: str
+) -> None:
+    add(folder, files)
+    with pytest.raises(CallError, match=said):
+        names(word)
+
+
 @pytest.mark.usefixtures("folder")
-def test_a_directory_is_searched_and_a_ros2_bag_is_one_log() -> None:
+def test_logs_that_are_found_keep_their_place() -> None:
     log_set = find_logs(["."])
-    assert log_set.names == [
-        "a.mcap",
-        "b.bag",
-        "lost",
-        "run/deep/noted",
-        "run/walk.bag",
-        "run/walk.db3.zstd",
-        "split",
-    ]
     assert [str(below) for below in log_set.below] == [".", ".", ".", "run/deep", "run", "run", "."]
     assert log_set.left_out == 1
 
 
-@pytest.mark.usefixtures("folder")
-def test_words_keep_their_order_and_each_log_is_there_once() -> None:
-    assert names("run/walk.bag", "*.mcap", "run", "absent.bag") == [
-        "run/walk.bag",
-        "a.annotated.mcap",
-        "a.mcap",
-        "run/deep/noted",
-        "run/walk.db3.zstd",
-        "absent.bag",
-    ]
-    assert names("**/*.bag") == ["b.bag", "run/walk.bag"]
+def test_a_link_to_a_directory_above_is_no_pattern_s(folder: Path) -> None:
+    add(folder, LINKS)
+    for pattern in ("*", "**", "**/*"):
+        found = names(pattern)
+        assert {*ALL[1:4]} < {*found}
+        assert not any(name.startswith(("root", "up")) for name in found)
 
 
-def test_a_list_names_logs(folder: Path) -> None:
-    (folder / "list.txt").write_text("# mine\n\nb.bag\n  run \n")
-    assert names("@list.txt", "a.mcap")[::4] == ["b.bag", "a.mcap"]
-    (folder / "ours.txt").write_text("a.annotated.mcap\n")
-    assert names("@ours.txt") == ["a.annotated.mcap"]
-    (folder / "odd.txt").write_bytes(b"\xff\xfeb\0.\0")
-    with pytest.raises(CallError, match="not even text"):
-        names("@odd.txt")
-    with pytest.raises(CallError, match=r"^@absent.txt: no such file"):
-        names("@absent.txt")
-    with pytest.raises(CallError, match="cannot be opened: File name too long"):
-        names("@" + "x" * 5000)
-
-
-def test_a_list_may_come_from_any_editor(folder: Path) -> None:
-    """A byte-order mark, Windows' line ends, and separators that only Unicode knows."""
-    (folder / "odd\u2028name.bag").write_bytes(b"x")
-    (folder / "list.txt").write_bytes("\ufeffb.bag\r\n# mine\r\nodd\u2028name.bag\r\n".encode())
-    assert names("@list.txt") == ["b.bag", "odd\u2028name.bag"]
-
-
-def test_a_list_names_files_by_any_bytes(folder: Path) -> None:
-    for name in (b"\xff.bag", b" spaced.bag ", b"@at.bag", b"#hash.bag"):
-        Path(os.fsdecode(bytes(folder) + b"/" + name)).write_bytes(b"x")
-    lines = b"\xff.bag\n spaced.bag \n./@at.bag\n./#hash.bag\n"
-    (folder / "list.txt").write_bytes(lines)
-    assert names("@list.txt") == ["\\xff.bag", " spaced.bag ", "@at.bag", "#hash.bag"]
-
-
-def test_a_list_in_a_list_is_refused_with_its_line(folder: Path) -> None:
-    (folder / "list.txt").write_text("b.bag\n\n  @other.txt\n")
-    with pytest.raises(CallError, match=r"@list\.txt, line 3: @other\.txt: .*cannot name another"):
-        names("@list.txt")
-    (folder / "list.txt").write_text("b.bag\n*.nothing\n")
-    with pytest.raises(CallError, match=r"@list\.txt, line 2: \*\.nothing: no file"):
-        names("@list.txt")
-
-
-def test_a_list_is_a_regular_file(folder: Path) -> None:
-    os.mkfifo(folder / "fifo")
-    for word in ("@fifo", "@/dev/zero", "@run"):
-        done = called("info", word, cwd=folder)
-        assert done.returncode == 2
-        assert "not a regular file" in done.stderr
+def test_special_files_do_not_block(folder: Path) -> None:
+    os.mkfifo(folder / "run" / "pipe")
+    assert "run/pipe" not in names("run")
+    with pytest.raises(CallError, match="not a regular file"):
+        names("@run/pipe")
 
 
 def test_a_store_is_searched_alike(folder: Path) -> None:
@@ -225,57 +267,6 @@ def test_a_call_without_any_readable_directory_fails(unreadable: Path) -> None:
     done = called("info", deep.name, cwd=unreadable)
     assert done.returncode == 1
     assert "cannot be searched" in done.stderr
-
-
-def test_links_are_followed_once(folder: Path) -> None:
-    """To the directory itself, those above it, each other, and to logs that are here as well."""
-    (folder / "again").symlink_to(".")
-    (folder / "once more").symlink_to(folder)
-    (folder / "up").symlink_to("..")
-    (folder / "root").symlink_to("/")
-    (folder / "a link").symlink_to("run")
-    (folder / "run" / "other").symlink_to("../split")
-    (folder / "a latest.bag").symlink_to("run/walk.bag")
-    expected = ["a.mcap", "b.bag", "lost", "run/deep/noted", "run/walk.bag"]
-    assert names(".") == [*expected, "run/walk.db3.zstd", "split"]
-    assert names("**/*.bag", "again/**/walk.bag") == ["b.bag", "run/walk.bag"]
-    for pattern in ("*", "**", "**/*"):
-        found = names(pattern)
-        assert set(expected[1:]) - {"run/walk.bag"} < set(found)
-        assert not any(name.startswith(("root", "up")) for name in found)
-
-
-def test_links_to_logs_elsewhere_are_followed(folder: Path) -> None:
-    (folder / "run" / "here").mkdir()
-    (folder / "run" / "here" / "data").symlink_to(folder / "lost")
-    (folder / "run" / "here" / "walk.bag").symlink_to(folder / "b.bag")
-    log_set = find_logs(["run/here"])
-    assert log_set.names == ["run/here/data", "run/here/walk.bag"]
-
-
-def test_links_that_lead_nowhere_are_named(folder: Path) -> None:
-    (folder / "gone*.bag").symlink_to("nowhere")
-    (folder / "loop.bag").symlink_to("loop.bag")
-    assert names("g*.bag", "l*.bag") == ["gone*.bag", "loop.bag"]
-    assert names("gone*.bag") == ["gone*.bag"]
-    assert {"gone*.bag", "loop.bag"} < set(names("."))
-
-
-def test_a_glob_passes_over_directories_without_logs(folder: Path) -> None:
-    (folder / "empty").mkdir()
-    assert names("e*", "ru*")[0] == "run/deep/noted"
-    with pytest.raises(CallError, match="there are no logs"):
-        names("e*")
-
-
-def test_other_spellings_are_the_same_log(folder: Path) -> None:
-    (folder / "link.bag").symlink_to("b.bag")
-    assert names("b.bag", f"{folder}/b.bag", "run/../b.bag", "link.bag") == ["b.bag"]
-
-
-def test_a_special_file_in_a_directory_does_not_block(folder: Path) -> None:
-    os.mkfifo(folder / "run" / "pipe")
-    assert "run/pipe" not in names("run")
 
 
 @pytest.mark.parametrize("words", [("info",), ("stats",), ("convert",), ("compare", "other.bag")])

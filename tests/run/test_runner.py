@@ -43,14 +43,6 @@ def test_a_process_that_dies_costs_its_own_item_only(tmp_path: Path) -> None:
     assert {4, 6} <= set(progress.lost_items)
 
 
-def test_a_death_is_not_blamed_on_the_items_beside_it(tmp_path: Path) -> None:
-    items = ("slow", "deadly") * 4
-    found, progress = outcomes(ProcessRunner(3), tmp_path, *items)
-    assert found[::2] == ["SLOW"] * 4
-    assert all("died twice" in failure.sentence for failure in found[1::2])
-    assert {1, 3, 5, 7} <= set(progress.lost_items)
-
-
 def test_a_result_that_cannot_be_sent_costs_its_own_item_only(tmp_path: Path) -> None:
     found, _ = outcomes(ProcessRunner(2), tmp_path, "a", "unsendable", "b")
     assert (found[0], found[2]) == ("A", "B")

@@ -170,22 +170,19 @@ def faults_of(
     call: Call,
     signals: Sequence[signal.Signals],
     folder: Path,
+    patience_s: float = PATIENCE_S,
 ) -> Iterator[str]:
     """Wait for the end of a call that was interrupted; yield what is wrong."""
     try:
-        _, err = process.communicate(timeout=PATIENCE_S)
+        out, err = process.communicate(timeout=patience_s)
     except subprocess.TimeoutExpired:
         yield f"goes on, or its pipes are held: {members(process.pid)}"
         for survivor in members(process.pid):
             os.kill(survivor, KILL)
-        _, err = process.communicate()
+        out, err = process.communicate()
     else:
         yield from survivors_of(process.pid)
-    # Killed between the start of a worker and the word of what to do, the first process leaves it
-    # to the standard library, which prints that nothing came.
-    of_a_start = KILL in signals and "in spawn_main" in err
-    if ("Traceback" in err or "Exception ignored" in err) and not of_a_start:
-        yield f"traceback: {err}"
+    yield from unwanted(out + err, signals)
     good = {0} | {-KILL if each is KILL else 128 + each for each in signals}
     if process.returncode not in good:
         yield f"exit code {process.returncode}: {err}"
@@ -196,6 +193,16 @@ def faults_of(
             yield f"not whole: {name}"
     if process.returncode == 0 and contents(folder).keys() != call.outputs.keys():
         yield "says that it is done, and is not"
+
+
+def unwanted(text: str, signals: Sequence[signal.Signals]) -> Iterator[str]:
+    # Killed between the start of a worker and the word of what to do, the first process leaves it
+    # to the standard library, which prints that nothing came.
+    if KILL in signals and "in spawn_main" in text:
+        return
+    for each in ("Traceback", "Exception ignored", "damage:"):
+        if each in text:
+            yield f"{each}: {text}"
 
 
 def survivors_of(session: int) -> Iterator[str]:

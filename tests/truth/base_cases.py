@@ -55,7 +55,7 @@ def axes() -> Iterator[Case]:
                skip="sequence, touchdowns, lift-offs, phase")
     for speed in (0.02, -0.02):
         yield Case(f"odometry drifts by {speed:+g} m/s in z", Walk(seconds=12.0),
-                   (world.rising(speed),), "HEIGHT_DRIFTS")
+                   (world.rising(speed),), "WORLDS_DIFFER the base (rises|sinks)")
     yield Case("odometry counts z anew from mid-log on", Walk(seconds=12.0),
                (world.reset_height(6.0),), "POSE_JUMP", "")
 # fmt: on

@@ -33,10 +33,6 @@ GAITS: Final = {
 PUSH_S: Final = (1.3, 0.15)
 """s from push to push, and of each."""
 _SIDES: Final = np.array([(0.0, -1.0, 0.0), (1.0, 0.0, 0.0)])
-_FREE: Final = (
-    '<joint name="x" type="slide" axis="1 0 0"/><joint name="y" type="slide" axis="0 1 0"/>'
-    '<joint name="z" type="slide" axis="0 0 1"/><joint name="yaw" type="hinge" axis="0 0 1"/>'
-)
 _CORNERS: Final = np.array(
     [
         (
@@ -60,6 +56,11 @@ def _held(steps: Steps, time: Floats) -> Floats:
     starts = np.array([start for start, _ in steps])
     values = np.array([(0.0, 0.0, 0.0), *(value for _, value in steps)])
     return np.asarray(values[np.searchsorted(starts, time + 1e-9, side="right")])
+
+
+def trot(seconds: float = 3.5) -> Physics:
+    """Trot straight ahead."""
+    return walker(((-9.0, (0.4, 0.0, 0.0)),), seconds)
 
 
 @cache
@@ -89,7 +90,7 @@ def walker(
     angles = _angles(_feet(time, _held(steps, received), *GAITS[gait]))
     pull = 9.81 * np.array([np.sin(slope_rad), 0.0, -np.cos(slope_rad)])
     gravity = " ".join(map(str, pull.tolist()))
-    engine = physics.Engine(physics.model_xml((_FREE, ""), gravity, legs_kg), angles[0])
+    engine = physics.Engine(physics.model_xml(gravity, legs_kg), angles[0])
     every = round(KEPT_S / physics.STEP_S)
     for row, targets in enumerate(angles):
         turn, since = divmod(time[row], PUSH_S[0])

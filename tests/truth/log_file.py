@@ -1,15 +1,12 @@
 """A recording as a log file."""
 
 from collections.abc import Iterator, Sequence
-from functools import cache
 from pathlib import Path
 from typing import Final
 
 import numpy as np
-from rosbags.rosbag1 import Writer as BagWriter
 
 from tests.oracles.mcap_file import Entry, write_mcap
-from tests.oracles.walks import write_rows
 from tests.truth.messages import (
     CONTACTS,
     FLAGS,
@@ -22,6 +19,7 @@ from tests.truth.messages import (
     TWIST_STAMPED,
     WRENCH,
     Messages,
+    ros_messages,
 )
 from tests.truth.recording import Ints, Recording, Sensor, VectorRecording
 
@@ -31,19 +29,10 @@ TF_RATE_HZ: Final = 50.0
 
 
 def write_log(recording: Recording, path: Path) -> Path:
-    """Write a ``.mcap`` (ROS 2) or a ``.bag`` (ROS 1)."""
-    messages = _messages(1 if path.suffix == ".bag" else 2)
+    """Write an MCAP of ROS 2 messages."""
+    messages = ros_messages()
     entries = sorted(_entries(recording, messages), key=lambda entry: entry[0])
-    if path.suffix != ".bag":
-        return write_mcap(path, entries, messages.definition)
-    with BagWriter(path) as writer:
-        write_rows(writer, messages.store, entries)
-    return path
-
-
-@cache
-def _messages(ros: int) -> Messages:
-    return Messages(ros)
+    return write_mcap(path, entries, messages.definition)
 
 
 def _entries(recording: Recording, messages: Messages) -> Iterator[Entry]:

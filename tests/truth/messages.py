@@ -2,6 +2,7 @@
 
 import struct
 from collections.abc import Sequence
+from functools import cache
 from typing import Any, Final
 
 import numpy as np
@@ -67,13 +68,12 @@ def _blanks(count: int) -> list[float]:
 
 
 class Messages:
-    """Messages of one version of ROS."""
+    """Messages of ROS 2."""
 
-    def __init__(self, ros: int) -> None:
-        self._of = Walk(ros)
-        self.store = self._of.store
-        del self.store.fielddefs[SPOT]
-        self.store.register(get_types_from_msg(FOOT_STATES, SPOT))
+    def __init__(self) -> None:
+        self._of = Walk(2)
+        del self._of.store.fielddefs[SPOT]
+        self._of.store.register(get_types_from_msg(FOOT_STATES, SPOT))
         self._definitions: dict[str, str] = {}
 
     def definition(self, kind: str) -> str:
@@ -199,6 +199,12 @@ class Messages:
 
     def _template(self, kind: str, numbers: int, **fields: Any) -> Template:
         return Template(self._of.bytes_of(kind, self._of.make(kind, **fields)), numbers)
+
+
+@cache
+def ros_messages() -> Messages:
+    """Return what makes messages."""
+    return Messages()
 
 
 def _header(frame: str) -> dict[str, Any]:

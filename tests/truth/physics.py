@@ -1,13 +1,12 @@
-"""A quadruped that trots in a physics engine (MuJoCo): what its sensors log, and the truth.
+"""A quadruped in a physics engine (MuJoCo): its model, what its sensors log, and the truth.
 
-The trunk slides forward on a rail and is free to go up and down; twelve position-controlled motors
-follow a planned trot by inverse kinematics. Motion, contact forces and torques are the engine's.
+Twelve position-controlled motors follow planned angles. Motion, contact forces and torques are the
+engine's.
 """
 
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
@@ -24,16 +23,12 @@ from tests.truth.messages import (
     TF,
     TWIST,
     WRENCH,
-    Messages,
+    ros_messages,
 )
 from tests.truth.recording import Floats, Ints, inverse, product, turned
 from tests.truth.robots import GRAVITY_MPS2
 
 STEP_S: Final = 0.001
-SETTLE_S: Final = 0.5
-DURATION_S: Final = 3.5
-EVERY: Final = 2
-"""Steps between messages."""
 FEET: Final = ("FL", "FR", "RL", "RR")
 NAMES: Final = ("front_left", "front_right", "back_left", "back_right")
 JOINTS: Final = tuple(f"{foot}_{part}_joint" for foot in FEET for part in ("hip", "thigh", "calf"))
@@ -41,7 +36,7 @@ HALF_LENGTH, HALF_WIDTH, OFFSET, LINK, BALL = 0.18, 0.05, 0.08, 0.2, 0.02
 LEGS_KG: Final = (0.5, 0.6, 0.15, 0.05)
 """Hip, thigh, calf and ball of each leg."""
 HEIGHT_M: Final = 0.30
-SPEED_MPS, PERIOD_S, DUTY, LIFT_M = 0.4, 0.5, 0.6, 0.05
+PERIOD_S, DUTY, LIFT_M = 0.5, 0.6, 0.05
 SINK_M: Final = 0.01
 """The plan treads below the ground, so that feet meet it on their way down."""
 PHASES: Final = {"FL": 0.0, "RR": 0.0, "FR": 0.5, "RL": 0.5}
@@ -54,22 +49,17 @@ def _corner(foot: str) -> tuple[float, float]:
     return (1.0 if foot[0] == "F" else -1.0, 1.0 if foot[1] == "L" else -1.0)
 
 
-RAIL: Final = (
-    '<joint name="along" type="slide" axis="1 0 0"/><joint name="up" type="slide" axis="0 0 1"/>',
-    '<position joint="along" kp="20000" kv="2000"/>',
+_FREE: Final = (
+    '<joint name="x" type="slide" axis="1 0 0"/><joint name="y" type="slide" axis="0 1 0"/>'
+    '<joint name="z" type="slide" axis="0 0 1"/><joint name="yaw" type="hinge" axis="0 0 1"/>'
 )
-"""Joints of a trunk that is pulled along, and their motor."""
+"""How the trunk may move: it is kept from leaning."""
 
 
-def model_xml(
-    trunk: tuple[str, str] = RAIL,
-    gravity: str = "0 0 -9.81",
-    legs_kg: tuple[float, ...] = LEGS_KG,
-) -> str:
+def model_xml(gravity: str, legs_kg: tuple[float, ...] = LEGS_KG) -> str:
     """Return the robot's model.
 
     Args:
-        trunk: how it is free to move, and its own motors.
         gravity: m/s^2.
         legs_kg: of the parts of each leg.
     """
@@ -95,35 +85,11 @@ def model_xml(
     return (
         f'<mujoco><option timestep="{STEP_S}" integrator="Euler" gravity="{gravity}"/>'
         '<worldbody><geom name="floor" type="plane" size="50 50 1" friction="1 .01 .001"/>'
-        f'<body name="trunk" pos="0 0 {HEIGHT_M}">{trunk[0]}'
+        f'<body name="trunk" pos="0 0 {HEIGHT_M}">{_FREE}'
         '<geom type="box" size=".2 .06 .05" mass="8" contype="0" conaffinity="0"/>'
         f"{''.join(legs)}</body></worldbody><actuator>"
-        f"{trunk[1]}{''.join(motors)}</actuator></mujoco>"
+        f"{''.join(motors)}</actuator></mujoco>"
     )
-
-
-def _planned(time_s: float) -> list[float]:
-    """Return the planned angles of all joints: each foot where the plan has it."""
-    angles: list[float] = []
-    for foot in FEET:
-        end, _ = _corner(foot)
-        cycle = time_s / PERIOD_S - PHASES[foot]
-        stride = np.floor(cycle)
-        share = cycle - stride
-        middle = (stride + PHASES[foot] + DUTY / 2.0) * PERIOD_S
-        along, above = end * HALF_LENGTH + SPEED_MPS * middle, BALL
-        if share > DUTY:
-            part = (share - DUTY) / (1.0 - DUTY)
-            along += SPEED_MPS * PERIOD_S * part**3 * (10.0 - 15.0 * part + 6.0 * part**2)
-            above += LIFT_M * 4.0 * part * (1.0 - part) - SINK_M * part**2
-        else:
-            above -= SINK_M * max(0.0, 1.0 - share / (0.5 * DUTY))
-        x, z = along - end * HALF_LENGTH - SPEED_MPS * time_s, above - HEIGHT_M
-        reach = float(np.hypot(x, z))
-        knee = float(np.arccos(np.clip((reach / LINK) ** 2 / 2.0 - 1.0, -1.0, 1.0)))
-        thigh = float(np.arctan2(-x, -z)) + knee / 2.0
-        angles += [0.0, thigh, -knee]
-    return angles
 
 
 @dataclass(frozen=True, slots=True)
@@ -287,17 +253,6 @@ class Engine:
         return moving
 
 
-@cache
-def trot() -> Physics:
-    """Run the engine."""
-    engine = Engine(model_xml(), _planned(0.0))
-    for step in range(round((SETTLE_S + DURATION_S) / STEP_S)):
-        time = step * STEP_S
-        targets = [SPEED_MPS * time, *_planned(time)]
-        engine.step(targets, keep=step >= round(SETTLE_S / STEP_S))
-    return engine.finish(STEP_S)
-
-
 def urdf(legs_kg: tuple[float, ...] = (), trunk_kg: float = 8.0) -> str:
     """Return the robot description of the model; with masses where some are given."""
     parts, kilograms = [], {"base_link": (trunk_kg, 0.0)}
@@ -343,12 +298,6 @@ def _ball(link: str) -> str:
     return shape if link.endswith("foot") else ""
 
 
-@cache
-def messages() -> Messages:
-    """Return what makes messages."""
-    return Messages(2)
-
-
 @dataclass(frozen=True, slots=True)
 class Commands:
     """Velocity commands: what was sent, and when."""
@@ -361,11 +310,11 @@ class Commands:
 
 def write_log(
     path: Path,
+    robot: Physics,
     *,
     by_transforms: bool,
     points: bool | None = None,
-    robot: Physics | None = None,
-    every: int = EVERY,
+    every: int = 1,
     commands: Commands | None = None,
     publishers: int = 1,
     silence_s: tuple[float, float] = (9.0, 9.0),
@@ -380,10 +329,10 @@ def write_log(
 
     Args:
         path: of the log.
+        robot: what it did.
         by_transforms: legs by transforms; else by joint states with a robot description.
         points: feet by contacts with points and forces in the world; else by force sensors, that
             tell the size. None: as `by_transforms`.
-        robot: what it did; None: the trot on the rail.
         every: rows of it between messages.
         commands: velocity commands, without stamps; None: none are recorded.
         publishers: topics that the joints are shared out on.
@@ -395,11 +344,11 @@ def write_log(
         sensors: whether feet and odometry are recorded.
         imu: frame and readings, (n, 6) m/s^2 and rad/s, of an inertial unit.
     """
-    physics, make = robot or trot(), messages()
+    make = ros_messages()
     rows = slice(0, None, every)
-    states = (physics.position, physics.velocity, physics.torque)
+    states = (robot.position, robot.velocity, robot.torque)
     told = [np.asarray(each)[rows] for each in (change(*states) if change else states)]
-    seconds = physics.time[rows]
+    seconds = robot.time[rows]
     time = ORIGIN_NS + np.rint(seconds * 1e9).astype(np.int64)
     entries: list[Entry] = []
 
@@ -409,29 +358,29 @@ def write_log(
         )
 
     if described and not by_transforms:
-        entries.append((ORIGIN_NS, "/robot_description", STRING, make.text(physics.urdf or urdf())))
+        entries.append((ORIGIN_NS, "/robot_description", STRING, make.text(robot.urdf or urdf())))
     if commands is not None:
         sent = ORIGIN_NS + np.rint(commands.time * 1e9).astype(np.int64)
         add("/cmd_vel", TWIST, sent, make.twist().all_filled(sent, commands.velocity))
     if imu is not None:
         add("/imu", IMU, time, make.imu(imu[0], turns=True).all_filled(time, imu[1][rows]))
     heard = (seconds < silence_s[0]) | (seconds >= silence_s[1])
-    for number, share in enumerate(np.array_split(np.arange(len(physics.joints)), publishers)):
+    for number, share in enumerate(np.array_split(np.arange(len(robot.joints)), publishers)):
         numbers = np.concatenate([each[heard][:, share] for each in told], axis=1)
-        joints = make.joint_states(tuple((names or physics.joints)[joint] for joint in share))
+        joints = make.joint_states(tuple((names or robot.joints)[joint] for joint in share))
         topic = f"/joint_states_{number}" if number else "/joint_states"
         add(topic, JOINT_STATE, time[heard], joints.all_filled(time[heard], numbers))
     if by_transforms:
         calves = make.transforms("base_link", [f"{foot}_calf" for foot in FEET])
-        add("/tf", TF, time, calves.all_filled(time, physics.calf[rows].reshape(len(time), -1)))
+        add("/tf", TF, time, calves.all_filled(time, robot.calf[rows].reshape(len(time), -1)))
     if sensors:
-        speed = turned(inverse(physics.attitude), physics.base_velocity[:, 3:])
-        place = physics.base + drift * physics.base[:, :1] * [0.0, 1.0, 0.0]
-        poses = np.concatenate([place, physics.attitude, speed], axis=1)[rows]
+        speed = turned(inverse(robot.attitude), robot.base_velocity[:, 3:])
+        place = robot.base + drift * robot.base[:, :1] * [0.0, 1.0, 0.0]
+        poses = np.concatenate([place, robot.attitude, speed], axis=1)[rows]
         add("/odom", ODOMETRY, time, make.odometry("world", "base_link").all_filled(time, poses))
     for number, foot in enumerate(FEET if sensors else ()):
         topic = f"/{NAMES[number]}_foot_contact"
-        force, point = physics.force[rows, number], physics.point[rows, number]
+        force, point = robot.force[rows, number], robot.point[rows, number]
         if not (by_transforms if points is None else points):
             size = np.linalg.norm(force, axis=1)[:, None] * [0.0, 0.0, 1.0]
             add(topic, WRENCH, time, make.wrench_stamped(f"{foot}_foot").all_filled(time, size))

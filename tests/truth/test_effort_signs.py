@@ -45,7 +45,7 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., dl.Walk]
 
         path = tmp_path_factory.mktemp("signs") / "walk.mcap"
         options: dict[str, Any] = WAYS[way]
-        physics.write_log(path, robot=robot(slope_rad), every=1, change=change, **options)
+        physics.write_log(path, robot(slope_rad), change=change, **options)
         return dl.measure(path, mass=robot(slope_rad).mass_kg)
 
     return walk

@@ -37,8 +37,8 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., dict[str
         path = tmp_path_factory.mktemp("commands") / "walk.mcap"
         physics.write_log(
             path,
+            robot,
             by_transforms=False,
-            robot=robot,
             every=round(ODOMETRY_S / free_walker.KEPT_S),
             commands=free_walker.sent(steps, seconds),
         )

@@ -55,8 +55,8 @@ def write_log(
         read = [each[:, [0, 2, 1]] * [1.0, 1.0, -1.0] for each in read]
     return physics.write_log(
         path,
+        walk,
         by_transforms=False,
-        robot=walk,
         every=5,
         described=with_urdf,
         sensors=False,

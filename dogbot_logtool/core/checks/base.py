@@ -98,8 +98,9 @@ def up_axis(walk: Walk) -> Iterator[Finding]:
 def height_drifts(walk: Walk) -> Iterator[Finding]:
     """Yield that the base rises or sinks over the contact points while it walks."""
     if walk.rise_m:
-        say = "plain" if walk.rise_m > 0.0 else "sinks"
-        yield found("HEIGHT_DRIFTS", where="base.height_m", say=say, metres=abs(walk.rise_m))
+        say = "rises" if walk.rise_m > 0.0 else "sinks"
+        where, metres = "base.height_m", abs(walk.rise_m)
+        yield found("WORLDS_DIFFER", "drifts", where=where, say=say, metres=metres)
 
 
 def sides_swapped(walk: Walk) -> Iterator[Finding]:

@@ -82,7 +82,8 @@ def _odd_forces(walk: Walk, forces: ForceComparison) -> Finding:
         return found("DIRECTION_UNKNOWN", case, where="settings.wrench_frame", forces=forces)
     if forces.odd_foot is not None:
         row, factor = forces.odd_foot
-        return found("FOOT_SCALE", feet=(walk.feet[row].name,), forces=forces, share=1.0 / factor)
+        name = walk.feet[row].name
+        return found(code, "foot", feet=(name,), forces=forces, share=1.0 / factor)
     if forces.is_common:
         mass, origin = walk.settings.mass_kg or 0.0, origin_of_mass(walk)
         words: Words = {"mass": mass, "right": mass * forces.ratio, "origin": origin}

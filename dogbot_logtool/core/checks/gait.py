@@ -101,7 +101,9 @@ def against_plan(walk: Walk) -> Iterator[Finding]:
                 when = "late" if delay.median >= 0.0 else "early"
                 median = f"; {1e3 * abs(delay.median):.0f} ms {when} in the median"
             where = f"feet.{foot.name}.planned"
-            yield found("AGAINST_PLAN", where=where, foot=foot.name, plan=plan, median=median)
+            yield found(
+                "PLANNED", "followed", where=where, foot=foot.name, plan=plan, median=median
+            )
 
 
 def slips(walk: Walk) -> Iterator[Finding]:

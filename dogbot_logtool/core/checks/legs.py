@@ -9,6 +9,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import median_of
 from dogbot_logtool.core.checks.loads import direction_is_doubtful
+from dogbot_logtool.core.gait.feet import stride_curve
 from dogbot_logtool.core.gait.strides import typical_period_s
 from dogbot_logtool.core.legs.doubts import LegSigns, contradiction, leg_signs, shortfall
 from dogbot_logtool.core.legs.legs import LegFigures
@@ -47,7 +48,7 @@ def joint_work(walk: Walk) -> Iterator[Finding]:
     if legs is None or legs.clocks_apart:
         return
     if missing := _no_work(legs) or _lacking(walk, legs):
-        yield found("JOINTS_MISSING", "work", where=_WORK, why=missing)
+        yield found("JOINT_VALUES", "missing", where=_WORK, why=missing)
         return
     if slow := _too_slow(walk, legs):
         yield found("SAMPLED_SLOWLY", "work", where=_WORK, why=slow)
@@ -55,12 +56,12 @@ def joint_work(walk: Walk) -> Iterator[Finding]:
     signs = _signs(walk, legs)
     odd = contradiction(legs.moving, legs.settings.foot_of_joint, walk.loads.weight_n)
     if odd := odd or _other_unit(walk, signs):
-        cases = () if odd.startswith("velocities") else ("efforts",)
-        yield found("JOINT_VALUES", *cases, where=_WORK, say="plain", why=odd)
+        case = "velocities" if odd.startswith("velocities") else "efforts"
+        yield found("JOINT_VALUES", case, where=_WORK, why=odd)
         return
     without = [joint.name for joint in legs.moving if not joint.has_effort]
     if without:
-        yield found("JOINTS_MISSING", where=_WORK, names=_named(without))
+        yield found("JOINT_VALUES", "some_missing", where=_WORK, names=_named(without))
     yield from _effort_signs(walk, legs, signs, judges_all=not without)
 
 
@@ -113,8 +114,8 @@ def _signs(walk: Walk, legs: LegFigures) -> dict[str, LegSigns]:
         return {}
     judged = {}
     for row, (foot, leg) in enumerate(zip(walk.feet, legs.feet, strict=True)):
-        told = foot.vertical_over_stride is not None and foot.forward_over_stride is not None
-        if leg.path is None or leg.reason or not told:
+        pushes = stride_curve(foot, foot.strides, forward=True)
+        if leg.path is None or leg.reason or pushes is None:
             continue
         moving = [joint for joint in legs.joints_of(row) if joint.moves]
         signs = leg_signs(foot.record.track, foot.stances, leg.path, walk.poses, moving)

@@ -34,7 +34,7 @@ def unloaded_levels(walk: Walk) -> Iterator[Finding]:
             unknown = f"feet.{name}.contact_fraction"
             yield found("CONTACT_UNKNOWN", where=unknown, feet=(name,), why=why)
         if level.reason:
-            yield found("OFFSET_UNKNOWN", where=where, foot=name, why=level.reason)
+            yield found("SENSOR_OFFSET", say="unknown", where=where, foot=name, why=level.reason)
             continue
         if level.moved_n:
             yield found("SENSOR_OFFSET", where=where, say="moves", foot=name, newtons=level.moved_n)
@@ -53,14 +53,10 @@ def filtered(walk: Walk) -> Iterator[Finding]:
         some = {name: each.tau_s for name, each in told if each.resolved is resolved}
         if some:
             tau_s = max(some.values())
-            words: Words = {
-                "names": ", ".join(some),
-                "milliseconds": 1e3 * tau_s,
-                "hertz": 1.0 / (2.0 * np.pi * tau_s),
-            }
-            cases = () if resolved else ("heavy",)
-            feet = tuple(some)
-            yield found("FORCE_FILTERED", *cases, where="feet", say=say, feet=feet, **words)
+            words: Words = {"names": ", ".join(some), "milliseconds": 1e3 * tau_s}
+            hertz, cases = 1.0 / (2.0 * np.pi * tau_s), () if resolved else ("heavy",)
+            words |= {"where": "feet", "feet": tuple(some), "say": say, "hertz": hertz}
+            yield found("FORCE_FILTERED", *cases, **words)
 
 
 def silent_feet(walk: Walk) -> Iterator[Finding]:

@@ -15,7 +15,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, flagged_runs, latched
 from dogbot_logtool.core.corrections.clock import SILENCE_NS
 from dogbot_logtool.core.corrections.modes import ALTERNATE, NOISY, WIDE
 from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
@@ -98,14 +98,6 @@ class FootSensor:
     level: SensorLevel
     rule: ContactRule
 
-    @property
-    def is_steady(self) -> bool:
-        """Whether the load never comes and goes by what contact would need, whatever the level."""
-        level = self.level
-        if not level.reason or level.heaviest_n is None or level.lightest_n is None:
-            return False
-        return level.heaviest_n - level.lightest_n < self.rule.on_n
-
 
 def contact_rule(
     level: SensorLevel, weight_n: float | None, given: Thresholds = Thresholds()
@@ -174,10 +166,7 @@ def schmitt(force: Floats, rule: ContactRule) -> Flags:
     Returns:
         (n,) bool.
     """
-    loaded = force >= rule.on_n
-    says = loaded | (force < rule.off_n) | (force == 0.0)
-    last = np.maximum.accumulate(np.where(says, np.arange(len(force)), -1))
-    return (last >= 0) & loaded[last]
+    return latched(force >= rule.on_n, (force < rule.off_n) | (force == 0.0))
 
 
 def silent_before(time: Ints) -> Flags:
@@ -232,8 +221,8 @@ def find_stances(time: Ints, contact: Flags, rule: ContactRule) -> tuple[Ints, I
         stances dropped.
     """
     silent, fill_ns = silent_before(time), round(rule.fill_s * 1e9)
-    edges = np.flatnonzero(np.diff(contact, prepend=False, append=False))
-    runs, begins, breaks = len(edges) // 2, edges[::2], edges[1::2]
+    begins, breaks = flagged_runs(contact).T
+    runs = len(begins)
     # Of a swing that begins with a silence it is not known that it is short.
     parts = (time[begins[1:]] - time[breaks[:-1]] >= fill_ns) | silent[breaks[:-1]]
     starts = begins[np.append(True, parts)[:runs]]

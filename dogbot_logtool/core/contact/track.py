@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Float32s, Floats, Ints, all_finite, norms
+from dogbot_logtool.core.arrays import Float32s, Floats, Ints, all_finite, flagged_runs, norms
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource, advancing, first_at_each_tick
 from dogbot_logtool.core.integral import Integral, trapezoids
@@ -91,8 +91,8 @@ def foot_track(
     placed |= np.diff(rows, prepend=-2) > 1
     rows = rows[placed]
     # From the last known vertical force, or the start, to the next known one.
-    edges = np.flatnonzero(np.diff(~known, prepend=False, append=False))
-    first, behind = np.maximum(edges[::2] - 1, 0), np.minimum(edges[1::2], len(time) - 1)
+    first, behind = flagged_runs(~known).T
+    first, behind = np.maximum(first - 1, 0), np.minimum(behind, len(time) - 1)
     seconds = np.where(gap, 0, steps) / 1e9
     known_s = seconds * (known[1:] & known[:-1])
     track = FootTrack(

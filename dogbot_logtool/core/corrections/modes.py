@@ -13,6 +13,7 @@ from dogbot_logtool.core.arrays import (
     Flags,
     Floats,
     Ints,
+    latched,
     median_of,
     percentiles_of,
     rows_of_runs,
@@ -182,10 +183,7 @@ def _otsu(values: Floats) -> float:
 
 def _hysteresis(values: Floats, enter: float, leave: float) -> Flags:
     """(n,): below from `enter` down, until above `leave`."""
-    below = values <= enter
-    says = below | (values > leave)
-    last = np.maximum.accumulate(np.where(says, np.arange(len(values)), -1))
-    return np.where(last >= 0, below[last], values <= (enter + leave) / 2.0)
+    return latched(values <= enter, values > leave)
 
 
 def _visits(flags: Flags, runs: Ints) -> Ints:

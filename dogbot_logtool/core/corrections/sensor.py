@@ -18,6 +18,7 @@ from dogbot_logtool.core.arrays import (
     Ints,
     all_finite,
     distinct,
+    flagged_runs,
     median_of,
     median_of_known,
     norms,
@@ -123,9 +124,7 @@ class SensorLevel:
     reason: str = ""
     """Why the level could not be estimated; empty where it is known."""
     lightest_n: float | None = None
-    """N, magnitude that the lightest samples stay below; only where the level is not known. Also
-    `heaviest_n`, that the heaviest ones exceed."""
-    heaviest_n: float | None = None
+    """N, magnitude that the lightest samples stay below; only where the level is not known."""
     raises: bool = True
     """Whether load raises what the sensor reads."""
     lead: float = np.inf
@@ -269,9 +268,9 @@ def _unknown(reason: str, interval_s: float | None, force: Floats) -> SensorLeve
     level = replace(level, loaded_n=usual, mean_n=usual)
     if len(force) < FEWEST_SAMPLES:
         return level
-    lightest, heaviest = percentiles_of(without_spikes(norms(force)), (3.0, 97.0)).tolist()
+    lightest = float(percentiles_of(without_spikes(norms(force)), 3.0))
     noise = _noisiest_sd(np.diff(force, axis=0)) / np.sqrt(2.0)
-    return replace(level, noise_n=noise, lightest_n=lightest, heaviest_n=heaviest)
+    return replace(level, noise_n=noise, lightest_n=lightest)
 
 
 def level_of(modes: Modes, log_time: Ints, force: Floats, axis: Floats) -> SensorLevel:
@@ -384,8 +383,8 @@ def _limit_n(force: Floats, offset_n: Floats, loaded_n: float) -> float | None:
 
 def _flat_tops(values: Floats, limit: float) -> int:
     """Return how often values rise steeply to a limit, and stay there."""
-    edges = np.flatnonzero(np.diff(values == limit, prepend=False, append=False))
-    start, length = edges[::2], edges[1::2] - edges[::2]
+    tops = flagged_runs(values == limit)
+    start, length = tops[:, 0], tops[:, 1] - tops[:, 0]
     flat = length >= SATURATED_SAMPLES
     if flat.sum() < SATURATED_STANCES:
         return 0

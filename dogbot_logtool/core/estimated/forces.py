@@ -10,8 +10,8 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
-from dogbot_logtool.core.estimated.ground import Ground, held, runs_of, slopes
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, flagged_runs, latched, median_of
+from dogbot_logtool.core.estimated.ground import Ground, slopes
 from dogbot_logtool.core.frames.kinematics import LegMotion
 
 LOADED: Final = 0.4
@@ -85,17 +85,17 @@ def loaded_feet(seconds: Floats, vertical: Floats, weight_n: float, ground: Grou
     """
     share = weight_n / vertical.shape[1]
     on, off = vertical >= LOADED * share, vertical < UNLOADED * share
-    loaded = held(on & ~ground.fast, off | ground.fast)
+    loaded = latched(on & ~ground.fast, off | ground.fast)
     for foot in range(vertical.shape[1]):
         resting = ground.resting[:, foot]
         # A foot that bounces at touchdown, while it is there already.
-        swings = _lasting_s(seconds, runs_of(~resting))
+        swings = _lasting_s(seconds, flagged_runs(~resting))
         usual = float(median_of(swings)) if len(swings) else 0.0
-        aloft = runs_of(~loaded[:, foot])
+        aloft = flagged_runs(~loaded[:, foot])
         short = _lasting_s(seconds, aloft) < min(BOUNCE * usual, LONGEST_BOUNCE_S)
         for first, behind in aloft[short].tolist():
             loaded[first:behind, foot] = True
-        for first, behind in runs_of(loaded[:, foot]).tolist():
+        for first, behind in flagged_runs(loaded[:, foot]).tolist():
             if resting[first:behind].mean() < RESTED:
                 loaded[first:behind, foot] = False
     return loaded

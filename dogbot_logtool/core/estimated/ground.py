@@ -13,12 +13,13 @@ import numpy as np
 from dogbot_logtool.core.arrays import (
     Flags,
     Floats,
-    Ints,
+    flagged_runs,
+    latched,
     median_of,
     median_of_known,
     percentiles_of,
 )
-from dogbot_logtool.core.timespans import covers, spans_where
+from dogbot_logtool.core.timespans import covers
 
 SLOPE_S: Final = 0.02
 """s over which velocities are differences of positions."""
@@ -105,7 +106,7 @@ def resting_feet(
         top = float(percentiles_of(speed, 95.0))
         limit = float(np.clip(SLOW * top, *SLOWEST_MPS))
         close = lift < np.maximum(LOW_AND_SLOW * usual, 2.0 * LEAST_LIFT_M)
-        resting = held(close & (speed < limit), ~close | (speed > LOOSELY * limit))
+        resting = latched(close & (speed < limit), ~close | (speed > LOOSELY * limit))
     return Ground(resting, speed < AGREE * limit, speed > max(FAST * top, LOOSELY * limit))
 
 
@@ -150,22 +151,9 @@ def _common(seconds: Floats, implied: Floats, resting: Flags) -> Floats:
     return np.asarray((total[end] - total[begin]) / (end - begin)[:, None])
 
 
-def runs_of(flags: Flags) -> Ints:
-    """(k, 2) the first row of each run of true flags, and the row behind it."""
-    return spans_where(np.arange(len(flags) + 1), flags)
-
-
 def _middles(standing: Flags) -> Flags:
     """(n,) the rows of contacts that are away from their ends."""
-    runs = runs_of(standing)
+    runs = flagged_runs(standing)
     edge = np.ceil(EDGE * (runs[:, 1] - runs[:, 0])).astype(np.int64)
     inner = runs + edge[:, None] * [1, -1]
     return covers(inner[inner[:, 0] < inner[:, 1]], np.arange(len(standing)))
-
-
-def held(on: Flags, off: Flags) -> Flags:
-    """(n, f) states that last from on to off; at first off."""
-    row = np.arange(len(on))[:, None]
-    last = np.maximum.accumulate(np.where(on | off, row, -1), axis=0)
-    state = np.take_along_axis(on, np.maximum(last, 0), axis=0)
-    return np.asarray(state & (last >= 0))

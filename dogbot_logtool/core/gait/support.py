@@ -41,21 +41,11 @@ class Support:
     in_flight: Ints
     """(f, 2) ns, spans with no foot in contact."""
 
-    @property
-    def double_support_fraction(self) -> float | None:
-        """Fraction of time with both feet of a robot of two in contact; None for others."""
-        return self.feet_down[2] if len(self.feet_down) == 3 else None
-
     def flight_within(self, spans: Ints) -> float | None:
         """Return the fraction of the known part of spans in flight; None without any."""
         known = timespans.total(timespans.intersect([self.known, spans]))
         flight = timespans.total(timespans.intersect([self.in_flight, spans]))
         return flight / known if known else None
-
-    @property
-    def flight_fraction(self) -> float:
-        """Fraction of time without any foot in contact."""
-        return self.feet_down[0]
 
 
 def support(feet: Sequence[FootHistory], within: Ints | None = None) -> Support | None:
@@ -112,8 +102,6 @@ def standing_in(
     period_s: float | None,
     base: BaseHistory,
     fallen: Ints,
-    *,
-    is_steady: bool,
 ) -> Standing:
     """Find where all feet are down, or in the air, for longer than within a stride.
 
@@ -122,8 +110,6 @@ def standing_in(
         period_s: s, median time between touchdowns of a foot; None without any.
         base: poses, without jumps.
         fallen: (f, 2) ns, spans in which the robot lies.
-        is_steady: whether no foot's load ever comes and goes, so that there are no steps even where
-            contact is not known.
     """
     none = timespans.no_spans()
     all_down, in_flight, longest_step_s = none, none, STAND_S
@@ -132,8 +118,6 @@ def standing_in(
         all_down = timespans.subtract(support.all_down, fallen)
         in_flight = timespans.subtract(support.in_flight, fallen)
         longest_step_s = max(STAND_S, period_s or 0.0)
-    elif is_steady:
-        all_down = base.known
     chosen = _lasting(all_down, longest_step_s)
     moving = timespans.merge(np.concatenate([none, *(_moving(span, base) for span in chosen)]))
     still = none if support is None else _lasting(timespans.subtract(chosen, moving))

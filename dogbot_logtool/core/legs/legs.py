@@ -1,7 +1,7 @@
 """What is known of the legs of a walk, and the work and motion of joints over strides."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,17 +29,15 @@ class LegFoot:
     """Frame of the foot; empty: not known."""
     reason: str
     """Why its swings are not known; empty where they are."""
-    moves: bool
-    """The reason is that the frame is not at rest in stances."""
     path: FootPath | None
     """Of the foot in the base's frame; None: not known."""
-    slips: tuple[Floats, Floats] | None
-    """(stances,) m, net and largest slip by the foot's frame; None: not known."""
-    strides: Mapping[str, Floats]
+    moves: bool = False
+    """The reason is that the frame is not at rest in stances."""
+    strides: Mapping[str, Floats] = field(default_factory=dict)
     """(strides,) what is known of each stride of the foot, by the name of its metric."""
-    height: Shape
+    height: Shape = None
     """m above the line between the footfalls, over the stride."""
-    is_slow: bool
+    is_slow: bool = False
     """Whether the foot is told too rarely for velocities."""
 
 

@@ -14,8 +14,7 @@ from dogbot_logtool.core.metrics import (
     Settings,
     TopicQuality,
 )
-from dogbot_logtool.core.quality import TopicQuality as TopicTiming
-from dogbot_logtool.core.records import Count, unknown
+from dogbot_logtool.core.records import taken, unknown
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
 
@@ -72,7 +71,7 @@ def quality_metrics(walk: Walk, findings: Sequence[Finding]) -> Quality:
     """Return what tells whether a recording can be trusted."""
     worlds = walk.worlds
     return Quality(
-        topics={topic.topic: _topic(topic) for topic in walk.topics},
+        topics={topic.topic: taken(TopicQuality, topic) for topic in walk.topics},
         feet={foot.name: _foot_quality(walk, row) for row, foot in enumerate(walk.feet)},
         overlap_s=_overlap_s(walk),
         base_to_feet_m=None if worlds is None else worlds.distance_m,
@@ -89,39 +88,11 @@ def _overlap_s(walk: Walk) -> float:
     return timespans.total(timespans.intersect(known)) / 1e9
 
 
-def _topic(topic: TopicTiming) -> TopicQuality:
-    intervals = topic.interval_s
-    return TopicQuality(
-        messages=topic.messages,
-        rate_hz=topic.rate_hz,
-        interval_p95_s=None if intervals is None else intervals["p95"],
-        interval_max_s=None if intervals is None else intervals["max"],
-        gaps=topic.gaps,
-        gaps_total_s=topic.gaps_total_s,
-        bad_stamps=_bad_stamps(topic),
-        clock_offset_s=topic.offset_median_s,
-        clock_drift_ppm=topic.offset_drift_ppm,
-    )
-
-
-def _bad_stamps(topic: TopicTiming) -> Count:
-    """Return how many header stamps cannot be right; None where messages have none."""
-    kinds = (
-        topic.zero_stamps,
-        topic.duplicate_stamps,
-        topic.backward_stamps,
-        topic.stamps_ahead,
-    )
-    known = [each for each in kinds if each is not None]
-    return sum(known) if len(known) == len(kinds) else None
-
-
 def _foot_quality(walk: Walk, row: int) -> FootQuality:
     foot, level = walk.feet[row], walk.settings.sensor(row).level
-    return FootQuality(
-        not_finite=foot.record.not_finite,
-        filled_swings=foot.record.filled_swings,
-        dropped_stances=foot.record.dropped_stances,
+    return taken(
+        FootQuality,
+        foot.record,
         discarded_strides=dict(foot.discarded),
         spikes=foot.spikes,
         force_offset_n=None if level.reason else tuple(level.offset_n.tolist()),

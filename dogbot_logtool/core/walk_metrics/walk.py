@@ -17,7 +17,7 @@ from dogbot_logtool.core.gait.support import Support
 from dogbot_logtool.core.legs.swings import STEPS, SWINGS
 from dogbot_logtool.core.loads import (
     WalkLoads,
-    grouped_shares,
+    share_of,
     symmetry_index_percent,
 )
 from dogbot_logtool.core.masks import base_in, loads_in, stability_in, support_in
@@ -37,7 +37,7 @@ from dogbot_logtool.core.metrics import (
     Symmetry,
     WalkMetrics,
 )
-from dogbot_logtool.core.records import fields_of, unknown, void
+from dogbot_logtool.core.records import taken, unknown, void
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.core.walk_metrics.nulls import null_because
 from dogbot_logtool.core.walk_metrics.rest import (
@@ -62,7 +62,7 @@ def metrics_of(walk: Walk, log: Log, findings: Sequence[Finding]) -> WalkMetrics
     """
     main, support = walk.main, walk.support
     gait = _supported(walk, no_gait(walk.feet) if main is None else main.gait, support)
-    gait = replace(gait, flight_fraction=None if support is None else support.flight_fraction)
+    gait = replace(gait, flight_fraction=None if support is None else support.feet_down[0])
     feet = {
         foot.name: replace(_foot(walk, row), planned=_planned(walk, row))
         for row, foot in enumerate(walk.feet)
@@ -76,8 +76,9 @@ def metrics_of(walk: Walk, log: Log, findings: Sequence[Finding]) -> WalkMetrics
         log=log,
         settings=settings_metrics(walk, findings),
         base=walk.base or unknown(Base),
-        gait=GaitOfLog(
-            **{field.name: getattr(gait, field.name) for field in fields_of(Gait)},
+        gait=taken(
+            GaitOfLog,
+            gait,
             transition_strides=0 if own is None else own - strides,
             segments=tuple(_segment(walk, each) for each in walk.segments),
         ),
@@ -119,7 +120,8 @@ def _foot(walk: Walk, row: int, within: Ints | None = None) -> Foot:
         return found
     leg = walk.legs.feet[row]
     inside = slice(None) if within is None else foot.strides.rows_within(within)
-    swings = {name: aggregate(leg.strides[name][inside]) for name in (*SWINGS, *STEPS)}
+    told = [name for name in (*SWINGS, *STEPS) if name in leg.strides]
+    swings = {name: aggregate(leg.strides[name][inside]) for name in told}
     return replace(
         found,
         **dict[str, Any](swings),
@@ -140,7 +142,7 @@ def _supported(walk: Walk, gait: Gait, support: Support | None) -> Gait:
     names = [foot.name for foot in walk.feet]
     return replace(
         gait,
-        double_support_fraction=support.double_support_fraction,
+        double_support_fraction=support.feet_down[2] if len(names) == 2 else None,
         support={str(number): share for number, share in enumerate(support.feet_down)},
         support_sets=tuple(
             SupportSet(tuple(names[foot] for foot in feet), share) for feet, share in support.sets
@@ -152,9 +154,9 @@ def _forces(walk: Walk, loads: WalkLoads, feet: dict[str, Foot]) -> Forces:
     """Return the loads of the whole robot over a span."""
     share = unknown(LoadShare)
     if loads.shares is not None:
-        groups = grouped_shares(loads.shares, [foot.leg_position for foot in walk.feet])
-        by_name = dict(zip(feet, loads.shares, strict=True))
-        share = LoadShare(feet=by_name, fore=groups["fore"], left=groups["left"])
+        positions = [foot.leg_position for foot in walk.feet]
+        fore, left = (share_of(word, loads.shares, positions) for word in ("front", "left"))
+        share = LoadShare(dict(zip(feet, loads.shares, strict=True)), fore, left)
     corners, each = walk.corners, list(feet.values())
     return Forces(
         vertical_impulse_over_weight=loads.vertical_impulse_over_weight,

@@ -7,7 +7,7 @@ leaves its neighbours alone.
 """
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Final
@@ -119,7 +119,7 @@ class _Walk:
                         columns[step.path] = nested
         return Table(len(cursors.position), tuple(runs), columns)
 
-    def _run(self, run: Run, cursors: _Cursors) -> Iterator[Rows]:
+    def _run(self, run: Run, cursors: _Cursors) -> Sequence[Rows]:
         self._align(cursors, run.alignment)
         self._require(cursors, run.size)
         start = cursors.position
@@ -129,14 +129,14 @@ class _Walk:
             start = start[:0]
         return self._numbers(run, start)
 
-    def _numbers(self, run: Run, start: Ints) -> Iterator[Rows]:
-        """Yield the numbers of a run that are wanted, those near each other together."""
-        for group in run.groups:
-            dtype = group.dtype(self._order)
-            if not dtype.itemsize:
-                yield np.zeros(len(start), dtype)
-            else:
-                yield self._gather(start + group.offset, dtype.itemsize).view(dtype)
+    def _numbers(self, run: Run, start: Ints) -> Sequence[Rows]:
+        """Return the numbers of a run that are wanted, if any are."""
+        if not run.leaves:
+            return ()
+        dtype = run.dtype(self._order)
+        if not dtype.itemsize:
+            return (np.zeros(len(start), dtype),)
+        return (self._gather(start + run.first, dtype.itemsize).view(dtype),)
 
     def _text(self, step: TextStep, cursors: _Cursors) -> Texts:
         length = self._counts(cursors, step.alignment)

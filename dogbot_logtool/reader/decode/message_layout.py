@@ -6,7 +6,7 @@ in alignment (CDR aligns every number to its own width, counted from the end of 
 encapsulation header) and in the strings' terminator.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final, Literal
@@ -27,8 +27,6 @@ Serialisation = Literal["ros1", "cdr"]
 ELEMENT: Final = "value"
 """Name of the column that holds the elements of an array of numbers or strings."""
 _CDR_ORIGIN_ALIGNMENT: Final = 8
-_LEAF_GAP: Final = 64
-"""Bytes; wanted numbers that are not further apart are fetched together."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,26 +51,22 @@ class Leaf:
 
 
 @dataclass(frozen=True, slots=True)
-class LeafGroup:
-    """Wanted numbers that stand near each other, and are fetched together."""
-
-    offset: int
-    """Offset of the first in its run."""
-    size: int
-    leaves: tuple[Leaf, ...]
-
-    def dtype(self, order: str) -> np.dtype[np.void]:
-        """Return the dtype of the group's bytes, with a field a path; the order is a dtype's."""
-        return _group_dtype(self, order)
-
-
-@dataclass(frozen=True, slots=True)
 class Run:
     """Fields of fixed width, one after the other."""
 
     alignment: int
     size: int
-    groups: tuple[LeafGroup, ...]
+    leaves: tuple[Leaf, ...]
+    """The wanted numbers, which are fetched together."""
+
+    @property
+    def first(self) -> int:
+        """Offset of the first wanted number."""
+        return self.leaves[0].offset
+
+    def dtype(self, order: str) -> np.dtype[np.void]:
+        """Return the dtype of the wanted numbers, with a field a path; the order is a dtype's."""
+        return _run_dtype(self, order)
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,7 +190,7 @@ class _Compiler:
 
     def _close_run(self) -> None:
         if self._size or self._leaves:
-            self._steps.append(Run(self._alignment, self._size, tuple(_groups(self._leaves))))
+            self._steps.append(Run(self._alignment, self._size, tuple(self._leaves)))
         self._leaves, self._size, self._alignment, self._modulus = [], 0, 1, None
 
     def _close_run_aligned_to(self, alignment: int) -> int:
@@ -222,25 +216,13 @@ class _Compiler:
         return [want.removeprefix(inside) for want in self._wanted if want.startswith(inside)]
 
 
-def _groups(leaves: Sequence[Leaf]) -> Iterator[LeafGroup]:
-    """Group leaves, which stand in their order, where they lie near each other."""
-    group: list[Leaf] = []
-    for leaf in leaves:
-        if group and leaf.offset - group[-1].end > _LEAF_GAP:
-            yield LeafGroup(group[0].offset, group[-1].end - group[0].offset, tuple(group))
-            group = []
-        group.append(leaf)
-    if group:
-        yield LeafGroup(group[0].offset, group[-1].end - group[0].offset, tuple(group))
-
-
 @lru_cache(maxsize=256)
-def _group_dtype(group: LeafGroup, order: str) -> np.dtype[np.void]:
+def _run_dtype(run: Run, order: str) -> np.dtype[np.void]:
     return np.dtype(
         {
-            "names": [leaf.path for leaf in group.leaves],
-            "formats": [leaf.format(order) for leaf in group.leaves],
-            "offsets": [leaf.offset - group.offset for leaf in group.leaves],
-            "itemsize": group.size,
+            "names": [leaf.path for leaf in run.leaves],
+            "formats": [leaf.format(order) for leaf in run.leaves],
+            "offsets": [leaf.offset - run.first for leaf in run.leaves],
+            "itemsize": run.leaves[-1].end - run.first,
         }
     )

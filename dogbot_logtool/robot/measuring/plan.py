@@ -17,11 +17,12 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.reader.wanted import Wanted
+from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.robot.base import BASES
 from dogbot_logtool.robot.feet import planned_feet
 from dogbot_logtool.robot.measuring.foot_samples import decide_contacts, with_joined_sensors
-from dogbot_logtool.robot.measuring.side_topics import SideTopics, joint_channels, side_topics
+from dogbot_logtool.robot.measuring.side_topics import joint_channels, side_topics
+from dogbot_logtool.robot.score import call_of, candidates_finding
 from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.robot.topics import nothing_to_do
@@ -45,9 +46,9 @@ class MeasuringPlan:
     selection: Selection
     planned: Selection | None
     """The same feet as a plan in the log has them; None: it has none."""
-    side: SideTopics
-    """Topics beside feet and base."""
     wanted: Wanted
+    findings: tuple[Finding, ...]
+    """Which topics beside feet and base are used."""
 
 
 def make_plan(log: Log, options: MeasureOptions) -> MeasuringPlan:
@@ -62,17 +63,17 @@ def make_plan(log: Log, options: MeasureOptions) -> MeasuringPlan:
     if not (selection.odometry or selection.contacts or joints):
         raise LogError(nothing_to_do(log, selection.findings))
     planned = _planned(log, selection, options)
-    side = side_topics(log, selection.robot)
+    commands, accelerations, findings = side_topics(log, selection.robot)
     wanted = replace(
         selection.wanted(),
         joints=joints,
-        commands=side.commands,
-        accelerations=side.inertial,
+        commands=commands,
+        accelerations=accelerations,
         planned=planned.contacts if planned else (),
         planned_feet=planned.foot_channels() if planned else None,
         limits=time_limits(log, options.start, options.end),
     )
-    return MeasuringPlan(selection, planned, side, wanted)
+    return MeasuringPlan(selection, planned, wanted, findings)
 
 
 def _planned(log: Log, selection: Selection, options: MeasureOptions) -> Selection | None:
@@ -194,18 +195,26 @@ def prepare(
     recording, selection, whole = with_joined_sensors(recording, selection)
     model = None
     if recording.joints:
-        from dogbot_logtool.robot.measuring.by_legs import told_by_legs  # noqa: PLC0415
+        from dogbot_logtool.robot.measuring.by_legs import (  # noqa: PLC0415
+            named_by_legs,
+            told_by_legs,
+        )
         from dogbot_logtool.robot.robot_model.description import read_model  # noqa: PLC0415
 
         found = read_model(log, options.urdf)
         model = found.robot
         recording, selection = told_by_legs(recording, selection, found)
+        if named := named_by_legs(log, options, selection, recording.feet):
+            others = (each for each in selection.findings if each.code != "FEET_UNSURE")
+            told = candidates_finding(log, [named], call_of(log, options, ""), "")
+            selection = replace(selection, findings=(*others, told))
     # Up to the ends of a log that is read whole, silence is known.
-    start, end = plan.wanted.limits
+    wanted = plan.wanted
+    start, end = wanted.limits
     settings = replace(
         settings_of(selection, options),
-        command_topic=plan.side.commands.topic if plan.side.commands else "",
-        imu_topic=plan.side.inertial.topic if plan.side.inertial else "",
+        command_topic=wanted.commands.topic if wanted.commands else "",
+        imu_topic=wanted.accelerations.topic if wanted.accelerations else "",
         silent_from=log.start_time if start is None else None,
         silent_until=log.end_time if end is None else None,
     )
@@ -219,7 +228,7 @@ def prepare(
         settings_of(plan_of_feet, options) if plan_of_feet else None,
         selection,
         model,
-        (*selection.findings, *moved, *joined, *whole, *plan.side.findings),
+        (*selection.findings, *moved, *joined, *whole, *plan.findings),
     )
 
 

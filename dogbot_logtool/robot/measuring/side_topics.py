@@ -1,7 +1,6 @@
 """Topics beside feet and base: joint states, commands, accelerometers."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Final
 
 from dogbot_logtool.finding import Finding
@@ -11,7 +10,7 @@ from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.others import JOINT_TYPES
 from dogbot_logtool.reader.messages.source import source_of
 from dogbot_logtool.reader.messages.table import types_of
-from dogbot_logtool.reader.wanted import WantedVectors
+from dogbot_logtool.reader.part import WantedVectors
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics import (
     message_count,
@@ -56,17 +55,11 @@ def joint_channels(log: Log) -> list[Channel]:
     return found[:_MOST_CHANNELS]
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class SideTopics:
-    """Topics beside feet and base."""
-
-    commands: WantedVectors | None
-    inertial: WantedVectors | None
-    findings: tuple[Finding, ...]
-    """Which of several topics they are."""
+Side = tuple[WantedVectors | None, WantedVectors | None, tuple[Finding, ...]]
+"""Velocity commands, accelerations, and which of several topics they are."""
 
 
-def side_topics(log: Log, robot: Robot) -> SideTopics:
+def side_topics(log: Log, robot: Robot) -> Side:
     """Choose the topics of velocity commands and of the base's inertial unit.
 
     Raises:
@@ -75,26 +68,20 @@ def side_topics(log: Log, robot: Robot) -> SideTopics:
     """
     asked = robot.command_topic, robot.imu_topic
     if not any(asked) and not any(c.type_name in _TYPES for c in log.channels.values()):
-        return SideTopics(None, None, ())
-    findings: list[Finding] = []
-    found: list[WantedVectors | None] = []
-    choices: tuple[tuple[str | None, Part, Rank, str, str], ...] = (
-        (asked[0], "commands", _command_rank, "velocity commands", "command_topic"),
-        (asked[1], "accelerations", _inertial_rank, "the base's accelerations", "imu_topic"),
-    )
-    for topic, part, rank, what, option in choices:
-        if topic is not None:
-            require_topic(log, option, topic, part)
-            found.append(_wanted(log, topic, part))
-            continue
-        ranked = _ranked(log, part, rank)
-        found.append(ranked[0] if ranked else None)
-        if ranked:
-            others = [each.topic for each in ranked[1:]]
-            text = f"{what} are taken from {ranked[0].topic}, found by type and name"
+        return None, None, ()
+    commands = _ranked(log, "commands", _command_rank, asked[0], "command_topic")
+    inertial = _ranked(log, "accelerations", _inertial_rank, asked[1], "imu_topic")
+    findings = []
+    for topic, found, what, option in (
+        (asked[0], commands, "velocity commands", "command_topic"),
+        (asked[1], inertial, "the base's accelerations", "imu_topic"),
+    ):
+        if found and topic is None:
+            others = [each.topic for each in found[1:]]
+            text = f"{what} are taken from {found[0].topic}, found by type and name"
             text += f"; there are also {listed(others)} (--set {option} chooses)" if others else ""
-            findings.append(Finding("TOPICS_CHOSEN", text, ranked[0].topic))
-    return SideTopics(found[0], found[1], tuple(findings))
+            findings.append(Finding("TOPICS_CHOSEN", text, found[0].topic))
+    return next(iter(commands), None), next(iter(inertial), None), tuple(findings)
 
 
 def _command_rank(topic: str) -> tuple[int, ...] | None:
@@ -115,11 +102,16 @@ def _inertial_rank(topic: str) -> tuple[int, ...] | None:
     return (int("raw" in words),)
 
 
-def _ranked(log: Log, part: Part, rank: Rank) -> list[WantedVectors]:
-    """Return the topics that may be meant, the best first.
+def _ranked(
+    log: Log, part: Part, rank: Rank, asked: str | None, option: str
+) -> list[WantedVectors]:
+    """Return the topics that may be meant, the best first; the one that is asked for alone.
 
     Of equally good ones that of the better type comes first, then that with the most messages.
     """
+    if asked is not None:
+        require_topic(log, option, asked, part)
+        return [_wanted(log, asked, part)]
     found: dict[tuple[tuple[int, ...], int, int, int, str], WantedVectors] = {}
     for topic in readable_topics(log, part):
         if (order := rank(topic)) is not None:

@@ -13,6 +13,7 @@ from dogbot_logtool.writer.described import (
     MARKER,
     MARKERS,
     OWN_FIELDS,
+    STRING,
     TF,
     Described,
 )
@@ -38,7 +39,7 @@ class Ros2Encoding(Encoding):
         for name, fields in OWN_FIELDS.items():
             lines = [f"{self._time} stamp", *(f"{kind} {field}" for field, kind, _ in fields)]
             self._store.register(get_types_from_msg("\n".join(lines), name))
-        names = TF, MARKER, MARKERS, LOAD, LOG, GAIT
+        names = TF, MARKER, MARKERS, LOAD, LOG, GAIT, STRING
         self.types = {name: self._message_type(self._own_name(name)) for name in names}
 
     def _own_name(self, name: str) -> str:

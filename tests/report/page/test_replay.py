@@ -19,6 +19,7 @@ from tests.measured import LogFacts, measurement_of
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import numbers
 from tests.truth import physics
+from tests.truth.free_walker import KEPT_S, trot
 
 TROT = SAMPLE_LOGS / "dogbot_trot.bag"
 MB = 1_000_000
@@ -89,12 +90,12 @@ def _world(point: Any, position: Any, angles: Any) -> Any:
 
 def test_joint_states_bend_the_legs_as_the_engine_does(tmp_path: Path) -> None:
     """A log without transforms, but with a robot description."""
-    log = physics.write_log(tmp_path / "log.mcap", by_transforms=False)
+    log = physics.write_log(tmp_path / "log.mcap", trot(), by_transforms=False)
     _, found = measured_and_shown(log)
     limbs, row = found["limbs"], 10
     joints = numbers(limbs["point"]).reshape(-1, len(limbs["parents"]), 3)[row]
-    step = round(numbers(found["time"])[row] / physics.STEP_S)
-    for calf in physics.trot().calf[step, :, :3]:
+    step = round(numbers(found["time"])[row] / KEPT_S)
+    for calf in trot().calf[step, :, :3]:
         assert np.linalg.norm(joints - calf, axis=1).min() < 1e-3
 
 
