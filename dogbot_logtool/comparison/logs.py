@@ -105,7 +105,7 @@ def _compare_messages(
     of_topics = [FieldRules(rules, tally.name) for tally in tallies]
     events = [np.empty((0, 6), np.int64)]
     for topic, tally in enumerate(tallies):
-        events += _unequal(topic, tally, *(index.rows(topic) for index in indexes))
+        events += _unequal(topic, tally, *(index.take(topic) for index in indexes))
     found = np.concatenate(events)
     for time, topic, kind, row, *positions in found[np.lexsort(found.T[::-1])].tolist():
         tally, time_s = tallies[topic], (time - start) / 1e9

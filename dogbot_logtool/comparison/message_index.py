@@ -5,7 +5,7 @@ messages are paired. Payloads are not kept: where they differ, their chunks are 
 """
 
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.comparison.descriptions import kind_of
-from dogbot_logtool.core.arrays import Ints, concatenated, picked
+from dogbot_logtool.core.arrays import Ints, concatenated, picked, rows_by_group
 from dogbot_logtool.reader.containers.log import Batch, Channel, Chunk, Log, Loss, Messages
 
 _CHUNKS_KEPT: Final = 16
@@ -22,11 +22,10 @@ _CHUNKS_KEPT: Final = 16
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rows:
-    """Messages by topic and log time; those of one time in the order of the file."""
+    """Messages of a topic."""
 
-    topic: Ints
-    """(n,) number of the topic. Likewise `kind`, of the kind of channel (see `kind_of`)."""
     kind: Ints
+    """(n,) number of the kind of channel (see `kind_of`)."""
     log_time: Ints
     """(n,) ns. Likewise `publish_time`."""
     publish_time: Ints
@@ -61,40 +60,39 @@ class MessageIndex:
         self._chunks: list[Chunk] = []
         self._first: list[int] = []
         """Position of each chunk's first message."""
+        self._count = 0
         self._loaded = lru_cache(_CHUNKS_KEPT)(self._load)
-        found = concatenated([*self._parts(topics, kinds)])
-        self._rows = picked(found, np.lexsort((found.log_time, found.topic)))
+        self._parts = {number: [Rows(*[np.empty(0, np.int64)] * 5)] for number in topics.values()}
+        wanted = [(n, each) for n, each in sorted(log.channels.items()) if each.topic in topics]
+        self._channels = np.array([number for number, _ in wanted], np.int64)
+        self._topics = np.array([topics[each.topic] for _, each in wanted], np.int64)
+        numbers = [kinds.setdefault(kind_of(each), len(kinds)) for _, each in wanted]
+        self._kinds = np.array(numbers, np.int64)
+        for span in log.spans():
+            self._add(log.read(span))
 
-    def _parts(self, topics: Mapping[str, int], kinds: dict[str, int]) -> Iterator[Rows]:
-        """Yield the wanted messages of each batch as they stand in the file."""
-        wanted = [
-            (n, each) for n, each in sorted(self._log.channels.items()) if each.topic in topics
-        ]
-        channels = np.array([number for number, _ in wanted], np.int64)
-        topic = np.array([topics[each.topic] for _, each in wanted], np.int64)
-        kind = np.array(
-            [kinds.setdefault(kind_of(each), len(kinds)) for _, each in wanted], np.int64
-        )
-        nothing = np.empty(0, np.int64)
-        yield Rows(nothing, nothing, nothing, nothing, nothing, nothing)
-        count = 0
-        for span in self._log.spans():
-            batch = self._log.read(span)
-            self.losses += batch.losses
-            for each in batch.chunks:
-                self._chunks.append(each.chunk)
-                self._first.append(count + each.rows.start)
-            rows = np.flatnonzero(np.isin(batch.messages.channel, channels))
-            messages = batch.messages.pick(rows)
-            of = np.searchsorted(channels, messages.channel)
-            times = messages.log_time, messages.publish_time
-            yield Rows(topic[of], kind[of], *times, _digests(batch, messages), count + rows)
-            count += len(batch.messages)
+    def _add(self, batch: Batch) -> None:
+        """Take the messages of the next chunks."""
+        self.losses += batch.losses
+        for each in batch.chunks:
+            self._chunks.append(each.chunk)
+            self._first.append(self._count + each.rows.start)
+        position = np.flatnonzero(np.isin(batch.messages.channel, self._channels))
+        messages = batch.messages.pick(position)
+        of = np.searchsorted(self._channels, messages.channel)
+        times = messages.log_time, messages.publish_time
+        found = Rows(self._kinds[of], *times, _digests(batch, messages), self._count + position)
+        for number, rows in rows_by_group(self._topics[of]):
+            self._parts[number].append(picked(found, rows))
+        self._count += len(batch.messages)
 
-    def rows(self, topic: int) -> Rows:
-        """Return the messages of a topic, by log time."""
-        start, end = np.searchsorted(self._rows.topic, [topic, topic + 1])
-        return picked(self._rows, slice(start, end))
+    def take(self, topic: int) -> Rows:
+        """Return the messages of a topic by log time, those of one time as they stand in the file.
+
+        They are not kept.
+        """
+        found = concatenated(self._parts.pop(topic))
+        return picked(found, np.argsort(found.log_time, kind="stable"))
 
     def message(self, position: int) -> Message:
         """Read a message again."""

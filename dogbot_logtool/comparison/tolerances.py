@@ -25,15 +25,8 @@ class Tolerance:
     atol: float = 0.0
     """In the field's own unit."""
     rtol: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class Quantity:
-    """Fields that share a tolerance: lengths, angles, forces ..."""
-
-    fields: tuple[str, ...]
-    """Globs."""
-    tolerance: Tolerance
+    fields: tuple[str, ...] = ()
+    """Globs of the fields that share it: lengths, angles, forces ..."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,8 +34,8 @@ class Rules:
     """Differences that a user allows."""
 
     default: Tolerance = Tolerance()
-    """For every float that no quantity claims. Integers are exact unless a quantity claims them."""
-    quantities: tuple[Quantity, ...] = ()
+    """For every float that no other claims. Integers are exact unless one claims them."""
+    tolerances: tuple[Tolerance, ...] = ()
     """The first whose globs fit a field counts."""
     ignore: Sequence[str] = ()
     """Globs of topics and fields."""
@@ -83,10 +76,10 @@ class FieldRules:
         return self.claimed(name) or self._rules.default
 
     def claimed(self, name: str) -> Tolerance | None:
-        """Return the tolerance of the first quantity that names a field, None if none does."""
+        """Return the first tolerance that names a field, None if none does."""
         if name not in self._claimed:
-            fitting = [q.tolerance for q in self._rules.quantities if self._fit(q.fields, name)]
-            self._claimed[name] = fitting[0] if fitting else None
+            fitting = (each for each in self._rules.tolerances if self._fit(each.fields, name))
+            self._claimed[name] = next(fitting, None)
         return self._claimed[name]
 
     def _fit(self, globs: Sequence[str], name: str) -> bool:
@@ -118,20 +111,18 @@ def load_rules(
     Raises:
         CallError: the file is not a tolerance file.
     """
-    quantities = {} if tolerances is None else _load(tolerances)
-    default = quantities.pop(_DEFAULT, Quantity((), Tolerance())).tolerance
+    document = {}
+    if tolerances is not None:
+        document = parse_toml(read_toml(tolerances, "a tolerance file"), str(tolerances))
+    found = {name: _tolerance(f"{tolerances}: {name}", name, document[name]) for name in document}
+    default = found.pop(_DEFAULT, Tolerance())
     default = Tolerance(
         default.atol if atol is None else atol, default.rtol if rtol is None else rtol
     )
-    return Rules(default, tuple(quantities.values()), ignore, topics)
+    return Rules(default, tuple(found.values()), ignore, topics)
 
 
-def _load(path: Path) -> dict[str, Quantity]:
-    document = parse_toml(read_toml(path, "a tolerance file"), str(path))
-    return {name: _quantity(f"{path}: {name}", name, each) for name, each in document.items()}
-
-
-def _quantity(where: str, name: str, table: Any) -> Quantity:  # noqa: ANN401 - any TOML value
+def _tolerance(where: str, name: str, table: Any) -> Tolerance:  # noqa: ANN401 - any TOML value
     if not isinstance(table, dict):
         raise CallError(f"{where} must be a table: [{name}]")
     known = {"atol", "rtol"} if name == _DEFAULT else {"atol", "rtol", "fields"}
@@ -143,4 +134,4 @@ def _quantity(where: str, name: str, table: Any) -> Quantity:  # noqa: ANN401 - 
     if not fields and name != _DEFAULT:
         raise CallError(f"{where}.fields is missing: which fields is it for?")
     atol, rtol = (toml_number(table.get(key, 0), f"{where}.{key}", 0.0) for key in ("atol", "rtol"))
-    return Quantity(tuple(fields), Tolerance(atol, rtol))
+    return Tolerance(atol, rtol, tuple(fields))

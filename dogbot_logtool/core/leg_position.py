@@ -11,25 +11,6 @@ LegPosition = tuple[str, str]
 """("front" | "middle" | "back", "left" | "right" | "centre")."""
 
 
-CORNERS: Final[tuple[LegPosition, ...]] = (
-    ("front", "left"),
-    ("front", "right"),
-    ("back", "left"),
-    ("back", "right"),
-)
-
-
-def quadruped(leg_positions: Sequence[LegPosition | None]) -> tuple[int, int, int, int] | None:
-    """Return which foot is front left, front right, back left, back right.
-
-    None unless the robot has exactly these four.
-    """
-    if sorted(each for each in leg_positions if each) != sorted(CORNERS) or len(leg_positions) != 4:
-        return None
-    front_left, front_right, back_left, back_right = map(leg_positions.index, CORNERS)
-    return front_left, front_right, back_left, back_right
-
-
 def are_some_of(leg_positions: Sequence[LegPosition | None]) -> bool:
     """Tell whether a robot with these feet has others, too, by how many there are and by names."""
     if len(leg_positions) == 1:
@@ -63,6 +44,14 @@ def legs_in_order(positions: Sequence[LegPosition | None]) -> tuple[int, ...] | 
     if not wanted or sorted(each for each in positions if each) != sorted(wanted):
         return None
     return tuple(positions.index(each) for each in wanted)
+
+
+def quadruped(positions: Sequence[LegPosition | None]) -> tuple[int, ...] | None:
+    """Return which foot is front left, front right, back left, back right.
+
+    None unless the robot has exactly these four.
+    """
+    return legs_in_order(positions) if len(positions) == 4 else None
 
 
 def leg_names(points: Floats) -> tuple[str, ...]:

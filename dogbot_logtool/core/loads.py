@@ -1,6 +1,6 @@
 """How the load is shared, whether it adds up to the weight, and what faults of sensors do to it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -43,11 +43,9 @@ STUCK_SAMPLES: Final = 40
 class WalkLoads:
     """Loads of all feet over one and the same time."""
 
-    known_s: float
-    """s, the time that loads are over: whole strides in which all feet are known, or all time known
-    to all feet where there are no such strides."""
     over_strides: bool
-    """Whether that time is whole strides."""
+    """Whether that time is whole strides in which all feet are known; else it is all time known to
+    all feet."""
     complete: bool
     """Whether every foot is seen to touch: else load may be missing from the sum."""
     mean_vertical_n: float | None
@@ -237,7 +235,6 @@ def loads_of(
     in_part = not over_strides and any(len(foot.stances.touchdown) > 1 for foot in feet)
     shares = abs(sum(shared)) >= NEAR_ZERO and has_forces
     return WalkLoads(
-        known_s=seconds,
         over_strides=over_strides,
         complete=len(loaded) == len(feet) and not lacks_feet,
         mean_vertical_n=sum(upward) / seconds if vertical and seconds else None,
@@ -255,18 +252,14 @@ def _known_to_all(feet: Sequence[FootHistory], *, vertical: bool) -> Ints:
     return timespans.intersect([foot.vertical_known if vertical else foot.known for foot in feet])
 
 
-def grouped_shares(
-    shares: Sequence[float], leg_positions: Sequence[LegPosition | None]
-) -> Mapping[str, float | None]:
-    """Add up the shares of fore, hind, left and right feet; None where these are not known."""
-    groups = {"fore": "front", "hind": "back", "left": "left", "right": "right"}
-    known = [each for each in leg_positions if each is not None]
-    if len(known) < len(leg_positions):
-        return dict.fromkeys(groups)
-    return {
-        name: sum(share for share, each in zip(shares, known, strict=True) if word in each)
-        for name, word in groups.items()
-    }
+def share_of(
+    word: str, shares: Sequence[float], positions: Sequence[LegPosition | None]
+) -> float | None:
+    """Add up the shares of feet at an end or a side; None where positions are not known."""
+    if any(position is None for position in positions):
+        return None
+    pairs = zip(shares, positions, strict=True)
+    return sum(share for share, position in pairs if word in (position or ()))
 
 
 def symmetry_index_percent(left: float | None, right: float | None) -> float | None:

@@ -135,10 +135,26 @@ class TopicQuality:
     """Moments at which the clock of the header stamps was set."""
     duplicate_log_times: int
     backward_log_times: int
-    offset_median_s: float | None
+    clock_offset_s: float | None
     """s, log time minus header stamp."""
-    offset_drift_ppm: float | None
+    clock_drift_ppm: float | None
     """Millionths by which log time runs faster than the header stamps."""
+
+    @property
+    def interval_p95_s(self) -> float | None:
+        """s; also `interval_max_s`. None of fewer than two times."""
+        return None if self.interval_s is None else self.interval_s["p95"]
+
+    @property
+    def interval_max_s(self) -> float | None:
+        """S."""
+        return None if self.interval_s is None else self.interval_s["max"]
+
+    @property
+    def bad_stamps(self) -> int | None:
+        """Header stamps that cannot be right; None where messages have none."""
+        kinds = self.zero_stamps, self.duplicate_stamps, self.backward_stamps, self.stamps_ahead
+        return None if None in kinds else sum(each or 0 for each in kinds)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -222,8 +238,8 @@ def topic_quality(
         clock_steps=() if check is None else check.steps,
         duplicate_log_times=int((log_step == 0).sum()),
         backward_log_times=int((log_step < 0).sum()),
-        offset_median_s=offset,
-        offset_drift_ppm=None if check is None or check.steps else drift,
+        clock_offset_s=offset,
+        clock_drift_ppm=None if check is None or check.steps else drift,
     )
 
 

@@ -232,6 +232,13 @@ def void(record: R, patterns: Sequence[str], prefix: str = "") -> R:
     return changed
 
 
+def taken(record: type[R], source: Any, **others: Any) -> R:  # noqa: ANN401
+    """Return a record whose fields have the values of attributes of the same names."""
+    names = {field.name for field in fields_of(record)} - others.keys()
+    made: R = record(**{name: getattr(source, name) for name in names}, **others)
+    return made
+
+
 def unknown(record: type[R]) -> R:
     """Return a record in which nothing is measured: null, 0 or empty."""
     made: R = record(**{field.name: _unknown(field) for field in fields_of(record)})

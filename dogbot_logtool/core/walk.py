@@ -103,7 +103,7 @@ class Walk:
     """ns, the latest."""
     reference: int = 0
     """The foot that phases are measured against: left fore, or the first that has strides."""
-    corners: tuple[int, int, int, int] | None = None
+    corners: tuple[int, ...] | None = None
     """Which foot is front left, front right, back left, back right; None: no quadruped, or
     not known."""
     tipping: Tipping | None = None

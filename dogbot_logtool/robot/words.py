@@ -180,9 +180,14 @@ def _words_of(name: str) -> Iterator[Word]:
 
 @lru_cache(maxsize=4096)
 def _split_letters(letters: str) -> tuple[str, ...]:
-    """Split letters that are known words written together, else at camelCase first."""
-    words = (word.lower() for word in _CAMEL_CASE.split(letters))
-    return _known(letters.lower()) or tuple(text for w in words for text in _known(w) or (w,))
+    """Split letters at camelCase, then words written together; ``FLfoot`` is no ``Lfoot``."""
+    words = [word.lower() for word in _CAMEL_CASE.split(letters)]
+    pieces = [_known(word) for word in words]
+    if not all(pieces) and (whole := _known(letters.lower())):
+        return whole
+    return tuple(
+        text for known, word in zip(pieces, words, strict=True) for text in known or (word,)
+    )
 
 
 def _known(word: str) -> tuple[str, ...]:

@@ -9,13 +9,12 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.comparison.fields import Tree, compare_fields, text_of
 from dogbot_logtool.comparison.outcome import Findings
-from dogbot_logtool.comparison.tolerances import FieldRules, Quantity, Rules, Tolerance
+from dogbot_logtool.comparison.tolerances import FieldRules, Rules, Tolerance
 
 
 def compared(expected: Tree, actual: Tree, atol: float = 0.0, limit: int = 100) -> Findings:
     """Compare; integers get the tolerance where it is not 0."""
-    tolerance = Tolerance(atol=atol)
-    rules = Rules(tolerance, (Quantity(("*",), tolerance),) if atol else ())
+    rules = Rules(Tolerance(atol), (Tolerance(atol, fields=("*",)),) if atol else ())
     return compare_fields({"a": expected}, {"a": actual}, FieldRules(rules), Findings(limit))
 
 

@@ -15,7 +15,6 @@ from mcap.writer import CompressionType, IndexType, Writer
 import dogbot_logtool as dl
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.options import CompareOptions
-from dogbot_logtool.reader.opening import open_log
 from tests.comparison.pairs import Pair, counts, tally
 from tests.comparison.recordings import (
     JSON,
@@ -291,26 +290,6 @@ def test_damage_is_reported_and_the_rest_compared(pair: Pair, tmp_path: Path) ->
     result = compare(pair.expected, cut, CompareOptions())
     assert (result.exit_code, len(result.damage)) == (1, 1)
     assert tally(result, "/a").missing == 200 - tally(result, "/a").actual
-
-
-def test_an_index_with_untrue_times_does_not_hide_messages(pair: Pair) -> None:
-    whole = one_topic(RAW, *(bytes([i]) * 1000 for i in range(200)))
-    packing = Packing(CompressionType.NONE, 20_000)
-    whole.write(pair.expected, packing)
-    changed = replace(whole.messages[150], data=b"x")
-    messages = [*whole.messages[:150], changed, *whole.messages[151:]]
-    replace(whole, messages=messages).write(pair.actual, packing)
-    for path in (pair.expected, pair.actual):
-        data = path.read_bytes()
-        with_index = open_log(path)
-        chunk = next(c for c in with_index.chunks if (c.end_time or 0) >= changed.time)
-        times = struct.pack("<QQ", chunk.start_time, chunk.end_time)
-        with_index.close()
-        # In the chunk's header, and in the index of chunks.
-        path.write_bytes(data.replace(times, struct.pack("<QQ", START, START)))
-    result = pair.compare()
-    assert [d.index for d in result.differences] == [150]
-    assert counts(tally(result, "/a")) == (200, 200, 199, 0, 1, 0, 0)
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -37,7 +37,7 @@ def faulty() -> Ints:
 
 
 TWO_GAPS = without(slice(100, 150), slice(600, 606))
-ON_LOG: dict[str, object] = {"clock": TimeSource.LOG, "offset_median_s": None, "rate_hz": 100.0}
+ON_LOG: dict[str, object] = {"clock": TimeSource.LOG, "clock_offset_s": None, "rate_hz": 100.0}
 BURST = S + np.arange(12, dtype=np.int64) * 20_000
 
 
@@ -45,7 +45,7 @@ BURST = S + np.arange(12, dtype=np.int64) * 20_000
     ("log_time", "stamp", "expected"),
     [
         (steady() + 2 * MS, steady(), {"messages": 1001, "gaps": 0, "longest_gap_s": 0.0}),
-        (steady() + 2 * MS, steady(), {"rate_hz": 100.0, "offset_median_s": 0.002}),
+        (steady() + 2 * MS, steady(), {"rate_hz": 100.0, "clock_offset_s": 0.002}),
         (steady(), steady(), {"interval_s": {"p50": 0.01, "p95": 0.01, "max": 0.01}}),
         (TWO_GAPS, TWO_GAPS, {"gaps": 2, "gaps_total_s": 0.58, "longest_gap_s": 0.51}),
         (TWO_GAPS, TWO_GAPS, {"rate_hz": 94.4}),
@@ -57,10 +57,10 @@ BURST = S + np.arange(12, dtype=np.int64) * 20_000
         (BURST[:2], BURST[:2], {"rate_hz": None}),
         (BURST, BURST, {"rate_hz": None}),
         (steady(9), steady(9), {"rate_hz": None}),
-        (2 * steady() - S, steady(), {"offset_drift_ppm": 1e6}),
-        (2 * steady(620) - S, steady(620), {"offset_drift_ppm": 1e6}),
-        (2 * steady(480) - S, steady(480), {"offset_drift_ppm": None}),
-        (np.array([S, 101 * S]), np.array([S, 101 * S]), {"offset_drift_ppm": None}),
+        (2 * steady() - S, steady(), {"clock_drift_ppm": 1e6}),
+        (2 * steady(620) - S, steady(620), {"clock_drift_ppm": 1e6}),
+        (2 * steady(480) - S, steady(480), {"clock_drift_ppm": None}),
+        (np.array([S, 101 * S]), np.array([S, 101 * S]), {"clock_drift_ppm": None}),
     ],
 )
 def test_times_of_a_topic(log_time: Ints, stamp: Ints | None, expected: dict[str, object]) -> None:

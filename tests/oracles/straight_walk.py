@@ -122,8 +122,3 @@ def measure(
 
 def codes(stats: MeasuredWalk) -> set[str]:
     return {remark.code for remark in findings_of(stats)}
-
-
-def main_class(stats: MeasuredWalk) -> str | None:
-    assert stats.main is not None
-    return stats.main.gait.name

@@ -5,9 +5,10 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from dogbot_logtool.robot.robot_model.legs_of_urdf import Legs, find_legs
+from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.robot.robot_model.legs_of_urdf import find_legs
 from dogbot_logtool.robot.robot_model.primitives import primitive_urdf
-from dogbot_logtool.robot.robot_model.skeleton import Skeleton
+from dogbot_logtool.robot.robot_model.skeleton import RobotShape, Skeleton
 from dogbot_logtool.robot.robot_model.urdf import read_robot
 
 Joint = tuple[str, str, str, str, str]
@@ -50,18 +51,14 @@ ARM: tuple[Joint, ...] = (
 NAMES = ["front_left", "front_right", "back_left", "back_right"]
 
 
-def names_of(legs: Legs) -> list[str]:
-    return [leg.name for leg in legs.legs]
-
-
 def test_legs_are_told_from_arms_and_sensors() -> None:
     robot = read_robot(urdf([*quadruped("trunk"), *ARM], ["trunk", "FL_calf", "FL_foot"]))
-    found = find_legs(robot, {})
-    assert names_of(found) == NAMES
-    assert [leg.foot for leg in found.legs] == ["FL_foot", "FR_foot", "RL_foot", "RR_foot"]
-    assert (robot.base, robot.mass_kg, found.forward_axis) == ("trunk", 6.0, "+x")
+    legs, axis = find_legs(robot, {})
+    assert [leg.name for leg in legs] == NAMES
+    assert [leg.foot for leg in legs] == ["FL_foot", "FR_foot", "RL_foot", "RR_foot"]
+    assert (robot.base, robot.mass_kg, axis) == ("trunk", 6.0, "+x")
     # The foot's mass is the calf's, too: nothing moves between them.
-    masses = found.legs[0].masses
+    masses = legs[0].masses
     assert [(mass.joint, mass.mass_kg) for mass in masses] == [(2, 2.0), (3, 2.0)]
 
 
@@ -71,7 +68,7 @@ def test_the_base_lies_past_the_world_and_links_without_a_mass(kind: str) -> Non
     joints.append((kind, "virtual", "trunk", "0 0 1", "1 0 0"))
     robot = read_robot(urdf([*joints, *quadruped("trunk")], ["trunk"]))
     assert robot.base == "trunk"
-    assert len(find_legs(robot, {}).legs) == 4
+    assert len(find_legs(robot, {})[0]) == 4
 
 
 def test_a_root_that_is_the_base_stays() -> None:
@@ -80,9 +77,9 @@ def test_a_root_that_is_the_base_stays() -> None:
 
 
 def test_names_tell_where_forward_is_and_places_where_names_do_not() -> None:
-    assert find_legs(read_robot(urdf(quadruped("trunk", "RR RL FR FL"))), {}).forward_axis == "-x"
-    found = find_legs(read_robot(urdf(quadruped("trunk", "a b c d"))), {})
-    assert (names_of(found), found.forward_axis) == (NAMES, "+x")
+    assert find_legs(read_robot(urdf(quadruped("trunk", "RR RL FR FL"))), {})[1] == "-x"
+    legs, axis = find_legs(read_robot(urdf(quadruped("trunk", "a b c d"))), {})
+    assert ([leg.name for leg in legs], axis) == (NAMES, "+x")
 
 
 @pytest.mark.parametrize("name", ["{}_wheel", "{}_4"])
@@ -101,7 +98,7 @@ def test_a_biped_with_a_waist_and_toes() -> None:
     for side, y in (("left", 0.1), ("right", -0.1)):
         joints += leg("pelvis", side, 0.0, y)
         joints.append(("revolute", f"{side}_foot", f"{side}_toe", "0.1 0 0", "0 1 0"))
-    legs = find_legs(read_robot(urdf(joints, ["torso"])), {}).legs
+    legs, _ = find_legs(read_robot(urdf(joints, ["torso"])), {})
     assert [(each.name, len(each.measured)) for each in legs] == [("left", 5), ("right", 5)]
 
 
@@ -109,7 +106,7 @@ def test_joints_that_follow_others_are_moved_by_them() -> None:
     joint = '<joint name="FL_calf_joint" type="revolute">'
     follows = joint + '<mimic joint="FL_thigh_joint" multiplier="-2"/>'
     text = urdf(quadruped("trunk")).replace(joint, follows)
-    first, *_ = find_legs(read_robot(text), {}).legs
+    (first, *_), _ = find_legs(read_robot(text), {})
     assert first.measured == ("FL_hip_joint", "FL_thigh_joint")
 
 
@@ -140,7 +137,7 @@ def without_feet(shape: str) -> str:
 def test_a_foot_without_a_link_is_where_the_last_link_ends(
     shape: str, point: tuple[float, float, float], radius: float
 ) -> None:
-    first, *_ = find_legs(read_robot(without_feet(shape)), {}).legs
+    (first, *_), _ = find_legs(read_robot(without_feet(shape)), {})
     assert (first.foot, first.radius_m) == ("FL_calf", radius)
     assert first.point == pytest.approx(point)
 
@@ -164,7 +161,7 @@ def test_a_base_whose_z_axis_is_not_up_is_named() -> None:
     root = f'<joint name="r" type="fixed"><parent link="r"/><child link="trunk"/>{turn}</joint>'
     robot = read_robot(urdf(lying, ["trunk"]).replace("</robot>", f"{root}</robot>"))
     assert robot.base == "r"
-    assert len(find_legs(robot, {}).legs) == 4
+    assert len(find_legs(robot, {})[0]) == 4
 
 
 URDF = """<robot name="r">
@@ -226,7 +223,8 @@ def test_circles_and_second_parents_are_left_out() -> None:
     ("axis", "x", "y"), [("+x", 1, 0), ("-x", -1, 0), ("+y", 0, 1), ("-y", 0, -1)]
 )
 def test_the_nose_is_at_the_front(axis: str, x: int, y: int) -> None:
-    text = primitive_urdf("robot & <co>", Skeleton("base", {}, ()), axis, 12.0)
+    shape = RobotShape(axis, {}, 0.5, 0.5)
+    text = primitive_urdf(Robot("r & <co>", mass_kg=12.0), Skeleton("base", {}, ()), shape)
     robot = ET.fromstring(text)  # noqa: S314
     body, nose = robot.findall("link/visual")
     place = [float(number) for number in nose.find("origin").get("xyz").split()]  # type: ignore[union-attr]

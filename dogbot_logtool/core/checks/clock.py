@@ -71,7 +71,7 @@ def feet_silent(walk: Walk) -> Iterator[Finding]:
 def topics_timed(walk: Walk) -> Iterator[Finding]:
     """Yield what is odd in the timing of topics; commands may pause while no one steers."""
     for each in walk.topics:
-        topic, offset_s, drift_ppm = each.topic, each.offset_median_s, each.offset_drift_ppm
+        topic, offset_s, drift_ppm = each.topic, each.clock_offset_s, each.clock_drift_ppm
         if each.gaps and topic != walk.settings.command_topic:
             yield found("GAPS", where=topic, timing=each)
         for code, field, what in _ODD_TIMES:

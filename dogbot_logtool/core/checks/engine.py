@@ -115,7 +115,7 @@ def _clocks(walk: Walk) -> tuple[str, str, str]:
     one_clock = no_stamps
     if len(topics) < 2:
         one_clock = "there is only one topic"
-    elif used and all(topic.offset_median_s == 0.0 for topic in used):
+    elif used and all(topic.clock_offset_s == 0.0 for topic in used):
         one_clock = "log times are the header stamps"
     few_stamps = f"too little time with header stamps in common: {apart}" if apart else ""
     return no_stamps, one_clock, few_stamps

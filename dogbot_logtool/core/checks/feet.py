@@ -70,7 +70,8 @@ def _all_inverted(walk: Walk, feet: list[FootSteps]) -> str:
     supported = walk.support
     if supported is None:
         return ""
-    flight, down = supported.flight_fraction, np.array(supported.feet_down)
+    down = np.array(supported.feet_down)
+    flight = float(down[0])
     mean = float(down @ np.arange(len(down)))
     if len(feet) == len(walk.feet) >= 4 and mean < FEWEST_DOWN and flight < MOST_FLIGHT:
         return f"{mean:.1f} of {len(feet)} feet would be down on average, without any flight"
@@ -164,14 +165,9 @@ def payload(walk: Walk) -> Iterator[Finding]:
     if abs(after - before) >= max(CHANGES * max(before, after), OVER_NOISE * scatter):
         since, load = walk.seconds(time[row : row + 1])[0], abs(after - before)
         verb = "taken off" if after < before else "put on"
-        words: Words = {
-            "before": before,
-            "after": after,
-            "since": since,
-            "load": load,
-            "verb": verb,
-        }
-        yield found("PAYLOAD", where="forces", **words)
+        yield found(
+            "PAYLOAD", where="forces", before=before, after=after, since=since, load=load, verb=verb
+        )
 
 
 def _weights(walk: Walk) -> tuple[Ints, Floats]:

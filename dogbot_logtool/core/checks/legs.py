@@ -9,6 +9,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import median_of
 from dogbot_logtool.core.checks.loads import direction_is_doubtful
+from dogbot_logtool.core.gait.feet import stride_curve
 from dogbot_logtool.core.gait.strides import typical_period_s
 from dogbot_logtool.core.legs.doubts import LegSigns, contradiction, leg_signs, shortfall
 from dogbot_logtool.core.legs.legs import LegFigures
@@ -113,8 +114,8 @@ def _signs(walk: Walk, legs: LegFigures) -> dict[str, LegSigns]:
         return {}
     judged = {}
     for row, (foot, leg) in enumerate(zip(walk.feet, legs.feet, strict=True)):
-        told = foot.vertical_over_stride is not None and foot.forward_over_stride is not None
-        if leg.path is None or leg.reason or not told:
+        pushes = stride_curve(foot, foot.strides, forward=True)
+        if leg.path is None or leg.reason or pushes is None:
             continue
         moving = [joint for joint in legs.joints_of(row) if joint.moves]
         signs = leg_signs(foot.record.track, foot.stances, leg.path, walk.poses, moving)

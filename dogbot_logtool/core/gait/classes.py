@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints, wrapped
+from dogbot_logtool.core.arrays import Floats, Ints, circular_mean, wrapped
 from dogbot_logtool.core.gait.strides import Strides
 
 TOLERANCE: Final = 0.1
@@ -240,13 +240,8 @@ def diagonality(phases: Sequence[float]) -> float | None:
     Returns:
         None where a phase is not known, or the sides are half a cycle apart.
     """
-    left, right = limb_phases(phases)
-    if not (np.isfinite(left) and np.isfinite(right)):
-        return None
-    mean = np.exp(2j * np.pi * left) + np.exp(2j * np.pi * right)
-    if abs(mean) < 1e-6:
-        return None
-    return float(np.angle(mean) / (2.0 * np.pi) % 1.0)
+    mean = circular_mean(np.array(limb_phases(phases)))
+    return mean.mean if mean and mean.n == 2 and mean.consistency > 1e-6 else None
 
 
 CONSISTENT: Final = 0.8

@@ -163,16 +163,6 @@ class FootSteps:
         """Lone spikes of its force in whole stances; kept out of the peaks."""
         return int(self.stances.figures.spikes[self.has_spikes & self.stances.whole].sum())
 
-    @property
-    def vertical_over_stride(self) -> Shape:
-        """The usual vertical force over a stride; None: not known."""
-        return stride_curve(self, self.strides, forward=False)
-
-    @property
-    def forward_over_stride(self) -> Shape:
-        """The usual force along the base's forward axis over a stride; None: not known."""
-        return stride_curve(self, self.strides, forward=True)
-
 
 def foot_steps(
     settings: WalkSettings,

@@ -54,28 +54,29 @@ _NONE: Final = -1
 class Segment:
     """A part of the log with one gait."""
 
-    start: int
-    """ns. Also `end`."""
-    end: int
+    spans: Ints
+    """(n, 2) ns, without strides of another kind in between, too few to be a gait."""
     gait: Gait
     """But for its support."""
     moves_without_steps: bool = False
     """All feet are down and the base moves: no gait is claimed."""
     is_lifted: bool = False
     """No foot is down for longer than a leap takes: held in the air, or lying on its body."""
-    interruptions: tuple[tuple[int, int], ...] = ()
-    """ns, from and to: strides of another kind, too few to be a gait; not part of it."""
+
+    @property
+    def start(self) -> int:
+        """Ns. Also `end`."""
+        return int(self.spans[0, 0])
+
+    @property
+    def end(self) -> int:
+        """Ns."""
+        return int(self.spans[-1, 1])
 
     @property
     def strides(self) -> int:
         """Reference strides in it."""
         return self.gait.strides or 0
-
-    @property
-    def spans(self) -> Ints:
-        """(n, 2) ns, without its interruptions."""
-        edges = [self.start, *(edge for span in self.interruptions for edge in span), self.end]
-        return np.array(edges, np.int64).reshape(-1, 2)
 
 
 def reference_foot(feet: Sequence[FootSteps]) -> int:
@@ -114,12 +115,9 @@ def find_segments(
             found.append(_segment(feet, support, np.array(spans, np.int64)))
     none = replace(no_gait(feet), strides=0)
     stand = replace(none, name=STAND, confidence=1.0, nearest_name=STAND, class_distance=0.0)
-    for start, end in standing.still.tolist():
-        found.append(Segment(start, end, stand))
-    for start, end in standing.moving.tolist():
-        found.append(Segment(start, end, none, moves_without_steps=True))
-    for start, end in standing.lifted.tolist():
-        found.append(Segment(start, end, none, is_lifted=True))
+    found += [Segment(span, stand) for span in standing.still[:, None]]
+    found += [Segment(span, none, moves_without_steps=True) for span in standing.moving[:, None]]
+    found += [Segment(span, none, is_lifted=True) for span in standing.lifted[:, None]]
     return tuple(sorted(found, key=lambda segment: segment.start))
 
 
@@ -226,12 +224,7 @@ def _segment(feet: Sequence[FootSteps], support: Support | None, spans: Ints) ->
         flight_fraction=support.flight_within(spans) if support else None,
         phase={foot.name: _phase(own, of_hind) for foot, own, of_hind in rows},
     )
-    return Segment(
-        start=int(spans[0, 0]),
-        end=int(spans[-1, 1]),
-        gait=_named(gait, feet, phases),
-        interruptions=tuple(pairwise(spans.ravel().tolist()))[1::2],
-    )
+    return Segment(spans, _named(gait, feet, phases))
 
 
 def _phases(feet: Sequence[FootSteps], strides: Strides) -> list[CircularMean | None]:

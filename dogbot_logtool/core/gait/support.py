@@ -41,21 +41,11 @@ class Support:
     in_flight: Ints
     """(f, 2) ns, spans with no foot in contact."""
 
-    @property
-    def double_support_fraction(self) -> float | None:
-        """Fraction of time with both feet of a robot of two in contact; None for others."""
-        return self.feet_down[2] if len(self.feet_down) == 3 else None
-
     def flight_within(self, spans: Ints) -> float | None:
         """Return the fraction of the known part of spans in flight; None without any."""
         known = timespans.total(timespans.intersect([self.known, spans]))
         flight = timespans.total(timespans.intersect([self.in_flight, spans]))
         return flight / known if known else None
-
-    @property
-    def flight_fraction(self) -> float:
-        """Fraction of time without any foot in contact."""
-        return self.feet_down[0]
 
 
 def support(feet: Sequence[FootHistory], within: Ints | None = None) -> Support | None:

@@ -19,7 +19,7 @@ from dogbot_logtool.robot.names import name_feet
 from dogbot_logtool.robot.robot_model.skeleton import place_of_foot
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, said_of_left_out
 from dogbot_logtool.robot.selection import Selection
-from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, SOLES, Part, words_of
+from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, SOLES, Part, texts_of, words_of
 
 
 def find_legs(
@@ -121,7 +121,7 @@ def named_frames(feet: Sequence[Foot], frames: Iterable[str]) -> dict[int, str]:
     A frame of the sole comes before others, which may as well be at the ankle or the knee.
     """
     names = list(frames)
-    soles = [name for name in names if any(word.text in SOLES for word in words_of(name))]
+    soles = [name for name in names if texts_of(name) & SOLES]
     found = name_feet(soles, contacts_only=False).chosen
     found = found or name_feet(names, contacts_only=False).chosen
     if found is None or found.part is not Part.FOOT:
@@ -178,18 +178,14 @@ def sensor_points(
     """
     parents = frames.parent_of
     named = named_frames(selection.robot.feet, parents)
-    points: list[FramePoint | None] = []
+    points = frames.in_base(settings)
     for foot, described in enumerate(selection.robot.feet):
-        sources = selection.sources_of(foot)
-        if any(source.in_base for source in sources):
-            points.append(FramePoint(frames.base, recorded=True))
-            continue
-        if not settings.feet[foot].has_force or any(source.has_points for source in sources):
-            points.append(None)
+        has_points = any(source.has_points for source in selection.sources_of(foot))
+        if points[foot] or has_points or not settings.feet[foot].has_force:
             continue
         frame = described.frame or frames.links[foot]
         is_placed = frame and chain_of_frames(parents, frame, frames.world) is not None
         if described.frame is None and described.leg_position is not None and not is_placed:
             frame = named.get(foot, frame)
-        points.append(FramePoint(frame, described.contact_point_m) if frame else None)
+        points[foot] = FramePoint(frame, described.contact_point_m) if frame else None
     return points

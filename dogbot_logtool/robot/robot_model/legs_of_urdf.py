@@ -34,19 +34,10 @@ _ARMS: Final = frozenset(
 _SENSORS: Final = frozenset(["camera", "force", "ft", "imu", "motor", "rotor", "screw", "sensor"])
 
 
-@dataclass(frozen=True, slots=True)
-class Legs:
-    """The legs of a robot."""
-
-    legs: tuple[Leg, ...]
-    """From front to back."""
-    forward_axis: str
-
-
 def find_legs(
     robot: RobotOfUrdf, posture: Mapping[str, float], forward_axis: str | None = None
-) -> Legs:
-    """Return the legs of a robot.
+) -> tuple[tuple[Leg, ...], str]:
+    """Return the legs of a robot from front to back, and its forward axis.
 
     Args:
         robot: its description.
@@ -81,9 +72,9 @@ def find_legs(
         )
         for name, end in zip(names, feet, strict=True)
     ]
-    order = {"front": 0, "middle": 1, "back": 2}
-    legs.sort(key=lambda leg: (order.get((leg.position or ("",))[0], 3), leg.name))
-    return Legs(tuple(legs), axis)
+    order = ("front", "middle", "back", "")
+    legs.sort(key=lambda leg: (order.index((leg.position or ("",))[0]), leg.name))
+    return tuple(legs), axis
 
 
 @dataclass(frozen=True, slots=True)

@@ -51,25 +51,6 @@ def with_gap() -> Odometry:
     return odometry.pick(kept)
 
 
-def test_a_circle_has_its_length_speed_and_turn_whatever_the_twist_says() -> None:
-    odometry = circle()
-    odometry.linear_velocity[:] = 99.0
-    result = motion(odometry)
-    expected = {
-        "duration_s": 4.0,
-        "path_length_m": 2.0,
-        "net_displacement_m": 4.0 * np.sin(0.5),
-        "forward_speed_mps": 0.5,
-        "yaw_change_rad": 1.0,
-        "yaw_rate_radps": 0.25,
-        "froude": 0.25 / (9.81 * 0.3),
-    }
-    found = {name: getattr(result, name) for name in expected}
-    assert found == pytest.approx(expected, rel=1e-4)
-    assert (result.lateral_speed_mps, result.climb_m) == pytest.approx((0.0, 0.0), abs=1e-9)
-    assert motion(circle(seconds=60.0)).yaw_change_rad == pytest.approx(15.0)
-
-
 def test_a_part_of_the_log_has_its_own_figures() -> None:
     odometry = circle()
     odometry.position[:, 2] += 0.1 * (odometry.stamp - START) / 1e9
@@ -78,33 +59,6 @@ def test_a_part_of_the_log_has_its_own_figures() -> None:
     assert part.duration_s == pytest.approx(1.0, abs=0.011)
     assert part.path_length_m == pytest.approx(0.5, abs=0.006)
     assert part.climb_m == pytest.approx(0.1, abs=0.0011)
-
-
-@pytest.mark.parametrize(
-    ("axis", "forward", "left", "roll", "pitch"),
-    [
-        ("+x", 0.5, 0.0, 0.2, 0.0),
-        ("-x", -0.5, 0.0, -0.2, 0.0),
-        ("+y", 0.0, -0.5, 0.0, -0.2),
-        ("-y", 0.0, 0.5, 0.0, 0.2),
-    ],
-)
-def test_speeds_and_angles_are_about_the_robots_own_axes(
-    axis: str, forward: float, left: float, roll: float, pitch: float
-) -> None:
-    """A body that drives along its x axis, and is turned about it by 0.2 rad: +y is higher."""
-    odometry = circle()
-    half_roll, half_yaw = 0.1, np.arctan2(odometry.orientation[:, 2], odometry.orientation[:, 3])
-    cos, sin = np.cos(half_yaw), np.sin(half_yaw)
-    parts = np.array([np.sin(half_roll)] * 2 + [np.cos(half_roll)] * 2)
-    odometry.orientation[:] = np.stack([cos, sin, sin, cos], axis=1) * parts
-    result = motion(odometry, axis)
-    speeds = result.forward_speed_mps, result.lateral_speed_mps
-    assert speeds == pytest.approx((forward, left), abs=1e-5)
-    assert result.roll_rad is not None
-    assert result.pitch_rad is not None
-    angles = result.roll_rad.mean, result.pitch_rad.mean
-    assert angles == pytest.approx((roll, pitch), abs=1e-9)
 
 
 def test_a_gap_counts_neither_as_path_nor_as_time_nor_as_a_stride() -> None:

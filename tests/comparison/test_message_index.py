@@ -1,4 +1,4 @@
-"""Logs are compared window by window of time: each message once, in little memory."""
+"""Messages are found again wherever they stand, and their payloads take little memory."""
 
 import random
 import struct
@@ -43,16 +43,11 @@ def test_messages_of_one_time_stay_together(pair: Pair) -> None:
     assert counts(tally(pair.compare(), "/a")) == (300, 300, 0, 0, 300, 0, 0)
 
 
-@pytest.mark.parametrize("step_ns", [1, 1_000_000])
 @pytest.mark.parametrize("order", [list, shuffled, backwards])
 @pytest.mark.parametrize("indexed", [True, False])
-def test_memory_does_not_grow_with_the_file(
-    pair: Pair, order: Order, step_ns: int, *, indexed: bool
-) -> None:
+def test_memory_does_not_grow_with_the_file(pair: Pair, order: Order, *, indexed: bool) -> None:
     payloads = [struct.pack("<Q", i) * 12_500 for i in range(400)]
     whole = one_topic(RAW, *payloads)
-    times = [START + i * step_ns for i in range(400)]
-    whole = replace(whole, messages=[Message("/a", *each) for each in zip(times, payloads)])  # noqa: B905
     replace(whole, messages=order(whole.messages)).write(
         pair.expected, Packing(chunk_size=300_000, summary=indexed)
     )
