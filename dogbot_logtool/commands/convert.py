@@ -2,11 +2,7 @@
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_planned
 from dogbot_logtool.conversion.annotate import draw
-from dogbot_logtool.conversion.annotated_log import (
-    AnnotatedLog,
-    added_channels,
-    provenance_record,
-)
+from dogbot_logtool.conversion.annotated_log import AnnotatedLog, provenance_record
 from dogbot_logtool.conversion.copying import make_copier
 from dogbot_logtool.conversion.findings import bad_poses, count_findings
 from dogbot_logtool.conversion.plan import ConversionPlan, make_plan
@@ -73,12 +69,11 @@ def convert(
             selection, model = measured.selection, measured.model
             plan = make_plan(log, selection, model, walk, options, copier.left_out)
             scene = draw(plan, walk, output.arrows)
-            added = added_channels(log, plan)
-            counts = output.annotate(scene, added, _half(progress, 1), start)
+            output.annotate(scene, _half(progress, 1), start)
             losses = _finish(log, output, measured, plan)
     finally:
         log.close()
-    topics, moved = added.topics(), added.moved
+    topics, moved = output.added.topics(), output.added.moved
     findings = [
         *measured.known,
         *frames_known(walk),
@@ -87,7 +82,7 @@ def convert(
         *plan.findings,
         *scene.findings,
         *(found("TOPIC_MOVED", where=name, topic=old, name=name) for old, name in moved.items()),
-        *count_findings(walk.recording, counts, plan.style),
+        *count_findings(walk.recording, output.counts, plan.style),
     ]
     return Conversion(
         source=log.source.path,
@@ -102,7 +97,7 @@ def convert(
         messages=sum(measured.read.counts.values()),
         copied=sum(n for channel, n in output.messages.items() if channel not in topics),
         annotations={topic: output.messages.get(each, 0) for each, topic in topics.items()},
-        counts=counts,
+        counts=output.counts,
         bad_poses=bad_poses(walk.recording),
         findings=tuple(sorted(dict.fromkeys(findings), key=by_severity)),
         damage=damage_of(log, losses),

@@ -98,7 +98,7 @@ def conversion_tasks(
 def _is_free(target: Location) -> bool:
     if isinstance(target, Path):
         return not os.path.lexists(target)
-    return not storage.asked(target, lambda: target.fs.exists(target.path))
+    return not storage.exists(target)
 
 
 @dataclass(frozen=True, slots=True)

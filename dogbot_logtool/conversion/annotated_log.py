@@ -66,14 +66,16 @@ class AnnotatedLog:
         self._writer = McapWriter(file, profile)
         self.arrows: list[Arrows] = []
         """Those that were made of recorded messages."""
-        self._counts = Counter[str]()
-        if options.copy:
-            copied = {n: c for n, c in log.channels.items() if n not in left_out}
-            schemas = {c.schema.id: c.schema for c in copied.values() if c.schema is not None}
-            self._describe(
-                (schema_record(schema) for _, schema in sorted(schemas.items())),
-                (channel_record(channel) for _, channel in sorted(copied.items())),
-            )
+        self.counts = Counter[str]()
+        """Arrows and other annotations that lack something, by what."""
+        self.added = AddedChannels()
+        copied = log.channels if options.copy else {}
+        self._copied = {number: c for number, c in copied.items() if number not in left_out}
+        schemas = {c.schema.id: c.schema for c in self._copied.values() if c.schema is not None}
+        self._describe(
+            (schema_record(schema) for _, schema in sorted(schemas.items())),
+            (channel_record(channel) for _, channel in sorted(self._copied.items())),
+        )
 
     @property
     def messages(self) -> dict[int, int]:
@@ -89,26 +91,22 @@ class AnnotatedLog:
             else:
                 self._writer.add_chunk(chunk)
         self.arrows += span.arrows
-        self._counts += span.counts
+        self.counts += span.counts
 
     def annotate(
-        self,
-        scene: Scene,
-        added: AddedChannels,
-        progress: OnProgress | None = None,
-        start: Start | None = None,
-    ) -> Counter[str]:
-        """Write everything that is drawn of the walk; return how many annotations lack something.
+        self, scene: Scene, progress: OnProgress | None = None, start: Start | None = None
+    ) -> None:
+        """Write everything that is drawn of the walk.
 
         Args:
             scene: what is drawn.
-            added: takes the channels.
             progress: called with the share done and all, as bytes of the log.
             start: how processes start; None: as the system and the log allow.
         """
         plan, total = scene.plan, sum(chunk.data_size for chunk in self._log.chunks)
-        annotations = Annotations(plan.encoding.load(), plan.wanted, added)
-        self._describe(added.schemas, added.channels)
+        self.added = self._channels_for(plan)
+        annotations = Annotations(plan.encoding.load(), plan.wanted, self.added)
+        self._describe(self.added.schemas, self.added.channels)
         if plan.description.urdf is not None and plan.opening is not None:
             message = annotations.robot_description(plan.description.urdf, plan.opening)
             self._writer.add_chunk(finish_chunk(message, plan.options.compression or "zstd"))
@@ -118,10 +116,19 @@ class AnnotatedLog:
             for number, (chunks, counts) in enumerate(results, 1):
                 for chunk in chunks:
                     self._writer.add_chunk(chunk)
-                self._counts += counts
+                self.counts += counts
                 if progress is not None:
                     progress(total * number // len(spans), total)
-        return self._counts
+
+    def _channels_for(self, plan: ConversionPlan) -> AddedChannels:
+        """Return what declares the channels of annotations, beside those that are copied."""
+        taken = {c.topic: (c.type_name, c.message_encoding) for c in self._copied.values()}
+        # Chunks that are copied as they are may describe channels that are left out.
+        described = self._log.channels.values() if plan.options.copy else ()
+        schema_ids = {channel.schema.id for channel in described if channel.schema}
+        estimated = plan.selection.contact_from
+        notes = {"contact_from": estimated} if estimated else {}
+        return AddedChannels(schema_ids, {channel.id for channel in described}, taken, notes)
 
     def copy_extras(self) -> Iterator[Loss]:
         """Copy attachments and metadata records; yield those that cannot be read."""
@@ -192,22 +199,6 @@ def event_records(annotations: Annotations, scene: Scene) -> Iterator[MessageRec
         odd = [row for row, each in enumerate(events) if not each.is_step]
         spans = (made(described.span(events[row])) for row in odd)
         yield of_payloads(channels[SPANS_TOPIC], spans, log_time[odd])
-
-
-def added_channels(log: Log, plan: ConversionPlan) -> AddedChannels:
-    """Return what declares the channels of annotations, beside those that are copied."""
-    copied = [*log.channels.values()] if plan.options.copy else []
-    taken = {
-        channel.topic: (channel.type_name, channel.message_encoding)
-        for channel in copied
-        if channel.id not in plan.left_out
-    }
-    # Chunks that are copied as they are may describe channels that are left out.
-    schema_ids = {channel.schema.id for channel in copied if channel.schema}
-    channel_ids = {channel.id for channel in copied}
-    estimated = plan.selection.contact_from
-    notes = {"contact_from": estimated} if estimated else {}
-    return AddedChannels(schema_ids, channel_ids, taken, notes)
 
 
 def provenance_record(

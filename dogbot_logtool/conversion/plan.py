@@ -55,8 +55,6 @@ class ConversionPlan:
     """ns, log time of the output's first message; None: the log is empty."""
     end: int
     """ns, of its last."""
-    left_out: frozenset[int]
-    """Ids of the channels that are not copied."""
     findings: tuple[Finding, ...]
 
 
@@ -127,7 +125,6 @@ def make_plan(
         description=description,
         opening=log.start_time if start is None else start,
         end=last if end is None else min(end, last),
-        left_out=left_out,
         findings=(
             *([unsupported] if unsupported else []),
             *arrow_findings(selection, style, placed, settings, colour_n),

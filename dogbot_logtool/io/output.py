@@ -70,7 +70,7 @@ def _is_file(target: Path, source: Location) -> bool:
 def _refuse_object(target: "UPath", inputs: Sequence[Location], *, overwrite: bool) -> None:
     if target in inputs:
         raise _is_input(target)
-    if not overwrite and storage.asked(target, lambda: target.fs.exists(target.path)):
+    if not overwrite and storage.exists(target):
         raise _exists_already(target)
 
 

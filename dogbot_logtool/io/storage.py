@@ -171,6 +171,15 @@ def facts(path: "UPath") -> Facts:
     return Facts(info.get("type") == "directory", None if size is None else int(size), tag)
 
 
+def exists(path: "UPath") -> bool:
+    """Tell whether a store has an object.
+
+    Raises:
+        StoreError: the store fails.
+    """
+    return bool(asked(path, lambda: path.fs.exists(path.path)))
+
+
 def is_folder(path: Location) -> bool:
     """Tell whether it is a directory, or the common beginning of objects' names.
 
@@ -268,12 +277,11 @@ def version(path: Location) -> tuple[int, str]:
     """
     if isinstance(path, Path):
         status = path.stat()
-        size, tag, folder = status.st_size, str(status.st_mtime_ns), path.is_dir()
+        found = Facts(stat.S_ISDIR(status.st_mode), status.st_size, str(status.st_mtime_ns))
     else:
         found = facts(path)
-        size, tag, folder = found.size or 0, found.version, found.is_folder
-    if not folder:
-        return size, tag
+    if not found.is_folder:
+        return found.size or 0, found.version
     parts = [version(file) for file in files_in(path)]
     return sum(part[0] for part in parts), " ".join(part[1] for part in parts)
 

@@ -267,7 +267,7 @@ def is_gone(name: str, log_hash: str) -> bool:
         if isinstance(location, Path):
             os.lstat(location)
             return False
-        return not storage.asked(location, lambda: location.fs.exists(location.path))
+        return not storage.exists(location)
     except (FileNotFoundError, NotADirectoryError):
         return True
     except (LogtoolError, OSError, ValueError):

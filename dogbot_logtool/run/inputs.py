@@ -289,6 +289,8 @@ def _matches(pattern: str) -> list[Path]:
     """
     pure = PurePath(pattern)
     parts = [_ANY.sub("*", part) for part in pure.relative_to(pure.anchor).parts]
+    if parts[-1] == "**":
+        parts.append("*")  # which Python 3.13 takes it for, earlier ones do not
     found = set(Path(pure.anchor).glob("/".join(parts)))
     if not any(map(_is_hidden, parts)):
         found = {path for path in found if not any(map(_is_hidden, path.parts))}
@@ -310,7 +312,7 @@ def _in_store(path: "UPath") -> Iterator[Found]:
     names: list[str] = []
     if _WILD.search(path.path) and path.protocol not in {"http", "https"}:
         names = sorted(storage.asked(path, lambda: list(path.fs.glob(path.path))))
-        if not names and not storage.asked(path, lambda: path.fs.exists(path.path)):
+        if not names and not storage.exists(path):
             raise CallError(f"{storage.shown(path)}: no object has such a name")
     for one in [_like(path, name) for name in names] or [path]:
         if _ends_like_a_log(one.name) or not storage.is_folder(one):

@@ -5,7 +5,7 @@ is serialised twice with numbers that occur nowhere else in it. The copies are a
 array of MCAP message records, and the numbers are written into its columns.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
@@ -109,13 +109,14 @@ def learn(
         literal: the message; one slot may stand in several places.
         kinds_of: how the encoding writes values.
     """
-    kinds = {slot.name: kinds_of[slot.of] for slot in _slots(literal)}
-    numbers = {name: number for number, name in enumerate(kinds)}
+    kinds: dict[str, str] = {}
+    numbers: dict[str, int] = {}
 
     def filled(*, other: bool) -> bytes:
         def value_of(slot: Slot) -> Number:
-            kind = kinds[slot.name]
-            value, _ = _mark(kind, numbers[slot.name], other)
+            kind = kinds.setdefault(slot.name, kinds_of[slot.of])
+            number = numbers.setdefault(slot.name, len(numbers))
+            value, _ = _mark(kind, number, other)
             return f"{slot.before}{value}" if kind == TEXT else value
 
         return serialise(_filled(literal, value_of))
@@ -123,8 +124,8 @@ def learn(
     message, changed = filled(other=False), filled(other=True)
     expected = bytearray(message)
     places: list[tuple[str, int]] = []
-    for number, (name, kind) in enumerate(kinds.items()):
-        first, second = (_mark(kind, number, other)[1] for other in (False, True))
+    for name, kind in kinds.items():
+        first, second = (_mark(kind, numbers[name], other)[1] for other in (False, True))
         found = _found(message, first, changed, second)
         if not found:
             raise AssertionError(f"{name} is not written in a fixed width")
@@ -134,15 +135,6 @@ def learn(
     if expected != changed:
         raise AssertionError(f"more changes than {', '.join(kinds)}")
     return _of_places(message, [(name, kinds[name], offset) for name, offset in places])
-
-
-def _slots(value: object) -> Iterator[Slot]:
-    """Yield the slots of a literal, in order."""
-    if isinstance(value, Slot):
-        yield value
-    elif isinstance(value, Mapping | list):
-        for each in value.values() if isinstance(value, Mapping) else value:
-            yield from _slots(each)
 
 
 def _filled(value: Any, value_of: Callable[[Slot], Number]) -> Any:  # noqa: ANN401 - of a literal

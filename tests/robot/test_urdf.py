@@ -5,9 +5,10 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
+from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.robot_model.legs_of_urdf import find_legs
 from dogbot_logtool.robot.robot_model.primitives import primitive_urdf
-from dogbot_logtool.robot.robot_model.skeleton import Skeleton
+from dogbot_logtool.robot.robot_model.skeleton import RobotShape, Skeleton
 from dogbot_logtool.robot.robot_model.urdf import read_robot
 
 Joint = tuple[str, str, str, str, str]
@@ -222,7 +223,8 @@ def test_circles_and_second_parents_are_left_out() -> None:
     ("axis", "x", "y"), [("+x", 1, 0), ("-x", -1, 0), ("+y", 0, 1), ("-y", 0, -1)]
 )
 def test_the_nose_is_at_the_front(axis: str, x: int, y: int) -> None:
-    text = primitive_urdf("robot & <co>", Skeleton("base", {}, ()), axis, 12.0)
+    shape = RobotShape(axis, {}, 0.5, 0.5)
+    text = primitive_urdf(Robot("r & <co>", mass_kg=12.0), Skeleton("base", {}, ()), shape)
     robot = ET.fromstring(text)  # noqa: S314
     body, nose = robot.findall("link/visual")
     place = [float(number) for number in nose.find("origin").get("xyz").split()]  # type: ignore[union-attr]

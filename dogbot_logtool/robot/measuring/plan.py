@@ -22,6 +22,7 @@ from dogbot_logtool.robot.base import BASES
 from dogbot_logtool.robot.feet import planned_feet
 from dogbot_logtool.robot.measuring.foot_samples import decide_contacts, with_joined_sensors
 from dogbot_logtool.robot.measuring.side_topics import joint_channels, side_topics
+from dogbot_logtool.robot.score import call_of, candidates_finding
 from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.robot.topics import nothing_to_do
@@ -194,12 +195,19 @@ def prepare(
     recording, selection, whole = with_joined_sensors(recording, selection)
     model = None
     if recording.joints:
-        from dogbot_logtool.robot.measuring.by_legs import told_by_legs  # noqa: PLC0415
+        from dogbot_logtool.robot.measuring.by_legs import (  # noqa: PLC0415
+            named_by_legs,
+            told_by_legs,
+        )
         from dogbot_logtool.robot.robot_model.description import read_model  # noqa: PLC0415
 
         found = read_model(log, options.urdf)
         model = found.robot
         recording, selection = told_by_legs(recording, selection, found)
+        if named := named_by_legs(log, options, selection, recording.feet):
+            others = (each for each in selection.findings if each.code != "FEET_UNSURE")
+            told = candidates_finding(log, [named], call_of(log, options, ""), "")
+            selection = replace(selection, findings=(*others, told))
     # Up to the ends of a log that is read whole, silence is known.
     wanted = plan.wanted
     start, end = wanted.limits

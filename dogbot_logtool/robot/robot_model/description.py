@@ -204,14 +204,7 @@ def robot_description(
     if own:
         told = [found("ROBOT_DESCRIPTION", say="own", topics=", ".join(own)), *told]
     elif given is None:
-        given = primitive_urdf(
-            selection.robot.name,
-            bones,
-            shape.forward_axis,
-            selection.robot.mass_kg,
-            list(shape.hips.values()),
-            upright=len(feet) == 2,
-        )
+        given = primitive_urdf(selection.robot, bones, shape)
     return RobotDescription(None if own else given, tuple(told), hips, motion, shape.height_m)
 
 

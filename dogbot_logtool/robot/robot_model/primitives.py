@@ -15,7 +15,8 @@ import numpy as np
 from dogbot_logtool.core.rotations import roll_pitch_yaw
 from dogbot_logtool.core.scene.foot_style import colour_parts
 from dogbot_logtool.core.world_frames import Point
-from dogbot_logtool.robot.robot_model.skeleton import Skeleton, body_size_m
+from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.robot.robot_model.skeleton import RobotShape, Skeleton, body_size_m
 
 _AXES: Final = {"+x": (1, 0), "-x": (-1, 0), "+y": (0, 1), "-y": (0, -1)}
 _FEWEST_HIPS: Final = 3
@@ -29,26 +30,15 @@ _LIMB: Final = "#5c6470"
 _NOSE: Final = "#2f3640"
 
 
-def primitive_urdf(
-    name: str,
-    frames: Skeleton,
-    forward_axis: str,
-    mass_kg: float | None = None,
-    hips: Sequence[Point] = (),
-    *,
-    upright: bool = False,
-) -> str:
+def primitive_urdf(described: Robot, frames: Skeleton, shape: RobotShape) -> str:
     """Return the URDF of a body, limbs between joints, feet in their colours, and a nose.
 
     Args:
-        name: of the robot.
+        described: its name, and its mass, which gives the body's size where the legs do not.
         frames: below its base.
-        forward_axis: the body axis that points forward, ``+x`` ...
-        mass_kg: gives the body's size where the legs do not; None: not known.
-        hips: m, base frame: where legs without frames are assumed to begin.
-        upright: whether a body of the mass's size stands on the base's origin, as a biped's.
+        shape: which axis points forward, and where legs without frames are assumed to begin.
     """
-    robot = ET.Element("robot", name=name)
+    robot = ET.Element("robot", name=described.name)
     colours = {"body": _BODY, "limb": _LIMB, "nose": _NOSE}
     colours |= {f"foot {foot.name}": foot.colour for foot in frames.feet}
     for material, colour in colours.items():
@@ -57,9 +47,9 @@ def primitive_urdf(
     links = {
         frame: ET.SubElement(robot, "link", name=frame) for frame in (frames.base, *frames.frames)
     }
-    centre, size = _body(frames, forward_axis, mass_kg, hips, upright=upright)
+    centre, size = _body(described, frames, shape)
     _add_visual(links[frames.base], "body", centre, "box", size=_text(size))
-    _add_nose(links[frames.base], centre, size, forward_axis)
+    _add_nose(links[frames.base], centre, size, shape.forward_axis)
     radius = _limb_radius(frames)
     for frame, pose in frames.limbs:
         _add_limb(links[pose.parent], pose.translation, radius)
@@ -79,22 +69,19 @@ def primitive_urdf(
     return ET.tostring(robot, encoding="unicode") + "\n"
 
 
-def _body(
-    frames: Skeleton,
-    forward_axis: str,
-    mass_kg: float | None,
-    assumed: Sequence[Point],
-    *,
-    upright: bool,
-) -> tuple[Point, Point]:
-    """Return centre and size, m, of the box between the hips; of the mass's size without hips."""
+def _body(robot: Robot, frames: Skeleton, shape: RobotShape) -> tuple[Point, Point]:
+    """Return centre and size, m, of the box between the hips; of the mass's size without hips.
+
+    The latter stands on the base's origin where the robot is a biped.
+    """
     hips = [frames.frames[leg[-1]].translation for leg in frames.legs]
-    if not hips and len(assumed) >= _FEWEST_HIPS:
-        hips = list(assumed)
+    if not hips and len(shape.hips) >= _FEWEST_HIPS:
+        hips = list(shape.hips.values())
     if not hips:
-        length, width, height = body_size_m(mass_kg)
+        length, width, height = body_size_m(robot.mass_kg)
+        upright = len(robot.feet) == 2
         length, height = (height, length) if upright else (length, height)
-        along_x = _AXES[forward_axis][0] != 0
+        along_x = _AXES[shape.forward_axis][0] != 0
         centre = (0.0, 0.0, 0.5 * height if upright else 0.0)
         return centre, (*((length, width) if along_x else (width, length)), height)
     low, high = np.min(hips, axis=0), np.max(hips, axis=0)
