@@ -24,6 +24,7 @@ from dogbot_logtool.reader.containers.descriptions import Descriptions
 from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, lost_messages
 from dogbot_logtool.reader.containers.mcap.format import (
     FIRST_PRIVATE_OPCODE,
+    LARGEST_OPCODE,
     MESSAGE_CONTENT_SIZE,
     McapFormat,
     is_chunk,
@@ -73,6 +74,9 @@ class McapScan(Scan):
         self._mcap_format = McapFormat(self._may_be_channel)
         self._outside_channels: set[int] = set()
         super().__init__(source, self._mcap_format, Descriptions(described))
+        self._passed_from = FIRST_PRIVATE_OPCODE
+        """Opcode from which on records are passed over; with an index, those of later versions,
+        too."""
         self._named: list[Chunk] = []
         """The chunks that the summary names."""
         self._statistics: records.Statistics | None = None
@@ -82,6 +86,7 @@ class McapScan(Scan):
 
     def indexed(self) -> tuple[Contents | None, Loss | None]:
         """See `Scan.indexed`."""
+        self._passed_from = LARGEST_OPCODE + 1
         footer = read_footer(self.source)
         if isinstance(footer, Loss):
             return None, footer
@@ -126,7 +131,8 @@ class McapScan(Scan):
         self._outside = []
         named = {chunk.offset: chunk for chunk in self._named}
         return (
-            (bool(footer.summary_crc) or self._are_there(self._named))
+            len(named) == len(self._named)
+            and (bool(footer.summary_crc) or self._are_there(self._named))
             and self._holds(len(MCAP_MAGIC), footer.summary_start, named)
             and len(self._extras) == statistics.attachment_count + statistics.metadata_count
             and not self._take_outside()
@@ -164,7 +170,7 @@ class McapScan(Scan):
         opcode, length = RECORD_HEAD.unpack_from(head)
         content = offset + RECORD_HEAD.size
         end: int = content + length
-        is_private = opcode >= FIRST_PRIVATE_OPCODE and end <= size
+        is_private = opcode >= self._passed_from and end <= size
         # One bit makes a private record of a chunk, but not the other way round.
         if opcode == Opcode.CHUNK or (is_private and is_chunk(head[RECORD_HEAD.size :], length)):
             return self._chunk_record(offset)
