@@ -3,7 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from dogbot_logtool.core.analysis import NO_LOG, analyse, judge
+from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contact_rule import FootSensor, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
@@ -13,6 +16,30 @@ from dogbot_logtool.core.metrics import Foot, WalkMetrics
 from dogbot_logtool.core.recording import Recording, Times, VectorTopic
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.walk import Walk
+
+
+def foot_samples(
+    foot: int,
+    stamp: Ints,
+    log_time: Ints,
+    touching: Flags,
+    force: Floats,
+    point: Floats,
+    normal: Floats | tuple[float, float, float] = (0.0, 0.0, 1.0),
+) -> Samples:
+    """Return a foot's messages as the reader makes them; points are NaN where there are none."""
+    known = touching & np.isfinite(point).all(axis=1)
+    return Samples(
+        foot=np.full(len(stamp), foot, np.int64),
+        log_time=log_time,
+        stamp=stamp,
+        in_contact=touching,
+        force=np.where(touching[:, None], force, 0.0),
+        in_world=np.zeros(len(stamp), np.bool_),
+        points=known.astype(np.int64),
+        position=np.where(known[:, None], point, np.nan),
+        normal=np.where(known[:, None], normal, np.nan),
+    )
 
 
 def with_learnt_sensors(settings: WalkSettings, samples: Sequence[Samples]) -> WalkSettings:

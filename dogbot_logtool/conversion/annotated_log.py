@@ -19,6 +19,7 @@ from dogbot_logtool import __version__
 from dogbot_logtool.conversion.annotate import Scene, annotations_between
 from dogbot_logtool.conversion.copying import CopiedSpan, as_it_stands
 from dogbot_logtool.conversion.plan import ConversionPlan
+from dogbot_logtool.core.events.event import Level
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import file_name
@@ -196,7 +197,7 @@ def event_records(annotations: Annotations, scene: Scene) -> Iterator[MessageRec
     yield of_payloads(channels[EVENTS_TOPIC], logged, log_time)
     if SPANS_TOPIC in channels:
         # A viewer's timeline shows what calls for a look; steps are in the log panel.
-        odd = [row for row, each in enumerate(events) if not each.is_step]
+        odd = [row for row, each in enumerate(events) if each.level is not Level.DEBUG]
         spans = (made(described.span(events[row])) for row in odd)
         yield of_payloads(channels[SPANS_TOPIC], spans, log_time[odd])
 

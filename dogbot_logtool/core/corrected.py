@@ -31,7 +31,6 @@ from dogbot_logtool.core.known_frames import (
     KnownFrames,
     imu_mounting,
     known_frames,
-    world_frames,
 )
 from dogbot_logtool.core.quality import (
     TopicQuality,
@@ -228,7 +227,9 @@ def _corrected_samples(
         # Joints have told these places, and the poses have placed them in the world.
         poses = base_history(recording.base, clock)
         places = [path_in_base(clock.of(own), own.position, poses) for own in feet]
-    turning = world_frames(frames, settings)
+    # No slip or support is measured with the origin of a foot's frame: it is no contact point.
+    links = frames.links if settings.wrench_frame is WrenchFrame.LINK else [None] * len(feet)
+    turning = frames.follow(links, frames.in_base(settings))
     if turning is not None:
         samples, counts = turning.place(feet)
         return samples, tuple(places), (turning, counts)

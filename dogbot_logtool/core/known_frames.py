@@ -155,17 +155,6 @@ def known_frames(recording: Recording, settings: WalkSettings) -> KnownFrames:
     return replace(frames, soles=soles, stances=stances, wrench_frame=wrench_frame)
 
 
-def world_frames(frames: KnownFrames, settings: WalkSettings) -> WorldFrames | None:
-    """Return the frames that turn feet's forces and positions into the world, where needed.
-
-    Positions of sensors are left out: the origin of a foot's frame is no contact point, so neither
-    slip nor the support polygon may be measured with it.
-    """
-    turns = settings.wrench_frame is WrenchFrame.LINK
-    links = frames.links if turns else (None,) * len(frames.links)
-    return frames.follow(links, frames.in_base(settings))
-
-
 def imu_mounting(
     recording: Recording, frames: KnownFrames
 ) -> tuple[float, float, float, float] | None:

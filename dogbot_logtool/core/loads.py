@@ -43,11 +43,9 @@ STUCK_SAMPLES: Final = 40
 class WalkLoads:
     """Loads of all feet over one and the same time."""
 
-    known_s: float
-    """s, the time that loads are over: whole strides in which all feet are known, or all time known
-    to all feet where there are no such strides."""
     over_strides: bool
-    """Whether that time is whole strides."""
+    """Whether that time is whole strides in which all feet are known; else it is all time known to
+    all feet."""
     complete: bool
     """Whether every foot is seen to touch: else load may be missing from the sum."""
     mean_vertical_n: float | None
@@ -237,7 +235,6 @@ def loads_of(
     in_part = not over_strides and any(len(foot.stances.touchdown) > 1 for foot in feet)
     shares = abs(sum(shared)) >= NEAR_ZERO and has_forces
     return WalkLoads(
-        known_s=seconds,
         over_strides=over_strides,
         complete=len(loaded) == len(feet) and not lacks_feet,
         mean_vertical_n=sum(upward) / seconds if vertical and seconds else None,

@@ -25,7 +25,6 @@ from dogbot_logtool.core.corrections.clock import too_far_apart
 from dogbot_logtool.core.gait.feet import foot_steps
 from dogbot_logtool.core.gait.strides import any_strides, typical_period_s
 from dogbot_logtool.core.gait.support import (
-    Standing,
     Support,
     standing_in,
     support,
@@ -37,7 +36,6 @@ from dogbot_logtool.core.loads import (
     loads_of,
 )
 from dogbot_logtool.core.metrics import Base, Stability
-from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.stability import stability
 from dogbot_logtool.core.walk import Walk
 
@@ -112,9 +110,11 @@ def mask_walk(corrected: Corrected) -> Walk:
     dead = tuple(dead_feet(records, weighed))
     period_s = typical_period_s([each.stances for each in records])
     apart = too_far_apart(corrected.clocks, period_s)
-    unsupported = any(dead) or settings.lacks_feet or _feet_apart(settings, apart)
+    unsupported = any(dead) or settings.lacks_feet or any(f.topic in apart for f in settings.feet)
     supported = None if unsupported else support(records)
-    standing = _standing(records, supported, base, fallen)
+    # Sensors that never report a contact say nothing of where the feet are.
+    touching = any(len(each.in_contact) for each in records)
+    standing = standing_in(supported if touching else None, period_s, base, fallen)
     strides = any_strides(records, fallen, standing.without_steps)
     delay = None if apart or settings.lacks_feet else _long_delay(records, base, period_s, strides)
     apart = apart | {settings.odometry_topic} if delay else apart
@@ -183,27 +183,6 @@ def _without_stuck(feet: Sequence[FootHistory]) -> tuple[FootHistory, ...]:
         if is_stuck(foot, [each for each in feet if each is not foot])
         else foot
         for foot in feet
-    )
-
-
-def _feet_apart(settings: WalkSettings, apart: frozenset[str]) -> bool:
-    return any(foot.topic in apart for foot in settings.feet)
-
-
-def _standing(
-    records: Sequence[FootHistory],
-    supported: Support | None,
-    base: BaseHistory,
-    fallen: Ints,
-) -> Standing:
-    """Find the time in which the robot stands, or moves without steps."""
-    # Sensors that never report a contact say nothing of where the feet are.
-    touching = any(len(each.in_contact) for each in records)
-    return standing_in(
-        supported if touching else None,
-        typical_period_s([each.stances for each in records]),
-        base,
-        fallen,
     )
 
 

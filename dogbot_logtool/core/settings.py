@@ -28,8 +28,6 @@ class FootSettings:
     leg_position: LegPosition | None = None
     has_force: bool = True
     """Whether its sensor tells a force, not only whether the foot touches."""
-    forces_are_zero: bool = False
-    """Whether it tells forces that are zero in contact: then these are none."""
     has_flags: bool = False
     """Whether contact flags of its messages decide contact, whatever the force."""
     lists_contacts: bool = False

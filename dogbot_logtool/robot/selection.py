@@ -15,7 +15,7 @@ from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base
 from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES, is_static
-from dogbot_logtool.reader.messages.source import Source, source_of
+from dogbot_logtool.reader.messages.source import Source
 from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.robot.base import choose_base
 from dogbot_logtool.robot.feet import assign_feet, channels_of_feet, check_topics, find_feet
@@ -31,6 +31,7 @@ from dogbot_logtool.robot.score import FootCandidates, call_of, candidates_findi
 from dogbot_logtool.robot.topics import (
     contact_findings,
     has_field,
+    is_readable,
     own_definition_findings,
     readable_topics,
     sources_of,
@@ -128,8 +129,8 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
     robot = with_settings(robot, options.set)
     feet_of = channels_of_feet(log, robot)
     possible = find_candidates(log) if not (feet_of or unsure) else []
-    of_robot = {foot.topic for foot in (possible[0].feet if possible else robot.feet)}
-    of_robot = {*unsure[0].topics} if unsure else of_robot
+    offered = unsure[0].feet if unsure else possible[0].feet if possible else robot.feet
+    of_robot = {foot.topic for foot in offered}
     chosen = choose_base(log, robot, findings, of_robot, is_asked=options.odom_topic is not None)
     used = {channel.topic for channel in (*feet_of, *chosen.channels)}
     known = {split_topic(topic, log.channels_by_topic)[0] for topic in named.topics}
@@ -146,9 +147,7 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
     transforms = [
         channel
         for channel in sorted(log.channels.values(), key=lambda channel: channel.topic)
-        if channel.type_name in TRANSFORM_TYPES
-        and (source := source_of(channel, "base"))
-        and not source.fault
+        if channel.type_name in TRANSFORM_TYPES and is_readable(channel, "base")
     ]
     findings += contact_findings(feet_of, chosen.robot)
     findings += unreadable_findings(log, chosen.channels, [*feet_of])

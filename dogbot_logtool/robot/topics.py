@@ -47,6 +47,12 @@ def most_frequent(log: Log, topics: Iterable[str]) -> str:
     return max(topics, key=lambda topic: (message_count(log, topic), -len(topic), topic))
 
 
+def is_readable(channel: Channel, part: Part) -> bool:
+    """Tell whether a part of a channel's messages is told and can be decoded."""
+    source = source_of(channel, part)
+    return source is not None and not source.fault
+
+
 def sources_of(log: Log, topic: str, part: Part) -> list[Source]:
     """Return how a part of a topic's messages is read; faulty ones are left out."""
     sources = [source_of(channel, part) for channel in log.channels_by_topic.get(topic, ())]
@@ -177,10 +183,8 @@ def unreadable_findings(
 
 
 def _is_read(channel: Channel) -> bool:
-    if channel.message_encoding in SERIALISATIONS or channel.type_name in FOXGLOVE_TYPES:
-        return True
-    source = source_of(channel, "base")
-    return source is not None and not source.fault
+    is_known = channel.message_encoding in SERIALISATIONS or channel.type_name in FOXGLOVE_TYPES
+    return is_known or is_readable(channel, "base")
 
 
 def is_planned(channel: Channel) -> bool:

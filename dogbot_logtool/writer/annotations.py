@@ -18,7 +18,7 @@ from dogbot_logtool.writer import described, markers
 from dogbot_logtool.writer.channels import AddedChannels
 from dogbot_logtool.writer.described import LOAD_STATES, Described
 from dogbot_logtool.writer.encodings.encoding import Encoding
-from dogbot_logtool.writer.encodings.registry import ENCODINGS
+from dogbot_logtool.writer.encodings.registry import texts
 from dogbot_logtool.writer.markers import Look
 from dogbot_logtool.writer.message_records import MessageRecords, by_channel, of_payloads
 from dogbot_logtool.writer.template import Columns, Records, Template
@@ -93,14 +93,15 @@ class Annotations:
         }
         types = {topic: encoding.types.get(name) for topic, name in names.items()}
         if wanted.description:
-            describing = ENCODINGS[wanted.description].load()
+            describing = texts(is_ros1=wanted.description == "ros1")
             types[ROBOT_DESCRIPTION_TOPIC] = describing.types[described.STRING]
         self.channels = {topic: added.declare(topic, kind) for topic, kind in types.items() if kind}
         """Ids by topic, whatever the log calls it."""
 
     def robot_description(self, urdf: str, log_time: int) -> MessageRecords:
         """Return the message that describes the robot."""
-        made = ENCODINGS[self._wanted.description].load().message(described.text(urdf))
+        describing = texts(is_ros1=self._wanted.description == "ros1")
+        made = describing.message(described.text(urdf))
         channel = self.channels[ROBOT_DESCRIPTION_TOPIC]
         return of_payloads(channel, [made], np.array([log_time]))
 

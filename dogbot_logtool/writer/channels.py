@@ -1,6 +1,7 @@
 """The channels that we add to an output, and their schemas."""
 
 from collections.abc import Collection, Iterator, Mapping
+from itertools import chain
 from types import MappingProxyType
 from typing import Final
 
@@ -86,7 +87,7 @@ def _free_ids(used: Collection[int]) -> Iterator[int]:
         LogtoolError: all are in use.
     """
     highest = max(used, default=0)
-    for number in (*range(highest + 1, _MAX_ID + 1), *range(1, highest)):
+    for number in chain(range(highest + 1, _MAX_ID + 1), range(1, highest)):
         if number not in used:
             yield number
     raise LogtoolError("the log uses all 65535 ids that an MCAP file can have")

@@ -131,11 +131,17 @@ def in_time_order(parts: Sequence[Records]) -> MessageRecords:
         parts: copies of record templates, each (k,).
     """
     log_time, channel = (_joined(parts, field) for field in ("log_time", "channel"))
+    counts = [len(part) for part in parts]
     order = np.argsort(log_time, kind="stable")
-    pieces = [each for part in parts for each in part.view(f"V{part.dtype.itemsize}").tolist()]
-    data = np.frombuffer(b"".join([pieces[row] for row in order.tolist()]), np.uint8)
-    size = np.repeat([part.dtype.itemsize for part in parts], [len(part) for part in parts])
-    return MessageRecords(data, _bounds(size[order]), channel[order], log_time[order])
+    bounds = _bounds(np.repeat([part.dtype.itemsize for part in parts], counts)[order])
+    offset = np.empty_like(order)
+    offset[order] = bounds[:-1]
+    data = np.empty(int(bounds[-1]), np.uint8)
+    for part, own in zip(parts, np.split(offset, np.cumsum(counts)[:-1]), strict=True):
+        width = part.dtype.itemsize
+        windows = np.ndarray((len(data) - width + 1,), f"V{width}", data.data, 0, (1,))
+        windows[own] = part.view(f"V{width}")
+    return MessageRecords(data, bounds, channel[order], log_time[order])
 
 
 def _joined(parts: Sequence[Records], field: str) -> Ints:

@@ -17,6 +17,7 @@ SHORT = first_seconds(TROT)
 HEAVY = {"numpy", "rosbags", "rich", "mcap", "google.protobuf", "lz4", "zstandard"}
 SLOW = {"numpy.ma", "multiprocessing", "concurrent.futures", "asyncio", "jinja2"}
 WRITER = {"mcap", "dogbot_logtool.writer.template"}
+DISTRIBUTIONS = {f"rosbags.typesys.stores.{each}" for each in ("ros1_noetic", "ros2_humble")}
 
 
 @pytest.mark.parametrize(
@@ -26,8 +27,14 @@ WRITER = {"mcap", "dogbot_logtool.writer.template"}
         (["--version"], HEAVY | SLOW),
         (["stats", "--help"], HEAVY | SLOW),
         (["convert"], HEAVY | SLOW),
-        (["stats", str(SHORT), "--json", "--jobs", "1"], SLOW | WRITER | {"rich"}),
-        (["convert", str(SHORT), "-o", "out.mcap", "-q", "--jobs", "1"], SLOW | {"rich"}),
+        (
+            ["stats", str(SHORT), "--json", "--jobs", "1"],
+            SLOW | WRITER | DISTRIBUTIONS | {"rich", "tempfile"},
+        ),
+        (
+            ["convert", str(SHORT), "-o", "out.mcap", "-q", "--jobs", "1"],
+            SLOW | DISTRIBUTIONS | {"rich"},
+        ),
     ],
 )
 def test_a_call_loads_only_what_it_needs(

@@ -59,12 +59,12 @@ def test_a_gait_and_its_mirror_image_are_one_class(phases: tuple[float, ...]) ->
     front_left, front_right, back_left, back_right = phases
     one = classify(phases, SURE, 0.4)
     mirrored = classify((front_right, front_left, back_right, back_left), SURE, 0.4)
-    assert (one.name, one.sequence, one.nearest) == (
+    assert (one.name, one.sequence, one.nearest_name) == (
         mirrored.name,
         mirrored.sequence,
-        mirrored.nearest,
+        mirrored.nearest_name,
     )
-    assert one.distance == pytest.approx(mirrored.distance)
+    assert one.class_distance == pytest.approx(mirrored.class_distance)
 
 
 @pytest.mark.parametrize("phases", GAITS)
@@ -78,7 +78,7 @@ def test_an_amble_has_no_flight() -> None:
     single_foot = (0.0, 0.5, 0.75, 0.25)
     assert classify(single_foot, SURE, 0.4, 0.0).name == "amble"
     gait = classify(single_foot, SURE, 0.2, 0.2)
-    assert (gait.name, gait.nearest) == ("irregular", "amble")
+    assert (gait.name, gait.nearest_name) == ("irregular", "amble")
 
 
 def test_gaits_of_other_robots_have_no_name() -> None:
@@ -87,7 +87,7 @@ def test_gaits_of_other_robots_have_no_name() -> None:
 
 def test_loose_phases_are_irregular_but_the_nearest_class_is_named() -> None:
     gait = classify((0.0, 0.5, 0.5, 0.0), (1.0, 0.9, 0.79, 1.0))
-    assert (gait.name, gait.nearest, gait.distance) == ("irregular", "trot", 0.0)
+    assert (gait.name, gait.nearest_name, gait.class_distance) == ("irregular", "trot", 0.0)
 
 
 def test_a_missing_phase_leaves_the_class_open() -> None:

@@ -1,6 +1,6 @@
 """Logs whose feet are fields of messages of types that nobody knows."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, Final
@@ -71,101 +71,92 @@ def load_n(time_s: float, foot: int) -> float:
     return WEIGHT_N / down if is_down(time_s, foot) else 0.0
 
 
+Samples = Callable[[float], Iterable[tuple[str, str, Mapping[str, Any]]]]
+"""Topics, types and fields of the messages at a time, s."""
 _TOPIC: Final = "/crawler/strut_{}/tip_load"
+_READING: Final = "odd_msgs/msg/Reading"
 
 
-def six_feet(path: Path, kind: str = "odd_msgs/msg/Reading", topic: str = _TOPIC) -> Path:
-    """Write six feet on unusual topics, with temperatures of the same type beside them."""
-    walk = odd_walk()
-    walks.write_mcap(path, walk, list(_six_feet(walk, kind, topic)))
-    return path
-
-
-def four_cells_a_foot(path: Path) -> Path:
-    """Write two feet of a biped, each the sum of four pressure cells."""
-    walk, kind = odd_walk(), "odd_msgs/msg/Soles"
-    entries = []
+def _write(path: Path, samples: Samples) -> Path:
+    """Write what is sent at each time."""
+    walk, entries = odd_walk(), []
     for sample in range(round(DURATION_S * RATE_HZ)):
-        time_s = sample / RATE_HZ
-        loads = {side: load_n(time_s, foot) / 4.0 for foot, side in enumerate("lr")}
-        fields = {cell: loads[cell[0]] for cell in CELLS}
-        entries.append(_entry(walk, "/fsr", kind, START_NS + round(time_s * 1e9), fields))
+        time = START_NS + round(sample * 1e9 / RATE_HZ)
+        for topic, kind, fields in samples(sample / RATE_HZ):
+            data = walk.bytes_of(kind, walk.make(kind, **fields))
+            entries.append(walks.Entry(topic, kind, time, data))
     walks.write_mcap(path, walk, entries)
     return path
+
+
+def six_feet(
+    path: Path, kind: str = _READING, topic: str = _TOPIC, feet: Sequence[int] = range(6)
+) -> Path:
+    """Write six feet on unusual topics, with temperatures of the same type beside them."""
+
+    def samples(time_s: float) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
+        for foot in feet:
+            value: dict[str, float] = {"value": load_n(time_s, foot)}
+            if kind.endswith("Touch"):
+                value = {"is_down": is_down(time_s, foot)}
+            elif kind.endswith("Counts"):
+                value = {"value": round(load_n(time_s, foot))}
+            yield topic.format(foot + 1), kind, value
+            warm = {"value": 40.0 + foot + time_s * RATE_HZ * 1e-3}
+            yield f"/crawler/strut_{foot + 1}/motor_temp", _READING, warm
+
+    return _write(path, samples)
 
 
 def six_feet_in_two(folder: Path) -> tuple[Path, Path]:
     """Write the same recording as two files: three feet in each."""
-    walk = odd_walk()
-    entries = list(_six_feet(walk, "odd_msgs/msg/Reading"))
-    paths = folder / "front.mcap", folder / "back.mcap"
-    for path, struts in zip(paths, ("123", "456"), strict=True):
-        own = [entry for entry in entries if entry.topic.split("/")[2][-1] in struts]
-        walks.write_mcap(path, walk, own)
-    return paths
+    front = six_feet(folder / "front.mcap", feet=range(3))
+    return front, six_feet(folder / "back.mcap", feet=range(3, 6))
+
+
+def four_cells_a_foot(path: Path) -> Path:
+    """Write two feet of a biped, each the sum of four pressure cells."""
+
+    def samples(time_s: float) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
+        loads = {side: load_n(time_s, foot) / 4.0 for foot, side in enumerate("lr")}
+        yield "/fsr", "odd_msgs/msg/Soles", {cell: loads[cell[0]] for cell in CELLS}
+
+    return _write(path, samples)
 
 
 def labelled(path: Path, labels: Sequence[str], topic: str, *, kind: str = "Tips") -> None:
     """Write limbs that walk in turns, called by strings in the elements or beside the array."""
-    walk = odd_walk()
-    entries = []
-    for sample in range(round(DURATION_S * RATE_HZ)):
-        loads = [load_n(sample / RATE_HZ, foot) for foot in range(len(labels))]
-        fields: dict[str, Any] = {"name": list(labels)}
-        fields["wrench"] = [[(0, 0, load)] for load in loads]
+
+    def samples(time_s: float) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
+        forces = [(0, 0, load_n(time_s, foot)) for foot in range(len(labels))]
+        fields: dict[str, Any] = {"name": list(labels), "wrench": [[each] for each in forces]}
         if kind == "Limbs":
-            legs = [(name, (0, 0, load)) for name, load in zip(labels, loads, strict=True)]
+            legs = list(zip(labels, forces, strict=True))
             fields = {"base_pose": [(0.0, 0.0, 0.5)], "legs": legs}
-        time = START_NS + round(sample * 1e9 / RATE_HZ)
-        entries.append(_entry(walk, topic, f"odd_msgs/msg/{kind}", time, fields))
-    walks.write_mcap(path, walk, entries)
+        yield topic, f"odd_msgs/msg/{kind}", fields
+
+    _write(path, samples)
 
 
 def switches(path: Path, legs: int) -> None:
     """Write contact switches of numbered legs."""
-    walk, kind = odd_walk(), "std_msgs/msg/Bool"
-    entries = []
-    for sample in range(round(DURATION_S * RATE_HZ)):
-        time = START_NS + round(sample * 1e9 / RATE_HZ)
+
+    def samples(time_s: float) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
         for leg in range(legs):
-            down = {"data": is_down(sample / RATE_HZ, leg)}
-            entries.append(_entry(walk, f"/leg_{leg + 1}/foot_contact", kind, time, down))
-    walks.write_mcap(path, walk, entries)
+            down = {"data": is_down(time_s, leg)}
+            yield f"/leg_{leg + 1}/foot_contact", "std_msgs/msg/Bool", down
+
+    _write(path, samples)
 
 
 def load_cell(path: Path, rows: int) -> Path:
     """Write one six-axis force sensor below a walking robot: rows of Fx, Fy, Fz, Tx, Ty, Tz."""
-    walk, kind = odd_walk(), "odd_msgs/msg/LoadCell"
     random = np.random.default_rng(3)
-    entries = []
-    for sample in range(1200):
-        swing = np.sin(2.0 * np.pi * sample / 100.0 + np.arange(6))
+
+    def samples(time_s: float) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
+        swing = np.sin(2.0 * np.pi * time_s + np.arange(6))
         data = (swing * [3, 3, 10, 0.5, 0.5, 0.5] + random.normal(0, 0.1, (rows, 6))).ravel()
         fields = {"rows": rows, "cols": 6, "data": data.astype(np.float32)}
-        entries.append(_entry(walk, "/load_cell", kind, START_NS + sample * 10_000_000, fields))
-    walks.write_mcap(path, walk, entries)
-    return path
+        yield "/load_cell", "odd_msgs/msg/LoadCell", fields
 
-
-def _six_feet(walk: walks.Walk, kind: str, topic: str = _TOPIC) -> Iterator[walks.Entry]:
-    for sample in range(round(DURATION_S * RATE_HZ)):
-        time_s = sample / RATE_HZ
-        time = START_NS + round(time_s * 1e9)
-        for foot in range(6):
-            down = is_down(time_s, foot)
-            value: dict[str, float] = {"value": load_n(time_s, foot)}
-            if kind.endswith("Touch"):
-                value = {"is_down": down}
-            elif kind.endswith("Counts"):
-                value = {"value": round(load_n(time_s, foot))}
-            yield _entry(walk, topic.format(foot + 1), kind, time, value)
-            warm = {"value": 40.0 + foot + sample * 1e-3}
-            yield _entry(
-                walk, f"/crawler/strut_{foot + 1}/motor_temp", "odd_msgs/msg/Reading", time, warm
-            )
-
-
-def _entry(
-    walk: walks.Walk, topic: str, kind: str, time: int, fields: Mapping[str, Any]
-) -> walks.Entry:
-    return walks.Entry(topic, kind, time, walk.bytes_of(kind, walk.make(kind, **fields)))
+    return _write(path, samples)

@@ -58,6 +58,7 @@ DEFINITIONS: Final = {
     "pronto_msgs/msg/QuadrupedForceTorqueSensors": "std_msgs/Header header\n"
     "geometry_msgs/Wrench lf\ngeometry_msgs/Wrench rf\ngeometry_msgs/Wrench lh\n"
     "geometry_msgs/Wrench rh",
+    "quadropted_msgs/msg/RobotFootContact": "bool[4] contacts",
     "hrpsys_ros_bridge/msg/ContactState": "uint8 state\nfloat64 remaining_time",
     "hrpsys_ros_bridge/msg/ContactStateStamped": "std_msgs/Header header\n"
     "hrpsys_ros_bridge/ContactState state",

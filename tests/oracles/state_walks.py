@@ -40,6 +40,7 @@ KINDS: Final = (
     "pronto_msgs/msg/QuadrupedStance",
     "pronto_msgs/msg/QuadrupedForceTorqueSensors",
     "hrpsys_ros_bridge/msg/ContactStatesStamped",
+    "quadropted_msgs/msg/RobotFootContact",
     "go2_interfaces/msg/Go2State",
     "my_driver/msg/SportModeState",
     "dwl_msgs/msg/WholeBodyState",
@@ -51,10 +52,13 @@ FLAGS_ONLY: Final = (
     "state_estimator_msgs/msg/ContactDetection",
     "pronto_msgs/msg/QuadrupedStance",
     "hrpsys_ros_bridge/msg/ContactStatesStamped",
+    "quadropted_msgs/msg/RobotFootContact",
 )
 WITH_FORCE: Final = tuple(kind for kind in KINDS if kind not in FLAGS_ONLY)
 WITH_POINTS: Final = (*KINDS[:6], *RAW, *KINDS[-3:-1])
 IN_WORLD: Final = tuple(kind for kind in KINDS[:7] if not kind.startswith("anymal"))
+UNITREE: Final = ("front_right", "front_left", "back_right", "back_left")
+"""The order of feet of Unitree's robots, and of others."""
 PLANNED: Final = (KINDS[0], KINDS[1], "ocs2_msgs/msg/mpc_observation")
 
 
@@ -270,8 +274,7 @@ def _hrpsys(walk: StateWalk, _kind: str, sample: int) -> Fields:
 
 def _sport(walk: StateWalk, _kind: str, sample: int) -> Fields:
     """FR FL RR RL, in the base's frame."""
-    legs = ("front_right", "front_left", "back_right", "back_left")
-    feet = [foot_position(leg, sample) - base_position(sample) for leg in legs]
+    feet = [foot_position(leg, sample) - base_position(sample) for leg in UNITREE]
     return {
         "mode": 1,
         "foot_force": walk.counts({leg: FORCES[leg][sample] for leg in LEGS}),
@@ -295,6 +298,7 @@ _FIELDS: Final[Mapping[str, Callable[[StateWalk, str, int], Fields]]] = {
     "state_estimator_msgs": _state_estimator,
     "pronto_msgs": _pronto,
     "hrpsys_ros_bridge": _hrpsys,
+    "quadropted_msgs": lambda walk, _, sample: {"contacts": walk.flags(sample, UNITREE)},
     "go2_interfaces": _sport,
     "my_driver": _sport,
 }

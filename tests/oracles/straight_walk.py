@@ -11,7 +11,7 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.settings import FootSettings, WalkSettings
 from dogbot_logtool.core.walk import Walk as MeasuredWalk
-from tests.analysed import analysed
+from tests import analysed
 
 MASS_KG = 20.0
 WEIGHT_N = MASS_KG * 9.81
@@ -96,28 +96,15 @@ class Walk:
 
 
 def foot_samples(foot: int, time: Floats, force: Floats, point: Floats) -> Samples:
-    count = len(time)
-    touching = force > 0.0
-    up = np.tile([0.0, 0.0, 1.0], (count, 1))
-    unknown = np.where(touching, 0.0, np.nan)[:, None]
     stamp = START + np.round(time * 1e9).astype(np.int64)
-    return Samples(
-        foot=np.full(count, foot, np.int64),
-        log_time=stamp + 700_000,
-        stamp=stamp,
-        in_contact=touching,
-        force=up * force[:, None],
-        in_world=np.zeros(count, np.bool_),
-        points=touching.astype(np.int64),
-        position=point + unknown,
-        normal=up + unknown,
-    )
+    newtons = np.outer(force, (0.0, 0.0, 1.0))
+    return analysed.foot_samples(foot, stamp, stamp + 700_000, force > 0.0, newtons, point)
 
 
 def measure(
     feet: list[Samples], odometry: Odometry, settings: WalkSettings = SETTINGS
 ) -> MeasuredWalk:
-    return analysed(settings, feet, odometry)
+    return analysed.analysed(settings, feet, odometry)
 
 
 def codes(stats: MeasuredWalk) -> set[str]:

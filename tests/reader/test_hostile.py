@@ -12,6 +12,7 @@ from tests.paths import ROOT
 from tests.reader import bag_bytes, mcap_bytes
 from tests.reader.bag_bytes import U32
 from tests.reader.mcap_bytes import MAGIC, channel, file_header, record, schema, text
+from tests.reader.reading import read_bytes
 
 SIZE = 1 << 20
 MOST_MEMORY_MB = 500
@@ -216,3 +217,10 @@ def test_a_hostile_file_stays_within_bounds(tmp_path: Path, name: str) -> None:
     )
     assert done.returncode == 0, done.stderr
     assert int(done.stdout.splitlines()[-1]) < MOST_MEMORY_MB, done.stdout
+
+
+def test_a_chunk_that_is_indexed_often_counts_once(tmp_path: Path) -> None:
+    reading = read_bytes(tmp_path, summary_that_repeats_a_chunk())
+    assert len(reading.messages) == 9_000
+    assert reading.counts == {"/left": 9_000, "/right": 0}
+    assert "contradicts itself or the chunks" in reading.sentences

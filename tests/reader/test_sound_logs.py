@@ -61,6 +61,9 @@ def sound_logs() -> Iterator[Case]:
             yield Case(f"mcap {compression}, {name}", *built(log, **options))
     for summary in (False, True):
         yield Case("extras", *built(small_mcap(), extras=EXTRAS, summary=summary))
+    for opcode in (0x10, 0x7F, 0x80):
+        later = {1: mcap_bytes.record(opcode, b"of a later version")}
+        yield Case(f"opcode {opcode}", *built(small_mcap(), between=later))
     repeated = dict.fromkeys((0, 1, 2), DESCRIBED)
     yield Case("repeated", *built(small_mcap(), described_later=repeated, between=repeated))
     for compression in bag_bytes.CODECS:

@@ -11,9 +11,7 @@ from tests.reader.reading import read_file
 from tests.reader.sqlite_files import COUNT, expected, make
 
 
-@pytest.mark.parametrize(
-    "name", ["a?b.db3", "a#b.db3", "a%20b.db3", "a b;c.db3", os.fsdecode(b"caf\xe9.db3")]
-)
+@pytest.mark.parametrize("name", ["a?b#c%20d e;f.db3", os.fsdecode(b"caf\xe9.db3")])
 @pytest.mark.parametrize("journal", [False, True])
 def test_any_name_will_do(tmp_path: Path, name: str, journal: bool) -> None:  # noqa: FBT001
     path = with_write_ahead_log(tmp_path, name) if journal else make(tmp_path / name)

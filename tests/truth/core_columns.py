@@ -7,28 +7,19 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.settings import FootSettings, WalkSettings
 from dogbot_logtool.core.walk import Walk
-from tests.analysed import analysed
+from tests import analysed
 from tests.truth.recording import Recording
 
 
 def foot_samples(recording: Recording, foot: int) -> Samples:
-    """Return one foot's messages as the reader makes them."""
+    """Return one foot's messages."""
     messages = recording.feet[foot]
-    count = len(messages.time)
-    has_points = recording.kind != "wrench"
-    touching = messages.touching if has_points else (messages.force != 0.0).any(axis=1)
-    unknown = np.where(touching & has_points, 0.0, np.nan)[:, None]
-    return Samples(
-        foot=np.full(count, foot, np.int64),
-        log_time=messages.log_time,
-        stamp=messages.stamp,
-        in_contact=touching,
-        force=np.where(touching[:, None], messages.force, 0.0),
-        in_world=np.zeros(count, np.bool_),
-        points=(touching & has_points).astype(np.int64),
-        position=messages.point + unknown,
-        normal=messages.normal + unknown,
-    )
+    if recording.kind == "wrench":
+        touching, point = (messages.force != 0.0).any(axis=1), np.full_like(messages.point, np.nan)
+    else:
+        touching, point = messages.touching, messages.point
+    times = messages.stamp, messages.log_time
+    return analysed.foot_samples(foot, *times, touching, messages.force, point, messages.normal)
 
 
 def odometry(recording: Recording) -> Odometry:
@@ -68,4 +59,4 @@ def _position(name: str) -> tuple[str, str] | None:
 def measure(recording: Recording, settings: WalkSettings | None = None) -> Walk:
     """Analyse a recording."""
     samples = [foot_samples(recording, foot) for foot in range(len(recording.feet))]
-    return analysed(settings or stats_settings(recording), samples, odometry(recording))
+    return analysed.analysed(settings or stats_settings(recording), samples, odometry(recording))

@@ -47,6 +47,8 @@ class _Posture:
 
     time: Ints
     """(n,) ns."""
+    tilt: Floats
+    """(n,) rad."""
     lies: Flags
     """(n,)."""
     stands: Flags
@@ -79,8 +81,7 @@ def fallen_spans(
     posture = _posture(base, feet, height_m)
     lying = timespans.spans_where(base.time, posture.lies[:-1])
     lying = lying[lying[:, 1] - lying[:, 0] >= LASTING_S * 1e9]
-    tilt = tilt_rad(base.angles)
-    onsets = [_fell_since(int(start), posture, feet, jumps, tilt) for start in lying[:, 0]]
+    onsets = [_fell_since(int(start), posture, feet, jumps) for start in lying[:, 0]]
     falls = [(since, end) for since, end in zip(onsets, lying[:, 1], strict=True) if since]
     return timespans.merge(np.array(falls, np.int64).reshape(-1, 2))
 
@@ -108,7 +109,7 @@ def _posture(base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats) -
             lies = lies | (height_m < LYING * usual)
             stands = stands & ~(height_m < STANDING * usual)
             as_usual = as_usual & ~(height_m < SWAYS * usual)
-    return _Posture(base.time, lies, stands, as_usual, usual)
+    return _Posture(base.time, tilt, lies, stands, as_usual, usual)
 
 
 def tilt_rad(angles: Floats) -> Floats:
@@ -129,7 +130,7 @@ def _standing_height_m(
 
 
 def _fell_since(
-    start: int, posture: _Posture, feet: Sequence[FootHistory], jumps: Ints, tilt: Floats
+    start: int, posture: _Posture, feet: Sequence[FootHistory], jumps: Ints
 ) -> int | None:
     """Return when the fall into the lying that begins at `start` began, ns; None: it is none."""
     row = int(np.searchsorted(posture.time, start))
@@ -138,15 +139,15 @@ def _fell_since(
         return None
     since = int(posture.time[stood[-1]])
     down = int(np.searchsorted(posture.time, start + round(LASTING_S * 1e9), side="right"))
-    leans = bool((tilt[stood[-1] : down] > LEANS_RAD).any())
+    leans = bool((posture.tilt[stood[-1] : down] > LEANS_RAD).any())
     slowest = SLOWEST_FALL if leans else SLOWEST_UPRIGHT_FALL
-    tilted = tilt > TILT_RAD
-    longest = TOPPLES_S if tilted[row] else slowest * _free_fall_s(posture.standing_height_m)
+    topples = bool(posture.tilt[row] > TILT_RAD)
+    longest = TOPPLES_S if topples else slowest * _free_fall_s(posture.standing_height_m)
     if start - since > longest * 1e9:
         return None
     descent = np.array([[since, start]], np.int64)
     jumped = timespans.touches(descent, jumps[:, 0] + 1, jumps[:, 1] - 1).any()
-    if (jumped and not tilted[row]) or not _loaded_before(feet, since, start):
+    if (jumped and not topples) or not _loaded_before(feet, since, start):
         return None
     usual = np.flatnonzero(posture.usual[: stood[-1] + 1])
     began = int(posture.time[usual[-1]]) if len(usual) else since

@@ -23,8 +23,6 @@ def frames_known(walk: Walk) -> Iterator[Finding]:
 
 def columns_corrected(walk: Walk) -> Iterator[Finding]:
     """Yield what was left out, what transforms did not tell, and which plan is apart."""
-    if zero := [foot.name for foot in walk.settings.feet if foot.forces_are_zero]:
-        yield found("NO_FORCE", say="zero", names=", ".join(zero))
     if walk.recording.implausible:
         yield found("NOT_FINITE", say="implausible", count=walk.recording.implausible)
     if walk.turned is not None:

@@ -53,10 +53,17 @@ def filtered(walk: Walk) -> Iterator[Finding]:
         some = {name: each.tau_s for name, each in told if each.resolved is resolved}
         if some:
             tau_s = max(some.values())
-            words: Words = {"names": ", ".join(some), "milliseconds": 1e3 * tau_s}
-            hertz, cases = 1.0 / (2.0 * np.pi * tau_s), () if resolved else ("heavy",)
-            words |= {"where": "feet", "feet": tuple(some), "say": say, "hertz": hertz}
-            yield found("FORCE_FILTERED", *cases, **words)
+            cases = () if resolved else ("heavy",)
+            yield found(
+                "FORCE_FILTERED",
+                *cases,
+                where="feet",
+                say=say,
+                feet=tuple(some),
+                names=", ".join(some),
+                milliseconds=1e3 * tau_s,
+                hertz=1.0 / (2.0 * np.pi * tau_s),
+            )
 
 
 def silent_feet(walk: Walk) -> Iterator[Finding]:

@@ -19,6 +19,7 @@ from dogbot_logtool.core.arrays import Flags, Floats, Ints, flagged_runs, latche
 from dogbot_logtool.core.corrections.clock import SILENCE_NS
 from dogbot_logtool.core.corrections.modes import ALTERNATE, NOISY, WIDE
 from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
+from dogbot_logtool.core.timespans import covers
 
 ZERO_ON: Final = 0.05
 """Share of the weight from which a foot is in contact whose sensor reads zero in swing."""
@@ -74,11 +75,6 @@ class ContactRule:
     """Whether the message's own contact flag decides, whatever the force."""
     unusable: str = ""
     """Why the sensor cannot tell contact; empty: it can."""
-
-    @property
-    def fill_s(self) -> float:
-        """Shorter swings are filled, s."""
-        return max(self.debounce_s, self.bounce_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,20 +203,23 @@ def backdated(contact: Flags, time: Ints, force: Floats, off_n: float) -> Flags:
     return contact | (np.cumsum(change[:-1], dtype=np.int32) > 0)
 
 
-def find_stances(time: Ints, contact: Flags, rule: ContactRule) -> tuple[Ints, Ints, int, int]:
+def find_stances(
+    time: Ints, contact: Flags, debounce_s: float, bounce_s: float = 0.0
+) -> tuple[Ints, Ints, int, int]:
     """Fill swings that are too short, then drop stances that are.
 
     Args:
         time: (n,) ns, strictly increasing.
         contact: (n,) state of the Schmitt trigger.
-        rule: what is too short.
+        debounce_s: s, below which swings and stances are too short.
+        bounce_s: s, below which swings are, too.
 
     Returns:
         (k,) the first row of each stance in contact, (k,) the first row after it that is not, or
         the last row where the log ends in the stance; how many swings were filled, how many
         stances dropped.
     """
-    silent, fill_ns = silent_before(time), round(rule.fill_s * 1e9)
+    silent, fill_ns = silent_before(time), round(max(debounce_s, bounce_s) * 1e9)
     begins, breaks = flagged_runs(contact).T
     runs = len(begins)
     # Of a swing that begins with a silence it is not known that it is short.
@@ -236,7 +235,14 @@ def find_stances(time: Ints, contact: Flags, rule: ContactRule) -> tuple[Ints, I
     loaded_ns = total[last] - total[starts]
     single = np.flatnonzero((last - starts == 1) & (starts > 0))
     loaded_ns[single] = np.minimum(loaded_ns[single], step[starts[single] - 1])
-    brief = (loaded_ns < round(rule.debounce_s * 1e9)) & ~silent[starts]
+    brief = (loaded_ns < round(debounce_s * 1e9)) & ~silent[starts]
     # A short one at the log's end may be part of a longer one.
     brief &= (ends < len(time)) & (silent[last] | (time[-1:] - time[last] >= fill_ns))
     return starts[~brief], last[~brief], runs - len(starts), int(brief.sum())
+
+
+def rows_in_stances(starts: Ints, ends: Ints, contact: Flags) -> Flags:
+    """(n,) whether rows are in stances; the last one is where the log ends in contact."""
+    down = covers(np.stack([starts, ends], axis=1), np.arange(len(contact)))
+    down[-1:] |= contact[-1:]
+    return down

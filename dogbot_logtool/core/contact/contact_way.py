@@ -1,29 +1,15 @@
 """How far the contact point of a foot goes in a stance, and when."""
 
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Floats, Ints, rows_of_runs, runs_of
+from dogbot_logtool.core.arrays import Complexes, Floats, Ints, rows_of_runs, runs_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.track import FootTrack
 
 LOADED: Final = 0.5
 """Share of a stance's mean force from which its foot is loaded."""
-
-Complexes = NDArray[np.complex128]
-"""Horizontal places or ways, m, x + i y."""
-
-
-class Ways(NamedTuple):
-    """How far contact points go in k stances, (k,) each; NaN where nothing is known."""
-
-    metres: Floats
-    begins_s: Floats
-    """s after touchdown, with a tenth of the way; also `ends_s`, with nine tenths. NaN where it
-    goes nowhere."""
-    ends_s: Floats
 
 
 def contact_ways(samples: Samples, time: Ints, begin: Ints, end: Ints) -> tuple[Floats, Floats]:
@@ -70,7 +56,7 @@ def _points(samples: Samples, rows: Ints) -> Complexes:
 
 def ways_under_load(
     samples: Samples, track: FootTrack, begin: Ints, end: Ints, mean: Floats
-) -> Ways:
+) -> Floats:
     """Find how far contact points go from 10 % to 90 % of a stance, while loaded.
 
     Args:
@@ -81,10 +67,11 @@ def ways_under_load(
         mean: (k,) N, mean of |F| in each stance.
 
     Returns:
-        the largest distance from where the point began, by steps between neighbouring loaded
-        samples.
+        (3, k): m, the largest distance from where the point began, by steps between neighbouring
+        loaded samples; s after touchdown, with a tenth and with nine tenths of that. NaN where
+        nothing is known, and times where the point goes nowhere.
     """
-    found = np.full((len(Ways._fields), len(mean)), np.nan)
+    found = np.full((3, len(mean)), np.nan)
     rows, stance, _ = rows_of_runs(begin, end)
     since = track.time[rows] - track.time[begin][stance]
     phase = since / (track.time[end] - track.time[begin])[stance]
@@ -101,11 +88,11 @@ def ways_under_load(
         counts[first] = False
         total = np.cumsum(np.where(counts, step, 0.0))
         found[:, stance[first]] = _ways(time, total - total[first][own], own, first)
-    return Ways(*found)
+    return found
 
 
 def _ways(time: Floats, path: Complexes, own: Ints, first: Ints) -> Floats:
-    """(3, m): how far contact points go in each of m stances; see `Ways`.
+    """(3, m): how far contact points go in each of m stances; see `ways_under_load`.
 
     Args:
         time: (n,) s after touchdown.

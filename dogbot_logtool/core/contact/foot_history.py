@@ -7,7 +7,13 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
-from dogbot_logtool.core.contact.contact_rule import ContactRule, backdated, find_stances, schmitt
+from dogbot_logtool.core.contact.contact_rule import (
+    ContactRule,
+    backdated,
+    find_stances,
+    rows_in_stances,
+    schmitt,
+)
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.contact.stances import Cut, StanceFigures, Stances, stance_figures
 from dogbot_logtool.core.contact.track import FootTrack, foot_track
@@ -143,7 +149,8 @@ def foot_history(
     repeated = int((equal & contact[1:] & contact[:-1]).sum())
     if rule.backdates:
         contact = backdated(contact, time, force, rule.off_n)
-    starts, ends, filled, dropped = find_stances(time, contact, rule)
+    short = rule.debounce_s, rule.bounce_s
+    starts, ends, filled, dropped = find_stances(time, contact, *short)
     is_scuff = _scuffs(track, starts, ends)
     scuffs = np.stack([time[starts[is_scuff]], time[ends[is_scuff]]], axis=1)
     starts, ends = starts[~is_scuff], ends[~is_scuff]
@@ -159,12 +166,6 @@ def foot_history(
     if contact[-1:].any():
         cut[-1:] = Cut.LOG_END
     cut[starts == 0] = Cut.LOG_START
-    change = np.zeros(len(time) + 1, np.int8)
-    change[starts] += 1
-    change[ends] -= 1
-    down = np.cumsum(change[:-1], dtype=np.int8) > 0
-    # The last sample is in a stance where the log ends in one.
-    down[-1:] |= contact[-1:]
     figures = stance_figures(samples, track, starts, ends, rule.on_n)
     history = FootHistory(
         messages=messages,
@@ -182,7 +183,7 @@ def foot_history(
         filled_swings=filled,
         dropped_stances=dropped,
         track=track,
-        down=down,
+        down=rows_in_stances(starts, ends, contact),
         scuffs=scuffs,
     )
     return history if has_force else history.without_force()

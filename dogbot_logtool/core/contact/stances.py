@@ -164,7 +164,7 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
     spike_phase[stance[highest]] = (time / ends_s[stance])[highest]
     impulse = track.impulse.total[:, 2]
     travel, reach = contact_ways(samples, track.time, begin, end)
-    loaded = ways_under_load(samples, track, begin, end, mean)
+    loaded_reach, reach_begins, reach_ends = ways_under_load(samples, track, begin, end, mean)
     found = StanceFigures(
         peak_force_n=peak,
         mean_force_n=mean,
@@ -180,9 +180,9 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
         contact_travel_m=travel,
         contact_reach_m=reach,
         friction_use=_friction_use(samples, track, rows, stance, on_n),
-        loaded_reach_m=loaded.metres,
-        reach_begins_s=loaded.begins_s,
-        reach_ends_s=loaded.ends_s,
+        loaded_reach_m=loaded_reach,
+        reach_begins_s=reach_begins,
+        reach_ends_s=reach_ends,
     )
     return np.stack(found)
 

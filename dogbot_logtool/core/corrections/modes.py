@@ -46,8 +46,6 @@ _UNCLEAR: Final = 100.0
 """Subtracted from the score of modes that are not clear, so that clear ones win."""
 _FEWEST_ROWS: Final = 3
 """Samples in a visit; shorter ones are brushes and flicker."""
-_ROUNDED: Final = 4.0
-"""Steps of a sensor below which widths of modes tell nothing."""
 _ROUNDS: Final = 5
 _ENTER, _LEAVE = 0.1, 0.35
 """Shares of the way from swing to the highest loads: a visit to the swing mode begins below the
@@ -117,18 +115,17 @@ def two_modes(values: Floats, runs: Ints, *, raises: bool) -> Modes:
     return Modes(swings, stances, _visits(low_rows, runs), raises, swing, stance, width)
 
 
-def judged(modes: Modes, other_width: float, step: float) -> Modes:
+def judged(modes: Modes, other_width: float) -> Modes:
     """Decide whether two modes are swing and stance, and how well they look like it.
 
     Args:
         modes: what may be swing and stance.
         other_width: N, of the narrow mode if swing were stance and stance were swing.
-        step: N, in which the sensor counts: by so much either mode may be narrower by chance.
     """
     if modes.reason:
         return modes
     swing, stance, distance = modes.swing, modes.stance, modes.stance - modes.swing
-    floor = max(1e-3 * distance, _ROUNDED * step)
+    floor = 1e-3 * distance
     wider = (other_width + floor) / (modes.width + floor)
     # Sensors are usually mounted so that a load raises their value, and offsets are smaller
     # than loads; both are habits. A foot that swings may feel its inertia, which widens swing.

@@ -167,9 +167,9 @@ def estimate_level(log_time: Ints, force: Floats, *, alternating: bool = False) 
     if zero is not None:
         return zero
     axis, runs = load_axis(force), run_numbers(log_time)
-    along, step = without_spikes(force @ axis), _resolution_n(force)
+    along = without_spikes(force @ axis)
     up, down = two_modes(along, runs, raises=True), two_modes(-along, runs, raises=False)
-    both = [judged(up, down.width, step), judged(down, up.width, step)]
+    both = [judged(up, down.width), judged(down, up.width)]
     if alternating:
         both = [replace(each, reason="") if each.reason == ALTERNATE else each for each in both]
     likely, other = sorted(both, key=lambda modes: -modes.score)
@@ -356,12 +356,6 @@ def _rolling_median(values: Floats, width: int) -> Floats:
 def _noisiest_sd(residual: Floats) -> float:
     """Return the standard deviation of the noisiest component, N, of (m, 3) N; robust."""
     return _NORMAL_SD * float(median_of(np.abs(residual), axis=0).max())
-
-
-def _resolution_n(force: Floats) -> float:
-    """Return the step in which a sensor's coarsest axis counts, N, (n, 3) N as recorded."""
-    steps = [np.diff(distinct(part)) for part in force.T]
-    return max((float(each.min()) for each in steps if len(each)), default=0.0)
 
 
 def _limit_n(force: Floats, offset_n: Floats, loaded_n: float) -> float | None:

@@ -10,7 +10,7 @@ from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, median_o
 from dogbot_logtool.core.base.attitude import LONG_S, Inertial, by_attitude, inertial_at, level
 from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import Odometry, base_history
-from dogbot_logtool.core.contact.contact_rule import ContactRule, find_stances
+from dogbot_logtool.core.contact.contact_rule import find_stances, rows_in_stances
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import advancing
 from dogbot_logtool.core.estimated.forces import effort_fault, ground_forces, loaded_feet
@@ -20,7 +20,6 @@ from dogbot_logtool.core.frames.kinematics import Leg, LegMotion, leg_motion
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
-from dogbot_logtool.core.timespans import covers
 
 SHORTEST_S: Final = 0.04
 """s: shorter swings and stances are none."""
@@ -190,11 +189,8 @@ def _forces(
 
 
 def _debounced(time: Ints, standing: Flags) -> Flags:
-    rule = ContactRule(on_n=1.0, off_n=0.0, debounce_s=SHORTEST_S)
-    begin, end, _, _ = find_stances(time, standing, rule)
-    down = covers(np.stack([begin, end], axis=1), np.arange(len(time)))
-    down[-1:] |= standing[-1:] & down[-2:-1]
-    return down
+    begin, end, _, _ = find_stances(time, standing, SHORTEST_S)
+    return rows_in_stances(begin, end, standing)
 
 
 def _height(seconds: Floats, points: Floats, standing: Flags, up: Floats) -> Floats:

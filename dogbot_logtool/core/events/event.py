@@ -74,7 +74,7 @@ UNKNOWN: Final = "unknown"
 
 
 class Level(IntEnum):
-    """How much an event matters, as log panels filter it."""
+    """How much an event matters, as log panels filter it; `DEBUG`: touchdowns and lift-offs."""
 
     DEBUG = 1
     INFO = 2
@@ -94,8 +94,6 @@ class EventMessage:
     text: str
     end: int = 0
     """ns."""
-    is_step: bool = False
-    """Whether it is a touchdown or a lift-off."""
     details: Mapping[str, str] = field(default_factory=dict)
     """Its details by name: ``type``, ``foot``, ``value``, ``unit``, ``code``."""
 

@@ -56,7 +56,6 @@ def _message(event: Event, origin: int) -> EventMessage:
         event.foot or "robot",
         ", ".join(filter(None, parts)),
         end=onset + round(event.duration_s * 1e9),
-        is_step=event.type in STEPS,
         details={name: text for name, text in details.items() if text},
     )
 

@@ -262,9 +262,9 @@ class GaitClass:
     """A class of `class_distances`, ``irregular``, ``stand``; None where it cannot be known."""
     sequence: str | None
     """Walk and amble: ``lateral`` or ``diagonal``. Gallop: ``rotary`` or ``transverse``."""
-    nearest: str | None
+    nearest_name: str | None
     """The class that fits best, whether it fits or not; None where phases are missing."""
-    distance: float | None
+    class_distance: float | None
     """Cycles, of the nearest class."""
 
 

@@ -1,7 +1,7 @@
 """When does the gait change? The time line, cut where class or stride period changes lastingly."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 from typing import Final
 
@@ -248,18 +248,11 @@ def _named(gait: Gait, feet: Sequence[FootSteps], phases: Sequence[CircularMean 
     means, consistency = [each.mean for each in known], [each.consistency for each in known]
     found = classify(means, consistency, gait.duty_factor, gait.flight_fraction)
     confidence = None
-    if found.distance is not None:
-        fit = max(0.0, 1.0 - found.distance / (2.0 * TOLERANCE))
+    if found.class_distance is not None:
+        fit = max(0.0, 1.0 - found.class_distance / (2.0 * TOLERANCE))
         enough = min(1.0, (gait.strides or 0) / FEWEST_STRIDES)
         confidence = fit * min(consistency) * enough
     if quadruped(positions):
         limbs = LimbPhase(*limb_phases(means))
         gait = replace(gait, diagonality=diagonality(means), limb_phase=limbs)
-    return replace(
-        gait,
-        name=found.name,
-        confidence=confidence,
-        sequence=found.sequence,
-        nearest_name=found.nearest,
-        class_distance=found.distance,
-    )
+    return replace(gait, confidence=confidence, **asdict(found))

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.definition import short_type_name
 
@@ -124,3 +124,31 @@ def time_range(chunks: Sequence[Chunk]) -> tuple[int | None, int | None]:
     starts = [chunk.start_time for chunk in chunks if chunk.start_time is not None]
     ends = [chunk.end_time for chunk in chunks if chunk.end_time is not None]
     return min(starts, default=None), max(ends, default=None)
+
+
+def differing_counts(
+    channels: Mapping[int, Channel], stated: Mapping[int, int], found: Mapping[int, int]
+) -> str:
+    """Return what to say of stated counts of messages that differ from those found.
+
+    Args:
+        channels: by id.
+        stated: messages by channel id.
+        found: likewise.
+
+    Returns:
+        "5 messages of /left, but 6 were found"; empty where all are right.
+    """
+    wrong = [
+        number
+        for number in sorted({*stated, *found})
+        if stated.get(number, 0) != found.get(number, 0)
+    ]
+    if not wrong:
+        return ""
+    first = wrong[0]
+    name = channels[first].topic[:LONGEST_NAME] if first in channels else f"channel {first}"
+    text = f"{stated.get(first, 0)} messages of {name}, but {found.get(first, 0)} were found"
+    if len(wrong) > 1:
+        text += f" ({len(wrong) - 1} more wrong)"
+    return text

@@ -20,8 +20,9 @@ from dogbot_logtool.reader.containers.contents import (
     EarlierAnnotations,
     Extra,
     Schema,
+    differing_counts,
 )
-from dogbot_logtool.reader.containers.loss import Damage, Loss, differing_counts, lost_messages
+from dogbot_logtool.reader.containers.loss import Damage, Loss, lost_messages
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
 

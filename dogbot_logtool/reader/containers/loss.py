@@ -1,8 +1,8 @@
 """Damage in a log, and the words for it."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final
 
 from dogbot_logtool.errors import DAMAGED
 
@@ -10,14 +10,6 @@ LONGEST_NAME: Final = 200
 """Characters of a name from the log that a sentence repeats."""
 _MOST: Final = 200
 """Losses kept one by one; more are summed up."""
-
-
-class HasTopic(Protocol):
-    """A channel."""
-
-    @property
-    def topic(self) -> str:
-        """Its topic."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,34 +30,6 @@ class Loss:
     """ns, log time up to which messages may be missing; None: not known, or up to the end."""
     file: str = ""
     """Name of the file among several; empty where there is only one."""
-
-
-def differing_counts(
-    channels: Mapping[int, HasTopic], stated: Mapping[int, int], found: Mapping[int, int]
-) -> str:
-    """Return what to say of stated counts of messages that differ from those found.
-
-    Args:
-        channels: by id.
-        stated: messages by channel id.
-        found: likewise.
-
-    Returns:
-        "5 messages of /left, but 6 were found"; empty where all are right.
-    """
-    wrong = [
-        number
-        for number in sorted({*stated, *found})
-        if stated.get(number, 0) != found.get(number, 0)
-    ]
-    if not wrong:
-        return ""
-    first = wrong[0]
-    name = channels[first].topic[:LONGEST_NAME] if first in channels else f"channel {first}"
-    text = f"{stated.get(first, 0)} messages of {name}, but {found.get(first, 0)} were found"
-    if len(wrong) > 1:
-        text += f" ({len(wrong) - 1} more wrong)"
-    return text
 
 
 def lost_messages(losses: Sequence[Loss]) -> int | None:

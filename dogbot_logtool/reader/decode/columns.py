@@ -5,7 +5,7 @@ Numbers that stand near each other in a message stay together, as rows of a stru
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from dogbot_logtool.core.arrays import Bytes, Flags, Floats, Ints, distinct
 
 _DOUBLE: Final = np.dtype("<f8")
+_SIDES: Final[tuple[Literal["left"], Literal["right"]]] = ("left", "right")
 _ROUNDS: Final = 64
 """Different strings from which sorting all is faster than taking out one after another."""
 
@@ -139,19 +140,19 @@ class Nested:
         index[order] = np.arange(len(parent)) - np.searchsorted(parent, parent)
         return index
 
-    def rows_at(self, parent: Ints, index: Ints) -> tuple[Ints, Flags]:
-        """Return the rows of elements, and which of them exist.
+    def rows_at(self, parent: Ints, index: Ints) -> Ints:
+        """(k,) rows of elements; -1 for those that do not exist.
 
         Args:
             parent: (k,) rows of the outer table.
             index: (k,) indexes in the arrays of these rows.
         """
-        own, wanted = self.parent << 32 | self.index, parent << 32 | index
-        if not len(own):
-            return np.zeros(len(wanted), np.int64), np.zeros(len(wanted), np.bool_)
-        order = np.argsort(own)
-        rows = order[np.minimum(np.searchsorted(own[order], wanted), len(own) - 1)]
-        return rows, own[rows] == wanted
+        order = np.argsort(self.parent, kind="stable")
+        first, end = (np.searchsorted(self.parent[order], parent, side) for side in _SIDES)
+        there = (index >= 0) & (index < end - first)
+        rows = np.full(len(parent), -1, np.int64)
+        rows[there] = order[(first + index)[there]]
+        return rows
 
 
 Rows = NDArray[np.void]

@@ -19,7 +19,7 @@ from dogbot_logtool.reader.decode.definition import (
     short_type_name,
     type_text,
 )
-from dogbot_logtool.reader.decode.paths import FieldPath, Want, path_of
+from dogbot_logtool.reader.decode.paths import FieldPath, path_of
 
 _NAME: Final = r"[A-Za-z]\w*(?:\[[0-9]{1,6}\])?"
 _PATH: Final = rf"(?a)({_NAME}(?:\.{_NAME})*)(?:&([0-9]{{1,10}}|0x[0-9a-fA-F]{{1,8}}))?"
@@ -46,14 +46,13 @@ def parse_field_path(definition: Struct, whole: str) -> FieldPath:
     found = fields.get(_any_element(text))
     if found is None:
         raise _no_such_field(definition, text, fields)
-    is_integer = isinstance(found, Primitive) and found.dtype[0] in "iu"
-    if mask and not (int(mask, 0) and is_integer):
+    path = path_of(whole, "number" if isinstance(found, Primitive) else "xyz", definition)
+    if mask and not (path.mask and path.is_integer):
         raise DefinitionError(
             f"{whole}: {text} is {type_text(found)}; only integers have bits, counted as "
             "&1, &2, &4, &8 ..."
         )
-    want: Want = "number" if isinstance(found, Primitive) else "xyz"
-    return path_of(whole, want, definition)
+    return path
 
 
 def _any_element(path: str) -> str:

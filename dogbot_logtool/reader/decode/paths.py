@@ -138,8 +138,7 @@ class FieldPath:
         if [each.path for each in self.arrays] == [each.path for each in other.arrays]:
             return None
         own, theirs = (table.nested(each.arrays[0].path) for each in (self, other))
-        rows, exist = own.rows_at(theirs.parent, theirs.index)
-        return np.where(exist, rows, -1)
+        return own.rows_at(theirs.parent, theirs.index)
 
     def beside(self, table: Table, other: "FieldPath") -> Floats:
         """Return (m, w) numbers beside each element of another path's array; NaN: none."""
@@ -205,7 +204,7 @@ def side_by_side(nested: Nested, values: Floats, rows: int, array: ArrayPart) ->
     wanted = np.arange(array.first, max(array.first + (array.first < 0), last))
     index = count[:, None] - 1 if array.first < 0 else np.broadcast_to(wanted, (rows, len(wanted)))
     message = np.repeat(np.arange(rows), index.shape[1])
-    row = _element_rows(nested, count, message, index.ravel())
+    row = nested.rows_at(message, index.ravel())
     row[~fits[message]] = -1
     return _picked(values, row).reshape(*index.shape, *values.shape[1:])
 
@@ -217,22 +216,6 @@ def _as_matrix(nested: Nested, values: Floats, rows: int, count: int) -> Floats 
     if np.array_equal(nested.parent, np.tile(np.arange(rows), count)):
         return values.reshape(count, rows, *values.shape[1:]).swapaxes(0, 1)
     return None
-
-
-def _element_rows(nested: Nested, count: Ints, message: Ints, index: Ints) -> Ints:
-    """(m,) row of the element with an index in a message's array; -1: it has none.
-
-    Args:
-        nested: the array field.
-        count: (n,) elements of each message.
-        message: (m,).
-        index: (m,).
-    """
-    order = np.argsort(nested.parent, kind="stable")
-    there = (index >= 0) & (index < count[message])
-    found = np.full(len(message), -1, np.int64)
-    found[there] = order[(np.cumsum(count) - count)[message[there]] + index[there]]
-    return found
 
 
 def path_of(text: str, want: Want, definition: Struct) -> FieldPath:

@@ -167,6 +167,9 @@ def _feet() -> Iterator[Row]:
               flag="states[].contact", closed=(1,), open=(2,),
               point="states[].foot_position_rt_body|", points_in="base")
     yield Row("champ_msgs/ContactsStamped", legs=QUADRUPED, flag="contacts[]")
+    # The definition says the order of the feet.
+    yield Row("quadropted_msgs/RobotFootContact", **_WITHOUT_HEADER,
+              legs=("front_right", "front_left", "back_right", "back_left"), flag="contacts[]")
     yield Row("state_estimator_msgs/ContactDetection", legs=QUADRUPED, each=_LETTERS,
               flag="stance_{}")
     # Pronto writes 0.4, 0.3, 0.2 and 0.1 for feet in contact, to tell them apart in plots.

@@ -23,11 +23,10 @@ from dogbot_logtool.core.recording import Recording, has_own_stamps
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.robot.leg_names import foot_name, leg_position
+from dogbot_logtool.robot.leg_names import foot_name, leg_of, leg_position
 from dogbot_logtool.robot.score import word_of
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.topics import not_calibrated
-from dogbot_logtool.robot.words import SIDES, words_of
 
 _LOAD_SHARE: Final = 0.2
 """Share of all feet's load from which a foot cannot be in the air."""
@@ -199,13 +198,12 @@ def with_joined_sensors(
     frames = [_only(recording.links.get(row, frozenset())) for row in range(len(feet))]
     groups, how = _groups(named), "names"
     if not groups and all(_is_of_leg(*each) for each in zip(feet, frames, strict=True)):
-        groups, how = _groups(frames), "frames"
+        groups, how = _groups([foot_name(frame) for frame in frames]), "frames"
     if not groups:
         return recording, selection, ()
-    names = groups if any(named) else [foot_name(name) for name in groups]
     joined = tuple(
         replace(feet[rows[0]], name=name, sensor_of="", leg_position=leg_position(name))
-        for name, rows in zip(names, groups.values(), strict=True)
+        for name, rows in groups.items()
     )
     row_of = {row: number for number, rows in enumerate(groups.values()) for row in rows}
     of = {
@@ -220,10 +218,8 @@ def with_joined_sensors(
     # A sensor that is silent while another one of its foot speaks has no gap.
     silenced = {foot.topic for foot in feet if silent} - {foot.topic for foot in joined}
     topics = {t: times for t, times in recording.topics.items() if t not in silenced}
-    text = "; ".join(
-        f"{name} = {' + '.join(word_of(feet[row]) for row in rows)}"
-        for name, rows in zip(names, groups.values(), strict=True)
-    )
+    told = (f"{n} = {' + '.join(word_of(feet[row]) for row in rows)}" for n, rows in groups.items())
+    text = "; ".join(told)
     finding = Finding("TOPICS_CHOSEN", f"several sensors of one foot, by their {how}: {text}")
     return (
         replace(recording, feet=tuple(samples), links=links, topics=topics),
@@ -248,11 +244,8 @@ def _groups(owners: Sequence[str]) -> dict[str, list[int]]:
 
 def _is_of_leg(foot: Foot, frame: str) -> bool:
     """Tell whether a frame's name is that of a leg on the side that the sensor's name says."""
-    sides = [
-        {SIDES[word.text] for word in words_of(name) if word.text in SIDES}
-        for name in (frame, foot.topic)
-    ]
-    return len(sides[0]) == 1 and sides[1] <= sides[0]
+    _, side = leg_of(frame)
+    return bool(side) and leg_of(foot.topic)[1] in {"", side}
 
 
 def _joined(sensors: Sequence[Samples], foot: int, *, silent: bool) -> Samples:

@@ -8,11 +8,11 @@ from dogbot_logtool.io.printable import listed
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.others import JOINT_TYPES
-from dogbot_logtool.reader.messages.source import source_of
 from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.reader.part import WantedVectors
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics import (
+    is_readable,
     message_count,
     readable_topics,
     require_topic,
@@ -45,12 +45,12 @@ _MOST_CHANNELS: Final = 16
 
 def joint_channels(log: Log) -> list[Channel]:
     """Return the first channels of joints' measured states: best type, then shortest topic."""
-    found = []
-    for channel in log.channels.values():
-        source = source_of(channel, "joints")
-        is_read = source is not None and not source.fault and log.counts.get(channel.id, 1)
-        if is_read and not any(word in channel.topic.lower() for word in _NO_STATES):
-            found.append(channel)
+    found = [
+        channel
+        for channel in log.channels.values()
+        if is_readable(channel, "joints") and log.counts.get(channel.id, 1)
+        if not any(word in channel.topic.lower() for word in _NO_STATES)
+    ]
     found.sort(key=lambda each: (JOINT_TYPES.index(each.type_name), len(each.topic), each.topic))
     return found[:_MOST_CHANNELS]
 
@@ -123,11 +123,7 @@ def _ranked(
 
 def _wanted(log: Log, topic: str, part: Part) -> WantedVectors:
     """Return the channels of a topic that can be decoded, all of one type."""
-    readable = [
-        channel
-        for channel in log.channels_by_topic[topic]
-        if (source := source_of(channel, part)) and not source.fault
-    ]
+    readable = [each for each in log.channels_by_topic[topic] if is_readable(each, part)]
     best = min(types_of(part).index(channel.type_name) for channel in readable)
     own = (channel for channel in readable if channel.type_name == types_of(part)[best])
     return WantedVectors(topic, tuple(own), part)

@@ -54,3 +54,11 @@ _ENCODINGS: Final = (
 )
 ENCODINGS: Final[Mapping[str, OutputEncoding]] = {each.name: each for each in _ENCODINGS}
 """By name, in the order of ``--help``."""
+
+
+@cache
+def texts(*, is_ros1: bool) -> "Encoding":
+    """Return the encoding of texts, which Foxglove has no message of its own for."""
+    from dogbot_logtool.writer.encodings.ros import Ros1Texts, Ros2Texts  # noqa: PLC0415
+
+    return Ros1Texts() if is_ros1 else Ros2Texts()

@@ -109,3 +109,16 @@ class Ros1Encoding(Ros2Encoding):
         """See `Encoding.serialise`."""
         name = self._own_name(name)
         return bytes(self._store.serialize_ros1(self._made(name, literal), name))
+
+
+class Ros2Texts(Ros2Encoding):
+    """Texts alone, without the types of a distribution, which take long to load."""
+
+    def __init__(self) -> None:
+        self._store = get_typestore(Stores.EMPTY)
+        self._store.register(get_types_from_msg("string data", STRING))
+        self.types = {STRING: self._message_type(STRING)}
+
+
+class Ros1Texts(Ros2Texts, Ros1Encoding):
+    """The same for ROS 1."""

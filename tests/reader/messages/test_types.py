@@ -35,6 +35,7 @@ UNSTAMPED: Final = (
     *state_walks.PLANNED,
     *(kind for kind in RAW if kind != JOINT_FOOT),
     "spot_msgs/msg/FootStateArray",
+    "quadropted_msgs/msg/RobotFootContact",
 )
 IN_BASE: Final = (*state_walks.RAW, "dwl_msgs/msg/WholeBodyState", "old_dwl/msg/WholeBodyState")
 """Kinds whose points are seen from the base."""

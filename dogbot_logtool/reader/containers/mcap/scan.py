@@ -12,16 +12,19 @@ from mcap.opcode import Opcode
 
 from dogbot_logtool.core.arrays import distinct
 from dogbot_logtool.reader.containers.chunked_log import ChunkedLog, open_chunked
-from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra, Schema
-from dogbot_logtool.reader.containers.descriptions import Descriptions
-from dogbot_logtool.reader.containers.loss import (
-    LONGEST_NAME,
-    Loss,
+from dogbot_logtool.reader.containers.contents import (
+    Channel,
+    Chunk,
+    Contents,
+    Extra,
+    Schema,
     differing_counts,
-    lost_messages,
 )
+from dogbot_logtool.reader.containers.descriptions import Descriptions
+from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, lost_messages
 from dogbot_logtool.reader.containers.mcap.format import (
     FIRST_PRIVATE_OPCODE,
+    LARGEST_OPCODE,
     MESSAGE_CONTENT_SIZE,
     McapFormat,
     is_chunk,
@@ -35,7 +38,7 @@ from dogbot_logtool.reader.containers.mcap.records import (
 )
 from dogbot_logtool.reader.containers.mcap.summary import (
     DATA_END_SIZE,
-    Footer,
+    FOOTER_SIZE,
     agree,
     check_data,
     indexed_chunk,
@@ -71,6 +74,9 @@ class McapScan(Scan):
         self._mcap_format = McapFormat(self._may_be_channel)
         self._outside_channels: set[int] = set()
         super().__init__(source, self._mcap_format, Descriptions(described))
+        self._passed_from = FIRST_PRIVATE_OPCODE
+        """Opcode from which on records are passed over; with an index, those of later versions,
+        too."""
         self._named: list[Chunk] = []
         """The chunks that the summary names."""
         self._statistics: records.Statistics | None = None
@@ -80,13 +86,15 @@ class McapScan(Scan):
 
     def indexed(self) -> tuple[Contents | None, Loss | None]:
         """See `Scan.indexed`."""
+        self._passed_from = LARGEST_OPCODE + 1
         footer = read_footer(self.source)
         if isinstance(footer, Loss):
             return None, footer
         start = footer.summary_start
         if not start:
             return None, None
-        if not (self._holds(start, footer.offset, {}) and not self._take_outside()):
+        end = self.source.size - FOOTER_SIZE - len(MCAP_MAGIC)
+        if not (self._holds(start, end, {}) and not self._take_outside()):
             return None, Loss(start, "the summary is damaged; the log was read without it")
         statistics = self._statistics
         if statistics is None or self._without_schema() or not self._is_complete(statistics):
@@ -114,7 +122,7 @@ class McapScan(Scan):
             and max(statistics.message_start_time, statistics.message_end_time) <= _LARGEST_TIME
         )
 
-    def _agrees(self, footer: Footer, statistics: records.Statistics) -> bool:
+    def _agrees(self, footer: records.Footer, statistics: records.Statistics) -> bool:
         """Tell whether the summary agrees with the file.
 
         A chunk whose own header is damaged is there nevertheless if a checksum vouches for the
@@ -123,7 +131,8 @@ class McapScan(Scan):
         self._outside = []
         named = {chunk.offset: chunk for chunk in self._named}
         return (
-            (footer.is_verified or self._are_there(self._named))
+            len(named) == len(self._named)
+            and (bool(footer.summary_crc) or self._are_there(self._named))
             and self._holds(len(MCAP_MAGIC), footer.summary_start, named)
             and len(self._extras) == statistics.attachment_count + statistics.metadata_count
             and not self._take_outside()
@@ -161,7 +170,7 @@ class McapScan(Scan):
         opcode, length = RECORD_HEAD.unpack_from(head)
         content = offset + RECORD_HEAD.size
         end: int = content + length
-        is_private = opcode >= FIRST_PRIVATE_OPCODE and end <= size
+        is_private = opcode >= self._passed_from and end <= size
         # One bit makes a private record of a chunk, but not the other way round.
         if opcode == Opcode.CHUNK or (is_private and is_chunk(head[RECORD_HEAD.size :], length)):
             return self._chunk_record(offset)

@@ -4,7 +4,6 @@ import struct
 import sys
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 from mcap import records
@@ -21,37 +20,29 @@ from dogbot_logtool.reader.containers.mcap.records import (
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
-_FOOTER_SIZE: Final = RECORD_HEAD.size + 20
+FOOTER_SIZE: Final = RECORD_HEAD.size + 20
 DATA_END_SIZE: Final = RECORD_HEAD.size + 4
 _PIECE: Final = 1 << 20
 
 
-@dataclass(frozen=True, slots=True)
-class Footer:
-    """The end of a file that was closed."""
+def read_footer(source: ByteSource) -> records.Footer | Loss:
+    """Read the footer; a loss says why there is no summary that can be trusted.
 
-    offset: int
-    summary_start: int
-    """0: there is no summary."""
-    is_verified: bool
-    """The summary's checksum holds."""
-
-
-def read_footer(source: ByteSource) -> Footer | Loss:
-    """Read the footer; a loss says why there is no summary that can be trusted."""
-    offset = source.size - len(MCAP_MAGIC) - _FOOTER_SIZE
-    tail = source.read(offset, _FOOTER_SIZE + len(MCAP_MAGIC))
-    if len(tail) < _FOOTER_SIZE + len(MCAP_MAGIC) or not tail.endswith(MCAP_MAGIC):
+    If it has a checksum, that holds.
+    """
+    offset = source.size - len(MCAP_MAGIC) - FOOTER_SIZE
+    tail = source.read(offset, FOOTER_SIZE + len(MCAP_MAGIC))
+    if len(tail) < FOOTER_SIZE + len(MCAP_MAGIC) or not tail.endswith(MCAP_MAGIC):
         return Loss(source.size, "the file has no end mark: its recording was cut off")
     opcode, length = RECORD_HEAD.unpack_from(tail)
-    footer = decode_record(records.Footer, tail[RECORD_HEAD.size : _FOOTER_SIZE])
-    if opcode != Opcode.FOOTER or length != _FOOTER_SIZE - RECORD_HEAD.size or footer is None:
+    footer = decode_record(records.Footer, tail[RECORD_HEAD.size : FOOTER_SIZE])
+    if opcode != Opcode.FOOTER or length != FOOTER_SIZE - RECORD_HEAD.size or footer is None:
         return Loss(offset, "the footer is damaged")
     start = footer.summary_start
-    crc = _checksum(source, start or offset, offset + _FOOTER_SIZE - 4) if footer.summary_crc else 0
+    crc = _checksum(source, start or offset, offset + FOOTER_SIZE - 4) if footer.summary_crc else 0
     if crc != footer.summary_crc:
         return Loss(start, "the summary is damaged; the log was read without it")
-    return Footer(offset, start, bool(crc))
+    return footer
 
 
 def agree(chunks: Sequence[Chunk], statistics: records.Statistics) -> bool:

@@ -32,8 +32,8 @@ from dogbot_logtool.reader.containers.sources.source import ByteSource
 _REGION_SIZE: Final = 1 << 20
 """Messages outside of chunks are read in runs of about this many bytes."""
 _REGION_RECORDS: Final = 1 << 16
-_FIRST_RECORDS: Final = 16
-_READ_AT_ONCE: Final = 4 << 20
+_FIRST_SIZE: Final = 4 << 10
+_GROWTH: Final = 16
 _LARGEST_PADDING: Final = 64
 _LARGEST_DESCRIPTION: Final = 16 << 20
 
@@ -85,8 +85,6 @@ class Scan(ABC):
         """What was passed over may be the head of a chunk whose messages come next."""
         self._doubtful: set[int] = set()
         """Offsets of messages outside of chunks that may be a damaged chunk's."""
-        self._window_offset, self._window = 0, b""
-        """What was read last of messages outside of chunks, and where it stands."""
 
     @abstractmethod
     def indexed(self) -> tuple[Contents | None, Loss | None]:
@@ -228,7 +226,6 @@ class Scan(ABC):
         while offset < self.source.size:
             following = self._step(offset)
             offset = self._search(offset) if following is None else following
-        self._window = b""
         read = self._read_chunks()
         self._losses.add(*self._take_outside())
         chunks = self._described(read)
@@ -334,28 +331,23 @@ class Scan(ABC):
     def _run(self, offset: int, end: int) -> tuple[Bytes, list[int]]:
         """Return bytes, and where the messages with which they begin begin and end.
 
-        More and more records are looked at: where runs of messages are short, looking at all that
+        More and more bytes are looked at: where runs of messages are short, looking at all that
         follows each of them would take the square of the time.
 
         Args:
             offset: where the first message begins.
             end: where it ends.
         """
-        size = max(_REGION_SIZE, end - offset)
-        start, behind = self._window_offset, self._window_offset + len(self._window)
-        if not start <= offset <= min(offset + size, self.source.size) <= behind:
-            self._window_offset = offset
-            self._window = self.source.read(offset, max(size, _READ_AT_ONCE))
-        view = memoryview(self._window)[offset - self._window_offset :][:size]
-        window = np.frombuffer(view, np.uint8)
-        limit = _FIRST_RECORDS
+        size = max(_FIRST_SIZE, end - offset)
         while True:
-            bounds = self._format.chain(window.data, 0, len(window), limit)
+            window = np.frombuffer(self.source.read(offset, size), np.uint8)
+            bounds = self._format.chain(window.data, 0, len(window), _REGION_RECORDS)
             found = self._format.decode(window, np.array(bounds[:-1], np.int64))
             count = int(np.append(found.op != self._format.message, True).argmax())
-            if count < limit or limit == _REGION_RECORDS:
+            is_all = count < len(found.op) or len(window) < size
+            if is_all or size >= _REGION_SIZE:
                 return window, bounds[: count + 1]
-            limit = min(limit * 8, _REGION_RECORDS)
+            size *= _GROWTH
 
     def _read_chunks(self) -> list[tuple[Chunk, Mapping[int, int]]]:
         """Read every chunk for counts, times and descriptions.

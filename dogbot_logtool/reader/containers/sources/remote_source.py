@@ -2,8 +2,10 @@
 
 import shutil
 import tempfile
+from bisect import bisect_right
 from collections.abc import Sequence
 from functools import lru_cache
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Final
 
 from dogbot_logtool.errors import CallError, LogError
@@ -81,19 +83,17 @@ class RemoteSource(ByteSource):
             return [self.read(offset, size) for offset, size in ranges]
         wanted = [(start, min(start + size, self.size)) for start, size in ranges]
         runs: list[_Run] = []
-        run_of: dict[_Run, int] = {}
         for start, end in sorted(each for each in wanted if each[0] < each[1]):
             if runs and start <= runs[-1][1] + _NEAR:
                 runs[-1] = runs[-1][0], max(runs[-1][1], end)
             else:
                 runs.append((start, end))
-            run_of[start, end] = len(runs) - 1
         data = self._fetch(runs)
-        return [
-            data[run][start - runs[run][0] : end - runs[run][0]] if run is not None else b""
-            for start, end in wanted
-            for run in (run_of.get((start, end)),)
-        ]
+        found: list[bytes] = []
+        for start, end in wanted:
+            run = bisect_right(runs, start, key=itemgetter(0)) - 1
+            found.append(data[run][start - runs[run][0] :][: end - start] if start < end else b"")
+        return found
 
     def nearby(self) -> ByteSource:
         """See `ByteSource.nearby`: a copy on the disk without a name, gone when it is closed.
