@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.axes import with_forward_axis
 from dogbot_logtool.core.base.falls import fallen_spans
 from dogbot_logtool.core.base.frozen import find_frozen, without_frozen
@@ -99,7 +99,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     base = without_jumps(recorded, jumps)
     records = without_stopped(_without_stuck(corrected.feet), base)
     placed, worlds = placed_poses(records, recorded, base)
-    height = height_over_feet(placed, records)
+    height = _steadiest_height(records, placed, base)
     fallen = fallen_spans(recorded, records, height, jumps.spans)
     weighed = loads_of(
         records,
@@ -174,6 +174,26 @@ def mask_walk(corrected: Corrected) -> Walk:
         vertical_known=weighed.share_of == "vertical_impulse",
         loads=weighed,
     )
+
+
+def _steadiest_height(
+    records: Sequence[FootHistory], placed: BaseHistory, without: BaseHistory
+) -> Floats:
+    """(n,) m, over the feet: z may be reset in poses of which x and y jump with the feet, or not.
+
+    Args:
+        records: of all feet.
+        placed: poses among the contact points.
+        without: poses without jumps.
+    """
+    height = height_over_feet(placed, records)
+    if placed is without:
+        return height
+    other = height_over_feet(without, records)
+    known = np.isfinite(height) & np.isfinite(other)
+    if not known.any():
+        return height if np.isfinite(height).any() else other
+    return other if np.std(other[known]) < np.std(height[known]) else height
 
 
 def _without_stuck(feet: Sequence[FootHistory]) -> tuple[FootHistory, ...]:

@@ -23,6 +23,8 @@ from dogbot_logtool.core.settings import FootSettings, WalkSettings
 
 WORSE: Final = 0.05
 """By how much offsets may worsen the sum of all loads over the weight."""
+FAR: Final = 0.3
+"""By how much of the weight loads may miss it for a mass that is wrong, rather than a level."""
 TURNED: Final = "swing and stance look alike, so that either may be the unloaded level"
 
 Levels = tuple[SensorLevel, ...]
@@ -157,27 +159,42 @@ def weight_of_levels(levels: Sequence[SensorLevel]) -> float | None:
 
 
 def turned_levels(levels: Sequence[SensorLevel], weight_n: float | None) -> Levels:
-    """Let loads turn what all sensors read alike, where one alone does not show it surely.
+    """Decide which way loads turn what sensors read: alike on all feet, and to the weight.
 
     Args:
         levels: of all feet, each as its own samples show it.
         weight_n: N, the robot's; None: not known.
     """
     raises = sum(x.lead if x.raises else -x.lead for x in levels if x.opposite) >= 0.0
-    alike = tuple(
-        level.opposite
-        if level.opposite and level.raises is not raises and level.lead < SURE
-        else level
+    likely = tuple(
+        _opposite(level) if level.raises is not raises and level.lead < SURE else level
         for level in levels
     )
-    # Loads that miss the weight are those of levels that are not right, unless these are sure.
-    needed = SURE if _miss(weight_of_levels(alike), weight_n) > 2.0 * WORSE else UNSURE
+    if all(level.opposite is None for level in likely):
+        return likely
+    others = (level.opposite and (level.opposite.alternative or level.opposite) for level in likely)
+    turned = tuple(other or level for other, level in zip(others, likely, strict=True))
+    miss, other_miss = (_miss(weight_of_levels(each), weight_n) for each in (likely, turned))
+    sure = all(level.lead >= SURE for level in likely if level.opposite)
+    if other_miss <= WORSE and miss > (FAR if sure else WORSE):
+        return tuple(_opposite(level) for level in likely)
+    if miss <= WORSE < other_miss:
+        return likely
+    needed = SURE if miss > 2.0 * WORSE else UNSURE
     return tuple(
-        _without_offset(level, TURNED)
-        if own.opposite and (level.reason or level.lead < needed)
-        else level
-        for level, own in zip(alike, levels, strict=True)
+        _without_offset(level, TURNED) if level.opposite and level.lead < needed else level
+        for level in likely
     )
+
+
+def _opposite(level: SensorLevel) -> SensorLevel:
+    """Turn a level; one that is too clear for that, or not clear then, is not known."""
+    other = level.opposite
+    if other is None:
+        return level
+    if other.reason or level.lead >= SURE:
+        return _without_offset(level, TURNED)
+    return replace(other, opposite=replace(level, opposite=None))
 
 
 def _miss(total: float | None, weight_n: float | None) -> float:
@@ -189,25 +206,38 @@ def _miss(total: float | None, weight_n: float | None) -> float:
 
 
 def weighed_levels(levels: Levels, weight_n: float | None) -> Levels:
-    """Keep offsets that are only estimated if they do not worsen the sum of loads over the weight.
+    """Take the lower of two alternating loads for none where only so all add up to the weight.
 
-    Where swings and stances are beyond doubt, so are the offsets: the mass is wrong then.
+    Offsets that are only estimated are kept if they do not worsen that sum. Where swings and
+    stances are beyond doubt, so are the offsets: the mass is wrong then.
     """
-    total = weight_of_levels(levels)
-    if weight_n is None or total is None:
+    if weight_n is None:
         return levels
-    recorded = sum(level.mean_recorded_n or level.mean_n or 0.0 for level in levels)
-    # What a sensor cuts off is missing.
-    cut_off = total < weight_n and any(level.limit_n is not None for level in levels)
-    if cut_off or _miss(total, weight_n) <= _miss(recorded, weight_n) + WORSE:
+    others = tuple(level.alternative or level for level in levels)
+    if any(level.alternative for level in levels):
+        after = _miss(weight_of_levels(others), weight_n)
+        if after <= WORSE and _miss(_recorded_n(others), weight_n) > 2.0 * WORSE:
+            levels = others
+    estimated = [
+        level.origin == "estimated" and not level.zero_in_swing and level.lead < SURE
+        for level in levels
+    ]
+    total = weight_of_levels(levels)
+    if total is None or _miss(total, weight_n) <= _miss(_recorded_n(levels), weight_n) + WORSE:
+        return levels
+    if total < weight_n and any(level.limit_n is not None for level in levels):
+        # What a sensor cuts off is missing.
         return levels
     why = f"taking it off would make the loads add up to {total / weight_n:.2f} of the weight"
     return tuple(
-        _without_offset(level, why)
-        if level.origin == "estimated" and not level.zero_in_swing and level.lead < SURE
-        else level
-        for level in levels
+        _without_offset(level, why) if one else level
+        for level, one in zip(levels, estimated, strict=True)
     )
+
+
+def _recorded_n(levels: Levels) -> float:
+    """Return the sum of the feet's mean loads with the offsets left in, N."""
+    return sum(level.mean_recorded_n or level.mean_n or 0.0 for level in levels)
 
 
 def _without_offset(level: SensorLevel, why: str) -> SensorLevel:

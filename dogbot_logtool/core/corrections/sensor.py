@@ -30,6 +30,7 @@ from dogbot_logtool.core.corrections.modes import (
     MIDDLE_SHARE,
     NOISY,
     ONCE,
+    WIDE,
     Modes,
     judged,
     strays,
@@ -123,6 +124,8 @@ class SensorLevel:
     """Whether single samples are zero under load, as where messages are lost on a sensor's bus."""
     reason: str = ""
     """Why the level could not be estimated; empty where it is known."""
+    alternative: "SensorLevel | None" = None
+    """The level if the lower of two loads were none, where that is not clear."""
     lightest_n: float | None = None
     """N, magnitude that the lightest samples stay below; only where the level is not known."""
     raises: bool = True
@@ -150,13 +153,12 @@ class SensorLevel:
         return np.stack([np.interp(since, knots, part) for part in self.offset.T], axis=1)
 
 
-def estimate_level(log_time: Ints, force: Floats, *, alternating: bool = False) -> SensorLevel:
+def estimate_level(log_time: Ints, force: Floats) -> SensorLevel:
     """Estimate offset, noise and drift of one foot's sensor from its own samples.
 
     Args:
         log_time: (n,) ns, ascending; there may be gaps.
         force: (n, 3) N, as recorded; rows that are not finite are left out.
-        alternating: whether the lighter of two loads that alternate is none.
     """
     finite = all_finite(force)
     log_time, force = log_time[finite], force[finite]
@@ -169,9 +171,7 @@ def estimate_level(log_time: Ints, force: Floats, *, alternating: bool = False) 
     axis, runs = load_axis(force), run_numbers(log_time)
     along = without_spikes(force @ axis)
     up, down = two_modes(along, runs, raises=True), two_modes(-along, runs, raises=False)
-    both = [judged(up, down.width), judged(down, up.width)]
-    if alternating:
-        both = [replace(each, reason="") if each.reason == ALTERNATE else each for each in both]
+    both = judged(up, down.width), judged(down, up.width)
     likely, other = sorted(both, key=lambda modes: -modes.score)
     level, opposite = (_judged_level(modes, log_time, force, axis) for modes in (likely, other))
     if level.reason:
@@ -181,7 +181,7 @@ def estimate_level(log_time: Ints, force: Floats, *, alternating: bool = False) 
         # What is cut off at a limit does not vary there: that says nothing of swing.
         lead -= 2.0 * likely.width_fit
     if opposite.reason and lead < (SURE if opposite.reason == ONCE else UNSURE):
-        return opposite
+        return replace(opposite, alternative=None)
     if lead < 0.0:
         level, opposite, lead = opposite, level, -lead
     return replace(level, lead=lead, opposite=replace(opposite, lead=lead))
@@ -249,14 +249,17 @@ def _in_runs(flags: Flags) -> Flags:
 
 def _judged_level(modes: Modes, log_time: Ints, force: Floats, axis: Floats) -> SensorLevel:
     """Return the level that modes stand for, or why it is not known; see `level_of`."""
-    if modes.reason not in {"", ONCE}:
+    if modes.reason not in {"", ALTERNATE, ONCE, WIDE}:
         return _unknown(modes.reason, usual_interval_s(log_time), force)
     level = level_of(modes, log_time, force, axis)
-    if modes.reason == ONCE:
-        return replace(_unknown(ONCE, level.interval_s, force), wobble_n=level.wobble_n)
-    if (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0):
-        return _unknown(NOISY, level.interval_s, force)
-    return level
+    noisy = (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0)
+    reason = modes.reason or (NOISY if noisy else "")
+    if not reason:
+        return level
+    unknown = _unknown(reason, level.interval_s, force)
+    if reason == ONCE:
+        return replace(unknown, wobble_n=level.wobble_n)
+    return replace(unknown, alternative=level)
 
 
 def _unknown(reason: str, interval_s: float | None, force: Floats) -> SensorLevel:

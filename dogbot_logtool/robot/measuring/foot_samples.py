@@ -17,7 +17,6 @@ from dogbot_logtool.core.arrays import Floats, Ints, concatenated, norms, percen
 from dogbot_logtool.core.contact.contact_rule import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, without_contact
 from dogbot_logtool.core.corrections.clock import usual_interval_s
-from dogbot_logtool.core.corrections.modes import ALTERNATE
 from dogbot_logtool.core.corrections.sensor import SensorLevel, estimate_level
 from dogbot_logtool.core.recording import Recording, has_own_stamps
 from dogbot_logtool.finding import Finding, found
@@ -165,11 +164,11 @@ def _level(samples: Samples) -> SensorLevel:
     low, high = percentiles_of(force[:, 2], [5.0, 95.0])
     force[:, 2] += np.random.default_rng(0).normal(0.0, _BLUR * (high - low), len(force))
     level = estimate_level(samples.log_time, force)
-    if level.reason != ALTERNATE:
+    light = level.alternative
+    if light is None or light.loaded_n is None:
         return level
-    light = estimate_level(samples.log_time, force, alternating=True)
-    offset, loaded = float(light.offset_n[2]), light.loaded_n or 0.0
-    return light if 0.0 <= offset <= _UNLOADED * (offset + loaded) else level
+    offset = float(light.offset_n[2])
+    return light if 0.0 <= offset <= _UNLOADED * (offset + light.loaded_n) else level
 
 
 def _counted(samples: Samples, offset: float, on_counts: float | None) -> Samples:
