@@ -107,7 +107,7 @@ class Call:
         if command is not None:
             runner = runner_for(command, len(items), options.jobs, self._scheduler)
         work = partial(work, options=replace(options, jobs=runner.jobs))
-        bars = ProgressBars(names, shown=not self._quiet)
+        bars = ProgressBars(names, visible=not self._quiet)
         with runner, bars:
             outcomes = runner.run(work, items, bars)
             for name, outcome in zip(names, outcomes, strict=True):

@@ -12,7 +12,7 @@ from dogbot_logtool.cli.call import Call, refuse_given
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
-from dogbot_logtool.io.storage import Location, from_root, location, shown
+from dogbot_logtool.io.storage import Location, from_root, location, name_of
 from dogbot_logtool.io.targets import refuse_no_name
 from dogbot_logtool.options import Export
 from dogbot_logtool.report.tables import TableFile
@@ -56,7 +56,7 @@ def _write(call: Call, logs: LogSet, options: Export, file: TableFile) -> None:
         measured = measure(log, options, progress)
         walk = Walk(log, measured, options)
         for each in walk.all_samples() if table == "samples" else [getattr(walk, table)]:
-            file.add({"log": np.full(len(each), shown(log), np.object_), **each.columns})
+            file.add({"log": np.full(len(each), name_of(log), np.object_), **each.columns})
         return measured
 
     for _ in call.each(export, options, logs.paths, logs.names):
@@ -88,5 +88,5 @@ def _dataset(call: Call, logs: LogSet, options: Export, name: str) -> NoReturn:
             dataset.write_failed(entry, failures[log])
     if not options.quiet:
         counts["failed"] = len(call.failures)
-        print_dataset(diagnostics(), shown(dataset.root), counts, pending.pruned)
+        print_dataset(diagnostics(), name_of(dataset.root), counts, pending.pruned)
     call.finish()

@@ -7,7 +7,7 @@ import click
 from dogbot_logtool.cli.call import Call
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.plain_json import to_json
-from dogbot_logtool.io.storage import shown
+from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.io.targets import may_be_several, output_at
 from dogbot_logtool.options import Report
 from dogbot_logtool.report.comparison_report import gait_comparison_json
@@ -56,8 +56,8 @@ def _against(call: Call, options: Report) -> NoReturn:
         first, second, target, overwrite=options.overwrite, makes_folder=where.is_folder
     )
     if options.json:
-        found = {"output": shown(done.target), "bytes": done.size}
+        found = {"output": name_of(done.target), "bytes": done.size}
         click.echo(to_json({**found, **gait_comparison_json(done.found)}, indent=2))
     if not options.quiet:
-        print_comparison_page(diagnostics(), shown(done.target), done.size, done.found)
+        print_comparison_page(diagnostics(), name_of(done.target), done.size, done.found)
     call.finish()

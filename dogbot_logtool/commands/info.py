@@ -107,8 +107,8 @@ def _with_legs(
     model = read_model(log, options.urdf)
     if model.robot is None:
         offered = any(each.command for each in findings)
-        told = without_legs(model.why_none, "" if offered else model.call)
-        return [told if each.code == "NO_FEET" else each for each in findings]
+        lacking_legs = without_legs(model.why_none, "" if offered else model.call)
+        return [lacking_legs if each.code == "NO_FEET" else each for each in findings]
     stand_in = {"NO_FEET": "CONTACT_ESTIMATED", "NO_BASE": "BASE_FROM_LEGS"}
     kept = [each for each in findings if each.code not in missing]
     return kept + [found(stand_in[code], say="may") for code in sorted(missing)]

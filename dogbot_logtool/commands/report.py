@@ -7,7 +7,7 @@ from typing import Any
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_log
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
-from dogbot_logtool.io.storage import Location, file_name, is_folder, shown, version
+from dogbot_logtool.io.storage import Location, file_name, is_folder, name_of, version
 from dogbot_logtool.io.targets import Output, targets
 from dogbot_logtool.options import Report
 from dogbot_logtool.report.page.assets import page_script, shared_name
@@ -90,8 +90,8 @@ class Reports:
 
 
 def _row_without_page(log: Location, failures: Mapping[str, str]) -> IndexRow:
-    error = failures.get(shown(log), "no page was written")
-    return IndexRow(file_name(log), error=error.removeprefix(f"{shown(log)}: "))
+    error = failures.get(name_of(log), "no page was written")
+    return IndexRow(file_name(log), error=error.removeprefix(f"{name_of(log)}: "))
 
 
 def replay_of(found: MeasuredLog) -> dict[str, Any] | None:

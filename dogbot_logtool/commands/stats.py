@@ -8,7 +8,7 @@ from dogbot_logtool.core import metrics
 from dogbot_logtool.core.analysis import analyse
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.io.storage import Location, shown
+from dogbot_logtool.io.storage import Location, name_of
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import (
     Log,
@@ -87,18 +87,18 @@ def measure_planned(
         log, plan.wanted, options.jobs, progress, start=start, alongside=alongside
     )
     damage = damage_of(log, _losses(log, read, plan.wanted.limits))
-    told = prepare(log, read.recording, plan, options)
-    known = (*told.findings, *_order_findings(read.recording.out_of_order))
+    prepared = prepare(log, read.recording, plan, options)
+    known = (*prepared.findings, *_order_findings(read.recording.out_of_order))
     lost = [Finding("LOST", damage.text)] if damage.losses else []
     walk = analyse(
-        told.recording,
-        told.settings,
-        told.find_legs,
-        told.planned,
+        prepared.recording,
+        prepared.settings,
+        prepared.find_legs,
+        prepared.planned,
         log=_what_was_read(log, read, damage.messages, damage.bytes),
         known=(*lost, *known),
     )
-    return MeasuredLog(Measurement(walk, damage), told.selection, told.model, read, known)
+    return MeasuredLog(Measurement(walk, damage), prepared.selection, prepared.model, read, known)
 
 
 def _losses(log: Log, read: ReadLog, limits: TimeLimits) -> list[Loss]:
@@ -120,7 +120,7 @@ def _what_was_read(
 ) -> metrics.Log:
     start, end = log.start_time, log.end_time
     return metrics.Log(
-        path=shown(log.source.path),
+        path=name_of(log.source.path),
         container=log.container,
         profile=log.profile,
         start_s=None if start is None else start / 1e9,

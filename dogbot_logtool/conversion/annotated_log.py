@@ -123,13 +123,13 @@ class AnnotatedLog:
 
     def _channels_for(self, plan: ConversionPlan) -> AddedChannels:
         """Return what declares the channels of annotations, beside those that are copied."""
-        taken = {c.topic: (c.type_name, c.message_encoding) for c in self._copied.values()}
+        in_use = {c.topic: (c.type_name, c.message_encoding) for c in self._copied.values()}
         # Chunks that are copied as they are may describe channels that are left out.
         described = self._log.channels.values() if plan.options.copy else ()
         schema_ids = {channel.schema.id for channel in described if channel.schema}
         estimated = plan.selection.contact_from
         notes = {"contact_from": estimated} if estimated else {}
-        return AddedChannels(schema_ids, {channel.id for channel in described}, taken, notes)
+        return AddedChannels(schema_ids, {channel.id for channel in described}, in_use, notes)
 
     def copy_extras(self) -> Iterator[Loss]:
         """Copy attachments and metadata records; yield those that cannot be read."""

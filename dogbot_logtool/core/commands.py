@@ -66,12 +66,12 @@ def follow_commands(walk: Walk, history: VectorHistory | None) -> CommandTrack |
     until = np.append(history.time[1:], history.time[-1:] + timeout)
     held = np.stack([history.time, np.minimum(until, history.time + timeout)], axis=1)
     holds = timespans.merge(held)
-    way, known = _base_way(base, forward_axis, walk.jumps.spans)
+    displacement, known = _base_displacement(base, forward_axis, walk.jumps.spans)
     both = timespans.intersect([known, holds])
     time = timespans.ticks(both, round(1e9 / TRACKING_HZ))
     half = window // 2
     time = time[timespans.hold_window(both, time, half, half)]
-    measured = way.mean(time, window)
+    measured = displacement.mean(time, window)
     axes, velocity = _in_axes(history, held, time, window, measured, forward_axis)
     command = _command(held, velocity)
     longest = timespans.hold_window(holds, time, half + max(_DELAYS_NS), half)
@@ -105,7 +105,7 @@ def follow_commands(walk: Walk, history: VectorHistory | None) -> CommandTrack |
     )
 
 
-def _base_way(base: BaseHistory, forward_axis: str, jumps: Ints) -> tuple[Integral, Ints]:
+def _base_displacement(base: BaseHistory, forward_axis: str, jumps: Ints) -> tuple[Integral, Ints]:
     """Add up the steps from pose to pose along axes that turn with the robot (yaw only).
 
     Returns:
@@ -152,8 +152,8 @@ def _in_axes(
     means = {key: _command(held, each).mean(time, window_ns) for key, each in readings.items()}
     squares = {key: ((measured - each)[:, :2] ** 2).sum() for key, each in means.items()}
     better, worse = sorted(readings, key=squares.__getitem__)
-    told = squares[better] <= _CLEARLY**2 * squares[worse] or not means[worse][:, :2].any()
-    return better if told else None, readings[better]
+    clear = squares[better] <= _CLEARLY**2 * squares[worse] or not means[worse][:, :2].any()
+    return better if clear else None, readings[better]
 
 
 def _oppose(measured: Floats, commanded: Floats) -> bool:

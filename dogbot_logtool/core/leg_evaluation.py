@@ -26,7 +26,7 @@ RESTING_M: Final = 0.02
 RESTING_SHARE: Final = 0.15
 IDLE: Final = 0.02
 """rad or m: joints of no leg that move by less are left out."""
-SHORTEST_WAY_M: Final = 0.1
+SHORTEST_PATH_M: Final = 0.1
 """m: work is not set against a shorter way."""
 
 
@@ -98,11 +98,11 @@ def _no_swings(
 ) -> str:
     """Say why a foot's swings cannot be known; empty if they may be."""
     if path is None:
-        told = settings.chains[row] is None
-        return settings.reasons[row] if told else "too little of its leg is told"
+        lacks_chain = settings.chains[row] is None
+        return settings.reasons[row] if lacks_chain else "too little of its leg is told"
     reasons = (
         (walk.base_clock_is_apart, "the clocks of odometry and feet differ"),
-        (walk.loses_way, "the odometry drifts among the contact points"),
+        (walk.loses_track, "the odometry drifts among the contact points"),
         (
             joints_apart and len(settings.joints) > 0,
             "the clock of the joint states differs from that of the feet",
@@ -207,7 +207,7 @@ def _cost(walk: Walk, absolute_j: Floats) -> float | None:
     weight = walk.loads.weight_n
     if weight is None or not walk.feet:
         return None
-    way = walk.feet[walk.reference].base_way_m
-    known = np.isfinite(absolute_j) & np.isfinite(way)
-    total = float(way[known].sum())
-    return float(absolute_j[known].sum()) / (weight * total) if total >= SHORTEST_WAY_M else None
+    displacement = walk.feet[walk.reference].base_displacement_m
+    known = np.isfinite(absolute_j) & np.isfinite(displacement)
+    total = float(displacement[known].sum())
+    return float(absolute_j[known].sum()) / (weight * total) if total >= SHORTEST_PATH_M else None

@@ -80,8 +80,8 @@ class WalkLoads:
 
     @property
     def _size_over_weight(self) -> float | None:
-        told = self.complete and self.over_strides and self.body_weight_n
-        if not told or not self.body_weight_n or self.mean_magnitude_n is None:
+        comparable = self.complete and self.over_strides and self.body_weight_n
+        if not comparable or not self.body_weight_n or self.mean_magnitude_n is None:
             return None
         return self.mean_magnitude_n / self.body_weight_n
 
@@ -344,15 +344,15 @@ LARGEST_FOOT_M: Final = 0.3
 """m: the contact point of no foot that stays in place travels further in a stance."""
 
 
-def slip_m(contact_way_m: Floats, rolling_m: float | None) -> Floats:
+def slip_m(contact_travel_m: Floats, rolling_m: float | None) -> Floats:
     """Return how far a foot slips in each stance, m.
 
     A round foot that rolls, or a flat one on which the pressure moves, moves its contact point
     without slipping. Where that way is not known, neither is the slip.
 
     Args:
-        contact_way_m: (n,) m, way of the contact point; NaN where there is none.
+        contact_travel_m: (n,) m, way of the contact point; NaN where there is none.
         rolling_m: m, way of the contact point of a foot that does not slip; None: not known.
     """
-    slip: Floats = np.maximum(contact_way_m - (np.nan if rolling_m is None else rolling_m), 0.0)
+    slip: Floats = np.maximum(contact_travel_m - (np.nan if rolling_m is None else rolling_m), 0.0)
     return slip

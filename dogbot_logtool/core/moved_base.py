@@ -59,16 +59,16 @@ def poses_of_base(
     own, other = (lookup(statics, each, above[-1], now, now) for each in (above[0], base or ""))
     if not (own.known[0] and other.known[0]):
         return recording, (found("POSE_FRAME", "unknown", topic=topic, frame=above[0]),)
-    way, back = other.translation - own.translation, conjugate(own.rotation)
+    displacement, back = other.translation - own.translation, conjugate(own.rotation)
     slash = "/" if recording.base_frames[0].startswith("/") else ""
     moved = replace(
         recording,
-        base=_moved(recording.base, rotate(back, way), multiply(back, other.rotation)),
+        base=_moved(recording.base, rotate(back, displacement), multiply(back, other.rotation)),
         base_frames=(f"{slash}{base}",),
     )
-    metres = float(np.linalg.norm(way))
-    told = found("POSE_FRAME", topic=topic, frame=above[0], base=base, metres=metres)
-    return moved, (told,)
+    metres = float(np.linalg.norm(displacement))
+    moving = found("POSE_FRAME", topic=topic, frame=above[0], base=base, metres=metres)
+    return moved, (moving,)
 
 
 def _base_of(

@@ -54,7 +54,7 @@ def on_one_clock(recording: Recording, topic: str) -> tuple[Recording, tuple[Fin
         own = _clock(base.log_time, log_time, stamp)
         changed = replace(recording, base=replace(base, stamp=own))
     others, stamped_ones = ("feet", "odometry")[:: 1 if base_is_stamped else -1]
-    told = found(
+    finding = found(
         "CLOCK_OFFSET",
         "little",
         say="others",
@@ -63,7 +63,7 @@ def on_one_clock(recording: Recording, topic: str) -> tuple[Recording, tuple[Fin
         others=others,
         speed=speed,
     )
-    return changed, (told,)
+    return changed, (finding,)
 
 
 def _stamped(samples: Samples, log_time: Ints, stamp: Ints) -> Samples:

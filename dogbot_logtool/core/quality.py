@@ -216,7 +216,7 @@ def topic_quality(
     if silences is not None:
         gaps = silences[:, 1] - silences[:, 0]
     # Zeros are no stamps that repeat or step back.
-    told = None if times.stamp is None else np.diff(times.stamp[times.stamp > 0])
+    steps = None if times.stamp is None else np.diff(times.stamp[times.stamp > 0])
     number, span = len(times.log_time) - 1, int(time.max()) - int(time.min())
     offset, drift = _offset(log_time, stamp) if times.has_stamps else (None, None)
     check = times.check
@@ -231,8 +231,8 @@ def topic_quality(
         gaps=len(gaps),
         gaps_total_s=_total(gaps) / 1e9,
         longest_gap_s=int(gaps.max(initial=0)) / 1e9,
-        duplicate_stamps=None if told is None else int((told == 0).sum()),
-        backward_stamps=None if told is None else int((told < 0).sum()),
+        duplicate_stamps=None if steps is None else int((steps == 0).sum()),
+        backward_stamps=None if steps is None else int((steps < 0).sum()),
         zero_stamps=None if check is None else check.zeros,
         stamps_ahead=None if check is None else check.ahead,
         clock_steps=() if check is None else check.steps,

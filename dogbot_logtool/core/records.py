@@ -232,7 +232,7 @@ def void(record: R, patterns: Sequence[str], prefix: str = "") -> R:
     return changed
 
 
-def taken(record: type[R], source: Any, **others: Any) -> R:  # noqa: ANN401
+def copied(record: type[R], source: Any, **others: Any) -> R:  # noqa: ANN401
     """Return a record whose fields have the values of attributes of the same names."""
     names = {field.name for field in fields_of(record)} - others.keys()
     made: R = record(**{name: getattr(source, name) for name in names}, **others)

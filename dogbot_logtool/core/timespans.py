@@ -83,10 +83,10 @@ def intersect(spans: Sequence[Ints]) -> Ints:
     return spans_where(edges, held)
 
 
-def subtract(spans: Ints, taken: Ints) -> Ints:
-    """Return the time that lies in `spans` but not in `taken`."""
-    edges = distinct(np.concatenate([spans.ravel(), taken.ravel()]))
-    held = covers(spans, edges[:-1]) & ~covers(taken, edges[:-1])
+def subtract(spans: Ints, removed: Ints) -> Ints:
+    """Return the time that lies in `spans` but not in `removed`."""
+    edges = distinct(np.concatenate([spans.ravel(), removed.ravel()]))
+    held = covers(spans, edges[:-1]) & ~covers(removed, edges[:-1])
     return spans_where(edges, held)
 
 

@@ -154,12 +154,12 @@ class Walk:
         return self.base_clock_is_apart or self.worlds_differ
 
     @property
-    def loses_way(self) -> bool:
+    def loses_track(self) -> bool:
         """Whether the base drifts so far among the contact points that speeds are not known."""
         path_m = 0.0 if self.base is None else self.base.path_length_m or 0.0
         if self.worlds is None or self.settings.base_from_legs:
             return False
-        return self.worlds.lose_way(path_m)
+        return self.worlds.lose_track(path_m)
 
     @property
     def feet_on_poses(self) -> tuple[str, ...]:

@@ -56,8 +56,8 @@ class WorldFrames:
             self._put(samples, point)
             for (samples, _), point in zip(turned, self.points, strict=True)
         ]
-        told = (np.concatenate([known for _, known in each]) for each in (turned, placed))
-        counts = [(int(known.sum()), int((~known).sum())) for known in told]
+        parts = (np.concatenate([known for _, known in each]) for each in (turned, placed))
+        counts = [(int(known.sum()), int((~known).sum())) for known in parts]
         return tuple(samples for samples, _ in placed), PlacedCounts(*counts)
 
     def _poses(self, frame: str, samples: Samples) -> Poses:

@@ -76,12 +76,12 @@ def _refuse_object(target: "UPath", inputs: Sequence[Location], *, overwrite: bo
 
 def _is_input(target: Location) -> CallError:
     what = "is the input itself; choose another output"
-    return CallError(f"{storage.shown(target)}: {what}")
+    return CallError(f"{storage.name_of(target)}: {what}")
 
 
 def _exists_already(target: Location) -> CallError:
     what = "exists already; --overwrite replaces it, or name another"
-    return CallError(f"{storage.shown(target)}: {what}")
+    return CallError(f"{storage.name_of(target)}: {what}")
 
 
 def _status_of(target: Path) -> os.stat_result | None:
@@ -232,10 +232,10 @@ def _uploaded_object(target: "UPath", *, overwrite: bool) -> Iterator[BinaryIO]:
             raise
     except NotImplementedError as error:
         what = "this kind of store is read only"
-        raise StoreError(f"{storage.shown(target)}: cannot be written: {what}") from error
+        raise StoreError(f"{storage.name_of(target)}: cannot be written: {what}") from error
     except OSError as error:
         what = str(error) or "no reason given"
-        raise StoreError(f"{storage.shown(target)}: cannot be written: {what}") from error
+        raise StoreError(f"{storage.name_of(target)}: cannot be written: {what}") from error
 
 
 def _discard(file: Any) -> None:  # noqa: ANN401 - a file of fsspec, or of one of its stores

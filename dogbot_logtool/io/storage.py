@@ -73,7 +73,7 @@ def location(word: str) -> Location:
         if parts.scheme in {"http", "https"}:
             _ = parts.port  # is checked only when it is asked for
     except ValueError as error:
-        raise CallError(f"{shown(word)}: is no valid URL ({error})") from error
+        raise CallError(f"{name_of(word)}: is no valid URL ({error})") from error
     if not (parts.netloc or parts.path):
         raise CallError(f"{parts.scheme}://: names no host, bucket or file")
     if parts.scheme == "file":
@@ -88,12 +88,12 @@ def location(word: str) -> Location:
         path = UPath(word)
         path.fs  # noqa: B018 - finds out whether its filesystem is installed
     except ImportError as error:
-        raise CallError(f"{shown(word)}: {error}") from error
+        raise CallError(f"{name_of(word)}: {error}") from error
     except ValueError as error:
-        raise CallError(f"{shown(word)}: is a URL of no known kind ({error})") from error
+        raise CallError(f"{name_of(word)}: is a URL of no known kind ({error})") from error
     except (AttributeError, OSError) as error:
         # upath cannot tell its parts, or it is a file within another one that cannot be had.
-        raise StoreError(f"{shown(word)}: cannot be opened: {error}") from error
+        raise StoreError(f"{name_of(word)}: cannot be opened: {error}") from error
     return path
 
 
@@ -117,7 +117,7 @@ def identity(path: Location) -> str:
         return str(path)
 
 
-def shown(path: Location | str) -> str:
+def name_of(path: Location | str) -> str:
     """Return a path as it may be printed: a URL without passwords and signatures."""
     text = str(path)
     if not _URL.match(text):
@@ -314,14 +314,14 @@ def _failure(path: Location, error: BaseException) -> LogtoolError | None:
         error = cause if isinstance(cause, TimeoutError) or _is_web(cause) else error
     status = getattr(error, "status", 0) if _is_web(error) else 0
     if isinstance(error, FileNotFoundError) or status in _ABSENT:
-        return CallError(f"{shown(path)}: no such file")
+        return CallError(f"{name_of(path)}: no such file")
     what = _first_line(error)
     if isinstance(error, PermissionError) or status in _DENIED:
-        return CallError(f"{shown(path)}: access is denied ({what})")
+        return CallError(f"{name_of(path)}: access is denied ({what})")
     if 400 <= status < 500 and status not in _LATER:
-        return CallError(f"{shown(path)}: the server refuses the request ({what})")
+        return CallError(f"{name_of(path)}: the server refuses the request ({what})")
     if isinstance(error, OSError) or _package_of(error) in _STORES:
-        return StoreError(f"{shown(path)}: the store fails: {what}")
+        return StoreError(f"{name_of(path)}: the store fails: {what}")
     return None
 
 

@@ -124,7 +124,7 @@ def refuse_other_format(target: Location, suffix: str) -> None:
     if promised not in {None, written}:
         name = f"{target.stem.removesuffix(suffix)}{suffix}"
         raise CallError(
-            f"{storage.shown(target)}: the name is that of {promised}, but {written} is written; "
+            f"{storage.name_of(target)}: the name is that of {promised}, but {written} is written; "
             f"name it {name}"
         )
 
@@ -159,8 +159,8 @@ def targets(
     if not output.is_folder:
         if len(logs) > 1:
             raise CallError(
-                f"{storage.shown(output.path)}: is a file's name, and there are {len(logs)} logs; "
-                f"name a directory, such as {output.path.with_suffix('').name}/"
+                f"{storage.name_of(output.path)}: is a file's name, and there are {len(logs)} "
+                f"logs; name a directory, such as {output.path.with_suffix('').name}/"
             )
         return [(logs[0], output.path)]
     folders = below or [PurePath()] * len(logs)
@@ -172,8 +172,8 @@ def targets(
     for log, target in pairs:
         if target in taken:
             raise CallError(
-                f"{storage.shown(log)}: another log has the same name, so both would go to "
-                f"{storage.shown(target)}"
+                f"{storage.name_of(log)}: another log has the same name, so both would go to "
+                f"{storage.name_of(target)}"
             )
         taken.add(target)
     return pairs

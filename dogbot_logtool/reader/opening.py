@@ -113,7 +113,7 @@ def _open_source(source: ByteSource, distribution: str, *, packed: bool) -> Log:
         container = _with_damaged_magic(magic)
         damage = (Loss(0, "the file's first bytes are damaged"),)
         if container is None or not_a_log.is_known(magic):
-            raise LogError(f"{storage.shown(source.path)}: {not_a_log.describe(source)}")
+            raise LogError(f"{storage.name_of(source.path)}: {not_a_log.describe(source)}")
     module = import_module(f"dogbot_logtool.reader.containers.{container.module}")
     log: Log = module.open_log(source, distribution)
     log.losses = (*damage, *map(log.located, log.losses))

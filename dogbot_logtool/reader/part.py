@@ -17,7 +17,7 @@ from dogbot_logtool.reader.messages.bases import Base, BasePoses
 from dogbot_logtool.reader.messages.contacts import ReadContacts, read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
-from dogbot_logtool.reader.messages.message_type import Part as Told
+from dogbot_logtool.reader.messages.message_type import Part as MessagePart
 from dogbot_logtool.reader.messages.others import (
     is_static,
     read_joints,
@@ -36,7 +36,7 @@ class WantedVectors:
     topic: str
     channels: tuple[Channel, ...]
     """All of one type."""
-    part: Told
+    part: MessagePart
     """What is read of its messages."""
 
 

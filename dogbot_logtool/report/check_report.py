@@ -52,7 +52,7 @@ def _parts(found: Judgement) -> list[str | tuple[str, str]]:
     return [label, printable(name + _sentence(found)), printable(look)]
 
 
-def shown_value(value: Value) -> str:
+def value_text(value: Value) -> str:
     """Return a value as a sentence shows it."""
     if value is None:
         return "not known"
@@ -108,4 +108,4 @@ def _case(found: Judgement) -> Case:
 
 
 def _sentence(found: Judgement) -> str:
-    return f"{found.figure} is {shown_value(found.value)}; wanted: {found.demand}"
+    return f"{found.figure} is {value_text(found.value)}; wanted: {found.demand}"

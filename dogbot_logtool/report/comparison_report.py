@@ -10,7 +10,7 @@ from dogbot_logtool.comparison.outcome import Comparison, Difference, Tally
 from dogbot_logtool.comparison.walks import CONFIDENCE, GaitComparison, MetricDifference
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.io.storage import shown
+from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.report.documents import ERROR, FAILURE, TOOL, Case, damage_json, junit_xml
 from dogbot_logtool.report.text.console import NameTable, Row, print_losses, print_sentence
 
@@ -76,8 +76,8 @@ def comparison_document(comparison: Comparison) -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         "tool": TOOL,
-        "expected": shown(comparison.expected),
-        "actual": shown(comparison.actual),
+        "expected": name_of(comparison.expected),
+        "actual": name_of(comparison.actual),
         "same": comparison.same,
         "exit_code": comparison.exit_code,
         "verdict": comparison.verdict,

@@ -93,7 +93,7 @@ class Dataset:
         both = zip(log_set.logs, found, strict=True)
         log_set = replace(log_set, logs=tuple(log for log, each in both if each.damaged is None))
         unchanged = [
-            (storage.shown(each.location), DAMAGED if each.damaged else 0)
+            (storage.name_of(each.location), DAMAGED if each.damaged else 0)
             for each in found
             if each.damaged is not None
         ]
@@ -107,7 +107,7 @@ class Dataset:
             LogtoolError: they cannot be written.
         """
         state = {"state": entry.state, "damaged": damaged}
-        path = storage.shown(storage.from_root(entry.location))
+        path = storage.name_of(storage.from_root(entry.location))
         for table in TABLES:
             if table not in tables:
                 self._remove(table, entry.log_hash)
@@ -180,7 +180,7 @@ class Dataset:
         except CallError:
             return None
         except (OSError, pa.ArrowException) as error:
-            raise LogtoolError(f"{storage.shown(file)}: cannot be read: {error}") from error
+            raise LogtoolError(f"{storage.name_of(file)}: cannot be read: {error}") from error
         return rows, json.loads((rows.schema.metadata or {}).get(_STATE, b"{}"))
 
     def _replace(self, table: str, log_hash: str, rows: Any, state: dict[str, Any]) -> None:  # noqa: ANN401
@@ -219,7 +219,7 @@ def dataset_at(root: Location, options: MeasureOptions, labels: Labels) -> Datas
 
 
 def _refuse_bad_root(path: Path) -> None:
-    name = storage.shown(path)
+    name = storage.name_of(path)
     if name != str(path):
         raise CallError(f"--dataset {name}: its name must be UTF-8, which all readers of it need")
     if path.exists() and not path.is_dir():

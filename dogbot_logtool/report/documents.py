@@ -12,7 +12,7 @@ from dogbot_logtool.core.records import Field, definitions, fields_of, to_json, 
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.plain_json import not_finite, only_finite
 from dogbot_logtool.io.printable import listed, printable, printable_lines
-from dogbot_logtool.io.storage import shown
+from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.verdict import headline, quality_of
 from dogbot_logtool.results import Conversion, Measurement, Page
@@ -102,8 +102,8 @@ def conversion_json(done: Conversion) -> dict[str, Any]:
     """Return what was done as plain values."""
     return {
         "tool": TOOL,
-        "input": shown(done.source),
-        "output": shown(done.target),
+        "input": name_of(done.source),
+        "output": name_of(done.target),
         "container": done.container,
         "robot": done.robot.name,
         "style": done.style,
@@ -126,8 +126,8 @@ def page_json(done: Page) -> Json:
     measured = done.measured
     return {
         "tool": TOOL,
-        "input": shown(done.source),
-        "output": shown(done.target),
+        "input": name_of(done.source),
+        "output": name_of(done.target),
         "bytes": done.size,
         "verdict": headline(measured.metrics),
         "quality": quality_of(measured).word,

@@ -18,7 +18,7 @@ from dogbot_logtool.core.frames.frame_tree import (
     walk,
 )
 from dogbot_logtool.io.printable import listed, printable
-from dogbot_logtool.io.storage import shown
+from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.report.documents import damage_json, finding_json
 from dogbot_logtool.report.tables import recorded_at
 from dogbot_logtool.report.text.console import (
@@ -101,7 +101,7 @@ def _milliseconds(interval_s: float | None) -> str:
 def info_json(info: LogInfo) -> dict[str, Any]:
     """Return what is known of a log as plain values."""
     return {
-        "path": shown(info.path),
+        "path": name_of(info.path),
         "size_bytes": info.size,
         "container": info.container,
         "profile": info.profile,
@@ -131,7 +131,7 @@ def info_json(info: LogInfo) -> dict[str, Any]:
 
 def print_info(console: Console, info: LogInfo) -> None:
     """Print what is known of a log."""
-    print_sentence(console, (printable(shown(info.path)), "bold"))
+    print_sentence(console, (printable(name_of(info.path)), "bold"))
     print_damage(console, info.damage)
     for name, value in _head(info):
         print_sentence(console, f"  {name:<11}  {printable(value)}", indent=15)

@@ -6,7 +6,7 @@ from functools import partial
 from typing import Final
 
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.io.storage import Location, shown
+from dogbot_logtool.io.storage import Location, name_of
 from dogbot_logtool.provenance import PROVENANCE, is_marked
 from dogbot_logtool.reader.containers.log import EarlierAnnotations, Extra, Log
 from dogbot_logtool.reader.opening import open_joined
@@ -34,7 +34,7 @@ def open_recorded(path: Location, others: Sequence[Location] = ()) -> Log:
         if annotations is not None and not log.channels:
             origin = next((r["input"] for r in annotations.records if r.get("input")), "")
             raise LogError(
-                f"{shown(path)}: holds only annotations, without the messages that were recorded "
+                f"{name_of(path)}: holds only annotations, without the messages that were recorded "
                 f"(--no-copy); use the log that it was made from{f', {origin}' if origin else ''}"
             )
     except BaseException:

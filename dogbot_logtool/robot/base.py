@@ -13,7 +13,7 @@ from typing import Final
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
-from dogbot_logtool.io.storage import shown
+from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.definition import Struct
 from dogbot_logtool.reader.decode.field_path import every_field
@@ -172,7 +172,7 @@ def _named(log: Log, robot: Robot, name: str) -> BaseCandidate:
     topic, element = split_topic(name, log.channels_by_topic)
     if not element or topic not in log.channels_by_topic:
         require_topic(log, "--odom-topic", topic, "base")
-    where = f"{shown(log.source.path)}: --odom-topic: {topic}"
+    where = f"{name_of(log.source.path)}: --odom-topic: {topic}"
     sources, reason = _sources_at(log.channels_by_topic[topic], element)
     if not sources:
         raise CallError(f"{where}: {reason}")

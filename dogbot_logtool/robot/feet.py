@@ -9,7 +9,7 @@ from typing import Final
 from dogbot_logtool.errors import CallError, DefinitionError
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed, shell_quoted
-from dogbot_logtool.io.storage import shown
+from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.contacts import foot_source
@@ -117,9 +117,9 @@ def channels_of_feet(log: Log, robot: Robot) -> dict[Channel, tuple[int, ...]]:
                 sources |= {channel: source} if source and not source.fault else {}
         if because and not sources:
             names = f"{'foot' if len(feet) == 1 else 'feet'} {listed([foot.name for foot in feet])}"
-            raise CallError(f"{shown(log.source.path)}: {names}, {topic}: {because}")
+            raise CallError(f"{name_of(log.source.path)}: {names}, {topic}: {because}")
         if because := _same_foot(feet, [*sources.values()]):
-            raise CallError(f"{shown(log.source.path)}: foot {because}")
+            raise CallError(f"{name_of(log.source.path)}: foot {because}")
         indices = tuple(index for index, foot in enumerate(robot.feet) if foot.topic == topic)
         found |= dict.fromkeys(sources, indices)
     return found

@@ -116,8 +116,8 @@ class FootSet:
     def may_be_feet(self, *, contacts_only: bool) -> bool:
         """Tell whether it is worth offering: forces of any left and right thing are not."""
         if self.kind == "sides" and self.part == Part.UNKNOWN and not contacts_only:
-            said = self.words - NEUTRAL - MERITS.keys()
-            return not self.doubtful and not any(map(str.isalpha, said))
+            distinct = self.words - NEUTRAL - MERITS.keys()
+            return not self.doubtful and not any(map(str.isalpha, distinct))
         return self.part > Part.NOT_A_FOOT and len(self.feet) <= _MOST_LEGS
 
 
@@ -235,10 +235,10 @@ def _as_feet(
         # The numbers in `foot_l1` may be those of the sensors of one foot.
         inside = {word.part for word in words if word.segment == first}
         doubtful = Part.FOOT in inside and Part.LEG not in inside
-    told = frozenset(word.text for word in near)
+    near_words = frozenset(word.text for word in near)
     feet = [Foot(legs[t].name, t, leg_position=legs[t].position) for t in topics]
     if sensors:
-        told -= ON_A_FOOT
+        near_words -= ON_A_FOOT
         number = {topic: n for n, part in enumerate(sensors, start=1) for topic in part}
         feet = [replace(f, name=f"{f.name}_{number[f.topic]}", sensor_of=f.name) for f in feet]
         feet.sort(key=lambda foot: number[foot.topic])
@@ -246,7 +246,7 @@ def _as_feet(
         tuple(feet),
         kind,
         Part.FOOT if Part.FOOT in parts else min(parts, default=Part.UNKNOWN),
-        told,
+        near_words,
         letters_only=all(words[at].text in LETTERS for at in slots),
         doubtful=doubtful,
     )
@@ -268,8 +268,8 @@ def _name_one_foot(words: Sequence[Word], differ: Sequence[int]) -> bool:
             )
             for a, b in pairwise(same)
         )
-        said = [words[at] for at in same]
-        telling = all(w.is_leg or w.is_position or w.text in NEUTRAL for w in said)
+        distinct = [words[at] for at in same]
+        telling = all(w.is_leg or w.is_position or w.text in NEUTRAL for w in distinct)
         if named and (len(same) < len(inside) or telling):
             return True
     return False

@@ -1,7 +1,7 @@
 """The part of a log that a user asks for: --start and --end."""
 
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.io.storage import shown
+from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.log import Log
 
 TimeLimits = tuple[int | None, int | None]
@@ -28,7 +28,7 @@ def time_limits(log: Log, start_s: float | None, end_s: float | None) -> TimeLim
     elif first > log.start_time and first >= log.end_time:
         fault = f"--start {start_s:.12g} is not before the log's end"
     if fault:
-        raise CallError(f"{shown(log.source.path)}: {fault}; {_length(log)}")
+        raise CallError(f"{name_of(log.source.path)}: {fault}; {_length(log)}")
     return start, end
 
 
@@ -49,7 +49,7 @@ def refuse_empty_span(log: Log, limits: TimeLimits, messages: int) -> None:
     first = 0.0 if start is None else start
     last = (log.end_time - log.start_time) / 1e9 if end is None else end
     raise CallError(
-        f"{shown(log.source.path)}: no message was recorded from {first:.12g} to {last:.12g} s; "
+        f"{name_of(log.source.path)}: no message was recorded from {first:.12g} to {last:.12g} s; "
         f"{_length(log)}"
     )
 

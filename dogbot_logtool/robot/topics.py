@@ -9,7 +9,7 @@ from typing import Final
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import MOST, listed, printable
-from dogbot_logtool.io.storage import shown
+from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log, damage_of
 from dogbot_logtool.reader.decode.paths import Columns
 from dogbot_logtool.reader.foot import Foot
@@ -124,7 +124,7 @@ def require_topic(
         LogError: it is, but cannot be decoded.
     """
     channels = log.channels_by_topic.get(topic, ())
-    where = f"{shown(log.source.path)}: {option}"
+    where = f"{name_of(log.source.path)}: {option}"
     sources = [source for c in channels if part and (source := source_of(c, part))]
     if sources and all(source.fault for source in sources):
         raise LogError(f"{where}: {topic} cannot be read: {sources[0].fault}")
@@ -227,7 +227,7 @@ def not_calibrated(
     """
     names = tuple(foot.name for foot in feet)
     counts = robot.contact_on_counts
-    told = found(
+    finding = found(
         "NOT_CALIBRATED",
         say="given" if counts is not None and say != "estimated" else say,
         type=name,
@@ -235,7 +235,7 @@ def not_calibrated(
         counts=counts,
         reason=reason,
     )
-    return replace(told, feet=names)
+    return replace(finding, feet=names)
 
 
 def own_definition_findings(used: Iterable[Channel]) -> Iterator[Finding]:
@@ -263,7 +263,7 @@ def nothing_to_do(log: Log, findings: Sequence[Finding]) -> str:
         log: the log.
         findings: of the choice of its topics.
     """
-    path = shown(log.source.path)
+    path = name_of(log.source.path)
     offers = [
         each
         for each in findings

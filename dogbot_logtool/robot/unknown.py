@@ -89,7 +89,7 @@ def _named_sets(log: Log) -> Iterator[FootCandidates]:
                 continue
             around = words_of(f"{topic} {type_name}")
             for path, is_a, own in _readable(kinds):
-                if not _tells_of_feet(is_a, (*around, *own), own):
+                if not _may_be_feet(is_a, (*around, *own), own):
                     continue
                 labels = _labels_beside(log, channel, path, kinds)
                 named[is_a].update(_single_fields(topic, path, labels))
@@ -129,12 +129,12 @@ def _readable(kinds: Mapping[str, FieldType]) -> Iterator[tuple[str, str, tuple[
             yield path, "vector" if not is_number else "integer" if integer else "number", words
 
 
-def _tells_of_feet(is_a: str, words: Sequence[Word], own: Sequence[Word]) -> bool:
+def _may_be_feet(is_a: str, words: Sequence[Word], own: Sequence[Word]) -> bool:
     """Tell whether the words of a field, its topic and type speak of forces or contacts."""
-    said = {word.text for word in words}
+    texts = {word.text for word in words}
     if is_a == "vector":
-        return bool(said & (FORCE_WORDS | {"grf"})) and "torque" not in {w.text for w in own}
-    return bool(said & (CONTACT_WORDS | FORCE_WORDS)) or any(word.is_leg for word in words)
+        return bool(texts & (FORCE_WORDS | {"grf"})) and "torque" not in {w.text for w in own}
+    return bool(texts & (CONTACT_WORDS | FORCE_WORDS)) or any(word.is_leg for word in words)
 
 
 def _labels_beside(
@@ -184,7 +184,7 @@ def _rows_of_fields(
     topic: str, path: str, is_a: str, kinds: Mapping[str, FieldType]
 ) -> Iterator[_Set]:
     """Yield elements of an array, or bits of an integer; how many feet there are, messages tell."""
-    said, name = texts_of(f"{topic} {path}"), f"{topic}/{path.replace('.', '/')}"
+    texts, name = texts_of(f"{topic} {path}"), f"{topic}/{path.replace('.', '/')}"
     array = kinds[path.partition("[]")[0]]
     paths: list[list[str]] = []
     if path.count("[]") == 1:
@@ -194,9 +194,9 @@ def _rows_of_fields(
             if size % step == 0 and _FEWEST_FEET <= size // step <= _MOST_FEET + 1:
                 numbers = range(2 if step > 1 else 0, size, step)
                 paths.append([path.replace("[]", f"[{number}]") for number in numbers])
-    elif "[]" not in path and is_a == "integer" and said & _BIT_WORDS:
+    elif "[]" not in path and is_a == "integer" and texts & _BIT_WORDS:
         paths.append([f"{path}&{1 << bit}" for bit in range(_MOST_FEET)])
-    for row in paths if "effort" not in said else ():
+    for row in paths if "effort" not in texts else ():
         yield [_field(f"foot_{n}", topic, each) for n, each in enumerate(row)], [name], ""
 
 

@@ -14,7 +14,7 @@ from typing import Any, Final
 
 from dogbot_logtool import __version__
 from dogbot_logtool.errors import CallError, ExtraMissingError, LogtoolError
-from dogbot_logtool.io.storage import shown
+from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.run.executor import AHEAD, LOOK_EVERY_S, ExecutorRunner, RunLost
 from dogbot_logtool.run.runner import Failure, Progress, Result, Work, attempt
 
@@ -166,7 +166,7 @@ def _connected(scheduler: str) -> "distributed.Client":
             return distributed.Client(scheduler, timeout=_CONNECT_S, set_as_default=False)
     except Exception as error:  # a server of another kind may answer anything
         # dask names the address without what makes it one, and so with its password.
-        why = str(error).replace(scheduler.partition("://")[2], shown(scheduler))
+        why = str(error).replace(scheduler.partition("://")[2], name_of(scheduler))
         raise LogtoolError(
             f"--scheduler {scheduler}: no scheduler answers there ({why or 'timed out'}); "
             "check the address, and that `dask scheduler` runs there"

@@ -62,7 +62,7 @@ class LogSet:
     @property
     def names(self) -> list[str]:
         """Names of the logs for messages."""
-        return [storage.shown(log.path) for log in self.logs]
+        return [storage.name_of(log.path) for log in self.logs]
 
     @property
     def below(self) -> list[PurePath]:
@@ -97,7 +97,7 @@ def find_logs(words: Iterable[str], *, for_workers: bool = False) -> LogSet:
                 continue
             path = storage.from_root(one.path) if for_workers else one.path
             found.setdefault(storage.identity(path), replace(one, path=path))
-    names = ((storage.shown(path), reason) for path, reason in unreadable.items())
+    names = ((storage.name_of(path), reason) for path, reason in unreadable.items())
     failures = tuple((name, f"{name}: cannot be searched: {reason}") for name, reason in names)
     if not found and failures:
         raise LogtoolError(f"{failures[0][1]}, and there are no logs elsewhere")
@@ -132,12 +132,12 @@ def _listed(path: Location, unreadable: Unreadable) -> Iterator[Found]:
                 )
             yield from _named(word, unreadable)
         except CallError as error:
-            raise CallError(f"@{storage.shown(path)}, line {number}: {error}") from error
+            raise CallError(f"@{storage.name_of(path)}, line {number}: {error}") from error
 
 
 def _lines(path: Location) -> list[str]:
     """Return the lines of a list: names of files may be any bytes, so these need not be UTF-8."""
-    name = f"@{storage.shown(path)}"
+    name = f"@{storage.name_of(path)}"
     try:
         data = storage.content(path, _LARGEST_LIST)
     except CallError as error:
@@ -162,7 +162,7 @@ def _on_disk(path: Path, unreadable: Unreadable) -> Iterator[Found]:
         logs = _searched(path, unreadable)
         if not logs and not unreadable:
             raise CallError(
-                f"{storage.shown(path)}: is a directory, not a log file, and holds no logs"
+                f"{storage.name_of(path)}: is a directory, not a log file, and holds no logs"
             )
         yield from logs
     elif os.path.lexists(name) or not _WILD.search(name):
@@ -170,7 +170,7 @@ def _on_disk(path: Path, unreadable: Unreadable) -> Iterator[Found]:
     else:
         paths = _matches(name)
         if not paths and not unreadable:
-            raise CallError(f"{storage.shown(path)}: no file has such a name")
+            raise CallError(f"{storage.name_of(path)}: no file has such a name")
         yield from _unique(
             one
             for each in paths
@@ -313,7 +313,7 @@ def _in_store(path: "UPath") -> Iterator[Found]:
     if _WILD.search(path.path) and path.protocol not in {"http", "https"}:
         names = sorted(storage.asked(path, lambda: list(path.fs.glob(path.path))))
         if not names and not storage.exists(path):
-            raise CallError(f"{storage.shown(path)}: no object has such a name")
+            raise CallError(f"{storage.name_of(path)}: no object has such a name")
     for one in [_like(path, name) for name in names] or [path]:
         if _ends_like_a_log(one.name) or not storage.is_folder(one):
             yield Found(one)
@@ -331,7 +331,7 @@ def _searched_in_store(folder: "UPath") -> Iterator[Found]:
     bags = {parent for parent, names in files.items() if _is_bag(names, parent.name)}
     logs = [path for path in paths if _ends_like_a_log(path.name) and path.parent not in bags]
     if not bags and not logs:
-        raise CallError(f"{storage.shown(folder)}: there are no logs")
+        raise CallError(f"{storage.name_of(folder)}: there are no logs")
     for path in sorted([*bags, *logs], key=str):
         parent, is_below = path.parent, path.parent.is_relative_to(root)
         below = parent.relative_to(root) if is_below else PurePosixPath()

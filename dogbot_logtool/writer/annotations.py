@@ -128,13 +128,13 @@ class Annotations:
                 groups = _transforms(((frame, self._wanted.base_frame),), drawn)
             case Arrows():
                 arrows = [(arrow_topic(foot), markers.arrow, (foot, frame, look)) for foot in feet]
-                groups = _shown_or_not(drawn, arrows, markers.arrow_columns(drawn))
+                groups = _visible_or_not(drawn, arrows, markers.arrow_columns(drawn))
             case Labels():
                 labels = [
                     (label_topic(foot), markers.label, (foot, frame, name))
                     for foot, name in zip(feet, short_names(feet), strict=True)
                 ]
-                groups = _shown_or_not(drawn, labels, markers.label_columns(drawn))
+                groups = _visible_or_not(drawn, labels, markers.label_columns(drawn))
             case Loads():
                 groups = _loads(drawn, feet)
             case SupportScene():
@@ -151,7 +151,7 @@ def _transforms(pairs: tuple[tuple[str, str], ...], drawn: Transforms) -> Groups
     return group, lambda _: (TF_TOPIC, described.transforms, (pairs,)), columns
 
 
-def _shown_or_not(
+def _visible_or_not(
     drawn: Arrows | Labels, by_foot: Sequence[DescribedBy], columns: Columns
 ) -> Groups:
     """Group what is drawn at a foot, or removed from it."""
@@ -161,7 +161,7 @@ def _shown_or_not(
         topic, describe, of = by_foot[foot]
         return topic, describe, (*of, not removed)
 
-    return 2 * drawn.foot + ~drawn.shown, described_by, columns
+    return 2 * drawn.foot + ~drawn.visible, described_by, columns
 
 
 def _loads(loads: Loads, feet: Sequence[str]) -> Groups:

@@ -22,7 +22,7 @@ class AddedChannels:
         self,
         schema_ids: Collection[int] = (),
         channel_ids: Collection[int] = (),
-        taken: Mapping[str, tuple[str, str]] = MappingProxyType({}),
+        in_use: Mapping[str, tuple[str, str]] = MappingProxyType({}),
         notes: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         """Begin without channels.
@@ -30,7 +30,7 @@ class AddedChannels:
         Args:
             schema_ids: that the log uses.
             channel_ids: likewise.
-            taken: the log's topics, each with its type, without ``/msg``, and encoding.
+            in_use: the log's topics, each with its type, without ``/msg``, and encoding.
             notes: stand in the metadata of each channel.
         """
         self._metadata = {**ANNOTATION_MARK, **notes}
@@ -38,7 +38,7 @@ class AddedChannels:
         self.channels: list[records.Channel] = []
         self.moved: dict[str, str] = {}
         """New names of topics that the log uses for something else."""
-        self._taken = taken
+        self._in_use = in_use
         self._schema_ids = _free_ids(schema_ids)
         self._channel_ids = _free_ids(channel_ids)
 
@@ -71,7 +71,7 @@ class AddedChannels:
         """Return a topic that carries no other type or encoding."""
         name = topic
         ours = kind.name.replace("/msg/", "/"), kind.message_encoding
-        while self._taken.get(name, ours) != ours:
+        while self._in_use.get(name, ours) != ours:
             name = self.moved[topic] = FALLBACK_PREFIX + name
         return name
 

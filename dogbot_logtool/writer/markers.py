@@ -74,8 +74,8 @@ def _marker(
     if drawn:
         drawn = {"lifetime": time(round(lifetime_s * 1e9)), **drawn}
     header = {"stamp": STAMP, "frame_id": frame}
-    shown = drawn or {"action": DELETE}
-    return {"header": header, "ns": namespace, "id": number, "pose": UPRIGHT, **shown}
+    visible = drawn or {"action": DELETE}
+    return {"header": header, "ns": namespace, "id": number, "pose": UPRIGHT, **visible}
 
 
 def _colour(rgb: Sequence[float]) -> Literal:
@@ -86,7 +86,7 @@ def _size(width: float, height: float) -> Literal:
     return {"x": width, "y": width, "z": height}
 
 
-def arrow(foot: str, frame: str, look: Look, shown: bool) -> Described:  # noqa: FBT001
+def arrow(foot: str, frame: str, look: Look, visible: bool) -> Described:  # noqa: FBT001
     """Draw a foot's arrow: slots of a pose, a colour, and ``length``; or remove it."""
     drawn = {
         "type": ARROW,
@@ -94,7 +94,7 @@ def arrow(foot: str, frame: str, look: Look, shown: bool) -> Described:  # noqa:
         "scale": {"x": Slot("length"), "y": look.arrow_m, "z": look.arrow_m},
         "color": slots("rgba", of=Of.COLOUR),
     }
-    marker = _marker(frame, "dogbot", look.arrow_lifetime_s, drawn if shown else {})
+    marker = _marker(frame, "dogbot", look.arrow_lifetime_s, drawn if visible else {})
     return Described(MARKER, marker, foot, look.arrow_lifetime_s)
 
 
@@ -110,7 +110,7 @@ def arrow_columns(arrows: Arrows) -> Columns:
     }
 
 
-def label(foot: str, frame: str, name: str, shown: bool) -> Described:  # noqa: FBT001
+def label(foot: str, frame: str, name: str, visible: bool) -> Described:  # noqa: FBT001
     """Draw a foot's load beside it, after a short name: slots of a point, and ``text``."""
     drawn = {
         "type": TEXT,
@@ -119,16 +119,16 @@ def label(foot: str, frame: str, name: str, shown: bool) -> Described:  # noqa: 
         "color": _colour(_LABEL_COLOUR),
         "text": Slot("text", Of.TEXT, f"{name} "),
     }
-    marker = _marker(frame, "label", LIFETIME_S, drawn if shown else {})
+    marker = _marker(frame, "label", LIFETIME_S, drawn if visible else {})
     return Described(MARKER, marker, foot, LIFETIME_S)
 
 
 def label_columns(labels: Labels) -> Columns:
     """Return the columns of labels."""
-    text = np.full(len(labels.shown), b"", f"S{_LABEL_WIDTH}")
-    text[labels.shown] = [
+    text = np.full(len(labels.visible), b"", f"S{_LABEL_WIDTH}")
+    text[labels.visible] = [
         (_BEYOND if force > _LARGEST_N else f"{force:.0f} N").center(_LABEL_WIDTH).encode()
-        for force in labels.force[labels.shown].tolist()
+        for force in labels.force[labels.visible].tolist()
     ]
     return {**parts("xyz", labels.position), "text": text}
 

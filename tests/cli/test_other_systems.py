@@ -172,5 +172,5 @@ def test_pages_and_tables(logs: Path) -> None:
 @pytest.mark.parametrize("word", [r"C:\logs\walk.bag", "C:/logs/walk.bag", "C://logs/walk.bag"])
 def test_a_drive_is_no_scheme(word: str) -> None:
     assert storage.location(word) == Path(word)
-    assert storage.shown(word) == word
+    assert storage.name_of(word) == word
     assert storage.without_secrets(f"C:/runs/a@b.bag and {word}") == f"C:/runs/a@b.bag and {word}"

@@ -10,7 +10,7 @@ import pytest
 from upath import UPath
 
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.io.storage import location, shown
+from dogbot_logtool.io.storage import location, name_of
 from dogbot_logtool.run.inputs import find_logs
 from tests import forked_cli
 from tests.forked_cli import Ended
@@ -218,8 +218,8 @@ def test_what_is_no_url_is_refused(word: str, said: str) -> None:
 
 
 def test_secrets_of_a_url_are_not_shown() -> None:
-    assert shown("https://me:word@host/x.bag?X-Signature=1") == "https://host/x.bag"
-    assert shown("a@b/c?d.bag") == "a@b/c?d.bag"
+    assert name_of("https://me:word@host/x.bag?X-Signature=1") == "https://host/x.bag"
+    assert name_of("a@b/c?d.bag") == "a@b/c?d.bag"
 
 
 def called(*words: object, cwd: Path) -> Ended:

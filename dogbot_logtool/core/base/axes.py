@@ -56,7 +56,7 @@ def has_heading(motion: Base) -> bool:
     return bool(motion.yaw_rate_radps) or net >= STRAIGHT * path
 
 
-def ways_m(motion: Base | None) -> tuple[float, float]:
+def displacements_m(motion: Base | None) -> tuple[float, float]:
     """Return how far the base goes ahead and to the left, m; zeros where that is not known."""
     if motion is None or not has_heading(motion):
         return 0.0, 0.0
@@ -67,7 +67,7 @@ def ways_m(motion: Base | None) -> tuple[float, float]:
 
 def axis_by_motion(motion: Base | None, forward_axis: str) -> str | None:
     """Return the body's axis that the motion follows, if it is to a side of the given one."""
-    forward, left = ways_m(motion)
+    forward, left = displacements_m(motion)
     if abs(left) < WALKED_M or abs(left) <= abs(forward):
         return None
     turn = FORWARD_ANGLES[forward_axis]

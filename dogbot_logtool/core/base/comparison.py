@@ -10,7 +10,7 @@ from dogbot_logtool.core.arrays import Complexes, Flags, Floats, Ints, all_finit
 from dogbot_logtool.core.base.poses import BaseHistory
 
 FEWEST_STRIDES: Final = 2
-SHORTEST_WAY_M: Final = 0.2
+SHORTEST_PATH_M: Final = 0.2
 """m in all that a witness must tell, for a way to be compared."""
 COHERENT: Final = 0.7
 """Coherence |sum a conj(b)| / sqrt(sum |a|^2 sum |b|^2) from which two ways are one."""
@@ -67,12 +67,12 @@ def motion_in(base: BaseHistory, windows: Ints, forward_rad: float = 0.0) -> Mot
         unknown = np.full(len(windows), np.nan)
         return Motion(unknown + 0j, unknown, unknown)
     ahead, left, _ = base.steps(forward_rad)
-    way = np.concatenate([[0.0], np.cumsum(ahead + 1j * left)])
+    path = np.concatenate([[0.0], np.cumsum(ahead + 1j * left)])
     edges = windows - base.time[0]
     since = (base.time - base.time[0]).astype(np.float64)
     outside = (edges[:, 0] < 0) | (edges[:, 1] > since[-1])
     outside |= timespans.touches(base.gaps, windows[:, 0], windows[:, 1])
-    columns = way, base.angles[:, 2], base.position[:, 2]
+    columns = path, base.angles[:, 2], base.position[:, 2]
     changes = [np.diff(np.interp(edges, since, each))[:, 0] for each in columns]
     return Motion(*(np.where(outside, np.nan, each) for each in changes))
 
@@ -113,7 +113,7 @@ class Comparison:
     def _is_telling(self) -> bool:
         """Whether the witness goes somewhere."""
         turned = float(np.abs(self.reference.turn).sum()) if self.tells_turn else 0.0
-        return self.reference.walked_m > max(SHORTEST_WAY_M, SWINGS * turned)
+        return self.reference.walked_m > max(SHORTEST_PATH_M, SWINGS * turned)
 
     @property
     def _fit(self) -> tuple[float, float, float]:
@@ -153,8 +153,8 @@ def compare_twist(poses: BaseHistory, windows: Ints, forward_rad: float) -> Comp
     heading = (poses.angles[1:, 2] + poses.angles[:-1, 2]) / 2.0
     own = motion_in(poses, windows, forward_rad)
     found = []
-    for way in (flat, flat * np.exp(1j * heading)):
-        at = np.concatenate([[0.0], np.cumsum(way)])
+    for path in (flat, flat * np.exp(1j * heading)):
+        at = np.concatenate([[0.0], np.cumsum(path)])
         position = np.stack([at.real, at.imag, np.zeros(len(at))], axis=1)
         reference = motion_in(replace(poses, position=position), windows, forward_rad)
         found.append(

@@ -133,11 +133,11 @@ def footfalls(path: FootPath, stances: Stances) -> Footfalls:
     position = path.at(time)
     known = path.unbroken(time[:, 0], time[:, -1]) & np.isin(stances.cut, _SEEN)
     position[~known] = np.nan
-    way = position - position[:, :1]
-    flat = np.hypot(way[:, :, 0], way[:, :, 1])
+    displacement = position - position[:, :1]
+    flat = np.hypot(displacement[:, :, 0], displacement[:, :, 1])
     return Footfalls(
         position=position[:, len(steps) // 2],
-        travel_m=np.sqrt((way[:, -1] ** 2).sum(axis=1)),
+        travel_m=np.sqrt((displacement[:, -1] ** 2).sum(axis=1)),
         slip_m=flat[:, -1],
         largest_slip_m=flat.max(axis=1, initial=0.0),
     )

@@ -102,8 +102,8 @@ def _block(base: BaseHistory, spans: Ints, noise: float) -> int:
         return 1
     step_s = float(median_of(np.diff(base.time))) / 1e9
     begin, end = base.position_at(spans[:, 0]), base.position_at(spans[:, 1])
-    way = np.nansum(np.hypot(*(end - begin)[:, :2].T))
-    speed = max(float(way) / (timespans.total(spans) / 1e9), AWAY_M / 10.0)
+    length = np.nansum(np.hypot(*(end - begin)[:, :2].T))
+    speed = max(float(length) / (timespans.total(spans) / 1e9), AWAY_M / 10.0)
     size = (4.0 * noise**2 / (2.0 * _NEGLIGIBLE * (speed * step_s) ** 2)) ** (1.0 / 3.0)
     return int(min(max(np.ceil(size), 1), _LONGEST_BLOCK))
 
@@ -122,12 +122,12 @@ def path_length_m(base: BaseHistory, travel: Travel, moves: Flags) -> float:
     edges = np.diff(np.concatenate([[False], counted, [False]]).astype(np.int8))
     starts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
     return sum(
-        _way(base.position[start : end + 1, :2], travel)
+        _path_length(base.position[start : end + 1, :2], travel)
         for start, end in zip(starts.tolist(), ends.tolist(), strict=True)
     )
 
 
-def _way(path: Floats, travel: Travel) -> float:
+def _path_length(path: Floats, travel: Travel) -> float:
     """Length of an unbroken path, m."""
     size = min(travel.block, max(1, len(path) // 4))
     blocks = len(path) // size

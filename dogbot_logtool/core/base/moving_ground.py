@@ -25,19 +25,19 @@ class MovingGround:
 
     time: Ints
     """(n,) ns."""
-    way: Floats
+    displacement: Floats
     """(n, 2) m, horizontally in the world, since the first time."""
     speed_mps: float
 
-    def way_at(self, time: Ints) -> Floats:
+    def displacement_at(self, time: Ints) -> Floats:
         """Return where the ground has moved to, (m, 3) m; before and after, it stands."""
         since = (self.time - self.time[0]).astype(np.float64)
-        flat = [np.interp(time - self.time[0], since, axis) for axis in self.way.T]
+        flat = [np.interp(time - self.time[0], since, axis) for axis in self.displacement.T]
         return np.stack([*flat, np.zeros(len(time))], axis=1)
 
     def on_ground(self, base: BaseHistory) -> BaseHistory:
         """Return poses against the ground."""
-        return replace(base, position=base.position - self.way_at(base.time))
+        return replace(base, position=base.position - self.displacement_at(base.time))
 
 
 def find_moving_ground(
@@ -74,8 +74,8 @@ def find_moving_ground(
     time = np.concatenate([base.time[:1], time, base.time[-1:]])
     velocity = np.concatenate([velocity[:1], velocity, velocity[-1:]])
     steps = np.maximum(np.diff(time), 0)[:, None] / 1e9
-    way = np.cumsum((velocity[1:] + velocity[:-1]) / 2.0 * steps, axis=0)
-    return MovingGround(time, np.concatenate([np.zeros((1, 2)), way]), speed)
+    displacement = np.cumsum((velocity[1:] + velocity[:-1]) / 2.0 * steps, axis=0)
+    return MovingGround(time, np.concatenate([np.zeros((1, 2)), displacement]), speed)
 
 
 def _velocities(foot: FootHistory) -> tuple[Ints, Floats]:
@@ -84,8 +84,8 @@ def _velocities(foot: FootHistory) -> tuple[Ints, Floats]:
     whole = foot.stances.whole
     begin, end = foot.stances.touchdown[whole], foot.stances.liftoff[whole]
     first, last = np.searchsorted(time, begin), np.searchsorted(time, end) - 1
-    told = last > first + 1
-    first, last = first[told], last[told]
+    spans_samples = last > first + 1
+    first, last = first[spans_samples], last[spans_samples]
     seconds = (time[last] - time[first])[:, None] / 1e9
-    middle = (begin + (end - begin) // 2)[told]
+    middle = (begin + (end - begin) // 2)[spans_samples]
     return middle, (point[last, :2] - point[first, :2]).astype(np.float64) / seconds

@@ -163,8 +163,8 @@ class BaseHistory:
         """
         yaw = self.angles[:, 2]
         heading = (yaw[1:] + yaw[:-1]) / 2.0 + forward_rad
-        way = along_heading(np.diff(self.position[:, :2], axis=0), heading)
-        return np.stack([*way, np.diff(yaw)])
+        displacement = along_heading(np.diff(self.position[:, :2], axis=0), heading)
+        return np.stack([*displacement, np.diff(yaw)])
 
     def position_at(self, time: Ints) -> Floats:
         """Interpolate the position linearly between poses.

@@ -7,7 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import median_of, norms
-from dogbot_logtool.core.base.axes import WALKED_M, has_heading, ways_m
+from dogbot_logtool.core.base.axes import WALKED_M, displacements_m, has_heading
 from dogbot_logtool.core.base.ground import swapped_pairs
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.consistency.worlds import Worlds
@@ -26,7 +26,7 @@ def worlds_differ(walk: Walk) -> Iterator[Finding]:
     """
     worlds = walk.worlds
     if worlds is not None and walk.worlds_differ:
-        cases = ("loses_way",) if walk.loses_way else ()
+        cases = ("loses_way",) if walk.loses_track else ()
         feet = _feet_astray(walk, worlds)
         yield found("WORLDS_DIFFER", "aside", *cases, feet=feet, where="stability", worlds=worlds)
     elif worlds is not None and walk.base is not None and walk.base.height_m is None:
@@ -48,10 +48,10 @@ def _feet_astray(walk: Walk, worlds: Worlds) -> tuple[str, ...]:
 def _travels_less(foot: FootSteps, share: float) -> bool:
     """Tell whether a foot's contact point travels by less than a share of the base's way."""
     travel = foot.stances.figures.contact_travel_m[foot.strides.stance]
-    way = foot.base_way_m * foot.strides.duty_factor
-    known = np.isfinite(travel) & np.isfinite(way)
+    displacement = foot.base_displacement_m * foot.strides.duty_factor
+    known = np.isfinite(travel) & np.isfinite(displacement)
     return bool(known.any()) and float(median_of(travel[known])) < share * float(
-        median_of(way[known])
+        median_of(displacement[known])
     )
 
 
@@ -126,7 +126,7 @@ def forward_axis(walk: Walk) -> Iterator[Finding]:
     settings, base = walk.settings, walk.base
     if base is not None and settings.forward_axis_reason:
         yield found("FORWARD_AXIS", where="settings.forward_axis", settings=settings)
-    forward, left = ways_m(base)
+    forward, left = displacements_m(base)
     if abs(left) > max(WALKED_M, 2.0 * abs(forward)):
         side = "left" if left > 0.0 else "right"
         where = "base.forward_speed_mps"

@@ -53,9 +53,14 @@ def mounting(walk: Walk) -> Iterator[Finding]:
         yield found("IMU_READS", *cases, where=imu.topic, say=seat.reading, imu=imu)
     if seat.is_tilted:
         tilt = np.degrees(seat.tilt_rad or 0.0)
-        said = "the recorded transforms have it" if imu.mounting_recorded else "the base is"
+        mounting = "the recorded transforms have it" if imu.mounting_recorded else "the base is"
         yield found(
-            "IMU_TURNED", where="imu.tilt_rad", say="tilted", topic=imu.topic, said=said, tilt=tilt
+            "IMU_TURNED",
+            where="imu.tilt_rad",
+            say="tilted",
+            topic=imu.topic,
+            mounting=mounting,
+            tilt=tilt,
         )
     if imu.turned_rad is not None:
         yield found("IMU_TURNED", topic=imu.topic, degrees=np.degrees(imu.turned_rad))

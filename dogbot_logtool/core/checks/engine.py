@@ -62,10 +62,10 @@ def questions_of(walk: Walk, findings: Iterable[Finding]) -> tuple[Question, ...
         walk: all that is measured.
         findings: about that, and about the log.
     """
-    said = [each for each in findings if each.severity is not Severity.NOTE]
+    doubts = [each for each in findings if each.severity is not Severity.NOTE]
     made = []
     for name, lack, obstacle in _questions(walk):
-        against = next((each.text for each in said if name in each.fails), "")
+        against = next((each.text for each in doubts if name in each.fails), "")
         answers = ("failed", against), ("does not apply", lack), ("not made", obstacle)
         outcome, reason = next((each for each in answers if each[1]), ("passed", None))
         made.append(Question(name, outcome, reason))

@@ -135,14 +135,14 @@ def _odd_feet(walk: Walk) -> Iterator[FootSteps]:
 
 def sampled_slowly(walk: Walk) -> Iterator[Finding]:
     """Yield feet of which contact is known too rarely in a stride."""
-    told = {
+    samples = {
         foot.name: (walk.period_s or np.inf) / foot.record.median_interval_s
         for foot in walk.feet
         if foot.record.median_interval_s and len(foot.strides.stance)
     }
-    feet = tuple(name for name, number in told.items() if number < 1.0 / UNCERTAIN)
+    feet = tuple(name for name, number in samples.items() if number < 1.0 / UNCERTAIN)
     if feet:
-        least = min(told.values())
+        least = min(samples.values())
         words: Words = {"names": ", ".join(feet), "least": least, "share": 1.0 / least}
         yield found("SAMPLED_SLOWLY", "contact", where="feet", feet=feet, **words)
 

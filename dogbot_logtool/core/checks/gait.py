@@ -71,8 +71,8 @@ def moves_without_steps(walk: Walk) -> Iterator[Finding]:
 def lifted(walk: Walk) -> Iterator[Finding]:
     """Yield feet that never touch and carry nothing, and time in which no foot is loaded."""
     for row, foot in enumerate(walk.feet):
-        told = foot.record.start is not None and not walk.settings.sensor(row).rule.unusable
-        if told and not foot.is_dead and not len(foot.stances.touchdown):
+        usable = foot.record.start is not None and not walk.settings.sensor(row).rule.unusable
+        if usable and not foot.is_dead and not len(foot.stances.touchdown):
             yield found("LIFTED", foot=foot.name)
     spans = [segment for segment in walk.segments if segment.is_lifted]
     if spans:

@@ -87,8 +87,8 @@ def _no_work(legs: LegFigures) -> str:
 
 def _lacking(walk: Walk, legs: LegFigures) -> str:
     """Say which joints of legs are missing; empty if none are known to be."""
-    if legs.settings.untold:
-        return f"joint states do not tell of {', '.join(legs.settings.untold)}"
+    if legs.settings.lacking:
+        return f"joint states do not tell of {', '.join(legs.settings.lacking)}"
     count = Counter(legs.settings.foot_of_joint.get(name) for name in legs.joints)
     for row, other in permutations(range(len(walk.feet)), 2):
         if 0 < count[row] < count[other] and walk.paired(row, other):
@@ -146,7 +146,7 @@ def _effort_signs(
         names = _named([name for each in odd.values() for name in each])
         yield found("EFFORT_SIGN", where=where, feet=feet, names=names)
         return
-    weight, astray = walk.loads.weight_n, walk.base_clock_is_apart or walk.loses_way
+    weight, astray = walk.loads.weight_n, walk.base_clock_is_apart or walk.loses_track
     if weight is None or astray or not judges_all or len(judged) == len(legs.feet):
         return
     strides = walk.feet[walk.reference].strides

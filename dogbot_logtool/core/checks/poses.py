@@ -113,8 +113,10 @@ def _comparisons(walk: Walk, windows: Ints) -> Iterator[Comparison]:
 
 def _scale(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Iterator[Finding]:
     """Yield that poses go further, or less far, than the feet walk or the twist tells."""
-    ways = np.abs(motion_in(walk.track.history, windows).displacement)
-    way_m = float(median_of(ways[np.isfinite(ways)])) if np.isfinite(ways).any() else 0.0
+    lengths = np.abs(motion_in(walk.track.history, windows).displacement)
+    length_m = (
+        float(median_of(lengths[np.isfinite(lengths)])) if np.isfinite(lengths).any() else 0.0
+    )
     longest = FURTHEST_LEGS * LONGEST_LEG_M * (walk.settings.mass_kg or HEAVIEST_KG) ** (1.0 / 3.0)
     surest = next((each for each in comparisons if each.scale is not None), None)
     factor = 1.0 if surest is None or surest.scale is None else surest.scale
@@ -122,8 +124,8 @@ def _scale(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Iter
         near = [each for number, each in UNITS.items() if 0.8 <= factor / number <= 1.25]
         unit = f"positions in {near[0]}? --set odometry_scale={1.0 / factor:.3g}" if near else OTHER
         yield _doubted(walk, "POSE_SCALE", factor=factor, witness=surest, unit=unit)
-    elif way_m > longest:
-        yield _doubted(walk, "POSE_SCALE", say="stride", way=way_m, longest=longest)
+    elif length_m > longest:
+        yield _doubted(walk, "POSE_SCALE", say="stride", way=length_m, longest=longest)
 
 
 def _direction(walk: Walk, comparisons: Sequence[Comparison]) -> Iterator[Finding]:

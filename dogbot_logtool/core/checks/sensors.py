@@ -48,9 +48,9 @@ def unloaded_levels(walk: Walk) -> Iterator[Finding]:
 
 def filtered(walk: Walk) -> Iterator[Finding]:
     """Yield which forces went through a low-pass filter."""
-    told = [(foot.name, foot.low_pass) for foot in walk.settings.feet if foot.low_pass]
+    filters = [(foot.name, foot.low_pass) for foot in walk.settings.feet if foot.low_pass]
     for say, resolved in (("plain", True), ("heavy", False)):
-        some = {name: each.tau_s for name, each in told if each.resolved is resolved}
+        some = {name: each.tau_s for name, each in filters if each.resolved is resolved}
         if some:
             tau_s = max(some.values())
             cases = () if resolved else ("heavy",)

@@ -75,7 +75,7 @@ def long_delay(
     if not force.mean() > 0.0:
         return None
     # The sum of cells is known at their ends, the sum of those half a cell later.
-    driven, at = _way(force, window), (time - start) / 1e9 + 1.5 / CELL_RATE_HZ
+    driven, at = _driven_heave(force, window), (time - start) / 1e9 + 1.5 / CELL_RATE_HZ
     heave = _about_mean(base.position_at(time + 3 * _CELL_NS // 2)[:, 2], window)
     edge = 2 * window + int(_LATEST_S * CELL_RATE_HZ) + 2
     inside = np.isfinite(heave) & (np.arange(cells) >= edge) & (np.arange(cells) < cells - edge)
@@ -112,7 +112,7 @@ def _best_fit(heave: Floats, driven: Sequence[Floats]) -> Delay | None:
     return Delay(float(correlation), float(_LAGS_S[best]), float(likely.min()), float(likely.max()))
 
 
-def _way(force: Floats, window: int) -> Floats:
+def _driven_heave(force: Floats, window: int) -> Floats:
     """(n,) m, the way about its mean over a stride that mean forces in cells drive, (n,) N."""
     step = 1.0 / CELL_RATE_HZ
     acceleration = GRAVITY_MPS2 * (force / force.mean() - 1.0)

@@ -27,7 +27,7 @@ MOST_CHANGE: Final = 0.5
 """Change of the base's position among the feet, against their spread, that no gait explains."""
 MOST_DRIFT: Final = 0.05
 """The same of a change that goes on steadily, stance after stance."""
-MOST_OF_WAY: Final = 0.02
+MOST_OF_PATH: Final = 0.02
 """Share of the robot's way by which base and feet may drift apart until that is not known."""
 
 FEWEST_STANCES: Final = 8
@@ -68,9 +68,9 @@ class Worlds:
         steady &= self.drift_m <= MOST_DRIFT * self.spread_m
         return steady and self.beyond_fraction <= MOST_BEYOND
 
-    def lose_way(self, path_m: float) -> bool:
+    def lose_track(self, path_m: float) -> bool:
         """Tell whether base and feet drift so far apart that a path, m, is doubtful."""
-        return not self.agree and self.drift_m > MOST_OF_WAY * path_m
+        return not self.agree and self.drift_m > MOST_OF_PATH * path_m
 
 
 def compare_worlds(feet: Sequence[FootHistory], base: BaseHistory) -> Worlds | None:
@@ -86,25 +86,25 @@ def compare_worlds(feet: Sequence[FootHistory], base: BaseHistory) -> Worlds | N
     if len(base.time) < 2:
         return None
     seen = [seen_from_base(foot, base) for foot in feet]
-    told = [each for each in seen if len(distinct(each[0] // _TICK_NS)) >= FEWEST_TICKS]
-    if len(told) < FEWEST_FEET:
+    placed = [each for each in seen if len(distinct(each[0] // _TICK_NS)) >= FEWEST_TICKS]
+    if len(placed) < FEWEST_FEET:
         return None
-    usual = np.stack([median_of(place, axis=0) for _, place in told])
+    usual = np.stack([median_of(place, axis=0) for _, place in placed])
     centroid = usual.mean(axis=0)
     spread = float(np.hypot(*(usual - centroid).T).max())
-    start, last = int(base.time[0]), max(int(time[-1]) for time, _ in told)
+    start, last = int(base.time[0]), max(int(time[-1]) for time, _ in placed)
     windows = int(np.clip((last - start) / WINDOW_NS, 1, _MOST_WINDOWS))
     edges = np.linspace(0, last - start, windows + 1)[1:-1]
     shift = np.stack(
         [
             _means(np.searchsorted(edges, time - start, side="right"), place - own, windows)
-            for (time, place), own in zip(told, usual, strict=True)
+            for (time, place), own in zip(placed, usual, strict=True)
         ]
     )
     known = np.isfinite(shift[:, :, 0]).any(axis=0)
     away = centroid + np.nanmean(shift[:, known], axis=0)
     distance = np.hypot(away[:, 0], away[:, 1])
-    farthest = spread if len(told) == len(feet) else PART_OF_FEET * spread
+    farthest = spread if len(placed) == len(feet) else PART_OF_FEET * spread
     third = max(len(away) // 3, 1)
     change = median_of(away[-third:], axis=0) - median_of(away[:third], axis=0)
     return Worlds(

@@ -73,12 +73,12 @@ def find_filters(feet: Sequence[Samples]) -> tuple[Filter | None, ...]:
     Args:
         feet: samples of each whose sensor tells a force all the time.
     """
-    told = [_tails_of(samples) for samples in feet]
+    tails = [_tails_of(samples) for samples in feet]
     interval_s = [usual_interval_s(samples.log_time) or 0.0 for samples in feet]
     alike = len(feet) > 0 and np.ptp(interval_s) < 0.1 * min(interval_s)
     if alike:
-        return (_filter(told, interval_s[0]),) * len(feet)
-    return tuple(_filter([each], s) for each, s in zip(told, interval_s, strict=True))
+        return (_filter(tails, interval_s[0]),) * len(feet)
+    return tuple(_filter([each], s) for each, s in zip(tails, interval_s, strict=True))
 
 
 def _filter(feet: Sequence[_Tails], interval_s: float) -> Filter | None:

@@ -16,7 +16,7 @@ from dogbot_logtool.core.arrays import (
     rows_of_runs,
     sorted_runs,
 )
-from dogbot_logtool.core.contact.contact_way import contact_ways, ways_under_load
+from dogbot_logtool.core.contact.contact_travel import contact_travel, travel_under_load
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.track import FootTrack
 
@@ -163,8 +163,8 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
     spike_phase = np.full(len(begin), np.nan)
     spike_phase[stance[highest]] = (time / ends_s[stance])[highest]
     impulse = track.impulse.total[:, 2]
-    travel, reach = contact_ways(samples, track.time, begin, end)
-    loaded_reach, reach_begins, reach_ends = ways_under_load(samples, track, begin, end, mean)
+    travel, reach = contact_travel(samples, track.time, begin, end)
+    loaded_reach, reach_begins, reach_ends = travel_under_load(samples, track, begin, end, mean)
     found = StanceFigures(
         peak_force_n=peak,
         mean_force_n=mean,

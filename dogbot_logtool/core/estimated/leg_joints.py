@@ -81,8 +81,8 @@ def joints_of_legs(tables: Sequence[JointTable], names: Sequence[str]) -> LegJoi
     position, effort = np.full((2, len(rows), len(names)), np.nan)
     for column, (name, table) in enumerate(zip(names, of, strict=True)):
         samples, there = table.samples, table.names.index(name)
-        for found, told in ((position, samples.position), (effort, samples.effort)):
-            values = told[:, there]
+        for found, recorded in ((position, samples.position), (effort, samples.effort)):
+            values = recorded[:, there]
             same = table is main
             found[:, column] = (
                 values[rows] if same else _interpolated(time, clock.of(samples), values)

@@ -224,12 +224,12 @@ def _slips(walk: Walk, row: int, stumbles: Sequence[float]) -> Iterator[Event]:
     stances, figures = walk.feet[row].stances, walk.feet[row].stances.figures
     rolling_m, touchdown_s = walk.settings.foot_rolling_m, walk.seconds(stances.touchdown)
     counts = stances.whole & ~np.isin(touchdown_s, stumbles)
-    way = np.where(counts, figures.loaded_reach_m, np.nan)
-    is_far = way > LARGEST_FOOT_M
+    travel = np.where(counts, figures.loaded_reach_m, np.nan)
+    is_far = travel > LARGEST_FOOT_M
     if rolling_m is not None:
-        is_far = way - rolling_m > max(SLIP_M, TIMES * rolling_m)
-    usual = _usual_m(stances, way, _walks(walk))
-    metres = way - np.where(np.isnan(usual) & is_far, rolling_m or 0.0, usual)
+        is_far = travel - rolling_m > max(SLIP_M, TIMES * rolling_m)
+    usual = _usual_m(stances, travel, _walks(walk))
+    metres = travel - np.where(np.isnan(usual) & is_far, rolling_m or 0.0, usual)
     for slip in np.flatnonzero(np.isfinite(metres)).tolist():
         begins, ends = int(stances.touchdown[slip]), int(stances.liftoff[slip])
         from_s, to_s = figures.reach_begins_s[slip], figures.reach_ends_s[slip]
@@ -245,22 +245,22 @@ def _walks(walk: Walk) -> list[Segment]:
     return [segment for segment in walk.segments if segment.strides]
 
 
-def _usual_m(stances: Stances, way: Floats, walks: Sequence[Segment]) -> Floats:
+def _usual_m(stances: Stances, travel: Floats, walks: Sequence[Segment]) -> Floats:
     """(stances,) m, the usual way in the segment of stances that are unlike it; else NaN.
 
     Args:
         stances: of a foot.
-        way: (stances,) m; NaN where it does not count.
+        travel: (stances,) m; NaN where it does not count.
         walks: segments with strides.
     """
-    usual = np.full(len(way), np.nan)
+    usual = np.full(len(travel), np.nan)
     for segment in walks:
         rows = (stances.touchdown >= segment.start) & (stances.touchdown < segment.end)
-        rows &= np.isfinite(way)
+        rows &= np.isfinite(travel)
         if rows.sum() >= FEWEST:
-            low, median = percentiles_of(way[rows], (25.0, 50.0))
+            low, median = percentiles_of(travel[rows], (25.0, 50.0))
             far = max(FAR_OUT * (median - low), TIMES * median, SLIP_M)
-            usual[rows & (way - median > far)] = median
+            usual[rows & (travel - median > far)] = median
     return usual
 
 

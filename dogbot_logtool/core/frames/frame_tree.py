@@ -153,18 +153,18 @@ def walk(pairs: Iterable[Pair]) -> Iterator[TreeRow]:
     loop that hangs nowhere begins with its first frame in the order of the alphabet.
     """
     children = children_of(pairs)
-    told: set[str] = set()
+    visited: set[str] = set()
     for top in (*roots(pairs), *sorted(children)):
-        if top not in told:
-            yield from _walk_down(top, children, told)
+        if top not in visited:
+            yield from _walk_down(top, children, visited)
 
 
-def _walk_down(top: str, children: Mapping[str, list[str]], told: set[str]) -> Iterator[TreeRow]:
+def _walk_down(top: str, children: Mapping[str, list[str]], visited: set[str]) -> Iterator[TreeRow]:
     waiting: list[tuple[str, str, tuple[bool, ...]]] = [(top, "", ())]
     while waiting:
         frame, parent, more = waiting.pop()
-        again = frame in told
-        told.add(frame)
+        again = frame in visited
+        visited.add(frame)
         below = [] if again else children.get(frame, [])
         cut = bool(below) and len(more) >= DEEPEST
         yield TreeRow(frame, parent if more else None, more, again, cut)

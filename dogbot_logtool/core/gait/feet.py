@@ -132,7 +132,7 @@ class FootSteps:
     """(strides) m, from each place of the foot to its next one; NaN where not known."""
     length_from: str
     """What lengths are measured by: ``points``, ``foot_frame``, or ``base``."""
-    base_way_m: Floats
+    base_displacement_m: Floats
     """(strides) m, horizontal distance of the base over the stride; NaN where not known."""
     slip_m: Floats
     """(stances) m, net slip; NaN where not known."""
@@ -209,7 +209,7 @@ def foot_steps(
     if place is None:
         at, place = stance_places(record)
     if ground is not None:
-        place = place - ground.way_at(at)
+        place = place - ground.displacement_at(at)
     length, length_from = own_lengths(place, strides), "points"
     if not np.isfinite(length).any():
         length, length_from = straight_lengths(base, strides), "base"
@@ -228,7 +228,7 @@ def foot_steps(
         liftoff=_seen(stances.liftoff, record, Cut.LOG_END, stances),
         length_m=length,
         length_from=length_from,
-        base_way_m=stride_lengths(base, strides.touchdown, strides.end),
+        base_displacement_m=stride_lengths(base, strides.touchdown, strides.end),
         slip_m=slip,
         slip_largest_m=slip_m(figures.contact_reach_m, rolling_m),
         slip_from="points" if np.isfinite(slip[stances.whole]).any() else None,
@@ -245,8 +245,8 @@ def own_lengths(place: Floats, strides: Strides) -> Floats:
     """(strides,) m, horizontal distances from a foot's places, (stances, 3) m, to its next ones."""
     if not len(strides.stance):
         return np.empty(0)
-    way = place[strides.stance + 1] - place[strides.stance]
-    return np.asarray(np.hypot(way[:, 0], way[:, 1]))
+    displacement = place[strides.stance + 1] - place[strides.stance]
+    return np.asarray(np.hypot(displacement[:, 0], displacement[:, 1]))
 
 
 STRAIGHT_RAD: Final = np.radians(10.0)

@@ -82,8 +82,8 @@ def contradiction(
 
 def _odd_velocities(moving: Sequence[JointTrack]) -> str:
     """Say whose velocities are not those of their positions."""
-    squared = np.array([joint.told_squared for joint in moving])
-    moved = np.array([joint.told_moved for joint in moving])
+    squared = np.array([joint.reported_squared for joint in moving])
+    moved = np.array([joint.reported_moved for joint in moving])
     ratios, total = _ratio(squared, moved), _ratio(squared.sum(), moved.sum())
     judged = (squared > 0.0) & (squared > _MOVES_MUCH * squared.sum())
     odd = np.flatnonzero(judged & ~_fits(ratios, OF_A_JOINT_AGREE))
@@ -145,16 +145,16 @@ def leg_signs(
     shares = np.linspace(0.0, 1.0, _SECTIONS + 1)
     edges = stances.touchdown[rows, None] + np.rint(duration * shares).astype(np.int64)
     begin, end = edges[:, :-1].ravel(), edges[:, 1:].ravel()
-    taken = _taken(track, edges, path, base)
+    absorbed = _absorbed(track, edges, path, base)
     works = [joint_work(joint, begin, end) for joint in joints]
     given = np.stack([2.0 * positive - absolute for positive, absolute in works], axis=1)
-    known = np.isfinite(taken) & np.isfinite(given).all(axis=1)
+    known = np.isfinite(absorbed) & np.isfinite(given).all(axis=1)
     if known.sum() < _FEWEST_STANCES * _SECTIONS:
         return None
-    return _judged(given[known], taken[known], [joint.name for joint in joints])
+    return _judged(given[known], absorbed[known], [joint.name for joint in joints])
 
 
-def _taken(track: FootTrack, edges: Ints, path: FootPath, base: BaseHistory) -> Floats:
+def _absorbed(track: FootTrack, edges: Ints, path: FootPath, base: BaseHistory) -> Floats:
     """(stances * sections,) J, that the ground's force takes; NaN where not known.
 
     Args:
@@ -164,40 +164,42 @@ def _taken(track: FootTrack, edges: Ints, path: FootPath, base: BaseHistory) -> 
         base: poses.
     """
     begin, end = edges[:, :-1].ravel(), edges[:, 1:].ravel()
-    way = np.diff(path.at(edges), axis=1).reshape(-1, 3)
-    way = rotate(from_roll_pitch_yaw(base.angles_at(begin + (end - begin) // 2)), way)
+    displacement = np.diff(path.at(edges), axis=1).reshape(-1, 3)
+    displacement = rotate(
+        from_roll_pitch_yaw(base.angles_at(begin + (end - begin) // 2)), displacement
+    )
     force = track.mean_force(begin, end)
-    return np.where(path.unbroken(begin, end), -(force * way).sum(axis=1), np.nan)
+    return np.where(path.unbroken(begin, end), -(force * displacement).sum(axis=1), np.nan)
 
 
-def _judged(given: Floats, taken: Floats, names: Sequence[str]) -> LegSigns | None:
+def _judged(given: Floats, absorbed: Floats, names: Sequence[str]) -> LegSigns | None:
     """Compare work as recorded, and with other signs of efforts, with what is taken.
 
     Args:
         given: (n, joints) J.
-        taken: (n,) J.
+        absorbed: (n,) J.
         names: of the joints.
     """
     turned = np.array(list(product((1.0, -1.0), repeat=len(names))))
-    likeness = _cosines(given, taken, turned)
+    likeness = _cosines(given, absorbed, turned)
     agree = bool(likeness[0] > CONTRADICTS)
     best = 0 if agree else int(likeness.argmax())
     if not agree and likeness[best] < AGREES:
         return None
     back = turned[best] * (1.0 - 2.0 * np.eye(len(names)))
-    without = likeness[best] - _cosines(given, taken, back)
+    without = likeness[best] - _cosines(given, absorbed, back)
     odd = (turned[best] < 0.0) & (without >= _MATTERS)
     if not agree and not odd.any():
         return None
-    scale = float(np.linalg.norm(given @ turned[best]) / np.linalg.norm(taken))
+    scale = float(np.linalg.norm(given @ turned[best]) / np.linalg.norm(absorbed))
     return LegSigns(agree, tuple(np.array(names)[odd].tolist()), scale)
 
 
-def _cosines(given: Floats, taken: Floats, signs: Floats) -> Floats:
+def _cosines(given: Floats, absorbed: Floats, signs: Floats) -> Floats:
     """(k,) cosine of what is taken and the sum over joints; signs: (k, joints) of their efforts."""
-    squares = ((signs @ (given.T @ given)) * signs).sum(axis=1) * (taken @ taken)
+    squares = ((signs @ (given.T @ given)) * signs).sum(axis=1) * (absorbed @ absorbed)
     lengths = np.sqrt(np.maximum(squares, 0.0))
-    return np.asarray(signs @ (given.T @ taken) / np.where(lengths > 0.0, lengths, np.inf))
+    return np.asarray(signs @ (given.T @ absorbed) / np.where(lengths > 0.0, lengths, np.inf))
 
 
 def shortfall(work: Floats, strides: Strides, base: BaseHistory, weight_n: float) -> float | None:
@@ -233,7 +235,7 @@ def _head_m(base: BaseHistory, time: Ints, half: Ints) -> Floats:
         time: (n,) ns.
         half: (n,) ns, of what the speed is a mean over.
     """
-    way = base.position_at(time + half) - base.position_at(time - half)
-    squared = (way * way).sum(axis=1) / (2.0 * half / 1e9) ** 2
+    displacement = base.position_at(time + half) - base.position_at(time - half)
+    squared = (displacement * displacement).sum(axis=1) / (2.0 * half / 1e9) ** 2
     head: Floats = base.position_at(time)[:, 2] + squared / (2.0 * GRAVITY_MPS2)
     return head

@@ -90,10 +90,10 @@ class JointTrack:
     """Whether its effort is told: not zero, and not constant while it moves."""
     peak_effort: float
     """N m or N, the largest magnitude; NaN: none is told."""
-    told_squared: float
+    reported_squared: float
     """Sum of v^2 dt, with v the velocity that messages tell; 0: they tell none."""
-    told_moved: float
-    """Sum of v dq: what `told_squared` is where velocities are those of the positions."""
+    reported_moved: float
+    """Sum of v dq: what `reported_squared` is where velocities are those of the positions."""
 
     @property
     def range(self) -> float:
@@ -177,17 +177,17 @@ def _track(
     velocity, effort = (
         np.where(np.abs(each) <= _IMPLAUSIBLE, each, np.nan) for each in (velocity, effort)
     )
-    way, known_s = np.diff(position), float(np.nansum(step_s))
-    moves = bool(way.any())
+    displacement, known_s = np.diff(position), float(np.nansum(step_s))
+    moves = bool(displacement.any())
     if (np.isfinite(velocity) & (velocity != 0.0)).any():
         power = effort * velocity
         positive = _middles(np.maximum(power, 0.0)) * step_s
         absolute = _middles(np.abs(power)) * step_s
         speed = np.abs(velocity[1:])
     else:
-        work = _middles(effort) * way + 0.0 * step_s
+        work = _middles(effort) * displacement + 0.0 * step_s
         positive, absolute = work.clip(0.0), np.abs(work)
-        speed = np.abs(way / step_s)
+        speed = np.abs(displacement / step_s)
     middle, squared = _middles(velocity), _middles(effort**2) * step_s
     near_s = float(np.nansum(step_s[_near_limit(limits, position[1:], effort[1:], speed)]))
     lowest, highest = float(np.fmin.reduce(effort)), float(np.fmax.reduce(effort))
@@ -196,7 +196,7 @@ def _track(
     rms = np.sqrt(np.nansum(squared) / effort_s) if has_effort and effort_s > 0.0 else None
     has_limits = limits != JointLimits()
     # A joint that never moves does no work, whatever noise its velocity has.
-    works = np.stack([positive, absolute]) if moves else np.zeros((2, len(way)))
+    works = np.stack([positive, absolute]) if moves else np.zeros((2, len(displacement)))
     return JointTrack(
         name=name,
         time=time,
@@ -217,8 +217,8 @@ def _track(
         has_limits=has_limits,
         has_effort=has_effort,
         peak_effort=max(abs(lowest), abs(highest)),
-        told_squared=float(np.nansum(middle**2 * step_s)),
-        told_moved=float(np.nansum(middle * way + 0.0 * step_s)),
+        reported_squared=float(np.nansum(middle**2 * step_s)),
+        reported_moved=float(np.nansum(middle * displacement + 0.0 * step_s)),
     )
 
 

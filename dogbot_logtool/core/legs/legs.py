@@ -97,11 +97,11 @@ def joint_curve(joint: JointTrack, strides: Strides) -> tuple[Curve, float] | No
     Returns:
         Its position over the gait cycle, and the median range of motion in a stride, rad or m.
     """
-    told = unbroken(joint.time, silent_before(joint.time), strides.touchdown, strides.end)
-    if not joint.moves or not told.any():
+    whole = unbroken(joint.time, silent_before(joint.time), strides.touchdown, strides.end)
+    if not joint.moves or not whole.any():
         return None
     phase = np.linspace(0.0, 1.0, CYCLE_POINTS)
-    start, period = strides.touchdown[told], (strides.end - strides.touchdown)[told]
+    start, period = strides.touchdown[whole], (strides.end - strides.touchdown)[whole]
     time = (start - joint.time[0])[:, None] + period[:, None] * phase
     since = (joint.time - joint.time[0]).astype(np.float64)
     position = np.interp(time, since, joint.position.astype(np.float64))

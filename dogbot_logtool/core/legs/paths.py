@@ -61,23 +61,23 @@ class LegSettings:
     pairs: tuple[JointPair, ...] = ()
     limits: Mapping[str, JointLimits] = field(default_factory=dict)
     """Limits by the robot description, by the joint's name."""
-    untold: tuple[str, ...] = ()
+    lacking: tuple[str, ...] = ()
     """Joints of legs that the robot description has and joint states leave out."""
 
 
-def link_tracks(joints: Sequence[Joint], told: Mapping[str, JointTrack]) -> dict[str, FrameTrack]:
+def link_tracks(joints: Sequence[Joint], tracks: Mapping[str, JointTrack]) -> dict[str, FrameTrack]:
     """Return the links that joints move, `JOINT_RATE_HZ` times a second, and those that rest.
 
     Args:
         joints: of a robot description; those that nothing tells are left out.
-        told: by name.
+        tracks: by name.
     """
     links: dict[str, FrameTrack] = {}
     start = np.zeros(1, np.int64)
     for joint in joints:
         position, times, moves = np.zeros(1), (start, start), False
         if joint.kind != "fixed":
-            track = told.get(joint.measured)
+            track = tracks.get(joint.measured)
             if track is None:
                 continue
             # A joint that never moves is where it is, in its silences, too.

@@ -42,11 +42,11 @@ def swings(
     period = (strides.end - strides.touchdown)[:, None]
     time = strides.touchdown[:, None] + np.rint(period * phase).astype(np.int64)
     height = _above_line(path.at(time), before[:, None], after[:, None])
-    way = after - before
+    displacement = after - before
     velocity = _approach(path, strides, contact_interval_s)
     values = (
         _clearance(path, strides, before, after, known),
-        np.where(known, np.hypot(way[:, 0], way[:, 1]), np.nan),
+        np.where(known, np.hypot(displacement[:, 0], displacement[:, 1]), np.nan),
         -velocity[:, 2],
         np.hypot(velocity[:, 0], velocity[:, 1]),
     )
@@ -75,12 +75,12 @@ def _clearance(
 
 def _above_line(position: Floats | Float32s, before: Floats, after: Floats) -> Floats:
     """Return how high points lie above the line between two footfalls; shapes broadcast, m."""
-    way = after - before
-    squared = way[..., 0] ** 2 + way[..., 1] ** 2
+    displacement = after - before
+    squared = displacement[..., 0] ** 2 + displacement[..., 1] ** 2
     since = position - before
-    along = since[..., 0] * way[..., 0] + since[..., 1] * way[..., 1]
+    along = since[..., 0] * displacement[..., 0] + since[..., 1] * displacement[..., 1]
     share = np.where(squared > 1e-6, along / np.maximum(squared, 1e-6), 0.5)
-    height: Floats = since[..., 2] - np.clip(share, 0.0, 1.0) * way[..., 2]
+    height: Floats = since[..., 2] - np.clip(share, 0.0, 1.0) * displacement[..., 2]
     return height
 
 
@@ -127,9 +127,9 @@ def steps(
     row = np.searchsorted(other_touchdown, strides.end) - 1
     there = np.full((len(row), 3), np.nan)
     there[row >= 0] = other.position[row[row >= 0]]
-    way, step = (after - before)[:, :2], (after - there)[:, :2]
-    length = np.hypot(way[:, 0], way[:, 1])
+    displacement, step = (after - before)[:, :2], (after - there)[:, :2]
+    length = np.hypot(displacement[:, 0], displacement[:, 1])
     length[~(length >= SHORTEST_STEP_M)] = np.nan
-    along = (step * way).sum(axis=1) / length
-    across = np.abs(step[:, 0] * way[:, 1] - step[:, 1] * way[:, 0]) / length
+    along = (step * displacement).sum(axis=1) / length
+    across = np.abs(step[:, 0] * displacement[:, 1] - step[:, 1] * displacement[:, 0]) / length
     return dict(zip(STEPS, (along, across), strict=True))

@@ -130,7 +130,7 @@ class Arrows:
     """(n,) ns."""
     stamp: Ints
     """(n,) ns."""
-    shown: Flags
+    visible: Flags
     """(n,) whether to draw this arrow; else the foot's arrow is removed and the rest of the row is
     unused."""
     position: Floats
@@ -145,10 +145,10 @@ class Arrows:
 
 def removals(samples: Samples) -> Arrows:
     """Return the removal of the arrows of samples without contact."""
-    shown, unused = np.zeros(len(samples.log_time), np.bool_), np.empty((0, 4))
+    visible, unused = np.zeros(len(samples.log_time), np.bool_), np.empty((0, 4))
     times = samples.foot, samples.log_time, samples.time
     colour = unused.astype(np.float32)
-    return Arrows(*times, shown, unused[:, :3], unused, unused[:, 0], colour)
+    return Arrows(*times, visible, unused[:, :3], unused, unused[:, 0], colour)
 
 
 def classic_arrows(contacts: Contacts) -> tuple[Arrows, Counter[str]]:
@@ -177,7 +177,7 @@ def classic_arrows(contacts: Contacts) -> tuple[Arrows, Counter[str]]:
         foot=contacts.foot[message],
         log_time=log_time,
         stamp=header_time(contacts.stamp[message], log_time),
-        shown=np.ones(len(message), np.bool_),
+        visible=np.ones(len(message), np.bool_),
         position=contacts.point[point[np.searchsorted(point_state, state)]],
         orientation=np.tile(np.array(CLASSIC_TILT), (len(message), 1)),
         length=length,
@@ -272,7 +272,7 @@ def _arrows(
         foot=samples.foot,
         log_time=samples.log_time,
         stamp=samples.time,
-        shown=touching & finite & has_position & has_direction & (length > 0.0),
+        visible=touching & finite & has_position & has_direction & (length > 0.0),
         position=samples.position,
         orientation=orientation,
         length=np.minimum(length, LONGEST_M),

@@ -135,9 +135,9 @@ def drawn_foot(
     if contact_known and len(track.row):
         # A sample whose time does not advance is measured with the one before it.
         last = np.searchsorted(track.row, rows, side="right") - 1
-        told = (last >= 0) & (all_finite(samples.force) | (not record.has_force))
-        told &= ~timespans.covers(record.stopped, track.time)[last]
-        state[told] = np.where(record.down[last[told]], LoadState.STANCE, LoadState.SWING)
+        known = (last >= 0) & (all_finite(samples.force) | (not record.has_force))
+        known &= ~timespans.covers(record.stopped, track.time)[last]
+        state[known] = np.where(record.down[last[known]], LoadState.STANCE, LoadState.SWING)
     # A silence follows the samples before a gap, and the last.
     ends = np.zeros(count, np.bool_)
     ends[-1:] = True

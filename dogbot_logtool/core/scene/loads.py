@@ -108,7 +108,7 @@ class Labels:
     """(n,) ns."""
     stamp: Ints
     """(n,) ns."""
-    shown: Flags
+    visible: Flags
     """(n,) whether to draw it; else the foot's label is removed."""
     position: Floats
     """(n, 3) m, world frame."""
@@ -133,8 +133,8 @@ def foot_labels(foot: DrawnFoot, rows: slice) -> Labels:
     row = row[row >= rows.start]
     samples = foot.samples.pick(row)
     force = norms(samples.force.astype(np.float64))
-    shown = foot.touching[row] & (samples.points > 0) & (force > 0.0)
-    shown &= np.isfinite(force) & all_finite(samples.position)
+    visible = foot.touching[row] & (samples.points > 0) & (force > 0.0)
+    visible &= np.isfinite(force) & all_finite(samples.position)
     position = samples.position - np.array([0.0, 0.0, _BELOW_M])
     number = np.full(len(row), foot.number)
-    return Labels(number, samples.log_time, samples.time, shown, position, force)
+    return Labels(number, samples.log_time, samples.time, visible, position, force)

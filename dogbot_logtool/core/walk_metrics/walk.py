@@ -22,7 +22,7 @@ from dogbot_logtool.core.loads import (
     symmetry_index_percent,
 )
 from dogbot_logtool.core.masks import base_in, loads_in, stability_in, support_in
-from dogbot_logtool.core.records import taken, unknown, void
+from dogbot_logtool.core.records import copied, unknown, void
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.core.walk_metrics.nulls import null_because
 from dogbot_logtool.finding import Finding
@@ -55,7 +55,7 @@ def metrics_of(walk: Walk, log: metrics.Log, findings: Sequence[Finding]) -> met
         log=log,
         settings=_settings_metrics(walk, findings),
         base=walk.base or unknown(metrics.Base),
-        gait=taken(
+        gait=copied(
             metrics.GaitOfLog,
             gait,
             transition_strides=0 if own is None else own - strides,
@@ -128,7 +128,7 @@ def _quality_metrics(walk: Walk, findings: Sequence[Finding]) -> metrics.Quality
     """Return what tells whether a recording can be trusted."""
     worlds = walk.worlds
     return metrics.Quality(
-        topics={topic.topic: taken(metrics.TopicQuality, topic) for topic in walk.topics},
+        topics={topic.topic: copied(metrics.TopicQuality, topic) for topic in walk.topics},
         feet={foot.name: _foot_quality(walk, row) for row, foot in enumerate(walk.feet)},
         overlap_s=_overlap_s(walk),
         base_to_feet_m=None if worlds is None else worlds.distance_m,
@@ -147,7 +147,7 @@ def _overlap_s(walk: Walk) -> float:
 
 def _foot_quality(walk: Walk, row: int) -> metrics.FootQuality:
     foot, level = walk.feet[row], walk.settings.sensor(row).level
-    return taken(
+    return copied(
         metrics.FootQuality,
         foot.record,
         discarded_strides=dict(foot.discarded),
@@ -193,8 +193,8 @@ def _foot(walk: Walk, row: int, within: Ints | None = None) -> metrics.Foot:
         return found
     leg = walk.legs.feet[row]
     inside = slice(None) if within is None else foot.strides.rows_within(within)
-    told = [name for name in (*SWINGS, *STEPS) if name in leg.strides]
-    swings = {name: aggregate(leg.strides[name][inside]) for name in told}
+    named = [name for name in (*SWINGS, *STEPS) if name in leg.strides]
+    swings = {name: aggregate(leg.strides[name][inside]) for name in named}
     return replace(
         found,
         **dict[str, Any](swings),

@@ -65,7 +65,7 @@ class Descriptions:
             offset: byte in the file, of the chunk if they stand in one.
             adding: keep those that are the first of their kind and number.
         """
-        said: dict[_Key | None, Loss] = {}
+        losses: dict[_Key | None, Loss] = {}
         for record in records:
             digest = hash(record)
             if digest in self._agreeing or len(self._agreeing) > _MOST_RECORDS:
@@ -74,7 +74,7 @@ class Descriptions:
             self._bytes += len(record) if adding else 0
             if found is None or self._bytes > _MOST_BYTES:
                 what = f"a description of a channel at byte {offset} is damaged"
-                said.setdefault(None, Loss(offset, what))
+                losses.setdefault(None, Loss(offset, what))
                 continue
             key = found.kind, found.number
             known = self.first.get(key, found)
@@ -83,8 +83,8 @@ class Descriptions:
             if known == found:
                 self._agreeing.add(digest)
             else:
-                said.setdefault(key, _described_twice(known, found, offset))
-        return list(said.values())
+                losses.setdefault(key, _described_twice(known, found, offset))
+        return list(losses.values())
 
 
 def _described_twice(known: Description, other: Description, offset: int) -> Loss:
@@ -98,13 +98,13 @@ def _described_twice(known: Description, other: Description, offset: int) -> Los
     one, two = known.name[:LONGEST_NAME], other.name[:LONGEST_NAME]
     if one == two:
         key = next(key for key, value in known.facts.items() if value != other.facts[key])
-        one += f" with {key} {_shown(known.facts[key])}"
-        two += f" with {key} {_shown(other.facts[key])}"
+        one += f" with {key} {_value_text(known.facts[key])}"
+        two += f" with {key} {_value_text(other.facts[key])}"
     what = f"{known.kind} {known.number} is described in two ways: as {one} and, at byte {offset},"
     return Loss(offset, f"{what} as {two}; the former was used")
 
 
-def _shown(value: object) -> str:
+def _value_text(value: object) -> str:
     if isinstance(value, bytes):
         return f"{crc32(value):08x} ({len(value)} bytes)"
     return str(value)[:LONGEST_NAME]

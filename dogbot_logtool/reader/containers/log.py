@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Final
 
-from dogbot_logtool.io.storage import Location, shown
+from dogbot_logtool.io.storage import Location, name_of
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
 from dogbot_logtool.reader.containers.contents import (
     Channel,
@@ -93,7 +93,7 @@ class Log(ABC):
     @property
     def words(self) -> tuple[str, ...]:
         """Its name on the command line."""
-        files = tuple(shown(path) for path in (self.source.path, *self.joined))
+        files = tuple(name_of(path) for path in (self.source.path, *self.joined))
         return (*files, "--join") if self.joined else files
 
     @cached_property
@@ -203,7 +203,7 @@ def damage_of(log: Log, losses: Iterable[Loss]) -> Damage:
         log: the log.
         losses: all that were found, in opening it and in reading it.
     """
-    return Damage(shown(log.source.path), tuple(losses), log.start_time)
+    return Damage(name_of(log.source.path), tuple(losses), log.start_time)
 
 
 def malformed_messages(

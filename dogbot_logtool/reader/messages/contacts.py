@@ -62,8 +62,8 @@ def _source_of_words(channel: Channel, fields: tuple[FootField, ...]) -> Source:
         words=words,
         one_axis=all(path.width == 1 or field.axis for field, path in paths.items()),
     )
-    told = {"force" if row.force else "flag": tuple(paths.values())}
-    return first_fitting(channel, [row], "feet", told)
+    wanted = {"force" if row.force else "flag": tuple(paths.values())}
+    return first_fitting(channel, [row], "feet", wanted)
 
 
 def _kind(field: FootField, path: FieldPath) -> str:

@@ -78,8 +78,8 @@ def _joints(source: Source, messages: DecodedMessages) -> tuple[tuple[str, ...],
         parent, joint, names = _named_joints(name, table)
         columns = [path.beside(table, name)[:, 0] for path in paths]
     else:
-        told = table.nested(paths[0].arrays[0].path)
-        parent, joint, names = told.parent, told.index, source.row.joints
+        nested = table.nested(paths[0].arrays[0].path)
+        parent, joint, names = nested.parent, nested.index, source.row.joints
         columns = [path.all_values(table)[:, 0] for path in paths]
         if name is not None:
             # Some publishers leave the names out; positions keep their order.

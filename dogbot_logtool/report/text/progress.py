@@ -14,19 +14,19 @@ if TYPE_CHECKING:
 class ProgressBars:
     """Shows how work on logs goes on; may be called from any thread."""
 
-    def __init__(self, names: Sequence[str], *, shown: bool) -> None:
+    def __init__(self, names: Sequence[str], *, visible: bool) -> None:
         """Set up.
 
         Args:
             names: of the logs.
-            shown: whether to show anything.
+            visible: whether to show anything.
         """
         self._names = names
-        self._shown = shown
+        self._visible = visible
         self._lock = threading.Lock()
         self._tasks: dict[int, TaskID] = {}
         self._finished: set[int] = set()
-        self._bars = _bars() if shown and sys.stderr.isatty() else None
+        self._bars = _bars() if visible and sys.stderr.isatty() else None
 
     def __enter__(self) -> Self:
         if self._bars is not None:
@@ -73,7 +73,7 @@ class ProgressBars:
         """Say what a user should know at once."""
         from dogbot_logtool.report.text.console import diagnostics, print_note  # noqa: PLC0415
 
-        if self._shown:
+        if self._visible:
             print_note(diagnostics(), sentence)
 
     def _count(self) -> str:

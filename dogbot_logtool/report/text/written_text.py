@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 
 from dogbot_logtool.io.printable import listed, printable
-from dogbot_logtool.io.storage import shown
+from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.report.text.console import (
     human_size,
     print_findings,
@@ -28,7 +28,7 @@ def print_conversion(console: Console, done: Conversion, *, verbose: bool) -> No
     """Print what was written of a log, and if verbose how many annotations each topic has."""
     added = sum(done.annotations.values())
     words = f"{done.copied:,} recorded messages and {added:,} annotations"
-    _print_written(console, shown(done.target), words)
+    _print_written(console, name_of(done.target), words)
     if verbose:
         for topic, count in done.annotations.items():
             print_sentence(console, f"         {count:>9,}  {printable(topic)}")
@@ -40,7 +40,7 @@ def print_page(console: Console, done: Page, *, verbose: bool) -> None:
     """Print what a page says, and if verbose all findings."""
     measured = done.measured
     words = f"{headline(measured.metrics)}. {quality_of(measured).line} ({human_size(done.size)})"
-    _print_written(console, shown(done.target), words)
+    _print_written(console, name_of(done.target), words)
     if verbose:
         print_findings(console, measured.findings)
     print_losses(console, done.damage)

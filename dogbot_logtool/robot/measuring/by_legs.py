@@ -36,7 +36,7 @@ CLEAR: Final = 0.15
 """By which it must lead before that of any other leg."""
 
 
-def told_by_legs(
+def measured_by_legs(
     recording: Recording, selection: Selection, model: Model
 ) -> tuple[Recording, Selection]:
     """Add the contacts of feet without sensors, and the poses of a base without odometry.
@@ -53,15 +53,15 @@ def told_by_legs(
     try:
         if robot is None:
             raise ValueError(model.why_none)
-        legs, selection, told = _estimated(recording, selection, robot)
+        legs, selection, estimated = _estimated(recording, selection, robot)
     except ValueError as reason:
         if not lacks_feet:
             return recording, selection
         settled = [each for each in selection.findings if each.code != "NO_FEET"]
-        told_why = without_legs(str(reason), model.call)
-        return recording, replace(selection, findings=(*settled, told_why))
-    feet = told.feet if lacks_feet else _with_points(recording, selection, legs, told)
-    base = recording.base if selection.odometry else told.base
+        reason_found = without_legs(str(reason), model.call)
+        return recording, replace(selection, findings=(*settled, reason_found))
+    feet = estimated.feet if lacks_feet else _with_points(recording, selection, legs, estimated)
+    base = recording.base if selection.odometry else estimated.base
     return replace(recording, feet=feet, base=base), selection
 
 
@@ -84,14 +84,14 @@ def _estimated(
     names = dict.fromkeys(name for leg in legs for name in leg.measured)
     joints = joints_of_legs(recording.joints, tuple(names))
     mass = named.mass_kg or robot.mass_kg
-    told = estimate(recording, legs, joints, _mounting(recording, robot), mass)
+    estimated = estimate(recording, legs, joints, _mounting(recording, robot), mass)
     named = replace(named, forward_axis=axis, base_frame=named.base_frame or robot.base)
     findings = [*selection.findings]
     if not selection.odometry:
         named = replace(named, world_frame=named.world_frame or _WORLD)
         findings = [each for each in findings if each.code != "NO_BASE"]
-        lean = "by the accelerometer" if told.tells_up else "taken as none"
-        findings.append(found("BASE_FROM_LEGS", say="joints", by=told.turns_from, lean=lean))
+        lean = "by the accelerometer" if estimated.tells_up else "taken as none"
+        findings.append(found("BASE_FROM_LEGS", say="joints", by=estimated.turns_from, lean=lean))
     if lacks_feet:
         topic = joints.topic
         own = tuple(
@@ -106,15 +106,15 @@ def _estimated(
         )
         named = replace(named, mass_kg=mass, feet=own)
         findings = [each for each in findings if not _is_settled(each, recording)]
-        findings += _of_contact(told, topic, tuple(leg.name for leg in legs))
+        findings += _of_contact(estimated, topic, tuple(leg.name for leg in legs))
     selection = replace(
         selection,
         robot=named,
         findings=tuple(findings),
-        contact_from=told.contact_from if lacks_feet else "",
+        contact_from=estimated.contact_from if lacks_feet else "",
         base_from_legs=not selection.odometry,
     )
-    return legs, selection, told
+    return legs, selection, estimated
 
 
 def _posture(tables: Sequence[JointTable]) -> dict[str, float]:
@@ -129,12 +129,12 @@ def _posture(tables: Sequence[JointTable]) -> dict[str, float]:
 
 
 def _with_points(
-    recording: Recording, selection: Selection, legs: Sequence[Leg], told: Estimate
+    recording: Recording, selection: Selection, legs: Sequence[Leg], estimated: Estimate
 ) -> tuple[Samples, ...]:
     """Return sensors' samples with the places where their legs rest, if sensors tell none."""
     if selection.has_points:
         return recording.feet
-    pairs = zip(legs, told.feet, strict=True)
+    pairs = zip(legs, estimated.feet, strict=True)
     of_leg = {leg.position or leg.name: samples for leg, samples in pairs}
     keys = [foot.leg_position or foot.name for foot in selection.robot.feet]
     return tuple(
@@ -146,9 +146,9 @@ def _with_points(
 def _named_as_described(recording: Recording, robot: RobotOfUrdf) -> Recording:
     """Name joints as the description does, where none is, but for namespaces and capitals."""
     described = {joint.name.lower(): joint.name for joint in robot.joints if joint.kind != "fixed"}
-    told = [name for table in recording.joints for name in table.names]
-    short = {name: name.replace(":", "/").rpartition("/")[2].lower() for name in told}
-    if not set(described.values()).isdisjoint(told) or len(set(short.values())) < len(short):
+    estimated = [name for table in recording.joints for name in table.names]
+    short = {name: name.replace(":", "/").rpartition("/")[2].lower() for name in estimated}
+    if not set(described.values()).isdisjoint(estimated) or len(set(short.values())) < len(short):
         return recording
     tables = (
         replace(table, names=tuple(described.get(short[name], name) for name in table.names))
@@ -187,9 +187,9 @@ def _mounting(recording: Recording, robot: RobotOfUrdf) -> Floats:
     return np.asarray(turn[0])
 
 
-def _of_contact(told: Estimate, topic: str, names: tuple[str, ...]) -> Iterator[Finding]:
+def _of_contact(estimated: Estimate, topic: str, names: tuple[str, ...]) -> Iterator[Finding]:
     """Yield that contact is estimated, and why efforts are no torques: work is none, either."""
-    why = told.why_no_force
+    why = estimated.why_no_force
     say = "plain" if why else "forces"
     yield replace(found("CONTACT_ESTIMATED", say=say, topic=topic, why=why), where="")
     if why.startswith(TOO_MUCH):

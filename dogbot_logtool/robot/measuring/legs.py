@@ -17,7 +17,7 @@ from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.robot.leg_names import leg_of
 from dogbot_logtool.robot.names import name_feet
 from dogbot_logtool.robot.robot_model.skeleton import place_of_foot
-from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, said_of_left_out
+from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, left_out_findings
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, SOLES, Part, texts_of, words_of
 
@@ -32,12 +32,15 @@ def find_legs(
 
     Joint states with a robot description place the feet, else transforms do.
     """
-    feet, told = selection.robot.feet, {name for each in recording.joints for name in each.names}
-    joints = {joint.child: joint for joint in robot.joints} if robot and told else {}
+    feet, measured = (
+        selection.robot.feet,
+        {name for each in recording.joints for name in each.names},
+    )
+    joints = {joint.child: joint for joint in robot.joints} if robot and measured else {}
     left_out = robot.left_out if robot else 0
     chains = _chains(selection, probe, {child: joint.parent for child, joint in joints.items()})
     moved = [_moved(chain, joints) for chain in chains]
-    lacking = [[name for name in names if name not in told] for names in moved]
+    lacking = [[name for name in names if name not in measured] for names in moved]
     known = [bool(names) and not missing for names, missing in zip(moved, lacking, strict=True)]
     chains = [chain if kept else None for chain, kept in zip(chains, known, strict=True)]
     by_joints = any(chains)
@@ -47,9 +50,9 @@ def find_legs(
     if not any(chains) and not recording.joints:
         return None
     by_frames = not by_joints and any(chains)
-    foot_of_joint = _feet_of_joints(feet, [] if by_frames else moved, told)
+    foot_of_joint = _feet_of_joints(feet, [] if by_frames else moved, measured)
     # Joint states that name no joint of a leg leave none out.
-    tells_of_legs = any(name in told for names in moved for name in names)
+    has_legs = any(name in measured for names in moved for name in names)
     return LegSettings(
         chains=tuple(chains),
         reasons=tuple(
@@ -61,7 +64,7 @@ def find_legs(
         foot_of_joint=foot_of_joint,
         pairs=_pairs(feet, foot_of_joint),
         limits=robot.limits if robot else {},
-        untold=tuple(name for each in lacking for name in each) if tells_of_legs else (),
+        lacking=tuple(name for each in lacking for name in each) if has_legs else (),
     )
 
 
@@ -87,7 +90,7 @@ def _why_not(
     if link is None:
         return "no frame is known to be its own"
     reason = f"nothing connects its frame {link} with {probe.base}"
-    return f"{reason}; {said_of_left_out(left_out)}" if left_out else reason
+    return f"{reason}; {left_out_findings(left_out)}" if left_out else reason
 
 
 def _chains(

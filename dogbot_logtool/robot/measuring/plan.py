@@ -196,18 +196,18 @@ def prepare(
     model = None
     if recording.joints:
         from dogbot_logtool.robot.measuring.by_legs import (  # noqa: PLC0415
+            measured_by_legs,
             named_by_legs,
-            told_by_legs,
         )
         from dogbot_logtool.robot.robot_model.description import read_model  # noqa: PLC0415
 
         found = read_model(log, options.urdf)
         model = found.robot
-        recording, selection = told_by_legs(recording, selection, found)
+        recording, selection = measured_by_legs(recording, selection, found)
         if named := named_by_legs(log, options, selection, recording.feet):
             others = (each for each in selection.findings if each.code != "FEET_UNSURE")
-            told = candidates_finding(log, [named], call_of(log, options, ""), "")
-            selection = replace(selection, findings=(*others, told))
+            offer = candidates_finding(log, [named], call_of(log, options, ""), "")
+            selection = replace(selection, findings=(*others, offer))
     # Up to the ends of a log that is read whole, silence is known.
     wanted = plan.wanted
     start, end = wanted.limits

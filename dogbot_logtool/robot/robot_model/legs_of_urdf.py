@@ -184,8 +184,8 @@ def _is_same_leg(leg: Leg, other: Leg) -> bool:
 
 def _position_in(leg: Leg) -> LegPosition:
     """Return which leg the names of its links and joints tell; empty where they do not."""
-    told = map(leg_of, (leg.foot, *(joint.name for joint in reversed(leg.joints))))
-    return next((position for position in told if position[1]), ("", ""))
+    positions = map(leg_of, (leg.foot, *(joint.name for joint in reversed(leg.joints))))
+    return next((position for position in positions if position[1]), ("", ""))
 
 
 def _forward(places: Floats, named: Sequence[LegPosition]) -> str:

@@ -85,7 +85,11 @@ def read_robot(urdf: str) -> RobotOfUrdf:
         base=_base(joints, links),
         joints=joints,
         left_out=len(elements) - len(joints),
-        limits={each.get("name", ""): told for each in elements if (told := _limits(each))},
+        limits={
+            each.get("name", ""): limits_found
+            for each in elements
+            if (limits_found := _limits(each))
+        },
         links=links,
         continuous=frozenset(endless),
     )
@@ -139,7 +143,7 @@ def parse_urdf(text: str) -> ET.Element:
     return root
 
 
-def said_of_left_out(count: int) -> str:
+def left_out_findings(count: int) -> str:
     """Say how many joints of a description are left out, and why."""
     return (
         f"joints left out of the robot description: {count} (a number that cannot be used, "

@@ -156,7 +156,7 @@ def assert_as_the_script(messages: list[Message]) -> None:
     assert arrows.foot.tolist() == [message.foot for message, _ in expected]
     assert arrows.log_time.tolist() == [message.log_time for message, _ in expected]
     assert arrows.stamp.tolist() == [message.stamp or message.log_time for message, _ in expected]
-    assert arrows.shown.all()
+    assert arrows.visible.all()
     markers = [marker for _, marker in expected]
     assert bits(arrows.position) == bits([marker.position for marker in markers])
     assert bits(arrows.orientation) == bits([marker.orientation for marker in markers])

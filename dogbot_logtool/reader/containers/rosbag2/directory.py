@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final, Protocol
 
 from dogbot_logtool.errors import CallError, LogError
-from dogbot_logtool.io.storage import Location, files_in, shown
+from dogbot_logtool.io.storage import Location, files_in, name_of
 from dogbot_logtool.reader.containers.joined_log import JoinedLog
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.containers.loss import Loss, lost_messages
@@ -61,7 +61,7 @@ def open_rosbag2(path: Location, open_file: OpenFile, suffixes: tuple[str, ...])
             losses.append(Loss(0, f"a file of the bag was left out: {error}", 0, None))
     if not logs:
         reason = losses[0].what if losses else f"{ROSBAG2_METADATA} names no files"
-        raise LogError(f"{shown(path)}: nothing of this ROS 2 bag can be read: {reason}")
+        raise LogError(f"{name_of(path)}: nothing of this ROS 2 bag can be read: {reason}")
     if metadata is not None:
         losses.extend(_compare_counts(metadata, logs, losses))
     for log, following in pairwise(logs):
@@ -133,7 +133,9 @@ def _numbered_files(folder: Location, suffixes: tuple[str, ...], reason: str) ->
     """Take all log files in the order of their numbers, none both compressed and decompressed."""
     found = {file.name: file for file in files_in(folder) if _is_log(file, suffixes)}
     if not found:
-        raise CallError(f"{shown(folder)}: is a directory, not a log file, and holds no ROS 2 bag")
+        raise CallError(
+            f"{name_of(folder)}: is a directory, not a log file, and holds no ROS 2 bag"
+        )
     names = [
         name
         for name in found

@@ -50,10 +50,10 @@ class RemoteSource(ByteSource):
         self.path = url
         self._url = url
         if facts.is_folder:
-            raise CallError(f"{storage.shown(url)}: is a directory, not a log file")
+            raise CallError(f"{storage.name_of(url)}: is a directory, not a log file")
         if facts.size is None:
             raise LogError(
-                f"{storage.shown(url)}: its server does not tell its size, so that it cannot be "
+                f"{storage.name_of(url)}: its server does not tell its size, so that it cannot be "
                 "read by parts; download it first"
             )
         self.size = facts.size
@@ -104,7 +104,7 @@ class RemoteSource(ByteSource):
         room = shutil.disk_usage(tempfile.gettempdir()).free
         if self.size > room:
             raise LogError(
-                f"{storage.shown(self.path)}: is not read by parts, so that all its {self.size} "
+                f"{storage.name_of(self.path)}: is not read by parts, so that all its {self.size} "
                 f"bytes are needed on a disk; {tempfile.gettempdir()} has room for {room} (TMPDIR "
                 "names another)"
             )
@@ -132,7 +132,7 @@ class RemoteSource(ByteSource):
                     raise answer
                 if len(answer) > end - start:
                     raise LogError(
-                        f"{storage.shown(self.path)}: its server sends more than the parts that "
+                        f"{storage.name_of(self.path)}: its server sends more than the parts that "
                         "are asked for; download it first"
                     )
                 if len(answer) < end - start:

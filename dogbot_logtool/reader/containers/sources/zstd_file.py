@@ -8,7 +8,7 @@ from typing import BinaryIO, Final
 import zstandard
 
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.io.storage import file_stem, scratch_folder, shown
+from dogbot_logtool.io.storage import file_stem, name_of, scratch_folder
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.containers.registry import is_zstd
 from dogbot_logtool.reader.containers.sources.source import ByteSource
@@ -40,12 +40,12 @@ def open_zstd(source: ByteSource, open_file: Callable[[Path], Log]) -> Log:
             with copy.open("xb") as file:
                 loss = _decompress(source, file)
         except OSError as error:
-            raise LogError(f"{shown(path)}: cannot be decompressed: {error.strerror}") from error
+            raise LogError(f"{name_of(path)}: cannot be decompressed: {error.strerror}") from error
         try:
             log = open_file(copy)
         except LogError as error:
-            why = str(error).replace(str(copy), shown(path))
-            raise LogError(why if loss is None else f"{shown(path)}: {loss.what}") from error
+            why = str(error).replace(str(copy), name_of(path))
+            raise LogError(why if loss is None else f"{name_of(path)}: {loss.what}") from error
     # The file's name is gone, but the log holds its bytes open.
     log.source.path = path
     if loss is not None:
@@ -112,7 +112,7 @@ def _unpack(packed: _Bytes, target: BinaryIO) -> Loss | None:
                 return Loss(size, f"its zstd data is cut off after {size} bytes", 0, None)
             target.write(frame.decompress(data))
             if target.tell() > most:
-                name = shown(packed.source.path)
+                name = name_of(packed.source.path)
                 raise LogError(f"{name}: its {size} bytes swell to over {most}")
             data = frame.unused_data if frame.eof else packed.next()
         if len(data) < _MAGIC_SIZE:

@@ -12,7 +12,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints
 from dogbot_logtool.errors import LogError, LogtoolError
-from dogbot_logtool.io.storage import shown
+from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.columns import gather, gather_bytes
@@ -61,8 +61,8 @@ class Pages:
         """Bytes that all rows together can take; holes in the file hardly count."""
         if self.size not in _PAGE_SIZES or self.usable < _LEAST_USABLE:
             raise LogError(
-                f"{shown(source.path)}: its database cannot be read: its header is damaged (pages "
-                f"of {self.size} bytes, of which {self.usable} may be used)"
+                f"{name_of(source.path)}: its database cannot be read: its header is damaged "
+                f"(pages of {self.size} bytes, of which {self.usable} may be used)"
             )
         self._read_header(head)
 
@@ -77,9 +77,9 @@ class Pages:
             file: the journal.
             pages: numbers and offsets in it; the last of each number counts.
         """
-        taken = np.array(pages, np.int64).reshape(-1, 2)
-        taken = np.insert(taken, 1, self._files.index(file), axis=1)
-        every = np.concatenate([self._elsewhere, taken])[::-1]
+        frames = np.array(pages, np.int64).reshape(-1, 2)
+        frames = np.insert(frames, 1, self._files.index(file), axis=1)
+        every = np.concatenate([self._elsewhere, frames])[::-1]
         self._elsewhere = every[np.unique(every[:, 0], return_index=True)[1]]
         self.bytes += len(pages) * self.size
         self._read_header(self.read(np.array([1])).tobytes())

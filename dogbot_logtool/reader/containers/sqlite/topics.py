@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.io.storage import Location, shown
+from dogbot_logtool.io.storage import Location, name_of
 from dogbot_logtool.reader.containers.contents import Channel, Schema
 from dogbot_logtool.reader.containers.sqlite.pages import Pages
 from dogbot_logtool.reader.containers.sqlite.tables import Table, small_rows
@@ -35,10 +35,10 @@ def check_tables(tables: Mapping[str, Table], pages: Pages, damage: Damage, path
         if table is None:
             met = damage.loss(pages.size, (None, None))
             what = f"but no ROS 2 bag: no table {name!r}" if met is None else f"but {met.what}"
-            raise LogError(f"{shown(path)}: is a SQLite database, {what}")
+            raise LogError(f"{name_of(path)}: is a SQLite database, {what}")
         if missing := needed - table.columns.keys():
             why = f"its table {name!r} has no {min(missing)!r}"
-            raise LogError(f"{shown(path)}: is no ROS 2 bag: {why}")
+            raise LogError(f"{name_of(path)}: is no ROS 2 bag: {why}")
 
 
 def read_topics(

@@ -195,8 +195,8 @@ def cells_of(pages: Pages, number: Ints, damage: Damage) -> Cells:
     sound[spilt] &= pages.exist(overflow[spilt])
     damage.look_for_unknown(pages, overflow)
     # Cells that lie over each other would be read without end.
-    taken = np.bincount(page[sound], (end - offset)[sound], minlength=len(number))
-    overfull = taken > pages.usable
+    occupied = np.bincount(page[sound], (end - offset)[sound], minlength=len(number))
+    overfull = occupied > pages.usable
     sound &= ~overfull[page]
     good &= ~overfull
     good[page[~sound]] = False

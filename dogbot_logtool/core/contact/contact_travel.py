@@ -12,7 +12,7 @@ LOADED: Final = 0.5
 """Share of a stance's mean force from which its foot is loaded."""
 
 
-def contact_ways(samples: Samples, time: Ints, begin: Ints, end: Ints) -> tuple[Floats, Floats]:
+def contact_travel(samples: Samples, time: Ints, begin: Ints, end: Ints) -> tuple[Floats, Floats]:
     """(k,) m, net travel of the contact point from 10 % to 90 % of a stance, and its reach.
 
     The reach is the largest distance from where the point is at 10 %. Both are horizontal.
@@ -54,7 +54,7 @@ def _points(samples: Samples, rows: Ints) -> Complexes:
     return np.asarray(x + 1j * y)
 
 
-def ways_under_load(
+def travel_under_load(
     samples: Samples, track: FootTrack, begin: Ints, end: Ints, mean: Floats
 ) -> Floats:
     """Find how far contact points go from 10 % to 90 % of a stance, while loaded.
@@ -87,12 +87,12 @@ def ways_under_load(
         counts = loaded & np.roll(loaded, 1)
         counts[first] = False
         total = np.cumsum(np.where(counts, step, 0.0))
-        found[:, stance[first]] = _ways(time, total - total[first][own], own, first)
+        found[:, stance[first]] = _travel(time, total - total[first][own], own, first)
     return found
 
 
-def _ways(time: Floats, path: Complexes, own: Ints, first: Ints) -> Floats:
-    """(3, m): how far contact points go in each of m stances; see `ways_under_load`.
+def _travel(time: Floats, path: Complexes, own: Ints, first: Ints) -> Floats:
+    """(3, m): how far contact points go in each of m stances; see `travel_under_load`.
 
     Args:
         time: (n,) s after touchdown.
@@ -100,9 +100,9 @@ def _ways(time: Floats, path: Complexes, own: Ints, first: Ints) -> Floats:
         own: (n,) ascending, the stance of each row.
         first: (m,) first row of each stance.
     """
-    rows, way = np.arange(len(path)), np.abs(path)
-    reach = np.maximum.reduceat(way, first)
-    share = way / np.where(reach > 0.0, reach, 1.0)[own]
+    rows, distance = np.arange(len(path)), np.abs(path)
+    reach = np.maximum.reduceat(distance, first)
+    share = distance / np.where(reach > 0.0, reach, 1.0)[own]
     half, ends = (
         np.minimum.reduceat(np.where(share >= part, rows, len(rows)), first) for part in (0.5, 0.9)
     )
