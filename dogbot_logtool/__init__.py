@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from dogbot_logtool.api.walk import Walk
     from dogbot_logtool.errors import CallError, LogError, LogtoolError
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"
 __all__ = [
     "CallError",
     "LogError",
