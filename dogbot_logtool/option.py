@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
+from inspect import get_annotations
 from numbers import Integral, Real
 from pathlib import Path
 from typing import Any, Final, Literal, TypeVar, get_args, get_origin
@@ -152,7 +153,7 @@ def options_of(record: Any) -> tuple[Option, ...]:  # noqa: ANN401 - any record
     owners = {
         name: each
         for each in reversed(record.__mro__)
-        for name in vars(each).get("__annotations__", {})
+        for name in get_annotations(each)
     }
     found = []
     for field in fields(record):
