@@ -235,7 +235,7 @@ def definitions(record: Any) -> dict[str, str]:  # noqa: ANN401 - any record
     found: dict[str, str] = {}
     for each in reversed(record.__mro__):
         source = getattr(sys.modules[each.__module__], "__file__", None)
-        if issubclass(each, object) and "__annotations__" in vars(each) and source:
+        if source:
             tree = ast.parse(Path(source).read_text(encoding="utf-8"))
             for node in tree.body:
                 if isinstance(node, ast.ClassDef) and node.name == each.__name__:
