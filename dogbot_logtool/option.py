@@ -150,11 +150,7 @@ def _written(value: object) -> str:
 @cache
 def options_of(record: Any) -> tuple[Option, ...]:  # noqa: ANN401 - any record
     """List the options of a record, those of its bases first."""
-    owners = {
-        name: each
-        for each in reversed(record.__mro__)
-        for name in get_annotations(each)
-    }
+    owners = {name: each for each in reversed(record.__mro__) for name in get_annotations(each)}
     found = []
     for field in fields(record):
         how = next((x for x in getattr(field.type, "__metadata__", ()) if isinstance(x, As)), None)
