@@ -81,8 +81,10 @@ def leave_to_parent() -> None:
 
     To be called first in a worker; SIGTERM ends it without a word.
     """
-    ignore_signals()
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    for number in _ENDING:
+        # To ignore SIGTERM even for a moment would forget one that was held back.
+        ends = number is signal.SIGTERM
+        signal.signal(number, signal.SIG_DFL if ends else signal.SIG_IGN)
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, _ENDING)
 

@@ -40,6 +40,23 @@ print("lost")
     assert (done.returncode, done.stdout, done.stderr) == (128 + number, "", "")
 
 
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="cannot hold signals back")
+def test_a_worker_ends_by_what_was_held_back_while_it_was_started() -> None:
+    script = """
+import os, signal
+from dogbot_logtool.signals import held_back, leave_to_parent
+
+with held_back():
+    os.kill(os.getpid(), signal.SIGTERM)
+    leave_to_parent()
+    print("lives on", flush=True)
+"""
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=60.0
+    )
+    assert (done.returncode, done.stdout) == (-signal.SIGTERM, "")
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="limits memory")
 def test_too_little_memory_is_told() -> None:
     script = """
