@@ -7,10 +7,12 @@ write-ahead log (``-wal``) pages that were committed, but not yet written to the
 import stat
 import struct
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.io.storage import Location
@@ -30,14 +32,14 @@ _LOCK_BYTE: Final = 1 << 30
 another journal, of several databases, which SQLite would open and delete, and we do not."""
 
 _WAL_HEADER: Final = struct.Struct(">8I")
-_WAL_SUMMED: Final = 24
-"""Bytes of it that its checksum covers."""
 _ORDERS: Final = {0x377F0682: "<u4", 0x377F0683: ">u4"}
 """Byte order of the numbers that checksums add up, by the magic."""
 _VERSION: Final = 3007000
 _FRAME_HEAD: Final = struct.Struct(">6I")
 _SUMMED: Final = 8
 """Bytes of it that its checksum covers."""
+
+_Words = NDArray[np.uint32]
 
 
 def take_journals(pages: Pages, path: Location) -> Iterator[Loss]:
@@ -125,9 +127,9 @@ def _go_on(pages: Pages, file: ByteSource) -> str:
     head = file.read(0, _WAL_HEADER.size).ljust(_WAL_HEADER.size, b"\0")
     magic, version, size, _, *rest = _WAL_HEADER.unpack(head)
     order = _ORDERS.get(magic, "")
-    salts, sums = rest[:2], tuple(rest[2:])
+    salts, sums = tuple(rest[:2]), np.array(rest[2:], np.uint32)
     is_sound = order and version == _VERSION
-    if not is_sound or _sums(head[:_WAL_SUMMED], order, (0, 0)) != sums:
+    if not is_sound or (_sums(head[: -sums.nbytes], order, 0 * sums) != sums).any():
         raise JournalError("its header is damaged")
     _check_page_size(size, pages.size)
     frame_size = _FRAME_HEAD.size + size
@@ -136,7 +138,7 @@ def _go_on(pages: Pages, file: ByteSource) -> str:
     for offset in range(_WAL_HEADER.size, file.size - frame_size + 1, frame_size):
         frame = file.read(offset, frame_size)
         number, commits, *rest = _FRAME_HEAD.unpack_from(frame)
-        is_own = number > 0 and rest[:2] == salts
+        is_own = number > 0 and tuple(rest[:2]) == salts
         if damaged_at and offset > damaged_at + PIECE:
             break
         if damaged_at:
@@ -146,7 +148,7 @@ def _go_on(pages: Pages, file: ByteSource) -> str:
                 return f"is damaged at byte {damaged_at}; what was recorded after that is lost"
             continue
         sums = _sums(frame[:_SUMMED] + frame[_FRAME_HEAD.size :], order, sums)
-        if not is_own or sums != tuple(rest[2:]):
+        if not is_own or (sums != rest[2:]).any():
             damaged_at = offset
             continue
         frames.append((number, offset + _FRAME_HEAD.size))
@@ -160,16 +162,29 @@ def _check_page_size(size: int, expected: int) -> None:
         raise JournalError(f"its pages have {size} bytes, those of the database {expected}")
 
 
-def _sums(data: bytes, order: str, before: tuple[int, ...]) -> tuple[int, ...]:
-    """Return the two checksums of a write-ahead log.
+def _sums(data: bytes, order: str, before: _Words) -> _Words:
+    """Return checksums: s += x + t, t += y + s for each two numbers x, y, all modulo 2**32.
+
+    Each number is so added up a Fibonacci number of times.
 
     Args:
         data: some multiple of 8 bytes.
         order: dtype of the numbers in it.
-        before: the checksums of what stands before.
+        before: (2,) s and t before.
+
+    Returns:
+        (2,).
     """
-    first, second = before
-    for odd, even in np.frombuffer(data, order).reshape(-1, 2).tolist():
-        first = (first + odd + second) & 0xFFFFFFFF
-        second = (second + even + first) & 0xFFFFFFFF
-    return first, second
+    words = np.frombuffer(data, order).astype(np.uint32)
+    weights = _fibonacci(len(words) + 2)
+    of_words = np.column_stack([weights[-3::-1], weights[-2:0:-1]])
+    of_before = np.stack([weights[-3:-1], weights[-2:]])
+    return words @ of_words + of_before @ before
+
+
+@cache
+def _fibonacci(count: int) -> _Words:
+    numbers = [0, 1]
+    while len(numbers) < count:
+        numbers.append((numbers[-1] + numbers[-2]) & 0xFFFFFFFF)
+    return np.array(numbers, np.uint32)
