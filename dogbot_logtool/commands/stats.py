@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from dogbot_logtool.core import metrics
 from dogbot_logtool.core.analysis import analyse
 from dogbot_logtool.core.recording import Recording
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.storage import Location, name_of
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import (
@@ -17,13 +17,14 @@ from dogbot_logtool.reader.containers.log import (
     malformed_messages,
     wrong_statistics,
 )
+from dogbot_logtool.reader.part import TimeLimits
 from dogbot_logtool.reader.recording import Alongside, ReadLog, read_recording
 from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.measuring.plan import MeasuringPlan, make_plan, prepare
 from dogbot_logtool.robot.selection import Selection
-from dogbot_logtool.robot.time_span import TimeLimits, refuse_empty_span
+from dogbot_logtool.robot.time_span import refuse_empty_span
 from dogbot_logtool.run.runner import OnProgress
 
 if TYPE_CHECKING:
@@ -46,9 +47,9 @@ def measure(
     """
     log = open_recorded(path, options.joined)
     try:
-        found = measure_log(log, options, progress).measurement
+        measured = measure_log(log, options, progress).measurement
         # Of the samples, only what figures draw is kept.
-        return replace(found, walk=replace(found.walk, recording=Recording()))
+        return replace(measured, walk=replace(measured.walk, recording=Recording()))
     finally:
         log.close()
 
@@ -138,8 +139,4 @@ def _order_findings(out_of_order: int) -> Iterator[Finding]:
         out_of_order: messages that stood behind later ones of their channel.
     """
     if out_of_order:
-        text = (
-            f"messages stand out of order in the file: {out_of_order:,} go back; they are read by "
-            "their log times"
-        )
-        yield Finding("OUT_OF_ORDER", text)
+        yield found("OUT_OF_ORDER", say="file", count=out_of_order)

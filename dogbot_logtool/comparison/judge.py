@@ -150,7 +150,7 @@ def _of_figure(document: Json, rule: Rule, path: str, value: Value, before: Valu
     if rule.baseline is not None:
         if before is None:
             return _unknown(rule, path, "the baseline does not have it")
-        equals, demand = before, f"{demand}, {_value_text(before)}"
+        equals, demand = before, f"{demand}, {value_text(before)}"
     if _is_number(equals):
         low, high = rule.baseline.around(equals) if rule.baseline else (equals, equals)
         equals = None
@@ -246,5 +246,8 @@ def _is_number(value: Value) -> TypeGuard[float]:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _value_text(value: object) -> str:
+def value_text(value: Value) -> str:
+    """Return a value as a sentence shows it."""
+    if value is None:
+        return "not known"
     return f"{value:.4g}" if isinstance(value, float) else str(value)

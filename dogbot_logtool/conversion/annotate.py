@@ -14,7 +14,7 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.events.event import EventMessage, GaitState
 from dogbot_logtool.core.events.log_messages import event_messages, gait_states, to_log_time
-from dogbot_logtool.core.frames.kinematics import LinkTransforms, Transforms, from_opening
+from dogbot_logtool.core.frames.kinematics import LinkTransforms, TransformMessages, from_opening
 from dogbot_logtool.core.hulls import NEAR_NS
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.scene.arrows import Arrows, force_arrows, pressure_arrows, removals
@@ -33,7 +33,7 @@ class Scene:
 
     plan: ConversionPlan
     feet: tuple[DrawnFoot, ...]
-    transforms: Transforms
+    transforms: TransformMessages
     """Of the base."""
     poses: Odometry
     """Those that support and legs are drawn at."""
@@ -79,7 +79,7 @@ def draw(plan: ConversionPlan, walk: Walk, recorded: Sequence[Arrows]) -> Scene:
     poses = recording.base.pick(usable_poses(recording.base))
     poses = poses.pick(first_at_each_tick(poses.time, plan.options.tf_rate))
     place = poses.position[:, None], poses.orientation[:, None]
-    in_world = Transforms(poses.log_time, poses.time, *place)
+    in_world = TransformMessages(poses.log_time, poses.time, *place)
     first = [int(foot.samples.log_time[0]) for foot in feet if len(foot.samples.log_time)]
     known_from = max([opening, *first])
     known_from = known_from if known_from - opening <= NEAR_NS else opening

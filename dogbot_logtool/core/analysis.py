@@ -112,8 +112,8 @@ def _measured(walk: Walk) -> Walk:
         walk,
         loads=loads_in(walk),
         stability=stability_in(walk),
-        command_track=follow_commands(walk, walk.commands),
-        imu=compare_imu(walk, walk.inertial),
+        command_track=follow_commands(walk),
+        imu=compare_imu(walk),
     )
 
 

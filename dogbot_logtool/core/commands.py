@@ -45,17 +45,17 @@ _FEWEST_WINDOWS: Final = 4
 """Times the window; a correlation over less time means nothing."""
 
 
-def follow_commands(walk: Walk, history: VectorHistory | None) -> CommandTrack | None:
+def follow_commands(walk: Walk) -> CommandTrack | None:
     """Compare commands with the base's velocity over time.
 
     Args:
-        walk: its base, and when the robot steps.
-        history: commands: linear x and y, angular z; None: there are none.
+        walk: its commands (linear x and y, angular z), its base, and when the robot steps.
 
     Returns:
         None without commands or poses.
     """
-    base, forward_axis = walk.track.history, walk.settings.forward_axis
+    history, base = walk.commands, walk.track.history
+    forward_axis = walk.settings.forward_axis
     if history is None or len(base.time) < 2 or not len(history.time):
         return None
     # In segments with strides the robot steps.

@@ -20,7 +20,6 @@ from dogbot_logtool.core.integral import Integral, trapezoids
 from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
 from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, normalised, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
-from dogbot_logtool.core.vectors import VectorHistory
 from dogbot_logtool.core.walk import Walk
 
 STANDING_WINDOW_S: Final = 0.5
@@ -61,16 +60,16 @@ _COMPARABLE: Final = frozenset({Reading.SOUND, Reading.IN_G, Reading.WITHOUT_GRA
 """Readings that tell of accelerations, once they are levelled and in m/s^2."""
 
 
-def compare_imu(walk: Walk, sensed: VectorHistory | None) -> ImuComparison | None:
+def compare_imu(walk: Walk) -> ImuComparison | None:
     """Compare accelerometer, forces and poses.
 
     Args:
-        walk: its base and feet.
-        sensed: what the accelerometer reads, in its frame; None: there is none.
+        walk: what its accelerometer reads, in its own frame, its base and its feet.
 
     Returns:
         None where accelerometer and poses have too little time in common.
     """
+    sensed = walk.inertial
     if sensed is None:
         return None
     base, mounting = walk.poses, walk.settings.imu_mounting

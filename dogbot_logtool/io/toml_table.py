@@ -154,10 +154,6 @@ class Kind:
     is_right: Callable[[Any], bool]
     converted: Callable[[Any], Any] = lambda value: value
 
-    def __call__(self, table: TomlTable, key: str) -> Any:  # noqa: ANN401 - any TOML value
-        """Take a value out of a table; None where there is none."""
-        return table.take(key, self)
-
 
 def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e9

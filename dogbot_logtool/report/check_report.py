@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from rich.console import Console
 
-from dogbot_logtool.comparison.judge import DAMAGE, Judgement, Status, Value, worst
+from dogbot_logtool.comparison.judge import DAMAGE, Judgement, Status, value_text, worst
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.documents import ERROR, FAILURE, REMARK, Case, junit_xml
 from dogbot_logtool.report.text.console import print_sentence
@@ -50,13 +50,6 @@ def _parts(found: Judgement) -> list[str | tuple[str, str]]:
     look = f" ({found.look})" if found.look else ""
     label = (f"  {found.status:<7}  ", _STYLES[found.status])
     return [label, printable(name + _sentence(found)), printable(look)]
-
-
-def value_text(value: Value) -> str:
-    """Return a value as a sentence shows it."""
-    if value is None:
-        return "not known"
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def check_json(name: str, judgements: Sequence[Judgement]) -> dict[str, Any]:

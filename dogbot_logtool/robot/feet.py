@@ -17,7 +17,7 @@ from dogbot_logtool.reader.messages.feet import MessageFoot, feet_in
 from dogbot_logtool.reader.messages.message_type import is_named_as_planned
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.messages.table import types_of
-from dogbot_logtool.robot.leg_names import leg_position
+from dogbot_logtool.robot.leg_names import ORDER, leg_position
 from dogbot_logtool.robot.names import FootSet, label_names, name_feet
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.score import alternatives
@@ -37,7 +37,6 @@ _RARE: Final = 2
 """States that come less often than this fraction of others are rare."""
 _MOST_OFFERED: Final = 16
 """Sets of topics of a type that are looked at more closely."""
-_ORDER: Final = ("front", "middle", "back", "left", "right")
 _JOINT_FOOT: Final = "sensor_msgs/JointState"
 """Type of messages of joints and feet; the velocities of the feet are planned contacts."""
 _JOINTS: Final = 12
@@ -327,8 +326,8 @@ def _named_feet(found: Sequence[MessageFoot], topic: str) -> tuple[Foot, ...]:
 def front_to_back(foot: Foot) -> tuple[int, int, str]:
     """Sort feet front to back, left before right."""
     if foot.leg_position is None:
-        return len(_ORDER), 0, foot.name
-    end, side = ((*_ORDER, each).index(each) for each in foot.leg_position)
+        return len(ORDER), 0, foot.name
+    end, side = ((*ORDER, each).index(each) for each in foot.leg_position)
     return end, side, foot.name
 
 

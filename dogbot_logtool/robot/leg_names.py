@@ -11,7 +11,8 @@ from dogbot_logtool.robot.words import ENDS, LETTERS, ROWS, SIDES, Part, Word, w
 
 _HALVES: Final = frozenset({*ENDS, *SIDES})
 _POSITIONS: Final = frozenset({*_HALVES, *LETTERS})
-_ORDER: Final = ("front", "middle", "back", "left", "right")
+ORDER: Final = ("front", "middle", "back", "left", "right")
+"""Ends and sides, as legs are sorted by them."""
 
 
 def leg_of(name: str) -> LegPosition:
@@ -88,7 +89,7 @@ def _corner(words: Sequence[Word], differ: Sequence[int]) -> Leg | None:
     for own in (slots, sorted(beside.union(slots))):
         end, side = _ends_and_sides([words[at].text for at in own])
         if end and side:
-            order = _ORDER.index(end), _ORDER.index(side)
+            order = ORDER.index(end), ORDER.index(side)
             return Leg(f"{end}_{side}", order, tuple(own), (end, side))
     return None
 
@@ -117,7 +118,7 @@ def _row(words: Sequence[Word], differ: Sequence[int]) -> Leg | None:
 
 
 def _of_row(side: str, row: str, *slots: int) -> Leg:
-    return Leg(f"{side}_{row}", (_number(row), _ORDER.index(side)), slots)
+    return Leg(f"{side}_{row}", (_number(row), ORDER.index(side)), slots)
 
 
 def _numbered(words: Sequence[Word], differ: Sequence[int]) -> Leg | None:
@@ -137,7 +138,7 @@ def _side(words: Sequence[Word], differ: Sequence[int]) -> Leg | None:
     """Read a word as the side of one of two legs."""
     for at in differ:
         if side := SIDES.get(words[at].text):
-            return Leg(side, (_ORDER.index(side), 0), (at,))
+            return Leg(side, (ORDER.index(side), 0), (at,))
     return None
 
 

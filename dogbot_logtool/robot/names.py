@@ -268,8 +268,8 @@ def _name_one_foot(words: Sequence[Word], differ: Sequence[int]) -> bool:
             )
             for a, b in pairwise(same)
         )
-        distinct = [words[at] for at in same]
-        telling = all(w.is_leg or w.is_position or w.text in NEUTRAL for w in distinct)
+        agreed = [words[at] for at in same]
+        telling = all(w.is_leg or w.is_position or w.text in NEUTRAL for w in agreed)
         if named and (len(same) < len(inside) or telling):
             return True
     return False

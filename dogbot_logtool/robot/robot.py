@@ -1,6 +1,6 @@
 """A robot, as known before its log is opened: its file, and ``--set FIELD=VALUE`` for one call."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -14,6 +14,7 @@ from dogbot_logtool.io.toml_table import (
     POSITIVE,
     TEXT,
     VECTOR,
+    Kind,
     TomlTable,
     declared_fields,
     one_of,
@@ -241,9 +242,9 @@ def _parsed(path: str, text: str) -> tuple[str, str, Any]:
     foot, _, field = (rest, "", "offset_n") if first == "tare" and rest else rest.partition(".")
     of_foot = first in {"tare", "feet"} and bool(rest)
     foot, field = (foot, field) if of_foot else ("", path)
-    for name, take, section, key in declared_fields(Foot if of_foot else Robot):
+    for name, kind, section, key in declared_fields(Foot if of_foot else Robot):
         if field in {name, f"{section}.{key}".lstrip(".")} and name not in _NOT_SET:
-            return foot, name, _value(take, key, path, text)
+            return foot, name, _value(kind, key, path, text)
     known = [each[0] for each in declared_fields(Robot) if each[0] not in _NOT_SET]
     known += ["tare.FOOT", *(f"feet.{foot or 'FOOT'}.{each[0]}" for each in declared_fields(Foot))]
     from difflib import get_close_matches  # noqa: PLC0415 - for wrong calls only
@@ -253,7 +254,7 @@ def _parsed(path: str, text: str) -> tuple[str, str, Any]:
     raise CallError(f"--set {path}: the robot's file has no such field; {hint}")
 
 
-def _value(take: Callable[[TomlTable, str], Any], key: str, path: str, text: str) -> Any:  # noqa: ANN401 - as in the file
+def _value(kind: Kind, key: str, path: str, text: str) -> Any:  # noqa: ANN401 - as in the file
     """Return the value that a text is: TOML, or a vector, a word or words without their marks.
 
     Raises:
@@ -266,7 +267,7 @@ def _value(take: Callable[[TomlTable, str], Any], key: str, path: str, text: str
         except CallError:
             continue
         try:
-            return take(table, key)
+            return table.take(key, kind)
         except CallError as error:
             wrong = wrong or str(error).rpartition("; ")[2]
     raise CallError(f"--set {path}={text}: {wrong}")

@@ -48,7 +48,7 @@ _STEADY: Final = 0.25
 """Largest spread of the sum of all loads, as a share of its mean."""
 _UNSTEADY: Final = 1.5
 """Each foot's spread is at least so many times that of the sum."""
-_OVER_BOTH: Final = 0.5
+_BOTH_DIRECTIONS: Final = 0.5
 """Share of the larger that the smaller of push and pull is, from which a number is no load."""
 _NOT_UNLOADED: Final = 0.5
 """Share of what each foot reads with load that it reads without, from which numbers are no forces:
@@ -142,7 +142,7 @@ def with_content(named: FootCandidates, feet: Sequence[Samples]) -> FootCandidat
     down = values > 0.0 if are_states else values > low + _ON * (high - low)
     marks = [_on_and_off(np.count_nonzero(np.diff(down, axis=0), axis=0)), _in_turns(down)]
     if not are_states:
-        marks += [_together(values), _exactly_one(signed)]
+        marks += [_together(values), _in_one_direction(signed)]
     thresholds, is_contact = [0.0] * len(feet), are_states
     is_number = not are_states and not any(each.force[:, :2].any() for each in feet)
     low, high = percentiles_of(values, _ENDS, axis=0)
@@ -203,11 +203,11 @@ def _together(values: Floats) -> Mark:
     return 0, f"their sum varies by {spread:.0%}"
 
 
-def _exactly_one(signed: Floats) -> Mark:
+def _in_one_direction(signed: Floats) -> Mark:
     """The ground pushes and does not pull."""
     low, high = percentiles_of(signed, _TENTH, axis=0)
     smaller, larger = np.minimum(-low, high), np.maximum(-low, high)
-    both = (low < 0.0) & (high > 0.0) & (smaller > _OVER_BOTH * larger)
+    both = (low < 0.0) & (high > 0.0) & (smaller > _BOTH_DIRECTIONS * larger)
     return -_NEVER if both.any() else 0, ""
 
 

@@ -3,9 +3,7 @@
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.log import Log
-
-TimeLimits = tuple[int | None, int | None]
-"""ns, log times from which and up to which messages are taken; None: no limit."""
+from dogbot_logtool.reader.part import TimeLimits
 
 
 def time_limits(log: Log, start_s: float | None, end_s: float | None) -> TimeLimits:

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Ints, rows_by_group
-from dogbot_logtool.core.frames.kinematics import LinkTransforms, Transforms
+from dogbot_logtool.core.frames.kinematics import LinkTransforms, TransformMessages
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.core.scene.foot_style import short_names
 from dogbot_logtool.core.scene.loads import Labels, Loads
@@ -39,7 +39,7 @@ _TEMPLATES_KEPT: Final = 1024
 """Templates that are kept for later messages and for other logs of a run."""
 
 
-Drawn = Transforms | Arrows | Loads | Labels | SupportScene | LegLines
+Drawn = TransformMessages | Arrows | Loads | Labels | SupportScene | LegLines
 """Columns of one kind of annotation."""
 DescribedBy = tuple[str, Callable[..., Described], tuple[Hashable, ...]]
 """A topic, the function that describes its message, and what that takes."""
@@ -61,7 +61,7 @@ class WantedAnnotations:
     has_support: bool = False
     has_legs: bool = False
     description: str = ""
-    """Encoding of the robot's description; empty: there is none."""
+    """Profile of the robot's description, ``ros1`` or ``ros2``; empty: there is none."""
 
 
 class Annotations:
@@ -93,14 +93,14 @@ class Annotations:
         }
         types = {topic: encoding.types.get(name) for topic, name in names.items()}
         if wanted.description:
-            describing = texts(is_ros1=wanted.description == "ros1")
+            describing = texts(wanted.description)
             types[ROBOT_DESCRIPTION_TOPIC] = describing.types[described.STRING]
         self.channels = {topic: added.declare(topic, kind) for topic, kind in types.items() if kind}
         """Ids by topic, whatever the log calls it."""
 
     def robot_description(self, urdf: str, log_time: int) -> MessageRecords:
         """Return the message that describes the robot."""
-        describing = texts(is_ros1=self._wanted.description == "ros1")
+        describing = texts(self._wanted.description)
         made = describing.message(described.text(urdf))
         channel = self.channels[ROBOT_DESCRIPTION_TOPIC]
         return of_payloads(channel, [made], np.array([log_time]))
@@ -124,7 +124,7 @@ class Annotations:
         match drawn:
             case LinkTransforms():
                 groups = _transforms(tuple(self._wanted.links), drawn)
-            case Transforms():
+            case TransformMessages():
                 groups = _transforms(((frame, self._wanted.base_frame),), drawn)
             case Arrows():
                 arrows = [(arrow_topic(foot), markers.arrow, (foot, frame, look)) for foot in feet]
@@ -144,7 +144,7 @@ class Annotations:
         return groups
 
 
-def _transforms(pairs: tuple[tuple[str, str], ...], drawn: Transforms) -> Groups:
+def _transforms(pairs: tuple[tuple[str, str], ...], drawn: TransformMessages) -> Groups:
     """Group the transforms of k parents and children."""
     columns = described.transform_columns(drawn.translation, drawn.rotation)
     group = np.zeros(len(drawn.stamp), np.int64)

@@ -74,8 +74,8 @@ def _marker(
     if drawn:
         drawn = {"lifetime": time(round(lifetime_s * 1e9)), **drawn}
     header = {"stamp": STAMP, "frame_id": frame}
-    visible = drawn or {"action": DELETE}
-    return {"header": header, "ns": namespace, "id": number, "pose": UPRIGHT, **visible}
+    content = drawn or {"action": DELETE}
+    return {"header": header, "ns": namespace, "id": number, "pose": UPRIGHT, **content}
 
 
 def _colour(rgb: Sequence[float]) -> Literal:

@@ -44,13 +44,14 @@ def follow(
     steps = NONE if stepping is None else stepping
     poses = base_history(odometry, clock)
     walk = SimpleNamespace(
+        commands=commands,
         track=SimpleNamespace(history=poses),
         settings=SimpleNamespace(forward_axis=forward_axis),
         jumps=SimpleNamespace(spans=NONE),
         segments=(SimpleNamespace(strides=1, spans=steps),),
         period_s=period_s,
     )
-    track = follow_commands(cast("Walk", walk), commands)
+    track = follow_commands(cast("Walk", walk))
     assert track is not None
     return track
 

@@ -55,8 +55,8 @@ class LinkPoses:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Transforms:
-    """Poses of k frames in their parents at the times of n messages."""
+class TransformMessages:
+    """Poses of k frames in their parents, as n messages to write."""
 
     log_time: Ints
     """(n,) ns."""
@@ -69,11 +69,11 @@ class Transforms:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LinkTransforms(Transforms):
+class LinkTransforms(TransformMessages):
     """Those of links that joints move."""
 
 
-AnyTransforms = TypeVar("AnyTransforms", bound=Transforms)
+AnyTransforms = TypeVar("AnyTransforms", bound=TransformMessages)
 
 
 def from_opening(transforms: AnyTransforms, opening: int) -> AnyTransforms:

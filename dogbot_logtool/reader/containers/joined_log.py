@@ -100,12 +100,18 @@ class JoinedLog(Log):
         parts: list[Batch] = []
         base = row = 0
         for file, own in groupby(span, key=lambda chunk: self._places[chunk.offset].file):
-            part = self._of_file(file, tuple(own))
+            chunks = tuple(own)
+            joint = {self._places[chunk.offset].chunk.offset: chunk for chunk in chunks}
+            part = self._of_file(file, chunks)
+            # Chunks that are damaged are not there.
             loaded = tuple(
                 replace(
                     each,
+                    chunk=joint[each.chunk.offset],
+                    stored=memoryview(b""),
                     base=base + each.base,
                     rows=slice(row + each.rows.start, row + each.rows.stop),
+                    whole=False,
                 )
                 for each in part.chunks
             )
@@ -120,18 +126,13 @@ class JoinedLog(Log):
         )
 
     def _of_file(self, file: int, span: Span) -> Batch:
-        """Read chunks of a file, with joint channels; those that are damaged are not there."""
+        """Read chunks of a file, with joint channels."""
         log = self.logs[file]
-        joint = {self._places[chunk.offset].chunk.offset: chunk for chunk in span}
         batch = unpacked(log.read(tuple(self._places[chunk.offset].chunk for chunk in span)))
         channel = self._ids[file][batch.messages.channel]
         return replace(
             batch,
             messages=replace(batch.messages, channel=channel),
-            chunks=tuple(
-                replace(each, chunk=joint[each.chunk.offset], stored=memoryview(b""), whole=False)
-                for each in batch.chunks
-            ),
             losses=tuple(_named(loss, log) for loss in batch.losses),
         )
 

@@ -58,8 +58,8 @@ def measured_by_legs(
         if not lacks_feet:
             return recording, selection
         settled = [each for each in selection.findings if each.code != "NO_FEET"]
-        reason_found = without_legs(str(reason), model.call)
-        return recording, replace(selection, findings=(*settled, reason_found))
+        finding = without_legs(str(reason), model.call)
+        return recording, replace(selection, findings=(*settled, finding))
     feet = estimated.feet if lacks_feet else _with_points(recording, selection, legs, estimated)
     base = recording.base if selection.odometry else estimated.base
     return replace(recording, feet=feet, base=base), selection
@@ -146,9 +146,9 @@ def _with_points(
 def _named_as_described(recording: Recording, robot: RobotOfUrdf) -> Recording:
     """Name joints as the description does, where none is, but for namespaces and capitals."""
     described = {joint.name.lower(): joint.name for joint in robot.joints if joint.kind != "fixed"}
-    estimated = [name for table in recording.joints for name in table.names]
-    short = {name: name.replace(":", "/").rpartition("/")[2].lower() for name in estimated}
-    if not set(described.values()).isdisjoint(estimated) or len(set(short.values())) < len(short):
+    recorded = [name for table in recording.joints for name in table.names]
+    short = {name: name.replace(":", "/").rpartition("/")[2].lower() for name in recorded}
+    if not set(described.values()).isdisjoint(recorded) or len(set(short.values())) < len(short):
         return recording
     tables = (
         replace(table, names=tuple(described.get(short[name], name) for name in table.names))

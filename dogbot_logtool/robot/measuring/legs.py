@@ -17,7 +17,7 @@ from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.robot.leg_names import leg_of
 from dogbot_logtool.robot.names import name_feet
 from dogbot_logtool.robot.robot_model.skeleton import place_of_foot
-from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, left_out_findings
+from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, left_out_text
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, SOLES, Part, texts_of, words_of
 
@@ -32,10 +32,8 @@ def find_legs(
 
     Joint states with a robot description place the feet, else transforms do.
     """
-    feet, measured = (
-        selection.robot.feet,
-        {name for each in recording.joints for name in each.names},
-    )
+    feet = selection.robot.feet
+    measured = {name for each in recording.joints for name in each.names}
     joints = {joint.child: joint for joint in robot.joints} if robot and measured else {}
     left_out = robot.left_out if robot else 0
     chains = _chains(selection, probe, {child: joint.parent for child, joint in joints.items()})
@@ -90,7 +88,7 @@ def _why_not(
     if link is None:
         return "no frame is known to be its own"
     reason = f"nothing connects its frame {link} with {probe.base}"
-    return f"{reason}; {left_out_findings(left_out)}" if left_out else reason
+    return f"{reason}; {left_out_text(left_out)}" if left_out else reason
 
 
 def _chains(

@@ -23,7 +23,7 @@ from dogbot_logtool.robot.robot_model.primitives import primitive_urdf
 from dogbot_logtool.robot.robot_model.skeleton import robot_shape, skeleton
 from dogbot_logtool.robot.robot_model.urdf import (
     RobotOfUrdf,
-    left_out_findings,
+    left_out_text,
     parse_urdf,
     read_robot,
 )
@@ -211,7 +211,7 @@ def robot_description(
 def _moved(motion: JointMotion, base_frame: str) -> Iterator[Finding]:
     """Yield findings about links that joint states move."""
     moving = sum(joint.kind != "fixed" for joint in motion.joints)
-    left_out = f"; {left_out_findings(motion.left_out)}" if motion.left_out else ""
+    left_out = f"; {left_out_text(motion.left_out)}" if motion.left_out else ""
     topic = motion.topic
     yield found("ROBOT_DESCRIPTION", say="moved", topic=topic, joints=moving, left_out=left_out)
     if base_frame not in {link for pair in motion.pairs for link in pair}:

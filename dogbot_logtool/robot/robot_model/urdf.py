@@ -85,11 +85,7 @@ def read_robot(urdf: str) -> RobotOfUrdf:
         base=_base(joints, links),
         joints=joints,
         left_out=len(elements) - len(joints),
-        limits={
-            each.get("name", ""): limits_found
-            for each in elements
-            if (limits_found := _limits(each))
-        },
+        limits={each.get("name", ""): own for each in elements if (own := _limits(each))},
         links=links,
         continuous=frozenset(endless),
     )
@@ -143,7 +139,7 @@ def parse_urdf(text: str) -> ET.Element:
     return root
 
 
-def left_out_findings(count: int) -> str:
+def left_out_text(count: int) -> str:
     """Say how many joints of a description are left out, and why."""
     return (
         f"joints left out of the robot description: {count} (a number that cannot be used, "

@@ -57,8 +57,8 @@ ENCODINGS: Final[Mapping[str, OutputEncoding]] = {each.name: each for each in _E
 
 
 @cache
-def texts(*, is_ros1: bool) -> "Encoding":
-    """Return the encoding of texts, which Foxglove has no message of its own for."""
+def texts(profile: str) -> "Encoding":
+    """Return the encoding of texts in a profile, ``ros1`` or ``ros2``; Foxglove has none."""
     from dogbot_logtool.writer.encodings.ros import Ros1Texts, Ros2Texts  # noqa: PLC0415
 
-    return Ros1Texts() if is_ros1 else Ros2Texts()
+    return Ros1Texts() if profile == "ros1" else Ros2Texts()
