@@ -134,6 +134,8 @@ def store() -> Iterator[Store]:
         running.client.mkdir(BUCKET)
         yield running
     finally:
+        # The server keeps what it stores in this process, where the next store would find it.
+        running.client.rm(BUCKET, recursive=True)
         server.shutdown()
         thread.join()
 
