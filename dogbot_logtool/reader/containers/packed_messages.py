@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 import zstandard
 
-from dogbot_logtool.reader.containers.batch import Batch
+from dogbot_logtool.reader.containers.log import Batch
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.registry import ZSTD_MAGIC
 from dogbot_logtool.reader.decode.columns import gather

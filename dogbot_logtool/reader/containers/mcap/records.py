@@ -10,8 +10,8 @@ from mcap.exceptions import EndOfFile, McapError
 from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
-from dogbot_logtool.reader.containers.contents import Channel, Extra, Schema
 from dogbot_logtool.reader.containers.descriptions import Description
+from dogbot_logtool.reader.containers.log import Channel, Extra, Schema
 
 RECORD_HEAD: Final = struct.Struct("<BQ")
 """Opcode and length of the content, before every record."""

@@ -9,9 +9,15 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
-from dogbot_logtool.reader.containers.contents import Chunk, Contents, time_range
-from dogbot_logtool.reader.containers.log import Log, Span
+from dogbot_logtool.reader.containers.log import (
+    Batch,
+    Chunk,
+    LoadedChunk,
+    Log,
+    Span,
+    counts_by_channel,
+    time_range,
+)
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.packed_messages import unpacked
 from dogbot_logtool.reader.containers.sources.source import ByteSource
@@ -31,9 +37,10 @@ class SqliteLog(Log):
     """A .db3 file."""
 
     container = "ROS 2 bag (sqlite3)"
+    profile = "ros2"
 
-    def __init__(self, source: ByteSource, contents: Contents, table: MessageTable) -> None:
-        super().__init__(source, contents)
+    def __init__(self, source: ByteSource, table: MessageTable) -> None:
+        super().__init__(source)
         self._table = table
 
     def _read(self, span: Span) -> Batch:
@@ -79,15 +86,16 @@ def open_log(source: ByteSource, distribution: str) -> SqliteLog:
         check_tables(tables, pages, damage, source.path)
         channels = read_topics(tables, pages, damage, distribution)
         table = MessageTable(pages, tables["messages"], [*channels], damage)
-        chunks, more = _chunks(table, damage)
+        log = SqliteLog(source, table)
+        log.chunks, more = _chunks(table, damage)
         opened.pop_all()
     counts: Counter[int] = Counter(dict.fromkeys(channels, 0))
-    for chunk in chunks:
+    for chunk in log.chunks:
         counts.update(chunk.counts or {})
-    losses += more
-    times = time_range(chunks)
-    contents = Contents(channels, chunks, counts, *times, profile="ros2", losses=tuple(losses))
-    return SqliteLog(source, contents, table)
+    log.channels, log.counts = channels, counts
+    log.start_time, log.end_time = time_range(log.chunks)
+    log.losses = [*losses, *more]
+    return log
 
 
 def _chunks(table: MessageTable, damage: Damage) -> tuple[list[Chunk], Iterator[Loss]]:
@@ -127,7 +135,6 @@ def _cut(rows: MessageRows) -> Iterator[slice]:
 
 
 def _chunk(number: int, leaf: Ints, messages: Messages, page_size: int) -> Chunk:
-    numbers, counts = np.unique(messages.channel, return_counts=True)
     size = int((messages.end - messages.start).sum())
     first, last = int(leaf[0]), int(leaf[-1])
     return Chunk(
@@ -140,5 +147,5 @@ def _chunk(number: int, leaf: Ints, messages: Messages, page_size: int) -> Chunk
         size=max(size, (last - first + 1) * page_size),
         start_time=int(messages.log_time.min()),
         end_time=int(messages.log_time.max()),
-        counts=dict(zip(numbers.tolist(), counts.tolist(), strict=True)),
+        counts=counts_by_channel(messages),
     )

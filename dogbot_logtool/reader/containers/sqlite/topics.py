@@ -5,7 +5,7 @@ from typing import Final
 
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location, name_of
-from dogbot_logtool.reader.containers.contents import Channel, Schema
+from dogbot_logtool.reader.containers.log import Channel, Schema
 from dogbot_logtool.reader.containers.sqlite.pages import Pages
 from dogbot_logtool.reader.containers.sqlite.tables import Table, small_rows
 from dogbot_logtool.reader.containers.sqlite.tree import Damage
