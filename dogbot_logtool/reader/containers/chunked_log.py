@@ -52,9 +52,9 @@ class ChunkedLog(Log):
         del chunk, stored
         return 0, ()
 
+    @abstractmethod
     def _own_times(self, chunk: Chunk) -> Times:
         """Return the log times, ns, that a chunk itself tells."""
-        return chunk.start_time, chunk.end_time
 
     def _read(self, span: Span) -> Batch:
         """See `Log.read`. A batch that is the whole log is read several times, so it is kept."""

@@ -14,6 +14,7 @@ from mcap import records
 from mcap.opcode import Opcode
 
 from dogbot_logtool.core.arrays import distinct
+from dogbot_logtool.reader.containers.chunked_log import Times
 from dogbot_logtool.reader.containers.descriptions import Descriptions
 from dogbot_logtool.reader.containers.log import (
     Channel,
@@ -310,6 +311,14 @@ class McapLog(ScannedLog):
 
     def _index_of(self, behind: memoryview) -> Index | None:
         return read_index(behind, _index_record, _INDEX_ENTRY, itemgetter("log_time"))
+
+    def _own_times(self, chunk: Chunk) -> Times:
+        """See `ChunkedLog._own_times`: those of its header."""
+        try:
+            own = self.chunk_at(chunk.offset)
+        except ChunkDamage:
+            return None, None
+        return own.start_time, own.end_time
 
     def _described_channels(self) -> Mapping[int, Channel]:
         schemas: dict[int, Schema] = {}
