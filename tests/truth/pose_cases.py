@@ -85,6 +85,9 @@ def faults() -> Iterator[Case]:
         ("a quarter of real time, poses without stamps", TROT, pose.quarter_speed(feet=False),
          "CLOCK_OFFSET", EVERY),
         ("another robot's poses", TROT, pose.of_robot("other"), "POSE_OTHER_ROBOT", EVERY[:2]),
+        ("rises by 4 cm/s", TROT, world.rising(0.04), "WORLDS_DIFFER the base rises", (PLACES, TF)),
+        ("sinks by 4 cm/s uphill", UPHILL, world.rising(-0.04), "WORLDS_DIFFER the base rises by -",
+         (PLACES, TF)),
         ("planar poses uphill", UPHILL, pose.flat(), "POSE_PLANAR", (POINTS, GYRO)),
         ("planar poses downhill", DOWNHILL, pose.flat(), "POSE_PLANAR", (POINTS, GYRO)),
     )

@@ -30,6 +30,7 @@ ASIDE_RAD: Final = np.radians(10.0)
 OTHER: Final = "another unit, or a clock that runs at another speed?"
 COURSE: Final = "its course"
 POINTS: Final = "contact points"
+LEGS: Final = "legs"
 LEAST_SLOPE_RAD: Final = ASIDE_RAD / 3.0
 """Lean of the feet's plane that contact points tell surely."""
 FURTHEST_LEGS: Final = 5.0
@@ -49,6 +50,10 @@ TURNS_WITH: Final = 0.5
 LEANS_RAD: Final = np.radians(5.0)
 """An accelerometer that leans by more does not sit on a level base; mountings are as good."""
 UPRIGHT: Final = np.array([0.0, 0.0, 1.0])
+MOST_RISE_M: Final = 0.1
+"""m by which poses may rise against the legs; also `MOST_RISE`, as a share of the way, which is
+what a lean that is some degrees off makes of it."""
+MOST_RISE: Final = 0.05
 CLIMBS_M: Final = 0.05
 """m that feet rise or fall from which poses that keep their z are planar."""
 
@@ -84,6 +89,7 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
     yield from _direction(walk, comparisons)
     yield from _orientation(walk, comparisons, windows)
     yield from _planar(walk, comparisons, windows)
+    yield from _climb(comparisons)
 
 
 def _windows(walk: Walk) -> Ints:
@@ -215,6 +221,19 @@ def _planar(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Ite
         cases = ("contradicted",) if while_feet else ()
         where = "base.climb_m"
         yield found("POSE_PLANAR", *cases, where=where, say="plain", while_feet=while_feet)
+
+
+def _climb(comparisons: Sequence[Comparison]) -> Iterator[Finding]:
+    """Yield that z of the poses goes away from where the legs lift the base."""
+    legs = next((each for each in comparisons if each.by == LEGS), None)
+    if legs is None or not SCALES[0] <= (legs.scale or 0.0) <= SCALES[1]:
+        return
+    metres = float((legs.own.rise - legs.reference.rise).sum())
+    if abs(metres) > max(MOST_RISE_M, MOST_RISE * legs.reference.walked_m):
+        where = "base.climb_m"
+        yield found(
+            "WORLDS_DIFFER", "drifts", "legs", where=where, say="legs", metres=metres, told=legs
+        )
 
 
 def rate(walk: Walk) -> Iterator[Finding]:
