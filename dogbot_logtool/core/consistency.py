@@ -1,8 +1,9 @@
 """Whether base and feet are in one world, and whether each foot's sensor goes on feeling it.
 
 Two world frames, or a drifting odometry, part base and feet. A sensor that stops makes no step
-while the others go on. A foot that is lifted, or planted, makes none either: of a lifted one the other
-feet carry the load; a planted one feels that load shift, and the base does not go away from it.
+while the others go on. A foot that is lifted, or planted, makes none either: of a lifted one the
+other feet carry the load; a planted one feels that load shift, and the base does not go away from
+it.
 """
 
 from collections.abc import Iterator, Sequence
