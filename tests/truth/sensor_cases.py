@@ -172,6 +172,8 @@ def masses_and_units() -> Iterator[Case]:
             yield Case(f"one foot reads {factor:g} times its force, {kind}", TROT,
                        (*more, on(sensor.scaled(factor), "front_left")), weight,
                        skip="" if more else "peak force")
+    yield Case("bumpers add up four physics steps", TROT, (sensor.scaled(4.0),), "physics steps",
+               weight)
 
 
 def swinging_legs() -> Iterator[Case]:
