@@ -43,7 +43,7 @@ SEEN: Final = POINTS, PLACES, TF
 def faults() -> Iterator[Case]:
     """Each fault told by feet in each way in which anything tells of it."""
     quarter, link = radians(30.0), pose.of_link((0.25, 0.1, 0.05))
-    still, turned = "POSE_FROZEN", "POSE_ORIENTATION"
+    still, turned = "POSE_FROZEN", "POSE_DIRECTION"
     table: tuple[tuple[str, Walk, Disturbance, str, Sequence[str]], ...] = (
         ("frozen", TROT, pose.frozen(), still, (*EVERY, TF)),
         ("frozen, no twist", TROT, pose.frozen(with_twist=False), still, EVERY),

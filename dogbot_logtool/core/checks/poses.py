@@ -148,8 +148,8 @@ def _orientation(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -
     for own, turned, by in _turns(walk, comparisons, windows):
         least = 2.0 * TURNS_RAD if by == COURSE else TURNS_RAD
         if abs(turned) > least and own * np.sign(turned) < TURNS_WITH * abs(turned):
-            degrees = np.degrees([own, turned]).tolist()
-            yield _doubted(walk, "POSE_ORIENTATION", own=degrees[0], told=degrees[1], by=by)
+            own_deg, deg = np.degrees([own, turned]).tolist()
+            yield _doubted(walk, "POSE_DIRECTION", "constant", own=own_deg, told=deg, by=by)
             return
 
 
@@ -257,10 +257,9 @@ def _doubted(
     walk: Walk,
     code: str,
     *cases: str,
-    say: str = "plain",
     **values: Any,  # noqa: ANN401 - as `found` has it
 ) -> Finding:
     """Return a finding about the poses, and about the feet whose places rest on them."""
     names = () if walk.base_by_feet else walk.feet_on_poses
     placed = ("placed",) if names else ()
-    return found(code, *cases, *placed, where="base", say=say, feet=names, **values)
+    return found(code, *cases, *placed, where="base", feet=names, **values)
