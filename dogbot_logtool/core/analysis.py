@@ -36,7 +36,7 @@ from dogbot_logtool.core.walk_metrics.walk import metrics_of
 from dogbot_logtool.finding import Finding
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.legs.paths import LegSettings
+    from dogbot_logtool.core.legs.swings import LegSettings
 
 NO_LOG: Final = Log("", "", "", None, None, 0, 0, 0)
 """What was read, for columns that come from no log."""

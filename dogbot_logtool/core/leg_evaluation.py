@@ -13,10 +13,24 @@ from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.corrections.clock import too_far_apart
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.strides import typical_period_s
-from dogbot_logtool.core.legs.joints import JointTable, JointTrack, joint_tracks
-from dogbot_logtool.core.legs.legs import LegFigures, LegFoot, joint_curve, summed_work
-from dogbot_logtool.core.legs.paths import LegChain, LegSettings, foot_path, link_tracks
-from dogbot_logtool.core.legs.swings import is_slow, steps, swings
+from dogbot_logtool.core.legs.joints import (
+    JointTable,
+    JointTrack,
+    LegFigures,
+    LegFoot,
+    joint_curve,
+    joint_tracks,
+    summed_work,
+)
+from dogbot_logtool.core.legs.swings import (
+    LegChain,
+    LegSettings,
+    foot_path,
+    is_slow,
+    link_tracks,
+    steps,
+    swings,
+)
 from dogbot_logtool.core.loads import slip_m, symmetry_index_percent
 from dogbot_logtool.core.metrics import Joint, Legs
 from dogbot_logtool.core.walk import Walk

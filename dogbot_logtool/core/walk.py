@@ -12,14 +12,14 @@ from dogbot_logtool.core.base.moving_ground import MovingGround
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.base.witness import Witness
 from dogbot_logtool.core.compared import CommandTrack, ImuComparison
-from dogbot_logtool.core.consistency.worlds import Worlds
+from dogbot_logtool.core.consistency import Worlds
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import ClockDifference
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.gait.strides import typical_period_s
 from dogbot_logtool.core.gait.support import Standing, Support
-from dogbot_logtool.core.known_frames import KnownFrames
+from dogbot_logtool.core.known_frames import KnownFrames, PlacedCounts, WorldFrames
 from dogbot_logtool.core.loads import WalkLoads
 from dogbot_logtool.core.metrics import Base, Stability, WalkMetrics
 from dogbot_logtool.core.planned import PlannedFoot
@@ -29,12 +29,11 @@ from dogbot_logtool.core.records import unknown
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.stability import Instants
 from dogbot_logtool.core.vectors import VectorHistory
-from dogbot_logtool.core.world_frames import PlacedCounts, WorldFrames
 from dogbot_logtool.finding import Finding
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.consistency.heave import Delay
-    from dogbot_logtool.core.legs.legs import LegFigures
+    from dogbot_logtool.core.heave import Delay
+    from dogbot_logtool.core.legs.joints import LegFigures
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

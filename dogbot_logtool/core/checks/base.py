@@ -10,7 +10,7 @@ from dogbot_logtool.core.arrays import median_of, norms
 from dogbot_logtool.core.base.axes import WALKED_M, displacements_m, has_heading
 from dogbot_logtool.core.base.ground import swapped_pairs
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
-from dogbot_logtool.core.consistency.worlds import Worlds
+from dogbot_logtool.core.consistency import Worlds
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Words, found

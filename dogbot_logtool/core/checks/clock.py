@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.consistency.stopped import all_silent
+from dogbot_logtool.core.consistency import all_silent
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Words, found

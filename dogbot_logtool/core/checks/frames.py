@@ -4,11 +4,10 @@ from collections.abc import Iterator
 from math import atan, degrees
 
 from dogbot_logtool.core.frames.wrench_frame import FrameFit, WrenchFrame, WrenchFrameEvidence
-from dogbot_logtool.core.known_frames import KnownFrames
+from dogbot_logtool.core.known_frames import KnownFrames, PlacedCounts, WorldFrames
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.core.world_frames import PlacedCounts, WorldFrames
 from dogbot_logtool.finding import Finding, found
 
 
