@@ -92,6 +92,14 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
     yield from _climb(comparisons)
 
 
+def feet_agree(walk: Walk) -> bool:
+    """Tell whether feet that stand, by their contacts, go back as far as the poses go ahead."""
+    surest = next(_comparisons(walk, _windows(walk)), None)
+    if surest is None or walk.witness is None or surest.by != walk.witness.by:
+        return False
+    return SCALES[0] <= (surest.scale or 0.0) <= SCALES[1]
+
+
 def _windows(walk: Walk) -> Ints:
     """(k, 2) ns, strides one after another while the robot walks."""
     period_s = walk.period_s
