@@ -1,40 +1,36 @@
-"""Runs the command in forked copies of a process that has the program loaded.
+"""Runs the command in forks of a process that has the program loaded.
 
-That saves most of what a short call costs, the imports; all else is as in a process of its own. The
-process that is forked starts with the first call, and ends with the tests.
+That saves most of what a short call costs, the imports; all else is as in a process of its own.
 """
 
-import atexit
 import functools
 import gc
-import importlib
-import io
-import json
+import multiprocessing
 import os
 import pkgutil
 import pty
+import resource
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
-import threading
+import warnings
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from multiprocessing.context import ForkServerContext, ForkServerProcess
+from multiprocessing.sharedctypes import RawValue
 from pathlib import Path
-from typing import IO, Any, Final, NoReturn
+from typing import IO, Any, Final
 
+import dogbot_logtool
 from tests.paths import ROOT
 
 CLOSED: Final = -100
 """Stands for a stream that is not open, beside the constants of `subprocess`."""
-_NOT_FLUSHED: Final = 120
-"""Exit code of an interpreter that cannot write what its streams still hold."""
-_SLOW: Final = ("dogbot_logtool.run.cluster",)
+_LATE: Final = ("dogbot_logtool.run.cluster",)
 """Modules that few calls need, and that take long to load."""
-_ALSO: Final = ("pandas",)
-"""What the libraries load that write a dataset, where it is installed: as much as a call takes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +50,6 @@ def run(
     environment: Mapping[str, str] | None = None,
     stdout: int = subprocess.PIPE,
     stderr: int = subprocess.PIPE,
-    stdin: int = subprocess.DEVNULL,
     timeout: float = 120.0,
 ) -> Ended:
     """Run the command; return how it ended.
@@ -63,25 +58,29 @@ def run(
         words: of the call, behind the name of the program.
         folder: in which it runs.
         environment: variables that differ from ours.
-        stdout: PIPE, of which the result has the text, DEVNULL, CLOSED or a file descriptor.
+        stdout: PIPE, of which the result has the text, CLOSED or a file descriptor.
         stderr: as `stdout`; or STDOUT.
-        stdin: DEVNULL, CLOSED or a file descriptor.
         timeout: in seconds, after which it is killed.
 
     Raises:
         subprocess.TimeoutExpired: it was killed.
     """
+    peak_mb = RawValue("d", 0.0)
     with (
         tempfile.TemporaryFile() as out,
         tempfile.TemporaryFile() as err,
-        open(os.devnull, "r+b") as nothing,  # noqa: PTH123 - reads as the others do
+        Path(os.devnull).open() as none,
     ):
-        special = {subprocess.DEVNULL: nothing.fileno(), subprocess.PIPE: out.fileno()}
-        stdout = special.get(stdout, stdout)
-        special |= {subprocess.STDOUT: stdout, subprocess.PIPE: err.fileno()}
-        streams = special.get(stdin, stdin), stdout, special.get(stderr, stderr)
-        code, peak_mb = _server().run(words, folder, environment or {}, streams, timeout)
-        return Ended(code, _text(out), _text(err), peak_mb)
+        stdout = out.fileno() if stdout == subprocess.PIPE else stdout
+        known = {subprocess.PIPE: err.fileno(), subprocess.STDOUT: stdout}
+        streams = none.fileno(), stdout, known.get(stderr, stderr)
+        process = _started(words, folder, environment or {}, streams, peak_mb)
+        process.join(timeout)
+        if process.is_alive():
+            os.killpg(process.pid or 0, signal.SIGKILL)
+            process.join()
+            raise subprocess.TimeoutExpired([*map(str, words)], timeout)
+        return Ended(process.exitcode or 0, _text(out), _text(err), peak_mb.value)
 
 
 def _text(file: IO[bytes]) -> str:
@@ -94,179 +93,87 @@ def run_on_terminal(
 ) -> tuple[int, bytes]:
     """Run the command on a terminal of its own; return its exit code and what it showed."""
     ours, theirs = pty.openpty()
-    server = _server()
-    server.begin(words, folder, environment or {}, (theirs, theirs, theirs))
+    process = _started(words, folder, environment or {}, (theirs,) * 3, RawValue("d", 0.0))
     os.close(theirs)
     shown = b""
     with suppress(OSError):
         while data := os.read(ours, 1 << 16):
             shown += data
     os.close(ours)
-    return server.end()[0], shown
-
-
-class _Server:
-    """The process that is forked; it runs one command at a time."""
-
-    def __init__(self) -> None:
-        self._socket, theirs = socket.socketpair()
-        with theirs:
-            number = theirs.fileno()
-            self._process = subprocess.Popen(  # noqa: S603 - our own interpreter
-                [sys.executable, "-W", "error", "-m", "tests.forked_cli", str(number)],
-                pass_fds=[number],
-                cwd=ROOT,
-                env={**os.environ, "PYTHONPATH": str(ROOT)},
-            )
-        self._answers = self._socket.makefile("r")
-        self._pid = 0
-
-    def run(
-        self,
-        words: Sequence[object],
-        folder: Path,
-        environment: Mapping[str, str],
-        streams: Sequence[int],
-        timeout: float,
-    ) -> tuple[int, float]:
-        """Run a command to its end."""
-        self.begin(words, folder, environment, streams)
-        self._socket.settimeout(timeout)
-        try:
-            ended = self.end()
-        except TimeoutError:
-            self.close()
-            # The next call starts another server.
-            _server.cache_clear()
-            os.killpg(self._pid, signal.SIGKILL)
-            raise subprocess.TimeoutExpired([*map(str, words)], timeout) from None
-        self._socket.settimeout(None)
-        return ended
-
-    def begin(
-        self,
-        words: Sequence[object],
-        folder: Path,
-        environment: Mapping[str, str],
-        streams: Sequence[int],
-    ) -> None:
-        """Start a command."""
-        request = {
-            "words": [*map(str, words)],
-            "folder": str(folder),
-            "environment": {**os.environ, "PYTHONPATH": str(ROOT), **environment},
-            "is_open": [stream != CLOSED for stream in streams],
-        }
-        socket.send_fds(self._socket, [b"\n"], [each for each in streams if each != CLOSED])
-        self._socket.sendall(json.dumps(request).encode() + b"\n")
-        self._pid = int(self._answers.readline())
-
-    def end(self) -> tuple[int, float]:
-        """Wait for the end of the command; return its exit code and its peak of memory in MB."""
-        code, peak_mb = json.loads(self._answers.readline())
-        return code, peak_mb
-
-    def close(self) -> None:
-        """End the process."""
-        self._answers.close()
-        self._socket.close()
-        self._process.kill()
-        self._process.wait()
+    process.join()
+    return process.exitcode or 0, shown
 
 
 @functools.cache
-def _server() -> _Server:
-    server = _Server()
-    atexit.register(server.close)
-    return server
+def _forks() -> ForkServerContext:
+    """Return what forks the process that has the program loaded."""
+    context = multiprocessing.get_context("forkserver")
+    modules = pkgutil.walk_packages(dogbot_logtool.__path__, "dogbot_logtool.")
+    # The libraries that write a dataset load pandas where it is installed.
+    context.set_forkserver_preload([*({each.name for each in modules} - {*_LATE}), "pandas"])
+    return context
 
 
-def _serve(connection: socket.socket) -> None:
-    """Fork for each request, until there are no more."""
-    _load_program()
-    requests = connection.makefile("r")
-    while True:
-        _, streams, _, _ = socket.recv_fds(connection, 1, 3)
-        if not (line := requests.readline()):
-            return
-        child = os.fork()
-        if not child:
-            requests.close()
-            connection.close()
-            _become(json.loads(line), streams)
-            _run_to_its_end()
-        for stream in streams:
-            os.close(stream)
-        connection.sendall(b"%d\n" % child)
-        _, status, usage = os.wait4(child, 0)
-        answer = os.waitstatus_to_exitcode(status), usage.ru_maxrss / 1024
-        connection.sendall(json.dumps(answer).encode() + b"\n")
+def _started(
+    words: Sequence[object],
+    folder: Path,
+    environment: Mapping[str, str],
+    streams: Sequence[int],
+    peak_mb: Any,
+) -> ForkServerProcess:
+    # A connection is what takes a file descriptor along.
+    sent = [None if each == CLOSED else Connection(os.dup(each)) for each in streams]
+    variables = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
+    arguments = [*map(str, words)], folder, variables, sent, peak_mb
+    process = _forks().Process(target=_run_program, args=arguments)
+    process.start()
+    return process
 
 
-def _run_to_its_end() -> NoReturn:
-    """Run the program, and end as the interpreter does, but for taking all modules apart.
-
-    That would be most of what a short call costs. Calls that end in any other way end in full.
-    """
+def _run_program(
+    words: Sequence[str],
+    folder: Path,
+    environment: Mapping[str, str],
+    streams: Sequence[Connection | None],
+    peak_mb: Any,
+) -> None:
+    """Be what the interpreter would be that is started for a call."""
     from dogbot_logtool.__main__ import main  # noqa: PLC0415 - loaded by the server
 
+    gc.freeze()
+    warnings.simplefilter("error")
+    os.setsid()
+    os.chdir(folder)
+    os.environ.clear()
+    os.environ.update(environment)
+    sys.argv = ["dogbot-logtool", *words]
+    for number, (name, stream) in enumerate(
+        zip(("stdin", "stdout", "stderr"), streams, strict=True)
+    ):
+        if stream is None:
+            os.close(number)
+            setattr(sys, name, None)
+            setattr(sys, f"__{name}__", None)
+        else:
+            os.dup2(stream.fileno(), number)
+            stream.close()
+            setattr(sys, name, _standard_stream(number))
+            setattr(sys, f"__{name}__", getattr(sys, name))
     try:
         main()
-    except SystemExit as ended:
-        code = ended.code
-    threading._shutdown()  # type: ignore[attr-defined]
-    atexit._run_exitfuncs()
-    try:
-        for stream in (sys.stdout, sys.stderr):
-            if stream is not None:
-                stream.flush()
-    except OSError:
-        code = _NOT_FLUSHED
-    os._exit(code if isinstance(code, int) else int(code is not None))
+    finally:
+        people = resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN
+        peak_mb.value = max(resource.getrusage(who).ru_maxrss for who in people) / 1024
 
 
-def _load_program() -> None:
-    import dogbot_logtool  # noqa: PLC0415 - those who only send requests do not need it
-
-    for module in pkgutil.walk_packages(dogbot_logtool.__path__, "dogbot_logtool."):
-        if module.name not in _SLOW:
-            importlib.import_module(module.name)
-    for name in _ALSO:
-        importlib.import_module(name)
-    # What is loaded stays as it is, and its memory is not copied.
-    gc.collect()
-    gc.freeze()
-
-
-def _become(request: dict[str, Any], streams: Sequence[int]) -> None:
-    """Make this process what the interpreter would be that is started for a request."""
-    os.setsid()
-    os.chdir(request["folder"])
-    os.environ.clear()
-    os.environ.update(request["environment"])
-    sys.argv = ["dogbot-logtool", *request["words"]]
-    given = iter(streams)
-    for number, is_open in enumerate(request["is_open"]):
-        if is_open:
-            os.dup2(next(given), number)
-        else:
-            os.close(number)
-    for stream in streams:
-        os.close(stream)
-    names = ("stdin", "stdout", "stderr")
-    for number, (name, is_open) in enumerate(zip(names, request["is_open"], strict=True)):
-        file = _standard_stream(number) if is_open else None
-        setattr(sys, name, file)
-        setattr(sys, f"__{name}__", file)
-
-
-def _standard_stream(number: int) -> io.TextIOWrapper:
+def _standard_stream(number: int) -> IO[str]:
     lines = number == 2 or os.isatty(number)
     errors = "backslashreplace" if number == 2 else "strict"
-    stream = open(number, "w" if number else "r", encoding="utf-8", errors=errors, closefd=False)  # noqa: SIM115 - stays open
-    stream.reconfigure(line_buffering=lines)
-    return stream
-
-
-if __name__ == "__main__":
-    _serve(socket.socket(fileno=int(sys.argv[1])))
+    return open(
+        number,
+        "w" if number else "r",
+        1 if lines else -1,
+        encoding="utf-8",
+        errors=errors,
+        closefd=False,
+    )

@@ -22,8 +22,7 @@ from dogbot_logtool.comparison.outcome import (
     Tally,
 )
 from dogbot_logtool.comparison.tolerances import FieldRules, Rules
-from dogbot_logtool.reader.containers.contents import Extra
-from dogbot_logtool.reader.containers.log import Channel, Log, Schema
+from dogbot_logtool.reader.containers.log import Channel, Extra, Log, Schema
 from dogbot_logtool.reader.containers.mcap.records import read_extra
 
 OWN_VERSION: Final = "metadata:dogbot_logtool.version"

@@ -13,12 +13,12 @@ from dogbot_logtool.core.checks.frames import transform_findings
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.frames.kinematics import TransformMessages, from_opening
-from dogbot_logtool.core.hulls import NEAR_NS
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.scene.arrows import Arrows, force_arrows, pressure_arrows, removals
 from dogbot_logtool.core.scene.feet import DrawnFoot, drawn_foot
 from dogbot_logtool.core.scene.loads import foot_labels, foot_loads, opening_load, silences
 from dogbot_logtool.core.scene.support_scene import leg_lines, support_scene
+from dogbot_logtool.core.stability import NEAR_NS
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.recording import in_time_order

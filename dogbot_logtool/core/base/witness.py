@@ -170,7 +170,8 @@ def by_legs(
     Args:
         places: of each foot, from the base's origin along its axes; None: not known.
         feet: histories of the same feet.
-        base: recorded poses, whose turn stands in where a single foot stands.
+        base: recorded poses, whose lean turns what legs tell, and whose turn stands in where a
+            single foot stands.
 
     Returns:
         None where no foot's places are known.
@@ -186,15 +187,19 @@ def by_legs(
     standing = np.stack([timespans.covers(feet[row].in_contact, time) for row in known], axis=1)
     legs = leg_odometry(time, place, standing)
     tells_turn = bool(np.isfinite(legs.turn_rate[:, 2]).mean() > 0.5)
+    angles = np.zeros((len(time), 3))
+    if len(base.time):
+        columns = [np.interp(time - time[0], base.time - time[0], each) for each in base.angles.T]
+        angles = np.stack(columns, axis=1)
     if not tells_turn and len(base.time) > 1:
-        yaw = np.interp(time - time[0], base.time - time[0], base.angles[:, 2])
         rates = np.zeros((len(time), 3))
-        rates[:, 2] = np.gradient(yaw, (time - time[0]) / 1e9)
+        rates[:, 2] = np.gradient(angles[:, 2], (time - time[0]) / 1e9)
         legs = leg_odometry(time, place, standing, rates)
     speed = norms(legs.velocity[np.isfinite(legs.velocity[:, 0])])
     if not len(speed) or legs.noise_mps > max(UNSURE_MPS, UNSURE * float(median_of(speed))):
         return None
-    return Witness(dead_reckoned(legs), "legs", tells_heading=True, tells_turn=tells_turn)
+    poses = dead_reckoned(legs, angles[:, :2])
+    return Witness(poses, "legs", tells_heading=True, tells_turn=tells_turn)
 
 
 def _history(time: Ints, position: Floats, angles: Floats) -> BaseHistory:

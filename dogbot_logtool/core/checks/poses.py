@@ -30,6 +30,7 @@ ASIDE_RAD: Final = np.radians(10.0)
 OTHER: Final = "another unit, or a clock that runs at another speed?"
 COURSE: Final = "its course"
 POINTS: Final = "contact points"
+LEGS: Final = "legs"
 LEAST_SLOPE_RAD: Final = ASIDE_RAD / 3.0
 """Lean of the feet's plane that contact points tell surely."""
 FURTHEST_LEGS: Final = 5.0
@@ -49,6 +50,10 @@ TURNS_WITH: Final = 0.5
 LEANS_RAD: Final = np.radians(5.0)
 """An accelerometer that leans by more does not sit on a level base; mountings are as good."""
 UPRIGHT: Final = np.array([0.0, 0.0, 1.0])
+MOST_RISE_M: Final = 0.1
+"""m by which poses may rise against the legs; also `MOST_RISE`, as a share of the way, which is
+what a lean that is some degrees off makes of it."""
+MOST_RISE: Final = 0.05
 CLIMBS_M: Final = 0.05
 """m that feet rise or fall from which poses that keep their z are planar."""
 
@@ -84,6 +89,15 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
     yield from _direction(walk, comparisons)
     yield from _orientation(walk, comparisons, windows)
     yield from _planar(walk, comparisons, windows)
+    yield from _climb(comparisons)
+
+
+def feet_agree(walk: Walk) -> bool:
+    """Tell whether feet that stand, by their contacts, go back as far as the poses go ahead."""
+    surest = next(_comparisons(walk, _windows(walk)), None)
+    if surest is None or walk.witness is None or surest.by != walk.witness.by:
+        return False
+    return SCALES[0] <= (surest.scale or 0.0) <= SCALES[1]
 
 
 def _windows(walk: Walk) -> Ints:
@@ -142,8 +156,8 @@ def _orientation(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -
     for own, turned, by in _turns(walk, comparisons, windows):
         least = 2.0 * TURNS_RAD if by == COURSE else TURNS_RAD
         if abs(turned) > least and own * np.sign(turned) < TURNS_WITH * abs(turned):
-            degrees = np.degrees([own, turned]).tolist()
-            yield _doubted(walk, "POSE_ORIENTATION", own=degrees[0], told=degrees[1], by=by)
+            own_deg, deg = np.degrees([own, turned]).tolist()
+            yield _doubted(walk, "POSE_DIRECTION", "constant", own=own_deg, told=deg, by=by)
             return
 
 
@@ -170,7 +184,7 @@ def _turns(
 
 def _inertial(walk: Walk, windows: Ints) -> tuple[Floats, Floats]:
     """(k,) rad turned and (k, 3) up by the inertial unit; NaN: not known. See `turns_and_up`."""
-    own = walk.inertial
+    own = walk.corrected.inertial
     if own is not None and len(windows):
         return turns_and_up(own.time, own.vector, own.turn_rate, windows)
     return np.full(len(windows), np.nan), np.full((len(windows), 3), np.nan)
@@ -217,6 +231,19 @@ def _planar(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Ite
         yield found("POSE_PLANAR", *cases, where=where, say="plain", while_feet=while_feet)
 
 
+def _climb(comparisons: Sequence[Comparison]) -> Iterator[Finding]:
+    """Yield that z of the poses goes away from where the legs lift the base."""
+    legs = next((each for each in comparisons if each.by == LEGS), None)
+    if legs is None or not SCALES[0] <= (legs.scale or 0.0) <= SCALES[1]:
+        return
+    metres = float((legs.own.rise - legs.reference.rise).sum())
+    if abs(metres) > max(MOST_RISE_M, MOST_RISE * legs.reference.walked_m):
+        where = "base.climb_m"
+        yield found(
+            "WORLDS_DIFFER", "drifts", "legs", where=where, say="legs", metres=metres, told=legs
+        )
+
+
 def rate(walk: Walk) -> Iterator[Finding]:
     """Yield that poses are rare, or that most messages repeat the one before."""
     poses, period_s = walk.base_history, walk.period_s
@@ -238,10 +265,9 @@ def _doubted(
     walk: Walk,
     code: str,
     *cases: str,
-    say: str = "plain",
     **values: Any,  # noqa: ANN401 - as `found` has it
 ) -> Finding:
     """Return a finding about the poses, and about the feet whose places rest on them."""
     names = () if walk.base_by_feet else walk.feet_on_poses
     placed = ("placed",) if names else ()
-    return found(code, *cases, *placed, where="base", say=say, feet=names, **values)
+    return found(code, *cases, *placed, where="base", feet=names, **values)

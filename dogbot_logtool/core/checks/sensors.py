@@ -91,7 +91,9 @@ def broken(walk: Walk) -> Iterator[Finding]:
             cases = () if len(foot.stances.touchdown) > 1 else ("never_lifts",)
             yield found("STUCK", *cases, feet=feet)
         elif len(spans):
-            cases = ("throughout",) if foot.is_dead else ()
+            # Less than a stride tells nothing of a foot.
+            throughout = foot.is_dead or not len(foot.strides.stance)
+            cases = ("throughout",) if throughout else ()
             start, end = walk.seconds(spans.ravel()[[0, -1]])
             seconds = timespans.total(spans) / 1e9
             yield found("STOPPED", *cases, feet=feet, start=start, end=end, seconds=seconds)

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, norms
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
-from dogbot_logtool.core.hulls import NEAR_NS
 from dogbot_logtool.core.quality import steady_gap_ns
 from dogbot_logtool.core.scene.feet import DrawnFoot, LoadState
+from dogbot_logtool.core.stability import NEAR_NS
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

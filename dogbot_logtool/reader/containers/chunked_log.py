@@ -1,52 +1,67 @@
 """Logs whose messages lie in chunk records: ROS 1 bags and MCAP files."""
 
+from abc import abstractmethod
 from bisect import bisect_left
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
+from zlib_ng.zlib_ng import crc32
 
-from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
-from dogbot_logtool.reader.containers.contents import Chunk, Contents
-from dogbot_logtool.reader.containers.log import Log, Span
+from dogbot_logtool.core.arrays import Bytes
+from dogbot_logtool.reader.containers.compression import check_claimed_size, decompress_into
+from dogbot_logtool.reader.containers.descriptions import Descriptions
+from dogbot_logtool.reader.containers.log import Batch, Chunk, LoadedChunk, Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.salvage.content import (
     ChunkContent,
     ChunkDamage,
     left_out,
+    read_content,
     undescribed,
 )
-from dogbot_logtool.reader.containers.salvage.scan import Scan
-from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.containers.salvage.records import Index, RecordFormat
+from dogbot_logtool.reader.containers.source import ByteSource
 from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
 
 _ROUND_SIZE: Final = 1 << 20
+
+Times = tuple[int | None, int | None]
+"""ns, of a first and a last message; None: not known."""
 
 
 class ChunkedLog(Log):
     """A log of one file that is read by decompressing its chunks."""
 
-    def __init__(self, contents: Contents, scan: Scan) -> None:
-        """Take a log.
+    describing: frozenset[int]
+    """Kinds of the records that describe channels."""
 
-        Args:
-            contents: what was found in the file.
-            scan: what found it; its code reads the chunks, too.
-        """
-        super().__init__(scan.source, contents)
-        self.container = scan.container
-        self.copies_chunks = scan.copies_chunks
-        self._scan = scan
-        self._ids = [*contents.channels]
+    def __init__(self, source: ByteSource, fmt: RecordFormat, descriptions: Descriptions) -> None:
+        super().__init__(source)
+        self.descriptions = descriptions
+        self._format = fmt
         self._only_batch: Batch | None = None
+
+    @abstractmethod
+    def _index_of(self, behind: memoryview) -> Index | None:
+        """Return what the records behind a chunk name."""
+
+    def _checksum(self, chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]:
+        """Return the CRC of a chunk, 0 for none, and what its own header contradicts."""
+        del chunk, stored
+        return 0, ()
+
+    @abstractmethod
+    def _own_times(self, chunk: Chunk) -> Times:
+        """Return the log times, ns, that a chunk itself tells."""
 
     def _read(self, span: Span) -> Batch:
         """See `Log.read`. A batch that is the whole log is read several times, so it is kept."""
         if len(span) < len(self.chunks):
-            return self._corrected(span)
+            return self._of_chunks(span)
         if self._only_batch is None:
-            self._only_batch = self._corrected(span)
+            self._only_batch = self._of_chunks(span)
         return self._only_batch
 
     def located(self, loss: Loss) -> Loss:
@@ -75,51 +90,63 @@ class ChunkedLog(Log):
             return True
         if chunk.is_scanned or not self.source.has_cheap_seeks:
             return False
-        times = self._scan.own_times(chunk)
-        if times is None:
-            return True
-        return super().overlaps(replace(chunk, start_time=times[0], end_time=times[1]), start, end)
+        first, last = self._own_times(chunk)
+        return super().overlaps(replace(chunk, start_time=first, end_time=last), start, end)
 
-    def _corrected(self, span: Span) -> Batch:
-        """Read chunks as the log's index describes them, else as their own headers do."""
-        batch, damaged = self._of_chunks(span)
-        corrected = {chunk.offset: own for chunk in damaged if (own := self._own_header(chunk))}
-        if not corrected:
-            return self._with_times(batch)
-        batch, damaged = self._of_chunks([corrected.get(chunk.offset, chunk) for chunk in span])
-        readable = corrected.keys() - {chunk.offset for chunk in damaged}
-        what = "the log's index is wrong about the compression or size of the chunk at byte {}; "
-        what += "the chunk's own header was used"
-        wrong = (Loss(offset, what.format(offset)) for offset in sorted(readable))
-        return self._with_times(replace(batch, losses=(*batch.losses, *wrong)))
+    def check(self, chunk: Chunk) -> None:
+        """Check what a chunk claims before memory is set aside for it.
 
-    def _own_header(self, chunk: Chunk) -> Chunk | None:
-        """Return a chunk as its own header has it; None: that is damaged, or says the same."""
+        Raises:
+            ChunkDamage: it cannot be true.
+        """
+        check_claimed_size(chunk.size, chunk.data_size)
+        if chunk.data_offset + chunk.data_size > self.source.size:
+            raise ChunkDamage("it is cut off by the end of the file")
+
+    def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
+        """Decompress a chunk into the target and find its messages.
+
+        Args:
+            chunk: the chunk.
+            stored: the file's bytes from `chunk.offset` to `chunk.index_end`, or fewer.
+            target: (chunk.size,) uint8.
+
+        Raises:
+            ChunkDamage: nothing in the chunk can be trusted.
+        """
+        index = self._index_of(stored[chunk.end - chunk.offset :])
+        data = stored[chunk.data_offset - chunk.offset :][: chunk.data_size]
         try:
-            own = self._scan.chunk_at(chunk.offset)
-        except ChunkDamage:
-            return None
-        names = ("data_offset", "data_size", "compression", "size")
-        corrected = replace(chunk, **{name: getattr(own, name) for name in names})
-        is_sound = own.end == chunk.end == own.data_offset + own.data_size
-        return corrected if is_sound and corrected != chunk else None
+            crc, losses = self._checksum(chunk, stored) if chunk.is_record else (0, ())
+            size = decompress_into(target, data, chunk.compression)
+            if size < len(target) and (crc or not size):
+                raise ChunkDamage(f"its {chunk.compression} data is damaged or cut off")
+            if crc and crc32(target.data) != crc:
+                raise ChunkDamage("its checksum does not hold")
+            if losses and not crc:
+                raise ChunkDamage("its header is damaged, and it has no checksum")
+        except ChunkDamage as damage:
+            raise ChunkDamage(str(damage), len(index.offset) if index else None) from damage
+        content = read_content(self._format, target[:size], index, chunk, verified=bool(crc))
+        return replace(content, losses=(*losses, *content.losses))
 
-    def _with_times(self, batch: Batch) -> Batch:
-        return replace(batch, losses=tuple(map(self.located, batch.losses)))
+    def _descriptions_in(self, content: ChunkContent, data: Bytes) -> list[bytes]:
+        """Return the records of a chunk, whose bytes are given, that describe channels."""
+        return [
+            data[start:end].tobytes()
+            for op, start, end in content.others.tolist()
+            if op in self.describing
+        ]
 
-    def _of_chunks(self, span: Sequence[Chunk]) -> tuple[Batch, list[Chunk]]:
-        """Read chunks; those that cannot be used are returned beside the batch."""
+    def _of_chunks(self, span: Sequence[Chunk]) -> Batch:
         sound: list[Chunk] = []
-        damaged: list[Chunk] = []
         losses: list[Loss] = []
         for chunk in span:
             try:
-                self._scan.check(chunk)
+                self.check(chunk)
+                sound.append(chunk)
             except ChunkDamage as damage:
                 losses.append(left_out(chunk, damage))
-                damaged.append(chunk)
-            else:
-                sound.append(chunk)
         ranges = [(chunk.offset, chunk.index_end - chunk.offset) for chunk in sound]
         stored = [memoryview(data) for data in self.source.read_many(ranges)]
 
@@ -132,14 +159,13 @@ class ChunkedLog(Log):
         for chunk, data in zip(sound, stored, strict=True):
             target = buffer[base : base + chunk.size]
             try:
-                content = self._scan.parse(chunk, data, target)
+                content = self.parse(chunk, data, target)
             except ChunkDamage as damage:
                 losses.append(left_out(chunk, damage))
-                damaged.append(chunk)
                 continue
-            described = self._scan.described_in(content, target)
+            described = self._descriptions_in(content, target)
             messages, found = self._described(chunk, content)
-            found += self._scan.descriptions.compare(described, chunk.offset)
+            found += self.descriptions.compare(described, chunk.offset)
             rows = slice(row, row + len(messages))
             has_index = len(data) > chunk.end - chunk.offset
             whole = (
@@ -153,33 +179,21 @@ class ChunkedLog(Log):
             parts.append(messages.shifted(base))
             losses.extend(() if chunk.is_scanned else found)
             base, row = base + chunk.size, rows.stop
-        batch = Batch(buffer, concatenate_messages(parts), tuple(loaded), tuple(losses))
-        return batch, damaged
+        located = tuple(map(self.located, losses))
+        return Batch(buffer, concatenate_messages(parts), tuple(loaded), located)
 
     def _are_kept(self, described: Sequence[bytes]) -> bool:
         """Tell whether records describe no other channels than those that are not left out."""
         kept = {("channel", number) for number in self.channels}
         kept |= {("schema", each.schema.id) for each in self.channels.values() if each.schema}
-        found = map(self._scan.descriptions.decode, described)
+        found = map(self.descriptions.decode, described)
         return all(each and (each.kind, each.number) in kept for each in found)
 
     def _described(self, chunk: Chunk, content: ChunkContent) -> tuple[Messages, list[Loss]]:
         """Leave out messages whose channels are nowhere described."""
         messages, losses = content.messages, list(content.losses)
-        known = np.isin(messages.channel, self._ids)
+        known = np.isin(messages.channel, [*self.channels, *self.hidden])
         if not known.all():
-            unknown = messages.pick(~known)
-            size = int((unknown.end - unknown.start).sum())
-            losses.append(undescribed(chunk, len(unknown), size))
+            losses.append(undescribed(chunk, messages.pick(~known)))
             messages = messages.pick(known)
         return messages, losses
-
-
-def open_chunked(scan_of: Callable[[ByteSource], Scan], source: ByteSource) -> ChunkedLog:
-    """Open a file by its index; where that is absent or damaged, by all of its records."""
-    scan = scan_of(source)
-    contents, problem = scan.indexed()
-    if contents is None:
-        scan = scan_of(source.nearby())
-        contents = scan.scanned(problem)
-    return ChunkedLog(contents, scan)

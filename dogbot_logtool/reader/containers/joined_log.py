@@ -15,12 +15,18 @@ import numpy as np
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.provenance import is_marked
-from dogbot_logtool.reader.containers.batch import Batch
-from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Schema
-from dogbot_logtool.reader.containers.log import Log, Span
+from dogbot_logtool.reader.containers.log import (
+    Batch,
+    Channel,
+    Chunk,
+    Log,
+    Schema,
+    Span,
+    time_range,
+)
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.packed_messages import unpacked
-from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.zstd import unpacked
 from dogbot_logtool.reader.decode.message_table import concatenate_messages
 
 _EARLIEST: Final = -(1 << 62)
@@ -57,27 +63,23 @@ class JoinedLog(Log):
             logs: at least one.
             losses: damage to the whole.
         """
+        super().__init__(_NoBytes(path, sum(log.source.size for log in logs)))
         channels: dict[tuple[object, ...], Channel] = {}
         schemas: dict[tuple[str, str, bytes], Schema] = {}
         self.logs = logs
         self._ids = [_joint_ids(log.channels, channels, schemas) for log in logs]
         self._places = sorted(_places(logs), key=lambda place: place.start)
+        self.channels = {channel.id: channel for channel in channels.values()}
+        self.chunks = [self._chunk(number, place) for number, place in enumerate(self._places)]
         counts: Counter[int] = Counter()
         for log, ids in zip(logs, self._ids, strict=True):
             counts.update(_joint(log.counts, ids))
-        starts = [log.start_time for log in logs if log.start_time is not None]
-        ends = [log.end_time for log in logs if log.end_time is not None]
-        contents = Contents(
-            channels={channel.id: channel for channel in channels.values()},
-            chunks=[self._chunk(number, place) for number, place in enumerate(self._places)],
-            counts=counts,
-            start_time=min(starts, default=None),
-            end_time=max(ends, default=None),
-            profile=logs[0].profile,
-            extras=[extra for log in logs for extra in log.extras],
-            losses=(*losses, *(_named(loss, log) for log in logs for loss in log.losses)),
-        )
-        super().__init__(_NoBytes(path, sum(log.source.size for log in logs)), contents)
+        self.counts = counts
+        self.start_time, self.end_time = time_range(logs)
+        self.profile = logs[0].profile
+        self.extras = [extra for log in logs for extra in log.extras]
+        found = [_named(loss, log) for log in logs for loss in log.losses]
+        self.losses = [*losses, *found]
 
     def _chunk(self, number: int, place: _Place) -> Chunk:
         """Return a chunk whose offset is its number in the joined log."""

@@ -7,23 +7,17 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from copy import copy
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Final
+from typing import Any, Final
 
+import numpy as np
+
+from dogbot_logtool.core.arrays import Bytes, Flags
 from dogbot_logtool.io.storage import Location, name_of
-from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
-from dogbot_logtool.reader.containers.contents import (
-    Channel,
-    Chunk,
-    Contents,
-    EarlierAnnotations,
-    Extra,
-    Schema,
-    differing_counts,
-)
-from dogbot_logtool.reader.containers.loss import Damage, Loss, lost_messages
-from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Damage, Loss, lost_messages
+from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.decode.definition import short_type_name
 from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
 
 __all__ = [
@@ -53,8 +47,167 @@ numpy call small, while each process that works on one takes some 40 MB."""
 _MOST_UNUSED: Final = 2 * BATCH_SIZE
 """Bytes of chunks without messages of interest from which a batch is full, too."""
 
+
+@dataclass(frozen=True, slots=True)
+class Schema:
+    """A recorded message definition."""
+
+    id: int
+    name: str
+    """Type name as recorded."""
+    encoding: str
+    """``ros1msg``, ``ros2msg``, ``ros2idl``, ``protobuf`` ..."""
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """A topic as one sender wrote it; a topic may have several."""
+
+    id: int
+    topic: str
+    message_encoding: str
+    """``ros1``, ``cdr``, ``protobuf`` ..."""
+    schema: Schema | None
+    metadata: Mapping[str, str] = field(hash=False)
+
+    @property
+    def type_name(self) -> str:
+        """``package/Name`` whatever the spelling in the log; empty without a schema."""
+        return short_type_name(self.schema.name) if self.schema else ""
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """Position of a chunk of messages in the file."""
+
+    offset: int
+    """First byte of the chunk's record."""
+    data_offset: int
+    data_size: int
+    """Bytes as stored."""
+    end: int
+    """End of the chunk's record, where the records that index it begin."""
+    index_end: int
+    compression: str
+    size: int
+    """Bytes when decompressed, as claimed."""
+    crc: int = 0
+    """CRC-32 of the decompressed bytes; 0: none recorded."""
+    start_time: int | None = None
+    """ns, log time of its first message, if known; also `end_time`."""
+    end_time: int | None = None
+    counts: Mapping[int, int] | None = None
+    """Messages by channel id, from an index or counted when the log was opened; None: unknown."""
+    is_scanned: bool = False
+    """It was read when the log was opened, so that its damage is among the log's losses."""
+
+    @property
+    def messages(self) -> int | None:
+        """Number of messages; None: unknown."""
+        return None if self.counts is None else sum(self.counts.values())
+
+    @property
+    def is_compressed(self) -> bool:
+        """Whether its bytes are stored in another form."""
+        return self.compression not in {"", "none"}
+
+    @property
+    def is_record(self) -> bool:
+        """Whether it is a chunk record, not bare messages that only are read like one."""
+        return self.data_offset > self.offset
+
+
 Span = tuple[Chunk, ...]
 """Neighbouring chunks that make a batch."""
+
+
+@dataclass(frozen=True, slots=True)
+class Extra:
+    """A record that is no message: an MCAP attachment or metadata record, copied as it is."""
+
+    opcode: int
+    offset: int
+    size: int
+    source: ByteSource
+    """The file that it stands in."""
+
+
+@dataclass(frozen=True, slots=True)
+class EarlierAnnotations:
+    """Annotations that `convert` added to a log."""
+
+    channels: frozenset[int] = frozenset()
+    """Ids of the channels."""
+    extras: tuple[Extra, ...] = ()
+    """The metadata records that describe how the file was made."""
+    records: tuple[Mapping[str, str], ...] = ()
+    """Their contents, the oldest first."""
+    messages: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class LoadedChunk:
+    """A chunk in a batch."""
+
+    chunk: Chunk
+    stored: memoryview
+    """Its bytes as they stand in the file, where the log copies chunks; else none."""
+    base: int
+    """Offset of its decompressed bytes in the batch's buffer."""
+    rows: slice
+    """Its rows in the batch's messages."""
+    whole: bool
+    """Nothing in it was damaged, so that its bytes may be copied as they stand, and those of its
+    index if it is `indexed`."""
+    indexed: bool = False
+    """An index that truthfully names all its messages follows it in the file."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Batch:
+    """A run of decompressed messages."""
+
+    buffer: Bytes
+    """(b,) uint8."""
+    messages: Messages
+    chunks: tuple[LoadedChunk, ...]
+    losses: tuple[Loss, ...] = ()
+    decoded: dict[object, Any] = field(init=False, repr=False, compare=False)
+    """Columns that `decode_channels` made of it, which may be asked for again."""
+
+    def __post_init__(self) -> None:
+        """Begin with nothing decoded, also where a batch is made of another one."""
+        object.__setattr__(self, "decoded", {})
+
+    def cropped(self, start: int | None, end: int | None) -> "Batch":
+        """Leave out messages recorded before the start or after the end, ns; None: no limit."""
+        if start is None and end is None:
+            return self
+        time = self.messages.log_time
+        kept = np.ones(len(time), np.bool_)
+        if start is not None:
+            kept &= time >= start
+        if end is not None:
+            kept &= time <= end
+        return self.only(kept)
+
+    def without(self, channels: AbstractSet[int]) -> "Batch":
+        """Leave out the messages of some channels."""
+        return self.only(~np.isin(self.messages.channel, list(channels)))
+
+    def only(self, kept: Flags) -> "Batch":
+        """Return some of the messages; chunks that lose any are not whole."""
+        bounds = np.concatenate([[0], np.cumsum(kept)])
+        chunks = tuple(
+            replace(
+                loaded,
+                rows=slice(int(bounds[loaded.rows.start]), int(bounds[loaded.rows.stop])),
+                whole=loaded.whole and bool(kept[loaded.rows].all()),
+            )
+            for loaded in self.chunks
+        )
+        return replace(self, messages=self.messages.pick(kept), chunks=chunks)
 
 
 class Log(ABC):
@@ -62,6 +215,18 @@ class Log(ABC):
 
     container: str
     """Name of the container for people: ``ROS 1 bag``, ``MCAP``."""
+    channels: Mapping[int, Channel]
+    """By id."""
+    chunks: Sequence[Chunk]
+    counts: Mapping[int, int]
+    """Messages by channel id."""
+    start_time: int | None
+    """ns, log time of the earliest message; None for an empty log; also `end_time`."""
+    end_time: int | None
+    profile: str = ""
+    extras: Sequence[Extra] = ()
+    losses: Sequence[Loss] = ()
+    """Damage found when it was opened."""
     reopen: "Callable[[], Log] | None" = None
     """Opens it again, in another process; None: that cannot be."""
     joined: tuple[Location, ...] = ()
@@ -73,17 +238,8 @@ class Log(ABC):
     copies_chunks: bool = False
     """Whether its chunks are an MCAP's and can be copied into one as they stand."""
 
-    def __init__(self, source: ByteSource, contents: Contents) -> None:
+    def __init__(self, source: ByteSource) -> None:
         self.source = source
-        self.contents = contents
-        self.channels = contents.channels
-        self.chunks = contents.chunks
-        self.counts = contents.counts
-        self.start_time = contents.start_time
-        self.end_time = contents.end_time
-        self.profile = contents.profile
-        self.extras = contents.extras
-        self.losses = contents.losses
 
     @property
     def compressions(self) -> tuple[str, ...]:
@@ -179,6 +335,47 @@ class Log(ABC):
     def close(self) -> None:
         """Close the file."""
         self.source.close()
+
+
+def time_range(parts: Sequence["Chunk | Log"]) -> tuple[int | None, int | None]:
+    """Return when the first of some parts begins and the last one ends, ns, as far as known."""
+    starts = [part.start_time for part in parts if part.start_time is not None]
+    ends = [part.end_time for part in parts if part.end_time is not None]
+    return min(starts, default=None), max(ends, default=None)
+
+
+def counts_by_channel(messages: Messages) -> dict[int, int]:
+    """Return the number of messages of each channel, by its id."""
+    numbers, counts = np.unique(messages.channel, return_counts=True)
+    return dict(zip(numbers.tolist(), counts.tolist(), strict=True))
+
+
+def differing_counts(
+    channels: Mapping[int, Channel], stated: Mapping[int, int], found: Mapping[int, int]
+) -> str:
+    """Return what to say of stated counts of messages that differ from those found.
+
+    Args:
+        channels: by id.
+        stated: messages by channel id.
+        found: likewise.
+
+    Returns:
+        "5 messages of /left, but 6 were found"; empty where all are right.
+    """
+    wrong = [
+        number
+        for number in sorted({*stated, *found})
+        if stated.get(number, 0) != found.get(number, 0)
+    ]
+    if not wrong:
+        return ""
+    first = wrong[0]
+    name = channels[first].topic[:LONGEST_NAME] if first in channels else f"channel {first}"
+    text = f"{stated.get(first, 0)} messages of {name}, but {found.get(first, 0)} were found"
+    if len(wrong) > 1:
+        text += f" ({len(wrong) - 1} more wrong)"
+    return text
 
 
 def wrong_statistics(log: Log, found: Mapping[int, int], losses: Sequence[Loss]) -> list[Loss]:

@@ -11,8 +11,7 @@ from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw
 from dogbot_logtool.errors import DefinitionError
-from dogbot_logtool.reader.containers.batch import Batch
-from dogbot_logtool.reader.containers.contents import Channel
+from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.decode.columns import Table
 from dogbot_logtool.reader.messages.message_type import MessageType
 from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels

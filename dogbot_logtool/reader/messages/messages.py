@@ -9,8 +9,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.errors import DefinitionError
-from dogbot_logtool.reader.containers.batch import Batch
-from dogbot_logtool.reader.containers.contents import Channel
+from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.decode.columns import Table
 from dogbot_logtool.reader.decode.decode import decode
 from dogbot_logtool.reader.decode.definition import Struct, parse_definition, short_type_name

@@ -15,10 +15,9 @@ from dogbot_logtool.core.arrays import (
 )
 from dogbot_logtool.core.frames.transforms import Edge, Transforms
 from dogbot_logtool.core.legs.joints import JointSamples, JointTable
-from dogbot_logtool.core.plausible import plausible_translations
+from dogbot_logtool.core.prepared import plausible_translations
 from dogbot_logtool.core.vectors import VectorSamples
-from dogbot_logtool.reader.containers.batch import Batch
-from dogbot_logtool.reader.containers.contents import Channel
+from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.decode.columns import Table, Texts
 from dogbot_logtool.reader.decode.paths import FieldPath
 from dogbot_logtool.reader.messages.message_type import Part

@@ -9,7 +9,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.errors import DefinitionError
-from dogbot_logtool.reader.containers.contents import Channel
+from dogbot_logtool.reader.containers.log import Channel
 from dogbot_logtool.reader.decode.definition import Struct
 from dogbot_logtool.reader.decode.paths import Columns, FieldPath, Want, columns_of, path_of
 from dogbot_logtool.reader.messages.message_type import WANTS, MessageType, Part

@@ -1,35 +1,41 @@
 """The chunks and connections of a ROS 1 bag: by its index, or by all of its records."""
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.reader.containers.bag.format import BagFormat, nanoseconds
 from dogbot_logtool.reader.containers.bag.records import (
     HEAD_SIZE,
     INDEX_ENTRY_SIZE,
+    BagFormat,
     BagOp,
     Fields,
     MalformedRecord,
     Record,
     channel_id,
+    nanoseconds,
     record_at,
     record_bounds,
     record_in_file,
 )
-from dogbot_logtool.reader.containers.chunked_log import ChunkedLog, open_chunked
-from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Schema, time_range
+from dogbot_logtool.reader.containers.chunked_log import Times
 from dogbot_logtool.reader.containers.descriptions import Description, Descriptions
+from dogbot_logtool.reader.containers.log import Channel, Chunk, Schema, time_range
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.registry import BAG_MAGIC
 from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
 from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
-from dogbot_logtool.reader.containers.salvage.scan import IndexEntry, Scan
-from dogbot_logtool.reader.containers.sources.source import ByteSource, in_groups
+from dogbot_logtool.reader.containers.salvage.scan import (
+    IndexEntry,
+    ScannedLog,
+    UnusableIndex,
+    open_scanned,
+)
+from dogbot_logtool.reader.containers.source import ByteSource, in_groups
 
 _MOST_CONNECTIONS: Final = 0xFFFF
 """As many as an MCAP can have channels: they are numbered from 0 on."""
@@ -43,18 +49,19 @@ _RECURRING_SIZE: Final = 64
 _NOT_CLOSED: Final = "the bag has no index (its recording was not closed); it was read without it"
 
 
-class BagScan(Scan):
+class BagLog(ScannedLog):
     """Finds chunks, bare messages and connections."""
 
     container = "ROS 1 bag"
+    profile = "ros1"
     magic = BAG_MAGIC
     describing = frozenset({int(BagOp.CONNECTION)})
 
     def __init__(self, source: ByteSource) -> None:
         super().__init__(source, BagFormat(), Descriptions(_connection))
 
-    def indexed(self) -> tuple[Contents | None, Loss | None]:
-        """See `Scan.indexed`."""
+    def use_index(self) -> None:
+        """See `ScannedLog.use_index`."""
         start = len(BAG_MAGIC)
         try:
             header = record_in_file(self.source, start)
@@ -62,26 +69,24 @@ class BagScan(Scan):
                 raise MalformedRecord("the bag's header is missing")
             index_start = header.fields.number("index_pos", 8)
             if index_start == 0:
-                return None, Loss(start, _NOT_CLOSED)
+                raise UnusableIndex(Loss(start, _NOT_CLOSED))
             if not self._holds(index_start, self.source.size, {}):
                 raise MalformedRecord("it is cut off, or holds records of another kind")
             if self._take_outside():
                 raise MalformedRecord("its connections are damaged or described in two ways")
             if len(self._index_entries) != header.fields.number("chunk_count"):
                 raise MalformedRecord("it names another number of chunks than the bag's header")
-            chunks = self._indexed_chunks(index_start)
-            if not self._holds(start, index_start, chunks):
+            self.channels = self._described_channels()
+            if not self._holds(start, index_start, self._indexed_chunks(index_start)):
                 raise MalformedRecord("it contradicts the chunks")
-            if not self._times_hold(self._chunks):
+            if not self._times_hold():
                 raise MalformedRecord("it tells wrong times")
         except (MalformedRecord, ChunkDamage) as fault:
             what = f"the bag's index is damaged ({fault}); the bag was read without it"
-            return None, Loss(start, what)
-        times = time_range([chunk for chunk in self._chunks if chunk.messages])
-        counts = self._counts(self._chunks)
-        losses = self._losses.all()
-        channels, profile = self._channels(), self._profile()
-        return Contents(channels, self._chunks, counts, *times, profile, losses=losses), None
+            raise UnusableIndex(Loss(start, what)) from fault
+        self.counts = self._counted()
+        self.start_time, self.end_time = time_range([c for c in self.chunks if c.messages])
+        self.losses = self._losses.all()
 
     def _take_info(self, record: Record) -> None:
         """Take what an index record says of a chunk.
@@ -103,14 +108,13 @@ class BagScan(Scan):
         entries = sorted(self._index_entries.items())
         offsets = [offset for offset, _ in entries]
         heads = in_groups(self.source, [(offset, HEAD_SIZE) for offset in offsets])
-        channels = self._channels()
         chunks: dict[int, Chunk] = {}
         for (offset, entry), end, head in zip(
             entries, [*offsets[1:], index_start][: len(offsets)], heads, strict=True
         ):
             chunk = entry.added_to(self.chunk_at(offset, head))
             counts = entry.counts or {}
-            if not counts.keys() <= channels.keys():
+            if not counts.keys() <= self.channels.keys():
                 raise MalformedRecord("it contradicts the chunks")
             named = _INDEX_RECORD_SIZE * len(counts) + INDEX_ENTRY_SIZE * sum(counts.values())
             # Index records of the usual size need not be looked at.
@@ -118,15 +122,16 @@ class BagScan(Scan):
             chunks[offset] = replace(chunk, index_end=end) if is_usual else chunk
         return chunks
 
-    def _times_hold(self, chunks: Sequence[Chunk]) -> bool:
+    def _times_hold(self) -> bool:
         """Tell whether the index records behind chunks confirm when the log begins and ends.
 
         They are compared for the first and the last chunk, in the file and by the times stated.
         """
+        chunks = self.chunks
         first = sorted(chunks, key=lambda chunk: chunk.start_time or 0)[:1]
         last = sorted(chunks, key=lambda chunk: chunk.end_time or 0)[-1:]
         return all(
-            self.own_times(chunk) in {None, (chunk.start_time, chunk.end_time)}
+            self._own_times(chunk) in {(None, None), (chunk.start_time, chunk.end_time)}
             for chunk in (*chunks[:1], *chunks[-1:], *first, *last)
         )
 
@@ -172,7 +177,15 @@ class BagScan(Scan):
         return None
 
     def chunk_at(self, offset: int, head: bytes = b"") -> Chunk:
-        """See `Scan.chunk_at`; its first bytes may have been read."""
+        """Read a chunk record's own header. Its data may reach beyond the end of the file.
+
+        Args:
+            offset: where the record begins.
+            head: its first bytes, if they have been read.
+
+        Raises:
+            ChunkDamage: there is no chunk, or its header makes no sense.
+        """
         try:
             record = record_in_file(self.source, offset, head)
             compression = record.fields.raw("compression").decode("utf-8", "replace")
@@ -193,18 +206,14 @@ class BagScan(Scan):
     def _index_of(self, behind: memoryview) -> Index | None:
         return read_index(behind, _index_record, _INDEX_ENTRY, nanoseconds)
 
-    def _checksum(self, chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]:
-        del chunk, stored
-        return 0, ()
-
-    def own_times(self, chunk: Chunk) -> tuple[int | None, int | None] | None:
-        """See `Scan.own_times`: those that the index records behind it name."""
+    def _own_times(self, chunk: Chunk) -> Times:
+        """See `ChunkedLog._own_times`: those that the index records behind it name."""
         index = self._index_of(memoryview(self.source.read(chunk.end, chunk.index_end - chunk.end)))
         if index is None or not index.complete or not len(index.log_time):
-            return None
+            return None, None
         return int(index.log_time.min()), int(index.log_time.max())
 
-    def _channels(self) -> Mapping[int, Channel]:
+    def _described_channels(self) -> Mapping[int, Channel]:
         schemas: dict[tuple[str, bytes], Schema] = {}
         channels: dict[int, Channel] = {}
         for each in self.descriptions.of_kind("connection"):
@@ -215,9 +224,6 @@ class BagScan(Scan):
             schema = schemas.setdefault((name, data), new)
             channels[id_] = Channel(id_, facts["topic"], "ros1", schema, facts["header"])
         return channels
-
-    def _profile(self) -> str:
-        return "ros1"
 
 
 def _connection(record: bytes) -> Description | None:
@@ -264,7 +270,7 @@ def _indexed_connection(header: bytes) -> int:
 _recurring_connection: Final = lru_cache(maxsize=1024)(_indexed_connection)
 
 
-def open_log(source: ByteSource, distribution: str) -> ChunkedLog:
+def open_log(source: ByteSource, distribution: str) -> ScannedLog:
     """Open a bag."""
     del distribution
-    return open_chunked(BagScan, source)
+    return open_scanned(BagLog, source)

@@ -1,9 +1,12 @@
 """The chunks, descriptions and other records of an MCAP file: by its summary, or by all records."""
 
 import struct
+from collections import Counter
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
-from operator import itemgetter
+from functools import partial
+from operator import attrgetter, itemgetter
 from typing import Final
 
 import numpy as np
@@ -11,45 +14,46 @@ from mcap import records
 from mcap.opcode import Opcode
 
 from dogbot_logtool.core.arrays import distinct
-from dogbot_logtool.reader.containers.chunked_log import ChunkedLog, open_chunked
-from dogbot_logtool.reader.containers.contents import (
+from dogbot_logtool.reader.containers.chunked_log import Times
+from dogbot_logtool.reader.containers.descriptions import Descriptions
+from dogbot_logtool.reader.containers.log import (
     Channel,
     Chunk,
-    Contents,
     Extra,
     Schema,
     differing_counts,
+    time_range,
 )
-from dogbot_logtool.reader.containers.descriptions import Descriptions
 from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, lost_messages
-from dogbot_logtool.reader.containers.mcap.format import (
-    FIRST_PRIVATE_OPCODE,
-    LARGEST_OPCODE,
-    MESSAGE_CONTENT_SIZE,
-    McapFormat,
-    is_chunk,
-)
 from dogbot_logtool.reader.containers.mcap.records import (
     CHUNK_HEAD,
     DESCRIBING,
+    FIRST_PRIVATE_OPCODE,
+    LARGEST_OPCODE,
+    MESSAGE_CONTENT_SIZE,
     RECORD_HEAD,
+    McapFormat,
     decode_record,
     described,
+    is_chunk,
 )
 from dogbot_logtool.reader.containers.mcap.summary import (
     DATA_END_SIZE,
     FOOTER_SIZE,
-    agree,
     check_data,
     indexed_chunk,
     read_footer,
-    times_of,
 )
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
 from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
 from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
-from dogbot_logtool.reader.containers.salvage.scan import IndexEntry, Scan
-from dogbot_logtool.reader.containers.sources.source import ByteSource, in_groups
+from dogbot_logtool.reader.containers.salvage.scan import (
+    IndexEntry,
+    ScannedLog,
+    UnusableIndex,
+    open_scanned,
+)
+from dogbot_logtool.reader.containers.source import ByteSource, in_groups
 
 _LARGEST_HEADER: Final = 1 << 20
 _LONGEST_NAME: Final = 16
@@ -60,9 +64,12 @@ _INDEX_ENTRY: Final = np.dtype([("log_time", "<i8"), ("offset", "<u8")])
 _INDEX_HEAD: Final = struct.Struct("<BQHI")
 """Opcode and length of an index record, channel, and bytes of its entries."""
 _LARGEST_TIME: Final = 2**63 - 1
+_CHUNK_HEAD_SIZE: Final = RECORD_HEAD.size + CHUNK_HEAD.size + _LONGEST_NAME + 8
+"""Bytes in which a chunk's header ends."""
+_LENGTHS: Final = attrgetter("end", "data_offset", "data_size", "size", "compression")
 
 
-class McapScan(Scan):
+class McapLog(ScannedLog):
     """Finds chunks, bare messages, descriptions and extra records."""
 
     container = "MCAP"
@@ -84,60 +91,81 @@ class McapScan(Scan):
         self._closed = False
         """There is a footer, so that the recording was closed properly."""
 
-    def indexed(self) -> tuple[Contents | None, Loss | None]:
-        """See `Scan.indexed`."""
+    def use_index(self) -> None:
+        """See `ScannedLog.use_index`."""
         self._passed_from = LARGEST_OPCODE + 1
         footer = read_footer(self.source)
         if isinstance(footer, Loss):
-            return None, footer
+            raise UnusableIndex(footer)
         start = footer.summary_start
         if not start:
-            return None, None
+            raise UnusableIndex
         end = self.source.size - FOOTER_SIZE - len(MCAP_MAGIC)
-        if not (self._holds(start, end, {}) and not self._take_outside()):
-            return None, Loss(start, "the summary is damaged; the log was read without it")
+        if not self._holds(start, end, {}) or self._take_outside():
+            what = "the summary is damaged; the log was read without it"
+            raise UnusableIndex(Loss(start, what))
+        self.channels = self._described_channels()
         statistics = self._statistics
         if statistics is None or self._without_schema() or not self._is_complete(statistics):
-            return None, None
-        if not (agree(self._named, statistics) and self._agrees(footer, statistics)):
+            raise UnusableIndex
+        if not self._agrees(footer, statistics):
             what = "the summary contradicts itself or the chunks; the log was read without it"
-            return None, Loss(start, what)
-        profile = self._profile()
+            raise UnusableIndex(Loss(start, what))
+        self._read_header()
         if loss := check_data(self.source, start - DATA_END_SIZE, thorough=False):
             self._losses.add(loss)
-        channels = self._channels()
-        counts = {**dict.fromkeys(channels, 0), **statistics.channel_message_counts}
-        times = times_of(self._chunks, statistics)
-        extras, losses = self._extras, self._losses.all()
-        contents = Contents(channels, self._chunks, counts, *times, profile, extras, losses)
-        return contents, None
+        self.counts = {**dict.fromkeys(self.channels, 0), **statistics.channel_message_counts}
+        filled = [chunk for chunk in self.chunks if chunk.messages != 0]
+        self.start_time, self.end_time = time_range(filled)
+        self.losses = self._losses.all()
 
     def _is_complete(self, statistics: records.Statistics) -> bool:
         """Tell whether a summary with some statistics has all that opening a log needs."""
         return (
             statistics.chunk_count == len(self._named)
             and (bool(self._named) or not statistics.message_count)
-            and statistics.channel_message_counts.keys() <= self._channels().keys()
+            and statistics.channel_message_counts.keys() <= self.channels.keys()
             # Times that do not fit 64 bits with a sign are left to a look at the messages.
             and max(statistics.message_start_time, statistics.message_end_time) <= _LARGEST_TIME
         )
 
     def _agrees(self, footer: records.Footer, statistics: records.Statistics) -> bool:
-        """Tell whether the summary agrees with the file.
-
-        A chunk whose own header is damaged is there nevertheless if a checksum vouches for the
-        summary.
-        """
+        """Tell whether the summary agrees with itself and with the file."""
         self._outside = []
+        stated = Counter(statistics.channel_message_counts)
+        known = [Counter(chunk.counts) for chunk in self._named if chunk.counts is not None]
         named = {chunk.offset: chunk for chunk in self._named}
+        heads = in_groups(self.source, [(offset, _CHUNK_HEAD_SIZE) for offset in named])
         return (
-            len(named) == len(self._named)
-            and (bool(footer.summary_crc) or self._are_there(self._named))
+            stated.total() == statistics.message_count
+            and (len(known) < len(self._named) or sum(known, Counter()) == stated)
+            and len(named) == len(self._named)
+            and all(map(partial(self._is_there, bool(footer.summary_crc)), self._named, heads))
             and self._holds(len(MCAP_MAGIC), footer.summary_start, named)
-            and len(self._extras) == statistics.attachment_count + statistics.metadata_count
+            and len(self.extras) == statistics.attachment_count + statistics.metadata_count
             and not self._take_outside()
-            and self._is_described(self._chunks[:1])
+            and self._is_described(self.chunks[:1])
         )
+
+    def _is_there(self, is_vouched: bool, chunk: Chunk, head: bytes) -> bool:  # noqa: FBT001
+        """Tell whether a chunk stands where its index says, and is as its index says.
+
+        Its own header may be damaged if a checksum vouches for the summary.
+        """
+        try:
+            own = self.chunk_at(chunk.offset, head)
+        except ChunkDamage:
+            return is_vouched
+        if _are_alike(own, chunk):
+            return True
+        return is_vouched and (self._can_be_read(chunk) or not self._can_be_read(own))
+
+    def _can_be_read(self, chunk: Chunk) -> bool:
+        try:
+            self._parsed(chunk)
+        except ChunkDamage:
+            return False
+        return True
 
     def _is_described(self, first: Sequence[Chunk]) -> bool:
         """Tell whether the first chunk, if it can be read, describes channels as the summary does.
@@ -146,25 +174,17 @@ class McapScan(Scan):
         """
         for chunk in first:
             try:
-                content, described = self.parsed(chunk)
+                content, described = self._parsed(chunk)
             except ChunkDamage:
                 return True
             numbers = {*distinct(content.messages.channel).tolist()}
             differs = self.descriptions.compare(described, chunk.offset)
-            return not differs and numbers <= self._channels().keys()
+            return not differs and numbers <= self.channels.keys()
         return True
-
-    def _are_there(self, chunks: Sequence[Chunk]) -> bool:
-        """Tell whether each chunk's record begins where its index says, and ends there, too."""
-        heads = in_groups(self.source, [(chunk.offset, RECORD_HEAD.size) for chunk in chunks])
-        return all(
-            head == RECORD_HEAD.pack(Opcode.CHUNK, chunk.end - chunk.offset - RECORD_HEAD.size)
-            for head, chunk in zip(heads, chunks, strict=True)
-        )
 
     def _step(self, offset: int) -> int | None:
         size = self.source.size
-        head = self.source.read(offset, RECORD_HEAD.size + CHUNK_HEAD.size + _LONGEST_NAME + 8)
+        head = self.source.read(offset, _CHUNK_HEAD_SIZE)
         if len(head) < RECORD_HEAD.size:
             return size if head == MCAP_MAGIC else None
         opcode, length = RECORD_HEAD.unpack_from(head)
@@ -223,7 +243,7 @@ class McapScan(Scan):
         if opcode == Opcode.MESSAGE_INDEX:
             self._take_index(offset, end)
         elif opcode in {Opcode.ATTACHMENT, Opcode.METADATA}:
-            self._extras.append(Extra(opcode, offset, end - offset, self.source))
+            self.extras.append(Extra(opcode, offset, end - offset, self.source))
         return end
 
     def _chunk_record(self, offset: int) -> int | None:
@@ -233,10 +253,18 @@ class McapScan(Scan):
             return None
         return self._take_chunk(chunk, chunk.data_offset + chunk.data_size)
 
-    def chunk_at(self, offset: int) -> Chunk:
-        """See `Scan.chunk_at`. The record's two lengths may disagree."""
+    def chunk_at(self, offset: int, head: bytes = b"") -> Chunk:
+        """Read a chunk record's own header, whose two lengths may disagree.
+
+        Args:
+            offset: where the record begins.
+            head: its first bytes, if they have been read.
+
+        Raises:
+            ChunkDamage: the header makes no sense.
+        """
         name_start = RECORD_HEAD.size + CHUNK_HEAD.size
-        head = self.source.read(offset, name_start + _LONGEST_NAME + 8)
+        head = head or self.source.read(offset, _CHUNK_HEAD_SIZE)
         if len(head) < name_start + 8:
             raise ChunkDamage("its header is cut off")
         _, length = RECORD_HEAD.unpack_from(head)
@@ -262,26 +290,18 @@ class McapScan(Scan):
         )
 
     def _checksum(self, chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]:
-        """See `Scan._checksum`; a chunk that the end of the file cuts off has none."""
-        head_size = RECORD_HEAD.size + CHUNK_HEAD.size
-        if len(stored) < head_size:
+        """See `ChunkedLog._checksum`; a chunk that the end of the file cuts off has none."""
+        head = bytes(stored[:_CHUNK_HEAD_SIZE])
+        if len(head) < RECORD_HEAD.size + CHUNK_HEAD.size:
             raise ChunkDamage("it is cut off")
-        opcode, length = RECORD_HEAD.unpack_from(stored)
-        start, end, size, crc, name_size = CHUNK_HEAD.unpack_from(stored, RECORD_HEAD.size)
-        name = bytes(stored[head_size:][:name_size])
-        data_size = bytes(stored[head_size + name_size :][:8])
+        opcode, length = RECORD_HEAD.unpack_from(head)
         record_end = chunk.offset + RECORD_HEAD.size + length
         if chunk.is_scanned and record_end > chunk.end == self.source.size:
             return 0, ()
-        if (
-            opcode == Opcode.CHUNK
-            and record_end == chunk.end
-            and size == chunk.size
-            and name == chunk.compression.encode()
-            and data_size == struct.pack("<Q", chunk.data_size)
-            and (chunk.is_scanned or (start, end) == (chunk.start_time, chunk.end_time))
-        ):
-            return crc, ()
+        crc = CHUNK_HEAD.unpack_from(head, RECORD_HEAD.size)[3]
+        with suppress(ChunkDamage):
+            if opcode == Opcode.CHUNK and _are_alike(self.chunk_at(chunk.offset, head), chunk):
+                return crc, ()
         what = (
             f"the header of the chunk at byte {chunk.offset} is damaged; it was read nevertheless"
         )
@@ -290,15 +310,15 @@ class McapScan(Scan):
     def _index_of(self, behind: memoryview) -> Index | None:
         return read_index(behind, _index_record, _INDEX_ENTRY, itemgetter("log_time"))
 
-    def own_times(self, chunk: Chunk) -> tuple[int | None, int | None] | None:
-        """See `Scan.own_times`: those of its header."""
+    def _own_times(self, chunk: Chunk) -> Times:
+        """See `ChunkedLog._own_times`: those of its header."""
         try:
             own = self.chunk_at(chunk.offset)
         except ChunkDamage:
-            return None
+            return None, None
         return own.start_time, own.end_time
 
-    def _channels(self) -> Mapping[int, Channel]:
+    def _described_channels(self) -> Mapping[int, Channel]:
         schemas: dict[int, Schema] = {}
         for each in self.descriptions.of_kind("schema"):
             encoding, definition = each.facts["encoding"], each.facts["definition"]
@@ -324,8 +344,8 @@ class McapScan(Scan):
             if schema and ("schema", schema) not in self.descriptions.first
         ]
 
-    def _profile(self) -> str:
-        """Return the profile that the file's header names; say if that cannot be read."""
+    def _read_header(self) -> None:
+        """Read the profile that the file's header names; say if that cannot be read."""
         start = len(MCAP_MAGIC)
         head = self.source.read(start, RECORD_HEAD.size).ljust(RECORD_HEAD.size, b"\0")
         opcode, length = RECORD_HEAD.unpack(head)
@@ -333,17 +353,17 @@ class McapScan(Scan):
             body = self.source.read(start + RECORD_HEAD.size, length)
             header = decode_record(records.Header, body) if len(body) == length else None
             if header is not None:
-                return header.profile
+                self.profile = header.profile
+                return
         what = "the header is damaged, so that the log's profile is not known"
         self._losses.add(Loss(start, what))
-        return ""
 
-    def _conclude(self, counts: Mapping[int, int]) -> None:
+    def _conclude(self) -> None:
         self._losses.add(*self._without_schema())
         if self._statistics is not None:
-            self._compare_statistics(counts, self._statistics)
+            self._compare_statistics(self._statistics)
         if self._data_end is not None:
-            bare = any(not chunk.is_record for chunk in self._chunks)
+            bare = any(not chunk.is_record for chunk in self.chunks)
             loss = check_data(self.source, self._data_end, thorough=bare)
             if loss is not None:
                 # Outside chunks, a message may be lost without a trace.
@@ -353,16 +373,16 @@ class McapScan(Scan):
             what = "the record that ends the log's data is missing, and maybe others before it"
             self._losses.add(Loss(self.source.size, what, 0, None))
 
-    def _compare_statistics(
-        self, counts: Mapping[int, int], statistics: records.Statistics
-    ) -> None:
-        stated, found = statistics.message_count, sum(counts.values())
+    def _compare_statistics(self, statistics: records.Statistics) -> None:
+        stated, found = statistics.message_count, sum(self.counts.values())
         if stated != found:
             known_lost = lost_messages(self._losses.all())
             explained = known_lost is None or stated <= found + known_lost
             what = f"the summary counts {stated} messages, but {found} were found"
             self._losses.add(Loss(0, what, 0, 0 if explained else None))
-        elif what := differing_counts(self._channels(), statistics.channel_message_counts, counts):
+            return
+        counts = statistics.channel_message_counts
+        if what := differing_counts(self.channels, counts, self.counts):
             self._losses.add(Loss(0, f"the summary counts {what}"))
 
 
@@ -376,7 +396,13 @@ def _index_record(behind: memoryview, offset: int) -> IndexRecord | None:
     return channel, behind[start : start + size], end
 
 
-def open_log(source: ByteSource, distribution: str) -> ChunkedLog:
+def _are_alike(own: Chunk, chunk: Chunk) -> bool:
+    """Tell whether a chunk's own header is as the chunk is known from elsewhere."""
+    own_times, times = ((each.start_time, each.end_time) for each in (own, chunk))
+    return (chunk.is_scanned or own_times == times) and _LENGTHS(own) == _LENGTHS(chunk)
+
+
+def open_log(source: ByteSource, distribution: str) -> ScannedLog:
     """Open an MCAP file."""
     del distribution
-    return open_chunked(McapScan, source)
+    return open_scanned(McapLog, source)

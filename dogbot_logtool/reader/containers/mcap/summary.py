@@ -2,15 +2,13 @@
 
 import struct
 import sys
-from collections import Counter
-from collections.abc import Sequence
 from typing import Final
 
 from mcap import records
 from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
-from dogbot_logtool.reader.containers.contents import Chunk, time_range
+from dogbot_logtool.reader.containers.log import Chunk
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.mcap.records import (
     CHUNK_HEAD,
@@ -18,7 +16,7 @@ from dogbot_logtool.reader.containers.mcap.records import (
     decode_record,
 )
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
-from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.containers.source import ByteSource
 
 FOOTER_SIZE: Final = RECORD_HEAD.size + 20
 DATA_END_SIZE: Final = RECORD_HEAD.size + 4
@@ -43,32 +41,6 @@ def read_footer(source: ByteSource) -> records.Footer | Loss:
     if crc != footer.summary_crc:
         return Loss(start, "the summary is damaged; the log was read without it")
     return footer
-
-
-def agree(chunks: Sequence[Chunk], statistics: records.Statistics) -> bool:
-    """Tell whether the parts of a summary agree with each other."""
-    stated = Counter(statistics.channel_message_counts)
-    known = [chunk.counts for chunk in chunks if chunk.counts is not None]
-    counts: Counter[int] = Counter()
-    for each in known:
-        counts.update(each)
-    return (
-        stated.total() == statistics.message_count
-        and (len(known) < len(chunks) or counts == stated)
-        and all(each.data_offset + each.data_size <= each.end for each in chunks)
-        and all(each.end <= each.index_end for each in chunks)
-    )
-
-
-def times_of(
-    chunks: Sequence[Chunk], statistics: records.Statistics
-) -> tuple[int | None, int | None]:
-    """Return the log times of the first and the last message, by the chunks if they tell."""
-    if not statistics.message_count:
-        return None, None
-    if chunks and all(chunk.messages for chunk in chunks):
-        return time_range(chunks)
-    return statistics.message_start_time, statistics.message_end_time
 
 
 def indexed_chunk(index: records.ChunkIndex) -> Chunk:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints
-from dogbot_logtool.reader.containers.contents import Chunk
+from dogbot_logtool.reader.containers.log import Chunk
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.salvage.records import (
     FoundRecords,
@@ -53,19 +53,14 @@ def left_out(chunk: Chunk, damage: ChunkDamage) -> Loss:
     return Loss(chunk.offset, what, chunk.data_size, messages)
 
 
-def undescribed(chunk: Chunk, messages: int, size: int) -> Loss:
-    """Say that the channels of some messages of a chunk are not described.
-
-    Args:
-        chunk: the chunk.
-        messages: their number.
-        size: bytes of their payloads.
-    """
+def undescribed(chunk: Chunk, messages: Messages) -> Loss:
+    """Say that the channels of some messages of a chunk are not described."""
+    count, size = len(messages), int((messages.end - messages.start).sum())
     what = (
-        f"the chunk at byte {chunk.offset} holds {messages} "
-        f"{'message' if messages == 1 else 'messages'} of channels that are nowhere described"
+        f"the chunk at byte {chunk.offset} holds {count} {'message' if count == 1 else 'messages'} "
+        "of channels that are nowhere described"
     )
-    return Loss(chunk.offset, what, size, messages)
+    return Loss(chunk.offset, what, size, count)
 
 
 def read_content(

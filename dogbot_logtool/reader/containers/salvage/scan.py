@@ -1,33 +1,32 @@
 """The chunks of a file: by its index, or where that is missing or wrong, by all of its records."""
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
-from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.arrays import Bytes
-from dogbot_logtool.reader.containers.compression import check_claimed_size, decompress_into
-from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra, time_range
+from dogbot_logtool.reader.containers.chunked_log import ChunkedLog
 from dogbot_logtool.reader.containers.descriptions import Descriptions
+from dogbot_logtool.reader.containers.log import (
+    Channel,
+    Chunk,
+    Extra,
+    counts_by_channel,
+    time_range,
+)
 from dogbot_logtool.reader.containers.loss import Loss, Losses
 from dogbot_logtool.reader.containers.salvage.content import (
     ChunkContent,
     ChunkDamage,
     left_out,
-    read_content,
     undescribed,
 )
-from dogbot_logtool.reader.containers.salvage.records import (
-    Index,
-    RecordFormat,
-    may_begin,
-    next_sound,
-)
-from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.containers.salvage.records import RecordFormat, may_begin, next_sound
+from dogbot_logtool.reader.containers.source import ByteSource
 
 _REGION_SIZE: Final = 1 << 20
 """Messages outside of chunks are read in runs of about this many bytes."""
@@ -52,29 +51,29 @@ class IndexEntry(NamedTuple):
         return replace(chunk, **self._asdict())
 
 
-class Scan(ABC):
-    """The chunks of a file, and what is in each.
+class UnusableIndex(Exception):  # noqa: N818 - it never reaches a user; `Loss` does
+    """A file's index is absent, damaged, incomplete or contradicts the chunks."""
 
-    Its records are followed from the first to the last, with an index (`indexed`) or without one
-    (`scanned`). Chunks that the index names are stepped over; of all others, each is read. Both
-    end in the same `Contents`.
+    def __init__(self, loss: Loss | None = None) -> None:
+        """Say what is wrong with it, if that is damage."""
+        super().__init__()
+        self.loss = loss
+
+
+class ScannedLog(ChunkedLog):
+    """A log whose chunks are found by following the records of its file.
+
+    They are followed from the first to the last, with an index (`use_index`) or without one
+    (`scan`). Chunks that the index names are stepped over; of all others, each is read.
     """
 
-    container: str
-    """Name of the container for people."""
     magic: bytes
-    copies_chunks = False
-    """See `Log.copies_chunks`."""
-    describing: frozenset[int]
-    """Kinds of the records that describe channels."""
 
     def __init__(self, source: ByteSource, fmt: RecordFormat, descriptions: Descriptions) -> None:
-        self.source = source
-        self.descriptions = descriptions
-        self._format = fmt
+        super().__init__(source, fmt, descriptions)
+        self.chunks: list[Chunk] = []
+        self.extras: list[Extra] = []
         self._losses = Losses()
-        self._chunks: list[Chunk] = []
-        self._extras: list[Extra] = []
         self._index_entries: dict[int, IndexEntry] = {}
         """By offset of the chunk."""
         self._outside: list[tuple[int, int]] = []
@@ -87,12 +86,11 @@ class Scan(ABC):
         """Offsets of messages outside of chunks that may be a damaged chunk's."""
 
     @abstractmethod
-    def indexed(self) -> tuple[Contents | None, Loss | None]:
-        """Read the index.
+    def use_index(self) -> None:
+        """Find the chunks by the index.
 
-        Returns:
-            the contents, or None where the index is absent, damaged, incomplete or contradicts the
-            chunks; and what is wrong with it.
+        Raises:
+            UnusableIndex: that cannot be done.
         """
 
     @abstractmethod
@@ -100,97 +98,14 @@ class Scan(ABC):
         """Take the record at an offset; return where to go on, None if there is no sound record."""
 
     @abstractmethod
-    def chunk_at(self, offset: int) -> Chunk:
-        """Read a chunk record's own header. Its data may reach beyond the end of the file.
-
-        Raises:
-            ChunkDamage: there is no chunk, or its header makes no sense.
-        """
-
-    @abstractmethod
-    def _index_of(self, behind: memoryview) -> Index | None:
-        """Return what the records behind a chunk name."""
-
-    @abstractmethod
-    def _checksum(self, chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]:
-        """Return the CRC of a chunk, 0 for none, and what its own header contradicts."""
-
-    @abstractmethod
-    def own_times(self, chunk: Chunk) -> tuple[int | None, int | None] | None:
-        """Return the log times, ns, that a chunk itself tells; None if nothing of it does."""
-
-    @abstractmethod
-    def _channels(self) -> Mapping[int, Channel]:
+    def _described_channels(self) -> Mapping[int, Channel]:
         """Return the channels by their ids."""
 
-    @abstractmethod
-    def _profile(self) -> str:
-        """Return the log's profile; say if it cannot be read."""
+    def _read_header(self) -> None:
+        """Read what stands at the file's beginning."""
 
-    def _conclude(self, counts: Mapping[int, int]) -> None:
-        """Compare what was found with what the file says elsewhere.
-
-        Args:
-            counts: messages by channel id.
-        """
-        del counts
-
-    def check(self, chunk: Chunk) -> None:
-        """Check what a chunk claims before memory is set aside for it.
-
-        Raises:
-            ChunkDamage: it cannot be true.
-        """
-        check_claimed_size(chunk.size, chunk.data_size)
-        if chunk.data_offset + chunk.data_size > self.source.size:
-            raise ChunkDamage("it is cut off by the end of the file")
-
-    def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
-        """Decompress a chunk into the target and find its messages.
-
-        Args:
-            chunk: the chunk.
-            stored: the file's bytes from `chunk.offset` to `chunk.index_end`, or fewer.
-            target: (chunk.size,) uint8.
-
-        Raises:
-            ChunkDamage: nothing in the chunk can be trusted.
-        """
-        index = self._index_of(stored[chunk.end - chunk.offset :])
-        data = stored[chunk.data_offset - chunk.offset :][: chunk.data_size]
-        try:
-            crc, losses = self._checksum(chunk, stored) if chunk.is_record else (0, ())
-            size = decompress_into(target, data, chunk.compression)
-            if size < len(target) and (crc or not size):
-                raise ChunkDamage(f"its {chunk.compression} data is damaged or cut off")
-            if crc and crc32(target.data) != crc:
-                raise ChunkDamage("its checksum does not hold")
-            if losses and not crc:
-                raise ChunkDamage("its header is damaged, and it has no checksum")
-        except ChunkDamage as damage:
-            raise ChunkDamage(str(damage), len(index.offset) if index else None) from damage
-        content = read_content(self._format, target[:size], index, chunk, verified=bool(crc))
-        return replace(content, losses=(*losses, *content.losses))
-
-    def parsed(self, chunk: Chunk) -> tuple[ChunkContent, list[bytes]]:
-        """Read a chunk; return its content, and the records in it that describe channels.
-
-        Raises:
-            ChunkDamage: nothing in the chunk can be trusted.
-        """
-        self.check(chunk)
-        stored = self.source.read(chunk.offset, chunk.index_end - chunk.offset)
-        target = np.empty(chunk.size, np.uint8)
-        content = self.parse(chunk, memoryview(stored), target)
-        return content, self.described_in(content, target)
-
-    def described_in(self, content: ChunkContent, data: Bytes) -> list[bytes]:
-        """Return the records of a chunk, whose bytes are given, that describe channels."""
-        return [
-            data[start:end].tobytes()
-            for op, start, end in content.others.tolist()
-            if op in self.describing
-        ]
+    def _conclude(self) -> None:
+        """Compare what was found with what the file says elsewhere."""
 
     def _holds(self, start: int, end: int, named: Mapping[int, Chunk]) -> bool:
         """Follow the records of a part of the file that is said to be sound.
@@ -206,34 +121,34 @@ class Scan(ABC):
         offset = start
         while offset < end:
             chunk = named.get(offset)
-            self._chunks += [chunk] if chunk else []
+            self.chunks += [chunk] if chunk else []
             following = chunk.index_end if chunk else self._step(offset)
             if following is None:
                 return False
             offset = following
-        return offset == end and [chunk.offset for chunk in self._chunks] == sorted(named)
+        return offset == end and [chunk.offset for chunk in self.chunks] == sorted(named)
 
-    def scanned(self, problem: Loss | None) -> Contents:
+    def scan(self, problem: Loss | None) -> None:
         """Follow all records, and read all chunks.
 
         Args:
             problem: what is wrong with the index.
         """
-        profile = self._profile()
+        self._read_header()
         if problem is not None:
             self._losses.add(problem)
         offset = len(self.magic)
         while offset < self.source.size:
             following = self._step(offset)
             offset = self._search(offset) if following is None else following
-        read = self._read_chunks()
+        self._read_chunks()
         self._losses.add(*self._take_outside())
-        chunks = self._described(read)
-        counts = self._counts(chunks)
-        self._conclude(counts)
-        losses = self._losses.all()
-        times = time_range(chunks)
-        return Contents(self._channels(), chunks, counts, *times, profile, self._extras, losses)
+        self.channels = self._described_channels()
+        self.chunks = [self._without_undescribed(chunk) for chunk in self.chunks]
+        self.counts = self._counted()
+        self.start_time, self.end_time = time_range(self.chunks)
+        self._conclude()
+        self.losses = self._losses.all()
 
     def _take_outside(self) -> list[Loss]:
         """Take the descriptions that stand outside of chunks; return what to say of them."""
@@ -243,10 +158,10 @@ class Scan(ABC):
             losses += self.descriptions.add([record], offset)
         return losses
 
-    def _counts(self, chunks: Sequence[Chunk]) -> dict[int, int]:
-        """Return the messages of each channel, by its id."""
-        counts = Counter(dict.fromkeys(self._channels(), 0))
-        for chunk in chunks:
+    def _counted(self) -> dict[int, int]:
+        """Return the messages of each channel, by its id, that the chunks are known to hold."""
+        counts = Counter(dict.fromkeys(self.channels, 0))
+        for chunk in self.chunks:
             counts.update(chunk.counts or {})
         return dict(counts)
 
@@ -292,14 +207,14 @@ class Scan(ABC):
         known = replace(known, data_size=min(chunk.data_size, end - chunk.data_offset))
         if not chunk.is_compressed and end < size:
             known = replace(known, size=known.data_size)
-        self._chunks.append(known)
+        self.chunks.append(known)
         self._is_behind_damage = False
         return end
 
     def _take_index(self, offset: int, end: int) -> None:
         """Take a record that names the messages of the chunk before it."""
-        if self._chunks and self._chunks[-1].is_record and self._chunks[-1].index_end == offset:
-            self._chunks[-1] = replace(self._chunks[-1], index_end=end)
+        if self.chunks and self.chunks[-1].is_record and self.chunks[-1].index_end == offset:
+            self.chunks[-1] = replace(self.chunks[-1], index_end=end)
 
     def _follows(self, offset: int) -> bool:
         size = self.source.size
@@ -323,7 +238,7 @@ class Scan(ABC):
         if stop:
             if self._is_behind_damage:
                 self._doubtful.add(offset)
-            self._chunks.append(
+            self.chunks.append(
                 Chunk(offset, offset, stop, behind, behind, "", stop, is_scanned=True)
             )
         return behind if goes_on else self._search(behind)
@@ -349,16 +264,12 @@ class Scan(ABC):
                 return window, bounds[: count + 1]
             size *= _GROWTH
 
-    def _read_chunks(self) -> list[tuple[Chunk, Mapping[int, int]]]:
-        """Read every chunk for counts, times and descriptions.
-
-        Returns:
-            Those that can be used; and bytes of the messages of each, by channel.
-        """
-        read: list[tuple[Chunk, Mapping[int, int]]] = []
-        has_checksums = any(chunk.crc for chunk in self._chunks)
+    def _read_chunks(self) -> None:
+        """Read every chunk for counts, times and descriptions; keep those that can be used."""
+        found, self.chunks = self.chunks, []
+        has_checksums = any(chunk.crc for chunk in found)
         behind_damage = False
-        for chunk in self._chunks:
+        for chunk in found:
             # A damaged chunk may seem to end before its end, and messages to follow it.
             is_doubtful = behind_damage or chunk.offset in self._doubtful
             if has_checksums and is_doubtful and not chunk.is_record:
@@ -371,38 +282,53 @@ class Scan(ABC):
             entry = self._index_entries.get(chunk.offset)
             known = entry.added_to(chunk) if entry else chunk
             try:
-                read.append(self._read_chunk(known))
+                self.chunks.append(self._read_chunk(known))
                 behind_damage = False
             except ChunkDamage as damage:
                 behind_damage = True
                 is_cut = chunk.offset == self._cut_off
                 what = "it is cut off by the end of the file" if is_cut else str(damage)
                 self._losses.add(left_out(known, ChunkDamage(what, damage.messages)))
-        return read
 
-    def _read_chunk(self, chunk: Chunk) -> tuple[Chunk, Mapping[int, int]]:
-        content, described = self.parsed(chunk)
+    def _read_chunk(self, chunk: Chunk) -> Chunk:
+        content, described = self._parsed(chunk)
         losses = self.descriptions.add(described, chunk.offset)
         self._losses.add(*content.losses, *losses)
-        messages, times = content.messages, content.messages.log_time
+        times = content.messages.log_time
         start, end = (int(times.min()), int(times.max())) if len(times) else (None, None)
-        numbers, code = np.unique(messages.channel, return_inverse=True)
-        counts = dict(zip(numbers.tolist(), np.bincount(code).tolist(), strict=True))
-        sizes = np.bincount(code, messages.end - messages.start, len(numbers)).astype(np.int64)
-        known = replace(chunk, start_time=start, end_time=end, counts=counts)
-        return known, dict(zip(numbers.tolist(), sizes.tolist(), strict=True))
+        return replace(
+            chunk, start_time=start, end_time=end, counts=counts_by_channel(content.messages)
+        )
 
-    def _described(self, read: Sequence[tuple[Chunk, Mapping[int, int]]]) -> list[Chunk]:
-        """Return chunks without the messages that no channel describes, and say which those are."""
-        channels = self._channels()
-        chunks: list[Chunk] = []
-        for chunk, sizes in read:
-            counts = chunk.counts or {}
-            strange = counts.keys() - channels.keys()
-            if strange:
-                messages = sum(counts[number] for number in strange)
-                size = sum(sizes[number] for number in strange)
-                self._losses.add(undescribed(chunk, messages, size))
-            known = {number: n for number, n in counts.items() if number in channels}
-            chunks.append(replace(chunk, counts=known))
-        return chunks
+    def _parsed(self, chunk: Chunk) -> tuple[ChunkContent, list[bytes]]:
+        """Read a chunk; return its content, and the records in it that describe channels.
+
+        Raises:
+            ChunkDamage: nothing in the chunk can be trusted.
+        """
+        self.check(chunk)
+        stored = self.source.read(chunk.offset, chunk.index_end - chunk.offset)
+        target = np.empty(chunk.size, np.uint8)
+        content = self.parse(chunk, memoryview(stored), target)
+        return content, self._descriptions_in(content, target)
+
+    def _without_undescribed(self, chunk: Chunk) -> Chunk:
+        """Leave out the messages of a chunk that no channel describes, and say which those are."""
+        counts = chunk.counts or {}
+        known = {number: n for number, n in counts.items() if number in self.channels}
+        if len(known) < len(counts):
+            messages = self._parsed(chunk)[0].messages
+            strange = ~np.isin(messages.channel, [*self.channels])
+            self._losses.add(undescribed(chunk, messages.pick(strange)))
+        return replace(chunk, counts=known)
+
+
+def open_scanned(new_log: Callable[[ByteSource], ScannedLog], source: ByteSource) -> ScannedLog:
+    """Open a file by its index; where that is absent or damaged, by all of its records."""
+    log = new_log(source)
+    try:
+        log.use_index()
+    except UnusableIndex as unusable:
+        log = new_log(source.nearby())
+        log.scan(unusable.loss)
+    return log
