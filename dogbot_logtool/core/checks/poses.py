@@ -92,6 +92,14 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
     yield from _climb(comparisons)
 
 
+def feet_agree(walk: Walk) -> bool:
+    """Tell whether feet that stand, by their contacts, go back as far as the poses go ahead."""
+    surest = next(_comparisons(walk, _windows(walk)), None)
+    if surest is None or walk.witness is None or surest.by != walk.witness.by:
+        return False
+    return SCALES[0] <= (surest.scale or 0.0) <= SCALES[1]
+
+
 def _windows(walk: Walk) -> Ints:
     """(k, 2) ns, strides one after another while the robot walks."""
     period_s = walk.period_s
@@ -176,7 +184,7 @@ def _turns(
 
 def _inertial(walk: Walk, windows: Ints) -> tuple[Floats, Floats]:
     """(k,) rad turned and (k, 3) up by the inertial unit; NaN: not known. See `turns_and_up`."""
-    own = walk.inertial
+    own = walk.corrected.inertial
     if own is not None and len(windows):
         return turns_and_up(own.time, own.vector, own.turn_rate, windows)
     return np.full(len(windows), np.nan), np.full((len(windows), 3), np.nan)
