@@ -50,6 +50,7 @@ class Shell:
                 signal.signal(number, handler)
         told = self._capsys.readouterr()
         assert "Traceback" not in told.err
+        assert "\x1b" not in told.out + told.err, "there is no terminal"
         assert isinstance(stopped.value.code, int)
         return Outcome(stopped.value.code, told.out, told.err)
 

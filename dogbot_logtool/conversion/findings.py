@@ -6,11 +6,10 @@ from fnmatch import fnmatchcase
 from typing import Final
 
 from dogbot_logtool.core.base.poses import usable_poses
-from dogbot_logtool.core.known_frames import KnownFrames
+from dogbot_logtool.core.known_frames import KnownFrames, WorldFrames
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.scene.styles import ArrowStyle
 from dogbot_logtool.core.settings import WalkSettings
-from dogbot_logtool.core.world_frames import WorldFrames
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.options import ConvertOptions

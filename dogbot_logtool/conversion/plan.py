@@ -10,10 +10,10 @@ from dogbot_logtool.conversion.findings import (
     second_tf,
 )
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.known_frames import WorldFrames
 from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, LIFETIME_S, ArrowStyle
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.core.world_frames import WorldFrames
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Log

@@ -36,7 +36,7 @@ from dogbot_logtool.core.walk_metrics.walk import metrics_of
 from dogbot_logtool.finding import Finding
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.legs.paths import LegSettings
+    from dogbot_logtool.core.legs.swings import LegSettings
 
 NO_LOG: Final = Log("", "", "", None, None, 0, 0, 0)
 """What was read, for columns that come from no log."""
@@ -69,7 +69,7 @@ def analyse(
     if legs is not None:
         from dogbot_logtool.core.leg_evaluation import with_legs  # noqa: PLC0415
 
-        walk = with_legs(walk, recording.joints, legs, corrected)
+        walk = with_legs(walk, legs)
     if planned is not None:
         of_plan = replace(
             recording, feet=recording.planned, links={}, commands=None, accelerations=None

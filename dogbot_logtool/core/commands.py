@@ -10,11 +10,10 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.arrays import Flags, Floats, Integral, Ints
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.compared import AXES, TRACKING_HZ, CommandTrack
-from dogbot_logtool.core.integral import Integral
 from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.core.vectors import VectorHistory
 from dogbot_logtool.core.walk import Walk
@@ -54,7 +53,7 @@ def follow_commands(walk: Walk) -> CommandTrack | None:
     Returns:
         None without commands or poses.
     """
-    history, base = walk.commands, walk.track.history
+    history, base = walk.corrected.commands, walk.track.history
     forward_axis = walk.settings.forward_axis
     if history is None or len(base.time) < 2 or not len(history.time):
         return None

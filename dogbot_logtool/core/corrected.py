@@ -11,10 +11,9 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.axes import leaning_walk_rad
 from dogbot_logtool.core.base.foot_path import FootPath, path_in_base, path_of
 from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history
-from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.contact.contacts import Samples, with_swings
 from dogbot_logtool.core.contact.filtered import find_filters, without_filter
 from dogbot_logtool.core.contact.foot_history import FootHistory, foot_history
-from dogbot_logtool.core.contact.silent_swing import with_swings
 from dogbot_logtool.core.corrections.clock import (
     ClockDifference,
     OffsetTrack,
@@ -29,6 +28,8 @@ from dogbot_logtool.core.corrections.clock import (
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.known_frames import (
     KnownFrames,
+    PlacedCounts,
+    WorldFrames,
     imu_mounting,
     known_frames,
 )
@@ -41,7 +42,6 @@ from dogbot_logtool.core.quality import (
 from dogbot_logtool.core.recording import Recording, VectorTopic
 from dogbot_logtool.core.sensors import with_sensors, without_offset
 from dogbot_logtool.core.settings import WalkSettings
-from dogbot_logtool.core.world_frames import PlacedCounts, WorldFrames
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.legs.joints import JointTable

@@ -12,11 +12,10 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Ints, all_finite
+from dogbot_logtool.core.arrays import Floats, Integral, Ints, all_finite, trapezoids
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.compared import ForceComparison, ImuComparison, Mounting, Reading
 from dogbot_logtool.core.gait.strides import any_strides
-from dogbot_logtool.core.integral import Integral, trapezoids
 from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
 from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, normalised, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
@@ -69,7 +68,7 @@ def compare_imu(walk: Walk) -> ImuComparison | None:
     Returns:
         None where accelerometer and poses have too little time in common.
     """
-    sensed = walk.inertial
+    sensed = walk.corrected.inertial
     if sensed is None:
         return None
     base, mounting = walk.poses, walk.settings.imu_mounting

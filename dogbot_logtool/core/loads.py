@@ -7,10 +7,9 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.arrays import Flags, Floats, Integral, Ints
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
-from dogbot_logtool.core.integral import Integral
 from dogbot_logtool.core.leg_position import LegPosition
 
 NEAR_ZERO: Final = 1e-9

@@ -17,8 +17,7 @@ from dogbot_logtool.core.base.motion import FORWARD_ANGLES, BaseTrack, base_moti
 from dogbot_logtool.core.base.moving_ground import find_moving_ground
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.base.witness import feet_witness
-from dogbot_logtool.core.consistency.stopped import without_stopped
-from dogbot_logtool.core.consistency.worlds import placed_poses
+from dogbot_logtool.core.consistency import placed_poses, without_stopped
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.corrections.clock import too_far_apart
@@ -40,7 +39,7 @@ from dogbot_logtool.core.stability import stability
 from dogbot_logtool.core.walk import Walk
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.consistency.heave import Delay
+    from dogbot_logtool.core.heave import Delay
 
 
 def base_in(walk: Walk, within: Ints) -> Base | None:
@@ -144,16 +143,9 @@ def mask_walk(corrected: Corrected) -> Walk:
         for row, (record, path) in enumerate(zip(records, corrected.places, strict=True))
     )
     return Walk(
-        recording=corrected.recording,
+        corrected=corrected,
         settings=settings,
-        frames=corrected.frames,
-        turned=corrected.turned,
         base_history=recorded,
-        leaning_rad=corrected.leaning_rad,
-        topics=corrected.topics,
-        clocks=corrected.clocks,
-        commands=corrected.commands,
-        inertial=corrected.inertial,
         records=records,
         poses=base,
         jumps=jumps,
@@ -212,6 +204,6 @@ def _long_delay(
     """Tell by physics whether the base comes late; only of logs with strides and poses."""
     if not period_s or not len(base.time):
         return None
-    from dogbot_logtool.core.consistency.heave import long_delay  # noqa: PLC0415
+    from dogbot_logtool.core.heave import long_delay  # noqa: PLC0415
 
     return long_delay(records, base, period_s, strides)

@@ -9,7 +9,7 @@ from dogbot_logtool.reader.containers.registry import (
     ROSBAG2_METADATA,
     ZSTD_MAGIC,
 )
-from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.containers.source import ByteSource
 
 _HEAD: Final = 4096
 _SAMPLES: Final = 64

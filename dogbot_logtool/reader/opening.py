@@ -16,7 +16,7 @@ from dogbot_logtool.reader.containers.registry import (
     Container,
     is_zstd,
 )
-from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.containers.source import ByteSource
 
 _MAGIC_SIZE: Final = 16
 _MOST_DAMAGED_BYTES: Final = 2
@@ -35,7 +35,7 @@ def open_log(path: Location) -> Log:
     """
     facts = None if isinstance(path, Path) else storage.facts(path)
     if facts.is_folder if facts else storage.is_folder(path):
-        from dogbot_logtool.reader.containers.rosbag2.directory import open_rosbag2  # noqa: PLC0415
+        from dogbot_logtool.reader.containers.rosbag2 import open_rosbag2  # noqa: PLC0415
 
         return open_rosbag2(path, _open_file, ROSBAG2_SUFFIXES)
     return _open_file(path, facts=facts)
@@ -87,7 +87,7 @@ def _open_file(
         source = ByteSource(path)
     else:
         # Imported late: only URLs need it.
-        from dogbot_logtool.reader.containers.sources.remote_source import (  # noqa: PLC0415
+        from dogbot_logtool.reader.containers.remote_source import (  # noqa: PLC0415
             RemoteSource,
         )
 
@@ -102,7 +102,7 @@ def _open_file(
 def _open_source(source: ByteSource, distribution: str, *, packed: bool) -> Log:
     magic = source.read(0, _MAGIC_SIZE)
     if is_zstd(magic) and packed:
-        from dogbot_logtool.reader.containers.sources.zstd_file import open_zstd  # noqa: PLC0415
+        from dogbot_logtool.reader.containers.zstd import open_zstd  # noqa: PLC0415
 
         unpacked = open_zstd(source, lambda inner: _open_file(inner, distribution, packed=False))
         source.close()

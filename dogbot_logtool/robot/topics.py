@@ -228,7 +228,8 @@ def not_calibrated(
     names = tuple(foot.name for foot in feet)
     counts = robot.contact_on_counts
     finding = found(
-        "NOT_CALIBRATED",
+        "NO_FORCE",
+        "counts",
         say="given" if counts is not None and say != "estimated" else say,
         type=name,
         names=", ".join(names),

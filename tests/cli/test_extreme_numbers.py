@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.core.plausible import LARGEST
+from dogbot_logtool.core.prepared import LARGEST
 from dogbot_logtool.io.plain_json import only_finite, to_json
 from dogbot_logtool.option import part_of
 from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions

@@ -74,7 +74,8 @@ def test_files_that_are_not_regular_are_refused(tmp_path: Path, kind: str) -> No
         ("check", "--limits", path, log),
     ]
     if kind != "a directory":
-        calls += [("info", path), ("compare", log, path)]
+        calls += [(command, path) for command in ("info", "convert", "layout")]
+        calls += [("compare", log, path)]
     for call in calls:
         done = run(*call)
         assert done.returncode == 2, done.stderr

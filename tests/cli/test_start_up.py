@@ -48,6 +48,7 @@ def test_a_call_loads_only_what_it_needs(
         check=False,
     )
     loaded = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
+    assert done.returncode == (2 if words == ["convert"] else 0)
     assert unneeded & loaded == set()
     assert "dogbot_logtool.options" in loaded
 

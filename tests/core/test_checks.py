@@ -16,20 +16,20 @@ from dogbot_logtool.core.records import fields_of, metric_paths
 from dogbot_logtool.core.walk import Walk as MeasuredWalk
 from dogbot_logtool.finding import Finding, FindingKind, Severity, finding_kinds, found
 from tests.analysed import analysed
-from tests.oracles.straight_walk import SETTINGS, Walk
 from tests.paths import ROOT
 from tests.truth import core_columns, scenes, walking
 from tests.truth.sequences import then
 
-WALK = Walk(seconds=16.0)
+WALK = walking.Walk(seconds=16.0).recorded()
+SETTINGS = core_columns.stats_settings(WALK)
 
 
 def feet() -> list[Samples]:
-    return [WALK.samples(foot) for foot in range(4)]
+    return [core_columns.foot_samples(WALK, foot) for foot in range(4)]
 
 
 def measure(samples: list[Samples]) -> MeasuredWalk:
-    return analysed(replace(SETTINGS, odometry_topic="/odom"), samples, WALK.odometry())
+    return analysed(SETTINGS, samples, core_columns.odometry(WALK))
 
 
 def checks(stats: MeasuredWalk) -> tuple[Check, ...]:
@@ -54,6 +54,12 @@ def test_too_short_a_log_leaves_clocks_unchecked() -> None:
     short = [each.pick(each.stamp < each.stamp[0] + 400_000_000) for each in feet()]
     made = {check.name: check.outcome for check in checks(measure(short))}
     assert made["all topics have one clock"] == "not made"
+
+
+def test_an_empty_log_is_measured_without_complaint() -> None:
+    stats = analysed(SETTINGS)
+    assert stats.main is None
+    assert {"NO_MESSAGES", "CLASS_UNKNOWN"} <= {each.code for each in findings_of(stats)}
 
 
 def test_every_warning_about_metrics_says_which_checks_fail_and_every_check_can_fail() -> None:

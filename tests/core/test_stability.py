@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.hulls import centre_of_pressure, hulls, margin_in
-from dogbot_logtool.core.stability import energy_margin_in
+from dogbot_logtool.core.stability import centre_of_pressure, energy_margin_in, hulls, margin_in
 
 SQUARE = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
 NOWHERE = (np.nan, np.nan)

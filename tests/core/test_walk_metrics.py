@@ -35,8 +35,9 @@ from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import schema
 from tests.analysed import analysed
 from tests.measured import LogFacts, measured, measurement_of
-from tests.oracles.straight_walk import Walk
 from tests.paths import TROT, TROUBLED
+from tests.truth import core_columns
+from tests.truth.walking import Walk
 
 SUFFIXES = {
     "_s": "s",
@@ -126,6 +127,10 @@ def test_what_matches_a_pattern_becomes_null_in_the_log_and_in_its_segments() ->
         assert part.feet["right"] == walk().feet["right"]
 
 
+def straight(seconds: float = 12.0) -> MeasuredWalk:
+    return core_columns.measure(Walk(seconds=seconds).recorded())
+
+
 def metrics(walk: MeasuredWalk, findings: Sequence[Finding] = ()) -> WalkMetrics:
     return measurement_of(walk, LogFacts(findings=findings)).metrics
 
@@ -138,7 +143,7 @@ def nulls(walk: WalkMetrics) -> set[str]:
 
 @pytest.mark.parametrize("seconds", [3.0, 10.0])
 def test_few_strides_are_little_confidence(seconds: float) -> None:
-    gait = metrics(Walk(seconds=seconds).measure()).gait
+    gait = metrics(straight(seconds)).gait
 
     assert gait.name == "trot"
     assert gait.class_distance is not None
@@ -150,7 +155,7 @@ def test_few_strides_are_little_confidence(seconds: float) -> None:
 
 def test_a_finding_voids_metrics_of_the_log_and_of_its_segments() -> None:
     doubt = Finding("DEAD", "it is dead", "feet.front_left", feet=("front_left",))
-    walk = metrics(Walk().measure(), [doubt])
+    walk = metrics(straight(), [doubt])
 
     for feet in (walk.feet, *(each.feet for each in walk.gait.segments)):
         assert feet["front_left"].stance_s is None
@@ -171,7 +176,7 @@ def test_every_null_has_a_reason(log: Path) -> None:
 
 
 def test_reasons_are_what_the_log_lacks() -> None:
-    because = metrics(Walk().measure()).null_because
+    because = metrics(straight()).null_because
 
     assert because["legs.absolute_work_j"] == NEEDS["joints"]
     assert because["feet.front_left.clearance_m"] == NEEDS["foot frame"]

@@ -36,3 +36,13 @@ def make(
 
 def expected(count: int = COUNT) -> list[Read]:
     return [Read("/a", time, b"x%d" % time) for time in range(1, count + 1)]
+
+
+def root_page(path: Path, table: str) -> tuple[int, int]:
+    """Return the number of a table's first page, and the size of pages."""
+    connection = sqlite3.connect(path)
+    query = "SELECT rootpage FROM sqlite_master WHERE name = ?"
+    (root,) = connection.execute(query, (table,)).fetchone()
+    (size,) = connection.execute("PRAGMA page_size").fetchone()
+    connection.close()
+    return root, size

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from dogbot_logtool.reader.containers.log import EarlierAnnotations
 from dogbot_logtool.reader.opening import open_log
 from tests.reader import bag_bytes, damaged_bags, damaged_mcaps
 from tests.reader.bag_bytes import small_bag, time
@@ -154,3 +155,22 @@ def test_messages_in_front_of_their_channels_description(
     assert list(reading.messages) == written(log)[: 20 if described else 10]
     assert reading.lost == (0 if described else 10)
     assert ("10 messages of channels that are nowhere described" in reading.sentences) != described
+
+
+def test_a_chunk_whose_index_names_only_earlier_annotations_is_read(tmp_path: Path) -> None:
+    """The index of the second chunk says that its messages of channel 1 are of channel 3."""
+    mcap = small_mcap("lz4")
+    mcap.topics = {1: "/left", 2: "/annotation", 3: "/other_annotation"}
+    mcap.stated_counts = {1: 4, 2: 6, 3: 2}
+    data = mcap.build()
+    at = data.index(u64(mcap.chunk_starts[1]), mcap.summary_start)
+    where = at + 20 if data[at + 20] == 1 else at + 30
+    path = tmp_path / "log"
+    path.write_bytes(resealed(put(data, where, b"\3"), mcap))
+    with closing(open_log(path)) as opened:
+        log = opened.without(EarlierAnnotations(frozenset({2, 3})))
+        batches = [log.read(span) for span in log.spans()]
+    recorded = [each.log_time for chunk in mcap.chunks for each in chunk if each.channel == 1]
+    assert [each for batch in batches for each in batch.messages.log_time.tolist()] == recorded
+    losses = [loss.what for batch in batches for loss in batch.losses]
+    assert any(f"chunk at byte {mcap.chunk_starts[1]} holds" in what for what in losses)

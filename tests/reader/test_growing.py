@@ -11,14 +11,15 @@ from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader import recording
 from dogbot_logtool.reader.growing import GrowingColumns
 from dogbot_logtool.report.documents import stats_json
-from tests.oracles.straight_walk import Walk
 from tests.paths import SAMPLE_LOGS
+from tests.truth.core_columns import foot_samples
+from tests.truth.walking import Walk
 
 
 @pytest.mark.parametrize("on_disk", [False, True])
 @pytest.mark.parametrize("size", [1, 7, 400, 10_000])
 def test_parts_are_joined_in_order(size: int, *, on_disk: bool) -> None:
-    samples = Walk(seconds=2.0).samples(0)
+    samples = foot_samples(Walk(seconds=2.0).recorded(), 0)
     columns = GrowingColumns[Samples](on_disk=on_disk)
     count = len(samples.log_time)
     for first in range(0, count, size):

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.reader.reading import Read, read_file
-from tests.reader.sqlite_files import MESSAGES, TOPICS
+from tests.reader.sqlite_files import MESSAGES, TOPICS, expected, make
 
 RECORDER = """
 import os, random, signal, sqlite3, sys
@@ -64,17 +64,46 @@ PAGES = [("512", "FULL", "UTF-8"), ("4096", "NONE", "UTF-16le"), ("65536", "INCR
 def test_as_much_is_read_as_sqlite_recovers(
     tmp_path: Path, pages: tuple[str, ...], journal: str, synchronous: str, where: str
 ) -> None:
-    (tmp_path / "log").mkdir()
-    path = tmp_path / "log" / "log.db3"
-    words = [TOPICS, MESSAGES, str(path), *pages, journal, synchronous, where]
-    killed = subprocess.run([sys.executable, "-c", RECORDER, *words], check=False)  # noqa: S603
-    assert killed.returncode == -signal.SIGKILL
+    path = killed(tmp_path / "log", *pages, journal, synchronous, where)
     before = contents(path.parent)
 
-    assert list(read_file(path).messages) == recovered(path, tmp_path / "copy")
+    reading = read_file(path)
 
+    assert list(reading.messages) == recovered(path, tmp_path / "copy")
     assert contents(path.parent) == before
     assert (len(before) > 1) == (journal != "MEMORY")
+    assert ("log.db3-journal beside it" in reading.sentences) == (journal in {"DELETE", "PERSIST"})
+
+
+def killed(folder: Path, *words: str) -> Path:
+    """Return the log of a recorder that was killed, in a folder that nothing is written to."""
+    folder.mkdir()
+    path = folder / "log.db3"
+    command = [sys.executable, "-c", RECORDER, TOPICS, MESSAGES, str(path), *words]
+    assert subprocess.run(command, check=False).returncode == -signal.SIGKILL  # noqa: S603
+    folder.chmod(0o555)
+    return path
+
+
+def test_a_write_ahead_log_is_found_through_a_link_and_left_out_if_damaged(tmp_path: Path) -> None:
+    path = killed(tmp_path / "log", *PAGES[0], "WAL", "NORMAL", "between transactions")
+    link = tmp_path / "link.db3"
+    link.symlink_to(path)
+    whole = read_file(path).messages
+    assert read_file(link).messages == whole
+    path.with_name("log.db3-wal").write_bytes(b"junk" * 1000)
+    rest = read_file(path)
+    assert rest.messages
+    assert "log.db3-wal beside it cannot be used (its header is damaged)" in rest.sentences
+
+
+@pytest.mark.parametrize("content", [b"", bytes(512), b"not a journal at all"])
+def test_a_journal_that_is_done_with_does_not_matter(tmp_path: Path, content: bytes) -> None:
+    path = make(tmp_path / "log.db3")
+    (tmp_path / "log.db3-journal").write_bytes(content)
+    reading = read_file(path)
+    assert list(reading.messages) == expected()
+    assert reading.losses == ()
 
 
 def recovered(path: Path, copy: Path) -> list[Read]:

@@ -10,15 +10,23 @@ import pytest
 from dogbot_logtool.reader.opening import open_log
 from tests.forked_cli import run
 from tests.reader.reading import read_file
-from tests.reader.sqlite_files import COUNT, MESSAGES, expected, make
+from tests.reader.sqlite_files import COUNT, MESSAGES, expected, make, root_page
+
+OWN_ROWID = "CREATE TABLE messages (topic_id, timestamp, data, {})"
 
 
 @pytest.mark.parametrize(
-    "columns", ["rowid", "rowid TEXT DEFAULT 'one'", "rowid INTEGER DEFAULT 7, oid"]
+    ("table", "change"),
+    [
+        (OWN_ROWID.format("rowid"), ""),
+        (OWN_ROWID.format("rowid TEXT DEFAULT 'one'"), ""),
+        (OWN_ROWID.format("rowid INTEGER DEFAULT 7, oid"), ""),
+        (MESSAGES.replace("messages", "Messages"), ""),
+        (MESSAGES, "UPDATE messages SET id = -9223372036854775808 WHERE id = 1"),
+    ],
 )
-def test_columns_named_like_row_numbers_do_not_matter(tmp_path: Path, columns: str) -> None:
-    table = f"CREATE TABLE messages (topic_id, timestamp, data, {columns})"
-    reading = read_file(make(tmp_path / "log.db3", messages=table))
+def test_a_table_however_it_is_made(tmp_path: Path, table: str, change: str) -> None:
+    reading = read_file(make(tmp_path / "log.db3", change, messages=table))
     assert list(reading.messages) == expected()
     assert reading.losses == ()
 
@@ -65,17 +73,6 @@ def test_what_is_there_of_a_file_that_is_cut_off_is_read(tmp_path: Path, missing
     assert reading.lost is None
 
 
-def test_row_numbers_may_be_as_far_apart_as_they_can(tmp_path: Path) -> None:
-    change = "UPDATE messages SET id = -9223372036854775808 WHERE id = 1"
-    reading = read_file(make(tmp_path / "log.db3", change))
-    assert list(reading.messages) == expected()
-
-
-def test_names_of_tables_have_no_case(tmp_path: Path) -> None:
-    path = make(tmp_path / "log.db3", messages=MESSAGES.replace("messages", "Messages"))
-    assert list(read_file(path).messages) == expected()
-
-
 def test_a_topic_without_serialisation_is_cdr(tmp_path: Path) -> None:
     path = make(tmp_path / "log.db3", "UPDATE topics SET serialization_format = NULL")
     log = open_log(path)
@@ -101,10 +98,7 @@ def interior(child: int, count: int) -> bytes:
 def with_shared_pages(path: Path, table: str, levels: int = 14) -> Path:
     filling = ("CREATE TABLE filling (data)", "INSERT INTO filling VALUES (zeroblob(20000))")
     make(path, *filling, page_size=PAGE)
-    connection = sqlite3.connect(path)
-    query = "SELECT rootpage FROM sqlite_master WHERE name = ?"
-    (root,) = connection.execute(query, (table,)).fetchone()
-    connection.close()
+    root, _ = root_page(path, table)
     data = bytearray(path.read_bytes())
     pages = len(data) // PAGE
     free = range(pages - levels, pages + 1)
@@ -135,10 +129,8 @@ def test_a_row_that_stands_twice_ends_the_reading(tmp_path: Path) -> None:
     connection.execute("DELETE FROM messages WHERE id > 1")
     connection.execute("UPDATE messages SET data = zeroblob(900000)")
     connection.commit()
-    query = "SELECT rootpage FROM sqlite_master WHERE name = 'messages'"
-    (root,) = connection.execute(query).fetchone()
-    (size,) = connection.execute("PRAGMA page_size").fetchone()
     connection.close()
+    root, size = root_page(path, "messages")
     data = bytearray(path.read_bytes())
     page = (root - 1) * size
     assert data[page] == 13
@@ -153,10 +145,7 @@ def test_a_row_that_stands_twice_ends_the_reading(tmp_path: Path) -> None:
 
 def leaves(path: Path, table: str) -> list[int]:
     """Return the leaf pages of a table's tree of two levels, in order."""
-    connection = sqlite3.connect(path)
-    query = "SELECT rootpage FROM sqlite_master WHERE name = ?"
-    (root,) = connection.execute(query, (table,)).fetchone()
-    connection.close()
+    root, _ = root_page(path, table)
     data = path.read_bytes()
     page = (root - 1) * PAGE
     assert data[page] == 5

@@ -69,14 +69,13 @@ def test_nothing_is_left_after_signals() -> None:
 
 @LINUX
 def test_signals_end_every_command_on_a_long_bag_at_once(bag: Path, folder: Path) -> None:
-    for number, command in enumerate(COMMANDS):
-        for order, each in enumerate((INT, TERM)):
-            words = tuple(command.format(log=bag).split())
-            with started(words, folder) as process:
-                wait_until_ready(process)
-                time.sleep(0.04 * (2 * number + order + 1))
-                interrupt(process, [each], everyone=True)
-                call = Call(words, 0.0, {})
-                faults = list(faults_of(process, call, [each], folder, PATIENCE_S))
-            assert faults == [], command
-            assert list(bag.parent.iterdir()) == [bag]
+    for number, (command, each) in enumerate(zip(COMMANDS, itertools.cycle((INT, TERM)))):
+        words = tuple(command.format(log=bag).split())
+        with started(words, folder) as process:
+            wait_until_ready(process)
+            time.sleep(0.08 * (number + 1))
+            interrupt(process, [each], everyone=True)
+            call = Call(words, 0.0, {})
+            faults = list(faults_of(process, call, [each], folder, PATIENCE_S))
+        assert faults == [], command
+        assert list(bag.parent.iterdir()) == [bag]

@@ -75,7 +75,7 @@ def filters() -> Iterator[Case]:
         yield Case(f"filtered at {name}", walk, (FORCE, foot.filtered(hertz), more),
                    "FORCE_FILTERED", "offset", ROUGH, "verdict, peak force")
     for name, walk in (("trot", TROT), ("two feet", BIPED), ("slow walk", slow), ("walk", WALK)):
-        for hertz, newtons in product((0.5, 0.7, 1.0, 1.5, 2.5, 12.0), (0.1, 0.5, 2.0)):
+        for hertz, newtons in product((0.5, 1.0, 2.5, 12.0), (0.1, 2.0)):
             yield Case(f"filtered at {hertz:g} Hz, {name}, noise {newtons:g} N", walk,
                        (FORCE, foot.filtered(hertz), sensor.noise(newtons)),
                        "FORCE_FILTERED" if hertz < 12.0 else "", "FORCE_FILTERED", ROUGH,

@@ -43,7 +43,7 @@ SEEN: Final = POINTS, PLACES, TF
 def faults() -> Iterator[Case]:
     """Each fault told by feet in each way in which anything tells of it."""
     quarter, link = radians(30.0), pose.of_link((0.25, 0.1, 0.05))
-    still, turned = "POSE_FROZEN", "POSE_ORIENTATION"
+    still, turned = "POSE_FROZEN", "POSE_DIRECTION"
     table: tuple[tuple[str, Walk, Disturbance, str, Sequence[str]], ...] = (
         ("frozen", TROT, pose.frozen(), still, (*EVERY, TF)),
         ("frozen, no twist", TROT, pose.frozen(with_twist=False), still, EVERY),
@@ -108,6 +108,7 @@ def sound() -> Iterator[Case]:
     crab = Walk(body_yaw_rad=turn, robot=replace(quadruped(), corners_m=corners))
     starts = pose.started_anywhere((12.0, -7.0, 0.0), radians(70.0))
     run = Walk(gait=gaits.BIPED_RUN, robot=biped(), period_s=0.7, speed_mps=2.5)
+    gallop = Walk(gait=gaits.ROTARY_GALLOP, robot=quadruped(1.0), period_s=0.58, speed_mps=0.34)
     every = tuple(WAYS)
     table: tuple[tuple[str, Walk, Disturbance, Sequence[str]], ...] = (
         ("a trot", TROT, _nothing, every),
@@ -123,6 +124,7 @@ def sound() -> Iterator[Case]:
         ("planar poses on level ground", TROT, pose.flat(), (FORCES, PLACES, GYRO)),
         ("places that are not filled in", TROT, pose.places_unfilled, (PLACES,)),
         ("a run", run, _nothing, (POINTS,)),
+        ("a slow gallop", gallop, _nothing, (POINTS, PLACES)),
         ("noise of 2 mm", TROT, world.pose_noise(0.002), every),
     )
     for name, walk, fault, ways in table:

@@ -84,7 +84,11 @@ def noises() -> Iterator[Case]:
     slow = Walk(robot=quadruped(40.0), period_s=1.12, seconds=20.0, hump=0.0)
     sticking = FORCE, sensor.hysteresis(0.08), sensor.noise(0.5), sensor.clipped()
     yield Case("8 % hysteresis, clipped at zero, 50 Hz, in bursts", slow,
-               (*sticking, time.in_bursts(0.1)), "STOPPED", None, COARSE, "touchdowns", 50.0)
+               (*sticking, time.in_bursts(0.1)), tolerance=COARSE, rate_hz=50.0)
+    # Feet that begin in the air read zero there, and never again.
+    six = Walk(gait=gaits.TRIPOD, robot=hexapod(8.0), period_s=1.4, speed_mps=0.05, seconds=12.0)
+    yield Case("5 % hysteresis, six feet", six, (FORCE, sensor.hysteresis(0.05)), "SATURATED", "",
+               COARSE, rate_hz=100.0)
     for name, walk in (("trot", Walk(ramp=0.15, traction=0.0)),
                        ("slow walk", Walk(gait=gaits.WALK, period_s=1.2, ramp=0.08, traction=0.0))):
         yield Case(f"flat forces without noise, {name}", walk)
@@ -168,6 +172,8 @@ def masses_and_units() -> Iterator[Case]:
             yield Case(f"one foot reads {factor:g} times its force, {kind}", TROT,
                        (*more, on(sensor.scaled(factor), "front_left")), weight,
                        skip="" if more else "peak force")
+    yield Case("bumpers add up four physics steps", TROT, (sensor.scaled(4.0),), "physics steps",
+               weight)
 
 
 def swinging_legs() -> Iterator[Case]:

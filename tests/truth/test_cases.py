@@ -11,17 +11,19 @@ import pytest
 from tests.truth.cases import all_cases
 from tests.truth.judging import Case, faults, judge
 from tests.truth.outcome import outcome
+from tests.truth.pose_cases import WAYS
 
 VARIANT = re.compile(r", mirrored$| from mid-cycle$")
 """Ends of names of gaits that are also there as they are."""
-NUMBER = re.compile(r"[+-]?\d+(\.\d+)?")
+ALIKE = re.compile("|".join([r"[+-]?\d+(\.\d+)?", *(f", {way}" for way in reversed(WAYS))]))
+"""What may differ in names of cases that are alike: numbers, and what tells of the feet."""
 
 
 def each_case() -> Iterator[Any]:
-    """Yield all cases; of those that differ in numbers only, the first and the last are quick."""
+    """Yield all cases; of those that are alike, the first and the last are quick."""
     alike = defaultdict(list)
     for case in all_cases():
-        alike[NUMBER.sub("0", case.name)].append(case)
+        alike[ALIKE.sub("0", case.name)].append(case)
     for kind, cases in alike.items():
         for case in cases:
             is_quick = case in {cases[0], cases[-1]} and not VARIANT.search(kind)

@@ -45,6 +45,8 @@ def clocks() -> Iterator[Case]:
                    (on(time.zero_stamp(message), "front_right"),), "stamp|clock")
     yield Case("two messages swapped", TROT, (on(time.swapped_messages(500), "front_right"),),
                "stamp|clock|back")
+    yield Case("three messages twice", TROT, (on(time.sent_twice(500, 3), "front_right"),),
+               "BAD_STAMPS", "")
     yield Case("simulation reset", TROT, (time.reset(4.0),), "reset", skip="speed, path")
 
 

@@ -90,6 +90,14 @@ def swapped_messages(_: int, foot: FootRecording, message: int) -> FootRecording
     return replace(foot.pick(rows), log_time=foot.log_time)
 
 
+@of_feet
+def sent_twice(_: int, foot: FootRecording, first: int, count: int) -> FootRecording:
+    """Let some messages of a foot be in the log twice."""
+    rows = np.arange(len(foot.time))
+    twice = (rows >= first) & (rows < first + count)
+    return foot.pick(np.repeat(rows, 1 + twice))
+
+
 def reset(at_s: float) -> Disturbance:
     """Let the simulation's clock start anew: all stamps go back, log times go on."""
     back = round(at_s * 1e9)

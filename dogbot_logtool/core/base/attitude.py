@@ -5,8 +5,15 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints, median_of, median_of_known, norms
-from dogbot_logtool.core.integral import Integral, trapezoids
+from dogbot_logtool.core.arrays import (
+    Floats,
+    Integral,
+    Ints,
+    median_of,
+    median_of_known,
+    norms,
+    trapezoids,
+)
 from dogbot_logtool.core.rotations import conjugate, multiply, normalised, rotate
 
 SHORT_S: Final = 0.01

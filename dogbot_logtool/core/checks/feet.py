@@ -8,6 +8,7 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, aggregate, median_of, median_of_known
 from dogbot_logtool.core.base.falls import down_spans
+from dogbot_logtool.core.checks.poses import feet_agree
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.loads import mean_impulses
@@ -76,7 +77,7 @@ def _all_inverted(walk: Walk, feet: list[FootSteps]) -> str:
     if len(feet) == len(walk.feet) >= 4 and mean < FEWEST_DOWN and flight < MOST_FLIGHT:
         return f"{mean:.1f} of {len(feet)} feet would be down on average, without any flight"
     speed = walk.base.forward_speed_mps if walk.base else None
-    if speed is not None and _flies_slowly(walk, flight, speed):
+    if speed is not None and _flies_slowly(walk, flight, speed) and not feet_agree(walk):
         return f"feet would be up so long, {flight:.0%} of the time all at once, at {speed:.2f} m/s"
     at = _dangles(walk, supported.in_flight)
     if at is not None:

@@ -12,7 +12,7 @@ from dogbot_logtool.core.checks.loads import direction_is_doubtful
 from dogbot_logtool.core.gait.feet import stride_curve
 from dogbot_logtool.core.gait.strides import typical_period_s
 from dogbot_logtool.core.legs.doubts import LegSigns, contradiction, leg_signs, shortfall
-from dogbot_logtool.core.legs.legs import LegFigures
+from dogbot_logtool.core.legs.joints import LegFigures
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, found
 

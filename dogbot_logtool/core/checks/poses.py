@@ -92,6 +92,14 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
     yield from _climb(comparisons)
 
 
+def feet_agree(walk: Walk) -> bool:
+    """Tell whether feet that stand, by their contacts, go back as far as the poses go ahead."""
+    surest = next(_comparisons(walk, _windows(walk)), None)
+    if surest is None or walk.witness is None or surest.by != walk.witness.by:
+        return False
+    return SCALES[0] <= (surest.scale or 0.0) <= SCALES[1]
+
+
 def _windows(walk: Walk) -> Ints:
     """(k, 2) ns, strides one after another while the robot walks."""
     period_s = walk.period_s
@@ -148,8 +156,8 @@ def _orientation(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -
     for own, turned, by in _turns(walk, comparisons, windows):
         least = 2.0 * TURNS_RAD if by == COURSE else TURNS_RAD
         if abs(turned) > least and own * np.sign(turned) < TURNS_WITH * abs(turned):
-            degrees = np.degrees([own, turned]).tolist()
-            yield _doubted(walk, "POSE_ORIENTATION", own=degrees[0], told=degrees[1], by=by)
+            own_deg, deg = np.degrees([own, turned]).tolist()
+            yield _doubted(walk, "POSE_DIRECTION", "constant", own=own_deg, told=deg, by=by)
             return
 
 
@@ -176,7 +184,7 @@ def _turns(
 
 def _inertial(walk: Walk, windows: Ints) -> tuple[Floats, Floats]:
     """(k,) rad turned and (k, 3) up by the inertial unit; NaN: not known. See `turns_and_up`."""
-    own = walk.inertial
+    own = walk.corrected.inertial
     if own is not None and len(windows):
         return turns_and_up(own.time, own.vector, own.turn_rate, windows)
     return np.full(len(windows), np.nan), np.full((len(windows), 3), np.nan)
@@ -257,10 +265,9 @@ def _doubted(
     walk: Walk,
     code: str,
     *cases: str,
-    say: str = "plain",
     **values: Any,  # noqa: ANN401 - as `found` has it
 ) -> Finding:
     """Return a finding about the poses, and about the feet whose places rest on them."""
     names = () if walk.base_by_feet else walk.feet_on_poses
     placed = ("placed",) if names else ()
-    return found(code, *cases, *placed, where="base", say=say, feet=names, **values)
+    return found(code, *cases, *placed, where="base", feet=names, **values)

@@ -15,8 +15,14 @@ from dogbot_logtool.core.contact.contact_rule import (
     schmitt,
 )
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
-from dogbot_logtool.core.contact.stances import Cut, StanceFigures, Stances, stance_figures
-from dogbot_logtool.core.contact.track import FootTrack, foot_track
+from dogbot_logtool.core.contact.stances import (
+    Cut,
+    FootTrack,
+    StanceFigures,
+    Stances,
+    foot_track,
+    stance_figures,
+)
 from dogbot_logtool.core.corrections.clock import TimeSource
 
 _SAME: Final = 1e-6

@@ -1,4 +1,7 @@
-"""Stances of a foot, each reduced to the figures that are reported of it."""
+"""The samples of a foot that are measured, and its stances, reduced to what is reported of them.
+
+Impulses are running totals over every sample, so that they can be asked for between any two times.
+"""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -7,18 +10,228 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import (
+    Complexes,
     Flags,
+    Float32s,
     Floats,
+    Integral,
     Ints,
+    all_finite,
     dots,
+    flagged_runs,
+    norms,
     quantiles,
     rows_of_runs,
+    runs_of,
     sorted_runs,
+    trapezoids,
 )
-from dogbot_logtool.core.contact.contact_travel import contact_travel, travel_under_load
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.track import FootTrack
+from dogbot_logtool.core.corrections.clock import TimeSource, advancing, first_at_each_tick
+from dogbot_logtool.core.quality import steady_gap_ns
+
+POINT_RATE_HZ: Final = 100.0
+"""Contact points and vertical forces are compared with the base at this rate at most."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class FootTrack:
+    """The n samples of one foot that are used, and their running totals."""
+
+    time: Ints
+    """(n,) ns, strictly increasing."""
+    row: NDArray[np.int32]
+    """(n,) the sample of the recording that each is."""
+    log_time: Ints
+    """(n,) ns, when it was recorded."""
+    force: Floats
+    """(n,) N, |F|."""
+    vertical_force: Floats | Float32s
+    """(n,) N; 0 without contact, NaN where its direction is not known."""
+    horizontal_force: Floats | Float32s
+    """(n, 2) N, along the world's x and y where the direction is known."""
+    contact_points: tuple[Ints, Floats]
+    """(p,) ns and (p, 3) m: when and where in the world the foot touches, the first of each run of
+    samples that have a point, and up to `POINT_RATE_HZ` a second of the others."""
+    gaps: Ints
+    """(g, 2) ns, intervals that are too long: last sample before, first one after."""
+    force_impulse: Integral
+    """N s, of |F|, gaps left out; one column."""
+    impulse: Integral
+    """N s, of the force along the world's three axes, where that is known."""
+    vertical_unknown: Ints
+    """(u, 2) ns, time with a load whose direction is not known."""
+
+    @property
+    def vertical_impulse(self) -> Integral:
+        """N s, of the vertical force, where that is known; one column."""
+        return Integral(self.time, self.impulse.total[:, 2:])
+
+    def mean_force(self, begin: Ints, end: Ints) -> Floats:
+        """(m, 3) N, along the world's axes, between some times; NaN where not known."""
+        added = self.impulse.added(begin, end)
+        added[timespans.touches(self.vertical_unknown, begin, end)] = np.nan
+        return np.asarray(added / ((end - begin) / 1e9)[:, None])
+
+
+def foot_track(
+    samples: Samples, clock: TimeSource, *, force_in_world: bool
+) -> tuple[FootTrack, Samples, int]:
+    """Integrate the samples of a foot with a finite force and a time later than all before.
+
+    Args:
+        samples: of the foot, in the order of the log.
+        clock: on which is measured.
+        force_in_world: whether the wrenches are in the world frame.
+
+    Returns:
+        the track, its samples, and how many of those given have no such force.
+    """
+    time, force = clock.of(samples), norms(samples.force)
+    usable = np.isfinite(force)
+    not_finite = len(usable) - int(usable.sum())
+    if clock is TimeSource.HEADER:
+        usable &= time != 0
+    usable[usable] = advancing(time[usable])
+    row = np.flatnonzero(usable).astype(np.int32)
+    if len(row) < len(usable):
+        samples, time, force = samples.pick(usable), time[usable], force[usable]
+    known = samples.in_world | force_in_world | (force == 0.0)
+    vertical = np.where(known, samples.force[:, 2], np.nan)
+    steps = np.diff(time)
+    gap = steps > steady_gap_ns(steps)
+    rows = np.flatnonzero(all_finite(samples.position))
+    placed = first_at_each_tick(time[rows], POINT_RATE_HZ)
+    placed |= np.diff(rows, prepend=-2) > 1
+    rows = rows[placed]
+    # From the last known vertical force, or the start, to the next known one.
+    first, behind = flagged_runs(~known).T
+    first, behind = np.maximum(first - 1, 0), np.minimum(behind, len(time) - 1)
+    seconds = np.where(gap, 0, steps) / 1e9
+    known_s = seconds * (known[1:] & known[:-1])
+    track = FootTrack(
+        time=time,
+        row=row,
+        log_time=samples.log_time,
+        force=force,
+        vertical_force=vertical,
+        horizontal_force=samples.force[:, :2],
+        contact_points=(time[rows], samples.position.take(rows, axis=0).astype(np.float64)),
+        gaps=np.stack([time[:-1][gap], time[1:][gap]], axis=1),
+        force_impulse=Integral(time, trapezoids(seconds, force[:, None])),
+        impulse=Integral(time, trapezoids(known_s, samples.force)),
+        vertical_unknown=np.stack([time[first], time[behind]], axis=1),
+    )
+    return track, samples, not_finite
+
+
+LOADED: Final = 0.5
+"""Share of a stance's mean force from which its foot is loaded."""
+
+
+def contact_travel(samples: Samples, time: Ints, begin: Ints, end: Ints) -> tuple[Floats, Floats]:
+    """(k,) m, net travel of the contact point from 10 % to 90 % of a stance, and its reach.
+
+    The reach is the largest distance from where the point is at 10 %. Both are horizontal.
+
+    A round foot that rolls moves its contact point without slipping, so this is not slip yet.
+    NaN when no samples with a contact point surround both instants.
+
+    Args:
+        samples: n samples of a foot.
+        time: (n,) ns.
+        begin: (k,) rows of touchdowns.
+        end: (k,) rows that end the stances.
+    """
+    travel, reach = np.full((2, len(begin)), np.nan)
+    rows, stance, _ = rows_of_runs(np.maximum(begin - 1, 0), end + 1)
+    point = _points(samples, rows)
+    known = np.isfinite(point)
+    rows, stance, point = rows[known], stance[known], point[known]
+    phase = (time[rows] - time[begin][stance]) / (time[end] - time[begin])[stance]
+    first, count = runs_of(stance)
+    surround = (phase[first] <= 0.1) & (phase[first + count - 1] >= 0.9) & (count >= 2)
+    of = stance[first[surround]]
+    if not len(of):
+        return travel, reach
+    # Stances follow each other on one axis, so that all are interpolated at once.
+    axis = 4.0 * stance + np.clip(phase, -1.0, 1.0)
+    origin = np.full(len(begin), np.nan, np.complex128)
+    origin[of], last = (np.interp(4.0 * of + share, axis, point) for share in (0.1, 0.9))
+    travel[of] = reach[of] = np.abs(last - origin[of])
+    away = np.abs(point - origin[stance])
+    counts = (phase >= 0.1) & (phase <= 0.9) & np.isfinite(away)
+    np.maximum.at(reach, stance[counts], away[counts])
+    return travel, reach
+
+
+def _points(samples: Samples, rows: Ints) -> Complexes:
+    """(m,) m, contact points in the world; not finite where there are none."""
+    x, y, _ = samples.position.take(rows, axis=0).astype(np.float64, copy=False).T
+    return np.asarray(x + 1j * y)
+
+
+def travel_under_load(
+    samples: Samples, track: FootTrack, begin: Ints, end: Ints, mean: Floats
+) -> Floats:
+    """Find how far contact points go from 10 % to 90 % of a stance, while loaded.
+
+    Args:
+        samples: n samples of a foot.
+        track: their times and forces.
+        begin: (k,) rows of touchdowns.
+        end: (k,) rows that end the stances.
+        mean: (k,) N, mean of |F| in each stance.
+
+    Returns:
+        (3, k): m, the largest distance from where the point began, by steps between neighbouring
+        loaded samples; s after touchdown, with a tenth and with nine tenths of that. NaN where
+        nothing is known, and times where the point goes nowhere.
+    """
+    found = np.full((3, len(mean)), np.nan)
+    rows, stance, _ = rows_of_runs(begin, end)
+    since = track.time[rows] - track.time[begin][stance]
+    phase = since / (track.time[end] - track.time[begin])[stance]
+    point = _points(samples, rows)
+    inside = (phase >= 0.1) & (phase <= 0.9) & np.isfinite(point)
+    if inside.any():
+        rows, stance, time, point = rows[inside], stance[inside], since[inside] / 1e9, point[inside]
+        first, count = runs_of(stance)
+        own = np.repeat(np.arange(len(first)), count)
+        step = np.diff(point, prepend=point[0])
+        loaded = track.force[rows] >= (LOADED * mean)[stance]
+        # A step counts between two loaded rows of one stance.
+        counts = loaded & np.roll(loaded, 1)
+        counts[first] = False
+        total = np.cumsum(np.where(counts, step, 0.0))
+        found[:, stance[first]] = _travel(time, total - total[first][own], own, first)
+    return found
+
+
+def _travel(time: Floats, path: Complexes, own: Ints, first: Ints) -> Floats:
+    """(3, m): how far contact points go in each of m stances; see `travel_under_load`.
+
+    Args:
+        time: (n,) s after touchdown.
+        path: (n,) m, way of the contact point since the stance's first row.
+        own: (n,) ascending, the stance of each row.
+        first: (m,) first row of each stance.
+    """
+    rows, distance = np.arange(len(path)), np.abs(path)
+    reach = np.maximum.reduceat(distance, first)
+    share = distance / np.where(reach > 0.0, reach, 1.0)[own]
+    half, ends = (
+        np.minimum.reduceat(np.where(share >= part, rows, len(rows)), first) for part in (0.5, 0.9)
+    )
+    rests = (share <= 0.1) & (rows < half[own])
+    begins = np.maximum.reduceat(np.where(rests, rows, -1), first)
+    # Where samples are too far apart, it is not seen when it begins.
+    goes = (reach > 0.0) & (begins >= 0) & (ends < len(rows))
+    times = (np.where(goes, time[np.where(goes, row, 0)], np.nan) for row in (begins, ends))
+    return np.stack([reach, *times])
+
 
 IMPACT_S: Final = 0.050
 """The impact is looked for in the first 50 ms of a stance."""

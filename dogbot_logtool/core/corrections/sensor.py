@@ -235,7 +235,20 @@ def _rests_at_zero(force: Floats, magnitude: Floats) -> bool:
     at_zero, visits = (
         np.count_nonzero(np.bincount(visit[_in_runs(each)])) for each in (zero, light)
     )
+    if at_zero == visits == 1 and _has_swings(magnitude[~zero]):
+        return False
     return bool(2 * at_zero >= visits)
+
+
+def _has_swings(magnitude: Floats) -> bool:
+    """Tell whether loads have a clear swing mode of their own, as where a sensor sticks or creeps.
+
+    Args:
+        magnitude: (n,) N, without the zeros before a first load.
+    """
+    runs = np.zeros(len(magnitude), np.int64)
+    width = two_modes(-magnitude, runs, raises=False).width
+    return not judged(two_modes(magnitude, runs, raises=True), width).reason
 
 
 def _in_runs(flags: Flags) -> Flags:

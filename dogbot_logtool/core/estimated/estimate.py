@@ -13,9 +13,17 @@ from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.contact.contact_rule import find_stances, rows_in_stances
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import advancing
-from dogbot_logtool.core.estimated.forces import effort_fault, ground_forces, loaded_feet
-from dogbot_logtool.core.estimated.ground import low_feet, resting_feet, slopes
-from dogbot_logtool.core.estimated.leg_joints import FEWEST, SLOWEST_S, LegJoints
+from dogbot_logtool.core.estimated.ground import (
+    FEWEST,
+    SLOWEST_S,
+    LegJoints,
+    effort_fault,
+    ground_forces,
+    loaded_feet,
+    low_feet,
+    resting_feet,
+    slopes,
+)
 from dogbot_logtool.core.frames.kinematics import Leg, LegMotion, leg_motion
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate

@@ -1,10 +1,15 @@
-"""Which feet rest on the ground, by the motion of the legs.
+"""What the joints of legs tell of their feet: which rest on the ground, and with which force.
 
 A foot that stands rests on the ground, so that the base moves by ``-(v + w x p)``, with p the foot
 and v its velocity in the base's axes, and w the base's turn rate. The feet that agree on that, and
 are low, stand.
+
+Motors of a leg carry its own links and push the ground: ``tau = sum(m Jc^T (c'' + s)) - J^T f``,
+with m the links' masses at c, s what an accelerometer on the base reads, and f the ground's force
+on the foot (Featherstone 2008); solved for f.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -13,13 +18,114 @@ import numpy as np
 from dogbot_logtool.core.arrays import (
     Flags,
     Floats,
+    Ints,
+    all_finite,
     flagged_runs,
     latched,
     median_of,
     median_of_known,
     percentiles_of,
 )
+from dogbot_logtool.core.corrections.clock import (
+    TimeSource,
+    advancing,
+    check_stamps,
+    first_at_each_tick,
+)
+from dogbot_logtool.core.frames.kinematics import LegMotion
+from dogbot_logtool.core.legs.joints import JointTable
 from dogbot_logtool.core.timespans import covers
+
+RATE_HZ: Final = 200.0
+"""At which legs are looked at, at most."""
+SLOWEST_S: Final = 0.04
+"""s between two joint states, beyond which they tell no contact."""
+FEWEST: Final = 20
+"""Joint states at least."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class LegJoints:
+    """The k joints of all legs at n times."""
+
+    names: tuple[str, ...]
+    topic: str
+    """The topic that tells of most of them."""
+    clock: TimeSource
+    log_time: Ints
+    """(n,) ns; also `stamp`."""
+    stamp: Ints
+    time: Ints
+    """(n,) ns on `clock`, strictly increasing."""
+    position: Floats
+    """(n, k) rad or m."""
+    effort: Floats
+    """(n, k) N m or N; NaN: not told."""
+
+    @property
+    def seconds(self) -> Floats:
+        """(n,) s since the first."""
+        return np.asarray((self.time - self.time[0]) / 1e9)
+
+    def columns(self, names: Sequence[str]) -> list[int]:
+        """Return the columns of some joints."""
+        return [self.names.index(name) for name in names]
+
+
+def joints_of_legs(tables: Sequence[JointTable], names: Sequence[str]) -> LegJoints:
+    """Return joints at the times of the topic that tells of most of them.
+
+    Args:
+        tables: joint states, the best topic first.
+        names: of the joints.
+
+    Raises:
+        ValueError: a sentence: not all of them are told, or too rarely.
+    """
+    table_of = {name: table for table in reversed(tables) for name in table.names}
+    if lacking := [name for name in names if name not in table_of]:
+        text = f"joint states do not tell of {', '.join(lacking)}"
+        raise ValueError(f"{text}, which the robot description has")
+    of = [table_of[name] for name in names]
+    main = max(of, key=of.count)
+    checks = {t.topic: check_stamps(t.topic, t.samples.stamp, t.samples.log_time) for t in of}
+    stamped = all(check.mostly_usable for check in checks.values())
+    clock = TimeSource.HEADER if stamped else TimeSource.LOG
+    own = [main.names.index(name) for name in names if table_of[name] is main]
+    usable = all_finite(main.samples.position[:, own])
+    if stamped:
+        usable &= checks[main.topic].usable
+    rows, all_times = np.flatnonzero(usable), clock.of(main.samples)
+    rows = rows[advancing(all_times[rows])]
+    rows = rows[first_at_each_tick(all_times[rows], RATE_HZ)]
+    time = all_times[rows]
+    position, effort = np.full((2, len(rows), len(names)), np.nan)
+    for column, (name, table) in enumerate(zip(names, of, strict=True)):
+        samples, there = table.samples, table.names.index(name)
+        for found, recorded in ((position, samples.position), (effort, samples.effort)):
+            values = recorded[:, there]
+            same = table is main
+            found[:, column] = (
+                values[rows] if same else _interpolated(time, clock.of(samples), values)
+            )
+    if len(rows) < FEWEST or not np.isfinite(position).all():
+        raise ValueError("too few joint states tell the positions of all joints of the legs")
+    interval_s = float(median_of(np.diff(time))) / 1e9
+    if interval_s > SLOWEST_S:
+        raise ValueError(f"joint states come {1.0 / interval_s:.3g} times a second, too rarely")
+    times = main.samples.log_time[rows], main.samples.stamp[rows], time
+    return LegJoints(tuple(names), main.topic, clock, *times, position, effort)
+
+
+def _interpolated(at: Ints, time: Ints, values: Floats) -> Floats:
+    """(n,) values of another topic; NaN where all are."""
+    rows = np.flatnonzero(np.isfinite(values))
+    rows = rows[advancing(time[rows])]
+    if not len(rows):
+        return np.full(len(at), np.nan)
+    first = time[rows[0]]
+    return np.asarray(np.interp(at - first, time[rows] - first, values[rows]))
+
 
 SLOPE_S: Final = 0.02
 """s over which velocities are differences of positions."""
@@ -157,3 +263,112 @@ def _middles(standing: Flags) -> Flags:
     edge = np.ceil(EDGE * (runs[:, 1] - runs[:, 0])).astype(np.int64)
     inner = runs + edge[:, None] * [1, -1]
     return covers(inner[inner[:, 0] < inner[:, 1]], np.arange(len(standing)))
+
+
+LOADED: Final = 0.4
+"""Share of the weight a foot, were it spread evenly, from which a foot is loaded."""
+UNLOADED: Final = 0.2
+"""The same, below which it is not any more."""
+BOUNCE: Final = 0.35
+"""Share of the usual time without rest below which a foot without load bounces, or less than
+`LONGEST_BOUNCE_S`."""
+LONGEST_BOUNCE_S: Final = 0.08
+RESTED: Final = 0.2
+"""Share of a foot's time under load in which it rests, at least."""
+FORCE_ONLY: Final = 1e-6
+"""How little forces are damped in a least-squares fit, and how much `MOMENT` moments at a foot."""
+MOMENT: Final = 1e-2
+CARRY: Final = (0.75, 1.33)
+"""Mean vertical force of all feet over the weight within which efforts are torques in N m."""
+WRONG_SIGN: Final = "efforts have the wrong sign"
+TOO_MUCH: Final = "by the efforts, feet carry"
+
+
+def ground_forces(
+    seconds: Floats,
+    legs: Sequence[LegMotion],
+    points: Floats,
+    efforts: Sequence[Floats],
+    felt: Floats,
+) -> Floats:
+    """Return the ground's force on each foot by the torques of its leg.
+
+    Args:
+        seconds: (n,) s.
+        legs: of each foot.
+        points: (n, f, 3) m, where feet touch the ground, along the base's axes.
+        efforts: (n, k) N m or N of each leg's joints.
+        felt: (n, 3) m/s^2, what an accelerometer on the base reads: gravity, upwards.
+
+    Returns:
+        (n, f, 3) N along the base's axes.
+    """
+    forces = [
+        _force(seconds, leg, points[:, foot], efforts[foot], felt) for foot, leg in enumerate(legs)
+    ]
+    return np.stack(forces, axis=1)
+
+
+def _force(seconds: Floats, leg: LegMotion, point: Floats, effort: Floats, felt: Floats) -> Floats:
+    """(n, 3) N, the force on a foot; moments too where joints tell, which are damped."""
+    carried = np.zeros_like(effort)
+    for number, mass in enumerate(leg.leg.masses):
+        centre = leg.centres[:, number]
+        moved, _ = leg.jacobian(centre, mass.joint + 1)
+        pull = mass.mass_kg * (slopes(seconds, slopes(seconds, centre)) + felt)
+        carried += np.einsum("nik,ni->nk", moved, pull)
+    moved, turned = leg.jacobian(point)
+    both = np.concatenate([moved, turned], axis=1)
+    damped = np.diag([FORCE_ONLY] * 3 + [MOMENT] * 3)
+    square = both @ both.transpose(0, 2, 1) + damped
+    asked = np.einsum("nik,nk->ni", both, carried - effort)
+    return np.asarray(np.linalg.solve(square, asked[:, :, None])[:, :3, 0])
+
+
+def loaded_feet(seconds: Floats, vertical: Floats, weight_n: float, ground: Ground) -> Flags:
+    """(n, f) which feet carry a load, and rest meanwhile, but for touchdown and lift-off.
+
+    Args:
+        seconds: (n,) s.
+        vertical: (n, f) N, of the ground on each foot.
+        weight_n: N, of the robot.
+        ground: what the motion of the feet tells.
+    """
+    share = weight_n / vertical.shape[1]
+    on, off = vertical >= LOADED * share, vertical < UNLOADED * share
+    loaded = latched(on & ~ground.fast, off | ground.fast)
+    for foot in range(vertical.shape[1]):
+        resting = ground.resting[:, foot]
+        # A foot that bounces at touchdown, while it is there already.
+        swings = _lasting_s(seconds, flagged_runs(~resting))
+        usual = float(median_of(swings)) if len(swings) else 0.0
+        aloft = flagged_runs(~loaded[:, foot])
+        short = _lasting_s(seconds, aloft) < min(BOUNCE * usual, LONGEST_BOUNCE_S)
+        for first, behind in aloft[short].tolist():
+            loaded[first:behind, foot] = True
+        for first, behind in flagged_runs(loaded[:, foot]).tolist():
+            if resting[first:behind].mean() < RESTED:
+                loaded[first:behind, foot] = False
+    return loaded
+
+
+def _lasting_s(seconds: Floats, runs: Ints) -> Floats:
+    """(k,) s from the first row of each run to its last."""
+    return np.asarray(seconds[runs[:, 1] - 1] - seconds[runs[:, 0]])
+
+
+def effort_fault(vertical: Floats, weight_n: float | None) -> str:
+    """Say why efforts are no torques in N m; empty if they are.
+
+    Args:
+        vertical: (n, f) N, forces that follow from them.
+        weight_n: N, of the robot; None: not known.
+    """
+    if weight_n is None:
+        return "the mass is not known, so that efforts cannot be checked against the weight"
+    ratio = float(vertical.sum(axis=1).mean()) / weight_n
+    if CARRY[0] <= ratio <= CARRY[1]:
+        return ""
+    if -CARRY[1] <= ratio <= -CARRY[0]:
+        return f"{WRONG_SIGN}: by them, the feet pull at the ground"
+    return f"{TOO_MUCH} {ratio:.3g} times the weight: they are no torques in N m"

@@ -17,11 +17,9 @@ import numpy as np
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
 from dogbot_logtool.core.base.foot_path import FootPath
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.contact.stances import Stances
-from dogbot_logtool.core.contact.track import FootTrack
+from dogbot_logtool.core.contact.stances import FootTrack, Stances
 from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.legs.joints import JointTrack
-from dogbot_logtool.core.legs.legs import joint_work
+from dogbot_logtool.core.legs.joints import JointTrack, joint_work
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 

@@ -22,7 +22,7 @@ from dogbot_logtool.core.arrays import (
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import SILENCE_NS
-from dogbot_logtool.core.hulls import NEAR_NS
+from dogbot_logtool.core.stability import NEAR_NS
 
 TRAIL: Final = 3
 """Touchdowns of each foot that are shown."""

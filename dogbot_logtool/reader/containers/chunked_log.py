@@ -22,7 +22,7 @@ from dogbot_logtool.reader.containers.salvage.content import (
     undescribed,
 )
 from dogbot_logtool.reader.containers.salvage.records import Index, RecordFormat
-from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.containers.source import ByteSource
 from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
 
 _ROUND_SIZE: Final = 1 << 20

@@ -25,8 +25,8 @@ from dogbot_logtool.reader.containers.log import (
     time_range,
 )
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.packed_messages import unpacked
-from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.zstd import unpacked
 from dogbot_logtool.reader.decode.message_table import concatenate_messages
 
 _EARLIEST: Final = -(1 << 62)

@@ -16,7 +16,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Bytes, Flags
 from dogbot_logtool.io.storage import Location, name_of
 from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Damage, Loss, lost_messages
-from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.containers.source import ByteSource
 from dogbot_logtool.reader.decode.definition import short_type_name
 from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
 

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.legs.legs import LegFigures
+from dogbot_logtool.core.legs.joints import LegFigures
 from dogbot_logtool.core.metrics import Foot
 from dogbot_logtool.core.records import Curve, Shape
 from dogbot_logtool.core.scene.foot_style import foot_colour

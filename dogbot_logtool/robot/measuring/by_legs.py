@@ -10,8 +10,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of, norms
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.estimated.estimate import Estimate, estimate, placed_by_legs
-from dogbot_logtool.core.estimated.forces import TOO_MUCH, WRONG_SIGN
-from dogbot_logtool.core.estimated.leg_joints import joints_of_legs
+from dogbot_logtool.core.estimated.ground import TOO_MUCH, WRONG_SIGN, joints_of_legs
 from dogbot_logtool.core.frames.kinematics import Leg
 from dogbot_logtool.core.legs.joints import JointTable
 from dogbot_logtool.core.recording import Recording

@@ -146,7 +146,7 @@ def _with_levels(
             for row, foot in enumerate(robot.feet)
         )
         robot = replace(robot, feet=tuple(shifted), contact_on_counts=max(thresholds))
-    findings = [each for each in selection.findings if each.code != "NOT_CALIBRATED"]
+    findings = [each for each in selection.findings if "counts" not in each.cases]
     own = (each for each in selection.contacts if not {*raw}.isdisjoint(selection.feet_of[each.id]))
     unscaled = [robot.feet[row] for row in raw]
     say = "estimated" if estimated else "unknown"

@@ -6,7 +6,7 @@ from dogbot_logtool.core.frames.kinematics import Joint
 from dogbot_logtool.core.frames.transforms import chain_of_frames
 from dogbot_logtool.core.frames.wrench_frame import FramePoint
 from dogbot_logtool.core.known_frames import KnownFrames
-from dogbot_logtool.core.legs.paths import (
+from dogbot_logtool.core.legs.swings import (
     JointPair,
     LegChain,
     LegSettings,

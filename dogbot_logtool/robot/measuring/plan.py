@@ -9,8 +9,7 @@ from dogbot_logtool.core.contact.contact_rule import Thresholds
 from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.moved_base import poses_of_base
-from dogbot_logtool.core.one_clock import on_one_clock
+from dogbot_logtool.core.prepared import on_one_clock, poses_of_base
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import FootSettings, WalkSettings
 from dogbot_logtool.errors import LogError
@@ -28,7 +27,7 @@ from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.robot.topics import nothing_to_do
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.legs.paths import LegSettings
+    from dogbot_logtool.core.legs.swings import LegSettings
     from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 
 _OF_ROBOT: Final = (

@@ -12,9 +12,9 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
+from dogbot_logtool.core.known_frames import Point
 from dogbot_logtool.core.rotations import roll_pitch_yaw
 from dogbot_logtool.core.scene.foot_style import colour_parts
-from dogbot_logtool.core.world_frames import Point
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.robot_model.skeleton import RobotShape, Skeleton, body_size_m
 

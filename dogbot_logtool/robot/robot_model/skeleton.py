@@ -9,11 +9,10 @@ import numpy as np
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, median_of
 from dogbot_logtool.core.base.ground import nearest_axis
 from dogbot_logtool.core.frames.transforms import FrameTrack, chain_of_frames, lookup
-from dogbot_logtool.core.known_frames import KnownFrames
+from dogbot_logtool.core.known_frames import KnownFrames, Point
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.core.world_frames import Point
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.selection import Selection
 

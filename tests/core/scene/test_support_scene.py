@@ -7,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.hulls import hulls
 from dogbot_logtool.core.scene.support_scene import (
     BARELY_STABLE,
     NO_MARGIN,
@@ -17,6 +16,7 @@ from dogbot_logtool.core.scene.support_scene import (
     margin_colour,
     outlines,
 )
+from dogbot_logtool.core.stability import hulls
 from tests.truth.margins import hull
 
 NOWHERE = (math.nan, math.nan, math.nan)

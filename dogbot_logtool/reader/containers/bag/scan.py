@@ -8,15 +8,16 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.reader.containers.bag.format import BagFormat, nanoseconds
 from dogbot_logtool.reader.containers.bag.records import (
     HEAD_SIZE,
     INDEX_ENTRY_SIZE,
+    BagFormat,
     BagOp,
     Fields,
     MalformedRecord,
     Record,
     channel_id,
+    nanoseconds,
     record_at,
     record_bounds,
     record_in_file,
@@ -34,7 +35,7 @@ from dogbot_logtool.reader.containers.salvage.scan import (
     UnusableIndex,
     open_scanned,
 )
-from dogbot_logtool.reader.containers.sources.source import ByteSource, in_groups
+from dogbot_logtool.reader.containers.source import ByteSource, in_groups
 
 _MOST_CONNECTIONS: Final = 0xFFFF
 """As many as an MCAP can have channels: they are numbered from 0 on."""

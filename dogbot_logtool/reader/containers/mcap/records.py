@@ -1,17 +1,26 @@
-"""MCAP's small records, decoded by the mcap library."""
+"""MCAP's records: small ones decoded by the mcap library, messages by their columns."""
 
+import re
 import struct
+from collections.abc import Callable
+from dataclasses import fields
 from io import BytesIO
 from typing import Final, TypeVar
 
+import numpy as np
 from mcap import records
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import EndOfFile, McapError
 from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
+from dogbot_logtool.core.arrays import Bytes, Ints
 from dogbot_logtool.reader.containers.descriptions import Description
 from dogbot_logtool.reader.containers.log import Channel, Extra, Schema
+from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
+from dogbot_logtool.reader.containers.salvage.records import Readable, Records, blank_messages
+from dogbot_logtool.reader.decode.columns import gather
+from dogbot_logtool.reader.decode.message_table import Messages, no_messages
 
 RECORD_HEAD: Final = struct.Struct("<BQ")
 """Opcode and length of the content, before every record."""
@@ -39,6 +48,41 @@ _Record = TypeVar(
     records.SummaryOffset,
     records.DataEnd,
 )
+MESSAGE_HEAD: Final = np.dtype(
+    [
+        ("opcode", "u1"),
+        ("length", "<u8"),
+        ("channel", "<u2"),
+        ("sequence", "<u4"),
+        ("log_time", "<i8"),
+        ("publish_time", "<i8"),
+    ]
+)
+"""A message record up to its payload."""
+MESSAGE_CONTENT_SIZE: Final = 22
+"""Bytes of a message record's content before its payload."""
+FIRST_PRIVATE_OPCODE: Final = 0x80
+"""Opcodes from here on belong to applications, and are passed over."""
+_MOST_FOLLOWING: Final = 2
+"""Records that are looked at to be sure of the one before them."""
+LARGEST_OPCODE: Final = int(max(Opcode))
+_HEAD: Final = np.dtype([("opcode", "u1"), ("length", "<u8")])
+_MAY_STAND_IN_CHUNK: Final = np.arange(256) > LARGEST_OPCODE
+"""(256,) by opcode; of those that are known, only three."""
+_DECODED: Final = {
+    Opcode.HEADER: records.Header,
+    Opcode.FOOTER: records.Footer,
+    Opcode.SCHEMA: records.Schema,
+    Opcode.CHANNEL: records.Channel,
+    Opcode.STATISTICS: records.Statistics,
+    Opcode.CHUNK_INDEX: records.ChunkIndex,
+    Opcode.METADATA: records.Metadata,
+    Opcode.ATTACHMENT_INDEX: records.AttachmentIndex,
+    Opcode.METADATA_INDEX: records.MetadataIndex,
+    Opcode.SUMMARY_OFFSET: records.SummaryOffset,
+    Opcode.DATA_END: records.DataEnd,
+}
+_KNOWN: Final = {*_DECODED, Opcode.MESSAGE, Opcode.MESSAGE_INDEX, Opcode.ATTACHMENT}
 
 
 class _Stream(ReadDataStream):
@@ -124,3 +168,153 @@ def read_extra(extra: Extra) -> tuple[bytes, records.Attachment | records.Metada
     crc = int.from_bytes(record[-4:], "little")
     sound = crc in {0, crc32(body[:-4])}
     return None if attachment is None or not sound else (record, attachment)
+
+
+_MAY_STAND_IN_CHUNK[[Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE]] = True
+
+
+class McapFormat:
+    """How MCAP writes records; see `RecordFormat`."""
+
+    message = int(Opcode.MESSAGE)
+    record_start = re.compile(rb"(?s)(?=[\x01-\x0f].{4}\0{4})")
+    """Every known opcode, with a length below 4 GiB."""
+
+    def __init__(self, may_be_channel: Callable[[int], bool]) -> None:
+        """Prepare.
+
+        Args:
+            may_be_channel: tells whether a channel is described; a message of another is not
+                taken for a sound one when looking for the next sound record.
+        """
+        self._may_be_channel = may_be_channel
+
+    def chain(self, data: memoryview, offset: int, end: int, limit: int) -> list[int]:
+        """See `RecordFormat.chain`."""
+        bounds = [offset]
+        unpack, last = RECORD_HEAD.unpack_from, end - RECORD_HEAD.size
+        while offset <= last and limit:
+            opcode, length = unpack(data, offset)
+            if not opcode or length > last - offset:
+                break
+            offset += length + RECORD_HEAD.size
+            bounds.append(offset)
+            limit -= 1
+        return bounds
+
+    def decode(self, records: Bytes, offset: Ints) -> Records:
+        """See `RecordFormat.decode`."""
+        if not len(offset) or offset[0] < 0 or offset[-1] > len(records) - RECORD_HEAD.size:
+            return Records(0 * offset, offset, blank_messages(offset))
+        head = gather(records, offset, RECORD_HEAD.size).view(_HEAD)
+        # Lengths beyond the buffer stay too large, but become no negative numbers.
+        length = np.minimum(head["length"], np.uint64(len(records))).astype(np.int64)
+        end = offset + RECORD_HEAD.size + length
+        op = head["opcode"].astype(np.int64)
+        is_short = (op == Opcode.MESSAGE) & (length < MESSAGE_CONTENT_SIZE)
+        op[is_short | (end > len(records)) | ~_MAY_STAND_IN_CHUNK[op]] = 0
+        is_message = op == Opcode.MESSAGE
+        if is_message.all():
+            return Records(op, offset, _messages(records, offset, end))
+        messages = blank_messages(offset)
+        messages.start[:], messages.end[:] = offset + RECORD_HEAD.size, end
+        found = _messages(records, offset[is_message], end[is_message])
+        for column in fields(found):
+            getattr(messages, column.name)[is_message] = getattr(found, column.name)
+        return Records(op, offset, messages)
+
+    def sound(self, source: Readable, offset: int, end: int) -> bool:
+        """See `RecordFormat.sound`."""
+        return self._sound(source, offset, end, _MOST_FOLLOWING)
+
+    def _sound(self, source: Readable, offset: int, end: int, more: int) -> bool:
+        """Check a record and, as its own structure may say little, some that follow it."""
+        head = source.read(offset, min(RECORD_HEAD.size + 64, end - offset))
+        if len(head) < RECORD_HEAD.size:
+            # The end of the file cuts it off, or it is the end of a chunk.
+            return not head or 1 <= head[0] <= LARGEST_OPCODE or MCAP_MAGIC.startswith(head)
+        opcode, length = RECORD_HEAD.unpack_from(head)
+        if opcode == Opcode.CHUNK:
+            return is_chunk(head[RECORD_HEAD.size :], length)
+        following = offset + RECORD_HEAD.size + length
+        is_known = opcode in _KNOWN
+        may_be_later = opcode > LARGEST_OPCODE and following < end
+        if following > end or not (is_known or may_be_later):
+            # A following record that the end cuts off says nothing against those before it.
+            return is_known and more < _MOST_FOLLOWING
+        if opcode == Opcode.FOOTER:
+            return source.read(following, len(MCAP_MAGIC)) == MCAP_MAGIC
+        content = offset + RECORD_HEAD.size
+        if is_known and self.content(source, content, opcode, length) is None:
+            return False
+        # Of a kind that only later versions have, what follows is all that can be looked at.
+        return (is_known and (following == end or not more)) or (
+            more > 0 and self._sound(source, following, end, more - 1)
+        )
+
+    def content(
+        self, source: Readable, start: int, opcode: int, length: int
+    ) -> records.McapRecord | bool | None:
+        """Decode a record's content.
+
+        Args:
+            source: the bytes.
+            start: where the content begins.
+            opcode: of the record.
+            length: of the content, which is known to be there.
+
+        Returns:
+            what is in it; True for the kinds that are not decoded; None where the content is not
+            what its opcode says.
+        """
+        if opcode == Opcode.MESSAGE:
+            channel = int.from_bytes(source.read(start, 2), "little")
+            is_message = length >= MESSAGE_CONTENT_SIZE and self._may_be_channel(channel)
+            return is_message or None
+        if opcode in {Opcode.MESSAGE_INDEX, Opcode.ATTACHMENT}:
+            padding = length - _content_size(source, start, opcode)
+            return 0 <= padding <= LARGEST_PADDING or None
+        kind = _DECODED.get(Opcode(opcode)) if opcode in _DECODED else None
+        if kind is None or length > WHOLE_SMALL_RECORD:
+            return None
+        return decode_record(kind, source.read(start, length))
+
+
+def _content_size(source: Readable, content: int, opcode: int) -> int:
+    """Return how long a message index or an attachment is by what it says itself."""
+    if opcode == Opcode.MESSAGE_INDEX:
+        entries = int.from_bytes(source.read(content + 2, 4), "little")
+        # Such that it is not as long as it is, if the entries are not whole.
+        return 6 + entries if entries % 16 == 0 else 1 << 64
+    size = 16
+    for _ in ("name", "media type"):
+        size += 4 + int.from_bytes(source.read(content + size, 4), "little")
+    return size + 8 + int.from_bytes(source.read(content + size, 8), "little") + 4
+
+
+def _messages(records: Bytes, offset: Ints, end: Ints) -> Messages:
+    """Return the messages whose records begin and end at some offsets."""
+    if not len(offset):
+        return no_messages()
+    head = gather(records, offset, MESSAGE_HEAD.itemsize).view(MESSAGE_HEAD)
+    names = ("channel", "log_time", "publish_time", "sequence")
+    channel, log_time, publish_time, sequence = (head[name].astype(np.int64) for name in names)
+    start = offset + MESSAGE_HEAD.itemsize
+    return Messages(channel, log_time, publish_time, sequence, start, end)
+
+
+def is_chunk(head: bytes, length: int) -> bool:
+    """Tell whether a chunk record's content begins here, by the agreement of its lengths.
+
+    Args:
+        head: its first bytes.
+        length: of the content, as the record says.
+    """
+    if len(head) < CHUNK_HEAD.size + 8:
+        return False
+    name_size = int(CHUNK_HEAD.unpack_from(head)[4])
+    start = CHUNK_HEAD.size + name_size + 8
+    if name_size > 16 or len(head) < start:
+        return False
+    (size,) = struct.unpack_from("<Q", head, start - 8)
+    return bool(start + size <= length)

@@ -25,19 +25,17 @@ from dogbot_logtool.reader.containers.log import (
     time_range,
 )
 from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, lost_messages
-from dogbot_logtool.reader.containers.mcap.format import (
-    FIRST_PRIVATE_OPCODE,
-    LARGEST_OPCODE,
-    MESSAGE_CONTENT_SIZE,
-    McapFormat,
-    is_chunk,
-)
 from dogbot_logtool.reader.containers.mcap.records import (
     CHUNK_HEAD,
     DESCRIBING,
+    FIRST_PRIVATE_OPCODE,
+    LARGEST_OPCODE,
+    MESSAGE_CONTENT_SIZE,
     RECORD_HEAD,
+    McapFormat,
     decode_record,
     described,
+    is_chunk,
 )
 from dogbot_logtool.reader.containers.mcap.summary import (
     DATA_END_SIZE,
@@ -55,7 +53,7 @@ from dogbot_logtool.reader.containers.salvage.scan import (
     UnusableIndex,
     open_scanned,
 )
-from dogbot_logtool.reader.containers.sources.source import ByteSource, in_groups
+from dogbot_logtool.reader.containers.source import ByteSource, in_groups
 
 _LARGEST_HEADER: Final = 1 << 20
 _LONGEST_NAME: Final = 16

@@ -16,7 +16,7 @@ from dogbot_logtool.reader.containers.mcap.records import (
     decode_record,
 )
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
-from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.containers.source import ByteSource
 
 FOOTER_SIZE: Final = RECORD_HEAD.size + 20
 DATA_END_SIZE: Final = RECORD_HEAD.size + 4

@@ -26,7 +26,7 @@ from dogbot_logtool.reader.containers.salvage.content import (
     undescribed,
 )
 from dogbot_logtool.reader.containers.salvage.records import RecordFormat, may_begin, next_sound
-from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.containers.source import ByteSource
 
 _REGION_SIZE: Final = 1 << 20
 """Messages outside of chunks are read in runs of about this many bytes."""

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.containers.source import ByteSource
 from dogbot_logtool.reader.containers.sqlite.pages import PIECE, JournalError, Pages
 
 ROLLBACK_MAGIC: Final = bytes.fromhex("d9d505f920a163d7")

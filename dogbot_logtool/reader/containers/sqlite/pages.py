@@ -14,7 +14,7 @@ from dogbot_logtool.core.arrays import Bytes, Flags, Ints
 from dogbot_logtool.errors import LogError, LogtoolError
 from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.containers.source import ByteSource
 from dogbot_logtool.reader.decode.columns import gather, gather_bytes
 
 PIECE: Final = 1 << 19

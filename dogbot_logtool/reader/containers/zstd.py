@@ -1,17 +1,20 @@
-"""Logs that were compressed whole, as ROS 2 recorders can: decompressed into a temporary file."""
+"""What recorders compress with zstd: whole logs, or messages one by one."""
 
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import BinaryIO, Final
 
+import numpy as np
 import zstandard
 
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import file_stem, name_of, scratch_folder
-from dogbot_logtool.reader.containers.log import Log, Loss
-from dogbot_logtool.reader.containers.registry import is_zstd
-from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.containers.log import Batch, Log
+from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.registry import ZSTD_MAGIC, is_zstd
+from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.decode.columns import gather
 
 _PIECE: Final = 2 << 10
 """Bytes that are decompressed at once: each byte may swell to 32 kB."""
@@ -19,6 +22,9 @@ _MAGIC_SIZE: Final = 4
 _MOST_FREE: Final = 256 << 20
 _MAX_RATIO: Final = 200
 """A file must not swell to more than this times its size, or `_MOST_FREE`."""
+_BATCH_BUDGET: Final = 64 << 20
+_MAX_BATCH_RATIO: Final = 40
+"""A batch must not swell to more than this times its size, or `_BATCH_BUDGET`."""
 
 
 def open_zstd(source: ByteSource, open_file: Callable[[Path], Log]) -> Log:
@@ -122,3 +128,42 @@ def _unpack(packed: _Bytes, target: BinaryIO) -> Loss | None:
         data = packed.next()
     what = f"the {size - offset} bytes behind its zstd data were left out"
     return Loss(offset, what, size - offset, None) if data else None
+
+
+def unpacked(batch: Batch) -> Batch:
+    """Decompress the messages of a batch that are zstd frames of their own."""
+    messages = batch.messages
+    packed = messages.end - messages.start >= len(ZSTD_MAGIC)
+    if packed.any():
+        heads = gather(batch.buffer, messages.start[packed], len(ZSTD_MAGIC))
+        packed[packed] = heads == np.void(ZSTD_MAGIC)
+    if not packed.any():
+        return batch
+    parts: list[bytes | None] = []
+    left = max(_BATCH_BUDGET, _MAX_BATCH_RATIO * len(batch.buffer))
+    rows = zip(packed.tolist(), messages.start.tolist(), messages.end.tolist(), strict=True)
+    for is_packed, start, end in rows:
+        data = batch.buffer[start:end].tobytes()
+        parts.append(_content(data, left) if is_packed else data)
+        left -= len(parts[-1] or b"")
+    ends = np.cumsum([len(part or b"") for part in parts])
+    starts = np.append(0, ends[:-1])
+    buffer = np.frombuffer(b"".join(part or b"" for part in parts) or b"\0", np.uint8)
+    fresh = replace(batch, buffer=buffer, messages=replace(messages, start=starts, end=ends))
+    kept = np.array([part is not None for part in parts])
+    if kept.all():
+        return fresh
+    lost = int((~kept).sum())
+    loss = Loss(0, f"{lost} messages cannot be decompressed", 0, lost)
+    return replace(fresh.only(kept), losses=(*batch.losses, loss))
+
+
+def _content(data: bytes, most: int) -> bytes | None:
+    """Return the content of a frame; None if it is damaged or larger than allowed."""
+    try:
+        if most <= 0 or zstandard.frame_content_size(data) > most:
+            return None
+        plain = zstandard.ZstdDecompressor().decompress(data, max_output_size=most)
+    except (zstandard.ZstdError, MemoryError):
+        return None
+    return plain if len(plain) <= most else None

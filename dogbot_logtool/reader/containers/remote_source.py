@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io import storage
-from dogbot_logtool.reader.containers.sources.source import ByteSource
+from dogbot_logtool.reader.containers.source import ByteSource
 
 if TYPE_CHECKING:
     from upath import UPath

@@ -14,7 +14,7 @@ from dogbot_logtool.commands.info import describe
 from dogbot_logtool.errors import CallError, LogError, StoreError
 from dogbot_logtool.io import storage
 from dogbot_logtool.options import ConvertOptions, InfoOptions
-from dogbot_logtool.reader.containers.sources.remote_source import RemoteSource
+from dogbot_logtool.reader.containers.remote_source import RemoteSource
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.info_report import info_json
 from tests.oracles.small_logs import odometry_log
@@ -28,8 +28,13 @@ class Server(http.server.BaseHTTPRequestHandler):
     sent: ClassVar[list[int]]
     faults: ClassVar[list[str]]
     stalled: ClassVar[threading.Event]
+    status: ClassVar[int]
+    """That of all answers; 0: as it should be."""
 
     def do_HEAD(self) -> None:
+        if self.status:
+            self.send_error(self.status)
+            return
         if not (self.folder / self.path.lstrip("/")).exists():
             self.send_error(404)
             return
@@ -41,6 +46,9 @@ class Server(http.server.BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         fault = self.faults.pop(0) if self.faults else ""
+        if self.status:
+            self.send_error(self.status)
+            return
         if not (self.folder / self.path.lstrip("/")).exists():
             self.send_error(404)
             return
@@ -73,7 +81,7 @@ class RoomyServer(http.server.ThreadingHTTPServer):
 
 @pytest.fixture
 def url(tmp_path: Path) -> Iterator[str]:
-    Server.folder, Server.sent, Server.faults = tmp_path, [], []
+    Server.folder, Server.sent, Server.faults, Server.status = tmp_path, [], [], 0
     Server.stalled = threading.Event()
     server = RoomyServer(("127.0.0.1", 0), Server)
     thread = threading.Thread(target=server.serve_forever, args=(0.02,))
@@ -177,21 +185,7 @@ def test_what_is_not_there_is_a_wrong_call(url: str) -> None:
         open_log(storage.location(f"{url}/absent.bag"))
 
 
-class Refusing(http.server.BaseHTTPRequestHandler):
-    """Answers with the status that the path begins with."""
-
-    def do_GET(self) -> None:
-        status = int(self.path.split("/")[1])
-        self.send_response(status)
-        self.send_header("Content-Length", "0")
-        self.end_headers()
-
-    do_HEAD = do_GET  # noqa: N815 - http.server's name
-
-    def log_message(self, *words: Any) -> None:
-        pass
-
-
+@pytest.mark.usefixtures("hasty")
 @pytest.mark.parametrize(
     ("status", "error", "words"),
     [
@@ -204,19 +198,12 @@ class Refusing(http.server.BaseHTTPRequestHandler):
     ],
 )
 def test_what_a_server_answers_is_said(
-    monkeypatch: pytest.MonkeyPatch, status: int, error: type[Exception], words: str
+    url: str, status: int, error: type[Exception], words: str
 ) -> None:
-    monkeypatch.setattr(storage, "FIRST_WAIT_S", 0.01)
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Refusing)
-    threading.Thread(target=server.serve_forever, args=(0.02,), daemon=True).start()
-    url = f"http://127.0.0.1:{server.server_port}/{status}/x.mcap"
-    try:
-        with pytest.raises(error) as raised:
-            open_log(UPath(f"{url}?Signature=secret"))
-    finally:
-        server.shutdown()
-        server.server_close()
-    assert str(raised.value) == f"{url}: {words}"
+    Server.status = status
+    with pytest.raises(error) as raised:
+        open_log(UPath(f"{url}/x.mcap?Signature=secret"))
+    assert str(raised.value) == f"{url}/x.mcap: {words}"
 
 
 @pytest.mark.parametrize(

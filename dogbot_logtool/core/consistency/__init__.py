@@ -1,1 +1,0 @@
-"""Whether the base and the feet of a log fit together."""

@@ -1,1 +1,0 @@
-"""Directories of ROS 2 bags, and logs in several files."""

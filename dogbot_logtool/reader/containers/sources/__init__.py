@@ -1,1 +1,0 @@
-"""The bytes of a log: on a disk, in a store, compressed."""

@@ -1,0 +1,352 @@
+"""ROS 2 bags as rosbags writes them, and as recorders and their crashes leave them."""
+
+import re
+import shutil
+import sqlite3
+import subprocess
+import sys
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+import pytest
+import zstandard
+from rosbags.rosbag2 import Writer as Rosbag2Writer
+from rosbags.rosbag2.enums import CompressionFormat, CompressionMode, StoragePlugin
+
+from dogbot_logtool.errors import CallError, LogError, LogtoolError
+from dogbot_logtool.reader.containers.mcap.records import read_extra
+from dogbot_logtool.reader.opening import open_log
+from tests.oracles.walks import Entry, Walk, write_rows
+from tests.paths import ROOT
+from tests.reader.mcap_bytes import attachment, metadata, small_mcap
+from tests.reader.reading import Read, Reading, read_file
+
+PLUGINS = tuple(StoragePlugin)
+MODES = (CompressionMode.NONE, CompressionMode.FILE, CompressionMode.MESSAGE)
+KIND = "gazebo_msgs/msg/ContactsState"
+WALK = Walk(2)
+ENTRIES = list(islice(WALK.messages(KIND), 400))
+
+
+def write(
+    path: Path,
+    plugin: StoragePlugin = StoragePlugin.SQLITE3,
+    mode: CompressionMode = CompressionMode.NONE,
+    entries: list[Entry] = ENTRIES,
+) -> Path:
+    writer = Rosbag2Writer(path, version=9, storage_plugin=plugin)
+    if mode is not CompressionMode.NONE:
+        writer.set_compression(mode, CompressionFormat.ZSTD)
+    with writer:
+        rows = [(entry.log_time, entry.topic, entry.kind, entry.data) for entry in entries]
+        write_rows(writer, WALK.store, rows)
+    return path
+
+
+def expected(entries: list[Entry] = ENTRIES) -> list[Read]:
+    return [Read(entry.topic, entry.log_time, entry.data) for entry in entries]
+
+
+def database(path: Path) -> Path:
+    (file,) = path.glob("*.db3")
+    return file
+
+
+def change(path: Path, *statements: str) -> None:
+    connection = sqlite3.connect(path)
+    with connection:
+        for statement in statements:
+            connection.execute(statement)
+    connection.close()
+
+
+def split(folder: Path, plugin: StoragePlugin) -> Path:
+    """Make eleven files without metadata, whose names sort otherwise than their numbers."""
+    whole = folder / "whole"
+    whole.mkdir()
+    for number in range(11):
+        run = ENTRIES[number * 40 : (number + 1) * 40]
+        part = write(folder / f"part{number}", plugin, entries=run)
+        (file,) = [file for file in part.iterdir() if file.name != "metadata.yaml"]
+        shutil.copy(file, whole / f"walk_{number}{file.suffix}")
+    return whole
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("plugin", PLUGINS)
+def test_every_message_comes_out(
+    tmp_path: Path, plugin: StoragePlugin, mode: CompressionMode
+) -> None:
+    reading = read_file(write(tmp_path / "bag", plugin, mode))
+    assert list(reading.messages) == expected()
+    assert reading.losses == ()
+    assert sum(reading.counts.values()) == len(ENTRIES)
+    assert reading.times == (ENTRIES[0].log_time, ENTRIES[-1].log_time)
+    assert reading.profile == "ros2"
+
+
+@pytest.mark.parametrize("plugin", PLUGINS)
+def test_a_single_file_is_a_log(tmp_path: Path, plugin: StoragePlugin) -> None:
+    bag = write(tmp_path / "bag", plugin)
+    (file,) = [file for file in bag.iterdir() if file.name != "metadata.yaml"]
+    assert list(read_file(file).messages) == expected()
+
+
+@pytest.mark.parametrize("plugin", PLUGINS)
+def test_split_files_are_one_log(tmp_path: Path, plugin: StoragePlugin) -> None:
+    whole = split(tmp_path, plugin)
+    reading = read_file(whole)
+    assert list(reading.messages) == expected()
+    assert [loss.messages for loss in reading.losses] == [0]
+    assert "metadata.yaml" in reading.sentences
+    assert len(reading.topics) == 5
+    assert len({chunk.chunk.offset for chunk in reading.chunks}) == len(reading.chunks)
+
+
+@pytest.mark.parametrize("column", ["message_definitions", "schema"])
+def test_definitions_are_known_where_the_log_has_none(tmp_path: Path, column: str) -> None:
+    bag = write(tmp_path / "bag")
+    change(database(bag), f"DROP TABLE {column}")
+    log = open_log(bag)
+    kinds = {channel.type_name: channel.schema for channel in log.channels.values()}
+    log.close()
+    assert set(kinds) == {"nav_msgs/Odometry", "gazebo_msgs/ContactsState"}
+    assert all(schema and b"Header header" in schema.data for schema in kinds.values())
+
+
+def test_metadata_and_attachments_of_all_files_are_read(tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    bag.mkdir()
+    for number in range(2):
+        mcap = small_mcap()
+        mcap.extras = [metadata("notes", {"file": str(number)}), attachment(f"{number}.txt", b"x")]
+        (bag / f"walk_{number}.mcap").write_bytes(mcap.build())
+    log = open_log(bag)
+    read = [read_extra(extra) for extra in log.extras]
+    log.close()
+    values = [one and getattr(one[1], "metadata", None) for one in read]
+    names = [one and getattr(one[1], "name", None) for one in read]
+    assert values == [{"file": "0"}, None, {"file": "1"}, None]
+    assert names == ["notes", "0.txt", "notes", "1.txt"]
+
+
+def test_a_type_that_nobody_knows_is_still_a_topic(tmp_path: Path) -> None:
+    bag = write(tmp_path / "bag")
+    change(
+        database(bag),
+        "DELETE FROM message_definitions",
+        "UPDATE topics SET type = 'strange_msgs/msg/Thing' WHERE name = '/odom'",
+    )
+    log = open_log(bag)
+    (odometry,) = [c for c in log.channels.values() if c.topic == "/odom"]
+    log.close()
+    assert odometry.type_name == "strange_msgs/Thing"
+    assert odometry.schema
+    assert (odometry.schema.encoding, odometry.schema.data) == ("", b"")
+
+
+@pytest.mark.parametrize(
+    "statements",
+    [
+        ("DROP TABLE messages",),
+        ("DROP TABLE topics",),
+        (
+            "DROP TABLE messages",
+            """CREATE VIEW messages AS
+            WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x FROM n)
+            SELECT x AS id, 1 AS topic_id, 2 AS timestamp, zeroblob(1000000) AS data FROM n""",
+        ),
+        (
+            "DROP TABLE messages",
+            """CREATE TABLE messages (id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER,
+            data BLOB GENERATED ALWAYS AS (zeroblob(900000000)))""",
+            "INSERT INTO messages (topic_id, timestamp) VALUES (1, 1)",
+        ),
+    ],
+)
+def test_what_only_looks_like_a_bag_is_refused(tmp_path: Path, statements: tuple[str, ...]) -> None:
+    bag = write(tmp_path / "bag")
+    change(database(bag), *statements)
+    with pytest.raises(LogError, match="ROS 2 bag"):
+        open_log(bag)
+
+
+def test_a_message_that_swells_is_lost(tmp_path: Path) -> None:
+    bomb = zstandard.ZstdCompressor(level=19).compress(bytes(200 << 20))
+    entries = [*ENTRIES[:5], Entry("/odom", "nav_msgs/msg/Odometry", ENTRIES[5].log_time, bomb)]
+    reading = read_file(write(tmp_path / "bag", entries=entries))
+    assert list(reading.messages) == expected(ENTRIES[:5])
+    assert reading.lost == 1
+
+
+def test_damage_anywhere_gives_a_sentence_or_losses(tmp_path: Path) -> None:
+    file = database(write(tmp_path / "bag"))
+    data = file.read_bytes()
+    random = np.random.default_rng(7)
+    harmed_file = tmp_path / "harmed.db3"
+    for _ in range(60):
+        harmed = bytearray(data)
+        for place in random.integers(16, len(data), 20).tolist():
+            harmed[place] ^= int(random.integers(1, 256))
+        cut = int(random.integers(len(data) // 2, 2 * len(data)))
+        harmed_file.write_bytes(bytes(harmed[:cut]))
+        try:
+            reading: Reading = read_file(harmed_file)
+        except LogtoolError as error:
+            assert "\n" not in str(error)  # noqa: PT017
+            continue
+        assert len(reading.messages) <= 2 * len(ENTRIES)
+
+
+def test_directories_without_logs_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(CallError, match="is a directory"):
+        open_log(tmp_path)
+    (tmp_path / "metadata.yaml").write_text(
+        "rosbag2_bagfile_information:\n  relative_file_paths: []"
+    )
+    with pytest.raises(LogError, match="names no files"):
+        open_log(tmp_path)
+
+
+def test_any_log_may_be_packed_once(tmp_path: Path) -> None:
+    path = tmp_path / "walk.mcap.zstd"
+    packed = zstandard.ZstdCompressor().compress(small_mcap().build())
+    path.write_bytes(packed)
+    assert len(read_file(path).messages) > 0
+    path.write_bytes(zstandard.ZstdCompressor().compress(packed))
+    with pytest.raises(LogError, match="twice"):
+        open_log(path)
+
+
+def test_metadata_names_the_files_and_a_missing_one_is_a_loss(tmp_path: Path) -> None:
+    whole = split(tmp_path, StoragePlugin.SQLITE3)
+    names = ["walk_1.db3", "elsewhere/walk_0.db3", "../walk_99.db3"]
+    text = "rosbag2_bagfile_information:\n  relative_file_paths:\n"
+    (whole / "metadata.yaml").write_text(text + "".join(f"    - {name}\n" for name in names))
+    for number in range(2, 11):
+        (whole / f"walk_{number}.db3").unlink()
+    reading = read_file(whole)
+    assert list(reading.messages) == expected(ENTRIES[:80])
+    assert reading.sentences == "metadata.yaml names walk_99.db3, which is not there"
+    assert reading.lost is None
+
+
+def test_files_that_metadata_does_not_name_are_said(tmp_path: Path) -> None:
+    bag = write(tmp_path / "bag")
+    data = database(bag).read_bytes()
+    (bag / "other_0.db3").write_bytes(data)
+    (bag / "other_1.db3.zstd").write_bytes(data)
+    # Made by this program, and the same file in another form: neither is missing from the log.
+    (bag / "walk.annotated.mcap").write_bytes(small_mcap().build())
+    (bag / "bag.db3.zstd").write_bytes(zstandard.compress(data))
+    reading = read_file(bag)
+    assert list(reading.messages) == expected()
+    assert sorted(loss.what for loss in reading.losses) == [
+        "metadata.yaml does not name other_0.db3, so it was left out",
+        "metadata.yaml does not name other_1.db3.zstd, so it was left out",
+    ]
+    assert reading.lost is None
+
+
+def metadata_of(bag: Path, *changes: tuple[str, str]) -> None:
+    text = (bag / "metadata.yaml").read_text()
+    for pattern, replacement in changes:
+        text, count = re.subn(pattern, replacement, text)
+        assert count
+    (bag / "metadata.yaml").write_text(text)
+
+
+@pytest.mark.parametrize("plugin", PLUGINS)
+@pytest.mark.parametrize(("promised", "lost"), [(5000, 4600), (300, 0)])
+def test_metadata_that_counts_other_messages_is_said(
+    tmp_path: Path, plugin: StoragePlugin, promised: int, lost: int
+) -> None:
+    bag = write(tmp_path / "bag", plugin)
+    metadata_of(bag, (r"message_count: 400", f"message_count: {promised}"))
+    reading = read_file(bag)
+    assert list(reading.messages) == expected()
+    assert reading.sentences == f"metadata.yaml counts {promised} messages, but 400 were found"
+    assert reading.lost == lost
+
+
+def test_files_that_were_renamed_are_read(tmp_path: Path) -> None:
+    bag = write(tmp_path / "bag")
+    database(bag).rename(bag / "renamed.db3")
+    reading = read_file(bag)
+    assert list(reading.messages) == expected()
+    assert reading.sentences == (
+        "metadata.yaml cannot be used (it names none of the files that are there); the files were "
+        "taken by their names"
+    )
+
+
+def test_messages_of_a_missing_file_are_counted_once(tmp_path: Path) -> None:
+    bag = write(tmp_path / "bag")
+    (name,) = [file.name for file in bag.glob("*.db3")]
+    files = f"relative_file_paths:\n    - gone.db3\n    - {name}\n  files:\n"
+    files += "    - path: gone.db3\n      message_count: 70\n  others:"
+    metadata_of(
+        bag, ("relative_file_paths:", files), ("  message_count: 400", "  message_count: 470")
+    )
+    reading = read_file(bag)
+    assert reading.sentences == (
+        "metadata.yaml names gone.db3, which is not there; "
+        "metadata.yaml counts 470 messages, but 400 were found"
+    )
+    assert reading.lost == 70
+
+
+BOMB = "".join(f"a{n}: &a{n} [{', '.join([f'*a{n - 1}' if n else 'x'] * 10)}]\n" for n in range(9))
+
+
+HOSTILE = (
+    (BOMB + "rosbag2_bagfile_information: {relative_file_paths: *a8}", "aliases"),
+    ("[" * 400_000, "too deeply nested"),
+    ("- " * 200_000, "too deeply nested"),
+    ("{a: " * 100_000, "too deeply nested"),
+    ("[" + "1," * 200_000 + "1]", "too long"),
+    ("a" * 600_000, "larger than 512 kB"),
+    ("!" + "a" * 300_000 + " b", "does not name"),
+    ("rosbag2_bagfile_information: {relative_file_paths: 2001-01-01}", "does not name"),
+    ("--- {}\n" * 60_000, "does not name"),
+)
+"""Metadata, and why it cannot be used."""
+
+
+def test_hostile_metadata_is_left_unused_at_once(tmp_path: Path) -> None:
+    """In an interpreter of its own, which it might end."""
+    bags = [write(tmp_path / f"bag{number}") for number in range(len(HOSTILE))]
+    for bag, (content, _) in zip(bags, HOSTILE, strict=True):
+        (bag / "metadata.yaml").write_text(content)
+    code = "import sys; from pathlib import Path; from tests.reader.reading import read_file\n"
+    code += "for name in sys.argv[1:]: print(read_file(Path(name)).sentences)"
+    done = subprocess.run(  # noqa: S603 - our own interpreter
+        [sys.executable, "-c", code, *map(str, bags)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+        cwd=ROOT,
+    )
+    sentences = done.stdout.split("metadata.yaml cannot be used (")
+    assert sentences[0] == ""
+    for sentence, (_, reason) in zip(sentences[1:], HOSTILE, strict=True):
+        assert reason in sentence
+
+
+def test_numbers_that_no_machine_has_are_no_counts(tmp_path: Path) -> None:
+    bag = write(tmp_path / "bag")
+    metadata_of(bag, ("message_count: 400", "message_count: " + "9" * 5000))
+    assert read_file(bag).losses == ()
+
+
+@pytest.mark.parametrize(
+    "text", ["", "[", "a: &a [*a, *a]", "rosbag2_bagfile_information: 3", "\0"]
+)
+def test_bad_metadata_is_said(tmp_path: Path, text: str) -> None:
+    bag = write(tmp_path / "bag")
+    (bag / "metadata.yaml").write_text(text)
+    reading = read_file(bag)
+    assert list(reading.messages) == expected()
+    assert "metadata.yaml" in reading.sentences
