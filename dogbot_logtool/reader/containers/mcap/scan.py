@@ -200,7 +200,7 @@ class McapLog(ScannedLog):
             return None
         if opcode == Opcode.MESSAGE:
             return self._message(offset, content, end)
-        found = self._mcap_format.content(self.source, content, opcode, length)
+        found = self._mcap_format.content(self.source.read, content, opcode, length)
         return None if found is None else self._record(found, opcode, offset, end)
 
     def _message(self, offset: int, content: int, end: int) -> int | None:
