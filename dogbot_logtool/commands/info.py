@@ -10,6 +10,7 @@ from dogbot_logtool.conversion.findings import second_tf
 from dogbot_logtool.core.checks.frames import name_findings, stamp_findings
 from dogbot_logtool.core.known_frames import KnownFrames, known_frames
 from dogbot_logtool.core.quality import mean_rate_hz
+from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.finding import Finding, by_severity, found
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.options import ConvertOptions, InfoOptions, RobotOptions
@@ -51,7 +52,9 @@ def describe(
         recorded = without_annotations(log)
         ours = frozenset(log.channels.keys() - recorded.channels.keys())
         selection = select_topics(recorded, options)
-        known, stamps, chunks_seen = _first_seconds(recorded, selection)
+        recording, chunks_seen = _first_seconds(recorded, selection)
+        settings = settings_of(selection, RobotOptions())
+        known = known_frames(recording, settings)
         frames = None
         if options.frames:
             added_transforms = [
@@ -61,9 +64,12 @@ def describe(
             ]
             transforms = [*selection.transforms, *added_transforms]
             frames = read_frames(log, transforms, options.jobs, progress)
-            known = _with_all_frames(known, frames, ours)
+            # Frames by every recorded transform instead of the first ones.
+            known = replace(known, parents=frames.parents(ros_only=True, without=ours))
+            slashed = recording.slashed_frames.union(frames.recorded.slashed)
+            recording = replace(recording, slashed_frames=slashed)
         findings, added = _outlook(selection, known)
-        findings += stamps
+        findings += [*name_findings(recording), *stamp_findings(recording, settings)]
         findings = _with_legs(recorded, selection, options, findings)
         if frames is not None:
             findings += frame_findings(frames, added)
@@ -114,8 +120,8 @@ def _with_legs(
     return kept + [found(stand_in[code], say="may") for code in sorted(missing)]
 
 
-def _first_seconds(log: Log, selection: Selection) -> tuple[KnownFrames, list[Finding], int]:
-    """Return the frames and findings of the first messages, and how many chunks these stand in."""
+def _first_seconds(log: Log, selection: Selection) -> tuple[Recording, int]:
+    """Return the first messages, and how many chunks they stand in."""
     used = {c.id for c in (*selection.odometry, *selection.contacts, *selection.transforms)}
     static = selection.static_transforms
     last = (log.start_time or 0) + _FIRST_NS
@@ -125,19 +131,7 @@ def _first_seconds(log: Log, selection: Selection) -> tuple[KnownFrames, list[Fi
         if (chunk.start_time or 0) <= last or not static.isdisjoint(chunk.counts or ())
     ]
     read = read_recording(log, selection.wanted(), 1, spans=log.grouped(chunks))
-    settings = settings_of(selection, RobotOptions())
-    frames = known_frames(read.recording, settings)
-    return frames, list(stamp_findings(read.recording, settings)), len(chunks)
-
-
-def _with_all_frames(known: KnownFrames, frames: Frames, ours: AbstractSet[int]) -> KnownFrames:
-    """Return the frames by every recorded transform instead of the first ones."""
-    slashed = {*known.slashed_frames, *frames.recorded.slashed}
-    return replace(
-        known,
-        parents=frames.parents(ros_only=True, without=ours),
-        slashed_frames=tuple(sorted(slashed)),
-    )
+    return read.recording, len(chunks)
 
 
 def _outlook(
@@ -147,7 +141,7 @@ def _outlook(
 
     What forces tell, only the whole log does: `stats` says that.
     """
-    findings = [*selection.findings, *name_findings(known)]
+    findings = [*selection.findings]
     if not selection.odometry and not selection.contacts:
         return findings, None
     second = second_tf(selection, known, ConvertOptions())

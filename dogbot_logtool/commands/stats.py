@@ -49,7 +49,8 @@ def measure(
     try:
         measured = measure_log(log, options, progress).measurement
         # Of the samples, only what figures draw is kept.
-        return replace(measured, walk=replace(measured.walk, recording=Recording()))
+        corrected = replace(measured.walk.corrected, recording=Recording())
+        return replace(measured, walk=replace(measured.walk, corrected=corrected))
     finally:
         log.close()
 

@@ -69,7 +69,7 @@ def analyse(
     if legs is not None:
         from dogbot_logtool.core.leg_evaluation import with_legs  # noqa: PLC0415
 
-        walk = with_legs(walk, recording.joints, legs, corrected)
+        walk = with_legs(walk, legs)
     if planned is not None:
         of_plan = replace(
             recording, feet=recording.planned, links={}, commands=None, accelerations=None

@@ -53,7 +53,7 @@ def follow_commands(walk: Walk) -> CommandTrack | None:
     Returns:
         None without commands or poses.
     """
-    history, base = walk.commands, walk.track.history
+    history, base = walk.corrected.commands, walk.track.history
     forward_axis = walk.settings.forward_axis
     if history is None or len(base.time) < 2 or not len(history.time):
         return None

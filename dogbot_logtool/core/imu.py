@@ -68,7 +68,7 @@ def compare_imu(walk: Walk) -> ImuComparison | None:
     Returns:
         None where accelerometer and poses have too little time in common.
     """
-    sensed = walk.inertial
+    sensed = walk.corrected.inertial
     if sensed is None:
         return None
     base, mounting = walk.poses, walk.settings.imu_mounting

@@ -166,13 +166,8 @@ class KnownFrames:
     world: str
     """The world's frame: the robot's, else the odometry's, else ROS'. Also `base`."""
     base: str
-    world_frames: tuple[str, ...]
-    """Header frame ids of the odometry, as recorded, sorted; also `base_frames`, its children."""
-    base_frames: tuple[str, ...]
     parents: Mapping[str, frozenset[str]]
     """Parents that the log's own transforms give each frame, without leading slashes."""
-    slashed_frames: tuple[str, ...]
-    """Frame ids that begin with a slash, which no viewer of today accepts."""
     links: tuple[str | None, ...]
     """Link that each foot's collision belongs to, in whose frame its wrenches may be."""
     transforms: Mapping[Edge, Transforms]
@@ -250,15 +245,11 @@ def known_frames(recording: Recording, settings: WalkSettings) -> KnownFrames:
     parents: dict[str, set[str]] = {}
     for parent, child in recording.transforms:
         parents.setdefault(child, set()).add(parent)
-    names = {*recording.slashed_frames, *recording.world_frames, *recording.base_frames}
     links = [recording.links.get(foot, frozenset[str]()) for foot in range(len(settings.feet))]
     frames = KnownFrames(
         world=settings.world_frame or _frame(recording.world_frames, DEFAULT_WORLD),
         base=settings.base_frame or _frame(recording.base_frames, DEFAULT_BASE),
-        world_frames=recording.world_frames,
-        base_frames=recording.base_frames,
         parents={child: frozenset(found) for child, found in sorted(parents.items())},
-        slashed_frames=tuple(sorted(name for name in names if name.startswith("/"))),
         links=tuple(next(iter(each)) if len(each) == 1 else None for each in links),
         transforms=recording.transforms,
         poses=recording.base if settings.odometry_topic else None,

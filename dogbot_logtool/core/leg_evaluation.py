@@ -9,12 +9,10 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats, aggregate
 from dogbot_logtool.core.base.foot_path import Footfalls, FootPath, footfalls
 from dogbot_logtool.core.base.witness import by_legs
-from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.corrections.clock import too_far_apart
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.strides import typical_period_s
 from dogbot_logtool.core.legs.joints import (
-    JointTable,
     JointTrack,
     LegFigures,
     LegFoot,
@@ -44,18 +42,14 @@ SHORTEST_PATH_M: Final = 0.1
 """m: work is not set against a shorter way."""
 
 
-def with_legs(
-    walk: Walk, tables: Sequence[JointTable], settings: LegSettings, corrected: Corrected
-) -> Walk:
+def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     """Add what is known of the legs, and slips by the feet's frames where those are known.
 
     Args:
         walk: all other figures.
-        tables: joint states, one table a topic, the best first.
         settings: sources of the legs.
-        corrected: clocks, and the base as it was recorded.
     """
-    joints = joint_tracks(tables, walk.settings.clock, settings.limits)
+    joints = joint_tracks(walk.recording.joints, walk.settings.clock, settings.limits)
     links = link_tracks(settings.joints, joints)
     chained = {frame for chain in settings.chains if chain for frame in chain.frames}
     frames = walk.frames.tracks(chained) | links
@@ -63,8 +57,8 @@ def with_legs(
     if not joints and not any(path is not None for path in paths):
         return walk
     period = typical_period_s([foot.stances for foot in walk.feet])
-    clocks = {each.topic: each for each in corrected.joint_clocks}
-    apart = too_far_apart(corrected.joint_clocks, period) & set(settings.joint_topics)
+    clocks = {each.topic: each for each in walk.corrected.joint_clocks}
+    apart = too_far_apart(walk.corrected.joint_clocks, period) & set(settings.joint_topics)
     legs, stood = [], []
     for row, path in enumerate(paths):
         reason = _no_swings(walk, settings, row, path, joints_apart=bool(apart))
@@ -99,7 +93,7 @@ def with_legs(
     )
     witness = walk.witness
     if witness is None and not walk.settings.base_from_legs:
-        witness = by_legs(paths, walk.records, corrected.base)
+        witness = by_legs(paths, walk.records, walk.corrected.base)
     feet = tuple(
         _with_frame(walk, settings.chains[row], foot, legs[row], stood[row])
         for row, foot in enumerate(walk.feet)

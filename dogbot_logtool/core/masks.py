@@ -143,16 +143,9 @@ def mask_walk(corrected: Corrected) -> Walk:
         for row, (record, path) in enumerate(zip(records, corrected.places, strict=True))
     )
     return Walk(
-        recording=corrected.recording,
+        corrected=corrected,
         settings=settings,
-        frames=corrected.frames,
-        turned=corrected.turned,
         base_history=recorded,
-        leaning_rad=corrected.leaning_rad,
-        topics=corrected.topics,
-        clocks=corrected.clocks,
-        commands=corrected.commands,
-        inertial=corrected.inertial,
         records=records,
         poses=base,
         jumps=jumps,

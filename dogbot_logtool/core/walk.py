@@ -14,21 +14,19 @@ from dogbot_logtool.core.base.witness import Witness
 from dogbot_logtool.core.compared import CommandTrack, ImuComparison
 from dogbot_logtool.core.consistency import Worlds
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.corrections.clock import ClockDifference
+from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.gait.strides import typical_period_s
 from dogbot_logtool.core.gait.support import Standing, Support
-from dogbot_logtool.core.known_frames import KnownFrames, PlacedCounts, WorldFrames
+from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.loads import WalkLoads
 from dogbot_logtool.core.metrics import Base, Stability, WalkMetrics
 from dogbot_logtool.core.planned import PlannedFoot
-from dogbot_logtool.core.quality import TopicQuality
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.records import unknown
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.stability import Instants
-from dogbot_logtool.core.vectors import VectorHistory
 from dogbot_logtool.finding import Finding
 
 if TYPE_CHECKING:
@@ -43,23 +41,12 @@ class Walk:
     Masks come first: what was measured with them follows.
     """
 
-    recording: Recording
-    """The columns as they are measured: corrected."""
+    corrected: Corrected
+    """The columns, before time is masked."""
     settings: WalkSettings
-    frames: KnownFrames
-    turned: tuple[WorldFrames, PlacedCounts] | None
-    """How forces and positions were turned into the world; None: none was to be."""
+    """With what the masks tell of the base."""
     base_history: BaseHistory
     """As recorded, jumps and all, but for time that is masked."""
-    leaning_rad: float | None
-    """rad, how far the base seems to lean while the robot walks: its poses are left out; None: it
-    does not."""
-    topics: tuple[TopicQuality, ...]
-    clocks: tuple[ClockDifference, ...]
-    """How far topics' clocks are from that of the feet; nothing on log time."""
-    commands: VectorHistory | None
-    """Velocity commands; None: the log has none. Likewise `inertial`."""
-    inertial: VectorHistory | None
     records: tuple[FootHistory, ...]
     """Of each foot, without what its sensor cannot have measured."""
     poses: BaseHistory
@@ -129,6 +116,16 @@ class Walk:
     """About the log, the walk and its metrics, the worst first."""
     metrics: WalkMetrics = field(default_factory=lambda: unknown(WalkMetrics))
     """Those that findings void are null."""
+
+    @property
+    def recording(self) -> Recording:
+        """The columns as they are measured."""
+        return self.corrected.recording
+
+    @property
+    def frames(self) -> KnownFrames:
+        """What the log tells of its frames."""
+        return self.corrected.frames
 
     @property
     def base_clock_is_apart(self) -> bool:

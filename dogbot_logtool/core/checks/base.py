@@ -68,7 +68,7 @@ def falls(walk: Walk) -> Iterator[Finding]:
 def poses(walk: Walk) -> Iterator[Finding]:
     """Yield how many poses are missing or cannot be used."""
     record = walk.base_history
-    if walk.base is None and (walk.leaning_rad is not None or walk.frozen is not None):
+    if walk.base is None and (walk.corrected.leaning_rad is not None or walk.frozen is not None):
         return
     if record.messages and record.not_usable == record.messages:
         yield found("NOT_FINITE", "base", where="base", say="useless", record=record)
@@ -91,8 +91,8 @@ def by_feet(walk: Walk) -> Iterator[Finding]:
 
 def up_axis(walk: Walk) -> Iterator[Finding]:
     """Yield that z is not up: such poses are left out of all that is computed."""
-    if walk.leaning_rad is not None:
-        yield found("UP_AXIS", where="base", degrees=np.degrees(walk.leaning_rad))
+    if walk.corrected.leaning_rad is not None:
+        yield found("UP_AXIS", where="base", degrees=np.degrees(walk.corrected.leaning_rad))
 
 
 def height_drifts(walk: Walk) -> Iterator[Finding]:

@@ -17,7 +17,7 @@ _NAMES: Final = {"forward": "forward speed", "lateral": "sideways speed", "yaw":
 
 def refused(walk: Walk) -> Iterator[Finding]:
     """Yield messages of commands or of the accelerometer that are left out for their numbers."""
-    for case, each in (("commands", walk.commands), ("imu", walk.inertial)):
+    for case, each in (("commands", walk.corrected.commands), ("imu", walk.corrected.inertial)):
         if each is not None and each.refused:
             yield found("NOT_FINITE", case, where=each.topic, say="beside", beside=each)
 

@@ -31,7 +31,7 @@ def clock_set(walk: Walk) -> Iterator[Finding]:
     if settings.time_source_reason:
         yield found("LOG_TIME_USED", where=where, why=settings.time_source_reason)
     on_log_time = settings.clock is TimeSource.LOG
-    steps = {step: each.topic for each in walk.topics for step in each.clock_steps}
+    steps = {step: each.topic for each in walk.corrected.topics for step in each.clock_steps}
     for step, topic in steps.items():
         at = f" at {walk.seconds(np.array([step.after]))[0]:.2f} s" if on_log_time else ""
         way, seconds = "back" if step.by_ns < 0 else "forward", abs(step.by_ns) / 1e9
@@ -42,7 +42,7 @@ def clocks_differ(walk: Walk) -> Iterator[Finding]:
     """Yield topics whose clocks differ from that of the feet, by stamps or by physics."""
     base_topic, delay = walk.settings.odometry_topic, walk.base_delay
     feet = walk.feet_on_poses
-    for each in walk.clocks:
+    for each in walk.corrected.clocks:
         if not each.is_apart:
             continue
         case = "base" if each.topic == base_topic else "feet"
@@ -70,7 +70,7 @@ def feet_silent(walk: Walk) -> Iterator[Finding]:
 
 def topics_timed(walk: Walk) -> Iterator[Finding]:
     """Yield what is odd in the timing of topics; commands may pause while no one steers."""
-    for each in walk.topics:
+    for each in walk.corrected.topics:
         topic, offset_s, drift_ppm = each.topic, each.clock_offset_s, each.clock_drift_ppm
         if each.gaps and topic != walk.settings.command_topic:
             yield found("GAPS", where=topic, timing=each)

@@ -108,9 +108,9 @@ def _clocks(walk: Walk) -> tuple[str, str, str]:
     topics = {foot.topic for foot in walk.feet if foot.record.start is not None}
     if len(walk.base_history.time):
         topics.add(walk.settings.odometry_topic)
-    used = [topic for topic in walk.topics if topic.topic in topics]
+    used = [topic for topic in walk.corrected.topics if topic.topic in topics]
     bare = ", ".join(topic.topic for topic in used if topic.zero_stamps is None)
-    apart = ", ".join(sorted(topics - {each.topic for each in walk.clocks}))
+    apart = ", ".join(sorted(topics - {each.topic for each in walk.corrected.clocks}))
     no_stamps = f"messages of {bare} have no header stamps" if bare else ""
     one_clock = no_stamps
     if len(topics) < 2:

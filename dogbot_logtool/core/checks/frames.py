@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from math import atan, degrees
 
 from dogbot_logtool.core.frames.wrench_frame import FrameFit, WrenchFrame, WrenchFrameEvidence
-from dogbot_logtool.core.known_frames import KnownFrames, PlacedCounts, WorldFrames
+from dogbot_logtool.core.known_frames import PlacedCounts, WorldFrames
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.walk import Walk
@@ -13,7 +13,7 @@ from dogbot_logtool.finding import Finding, found
 
 def frames_known(walk: Walk) -> Iterator[Finding]:
     """Yield what is odd in the names of frames, and which frame the wrenches are in."""
-    yield from name_findings(walk.frames)
+    yield from name_findings(walk.recording)
     settings, seen = walk.settings, walk.frames.wrench_frame
     if not settings.contact_from and any(foot.has_force for foot in settings.feet):
         cases = ("unknown",) if seen.frame is WrenchFrame.UNKNOWN else ()
@@ -24,8 +24,8 @@ def columns_corrected(walk: Walk) -> Iterator[Finding]:
     """Yield what was left out, what transforms did not tell, and which plan is apart."""
     if walk.recording.implausible:
         yield found("NOT_FINITE", say="implausible", count=walk.recording.implausible)
-    if walk.turned is not None:
-        yield from transform_findings(*walk.turned)
+    if walk.corrected.turned is not None:
+        yield from transform_findings(*walk.corrected.turned)
     if walk.plan_apart:
         yield found("PLANNED", "not_compared", plan=walk.plan_apart)
 
@@ -47,13 +47,14 @@ def stamp_findings(recording: Recording, settings: WalkSettings) -> Iterator[Fin
         yield found("BAD_STAMPS", say="zero", topics=topics)
 
 
-def name_findings(frames: KnownFrames) -> Iterator[Finding]:
-    """Yield what is odd in the names of frames."""
-    if frames.slashed_frames:
-        yield found("FRAME_NAMES", say="slashed", names=", ".join(frames.slashed_frames))
-    if len(frames.world_frames) > 1 or len(frames.base_frames) > 1:
-        names = ", ".join((*frames.world_frames, *frames.base_frames))
-        yield found("FRAME_NAMES", say="several", names=names)
+def name_findings(recording: Recording) -> Iterator[Finding]:
+    """Yield what is odd in the names of frames; no viewer of today accepts a slash."""
+    names = [*recording.world_frames, *recording.base_frames]
+    slashed = [each for each in {*names, *recording.slashed_frames} if each.startswith("/")]
+    if slashed:
+        yield found("FRAME_NAMES", say="slashed", names=", ".join(sorted(slashed)))
+    if len(recording.world_frames) > 1 or len(recording.base_frames) > 1:
+        yield found("FRAME_NAMES", say="several", names=", ".join(names))
 
 
 def _evidence(seen: WrenchFrameEvidence) -> str:

@@ -184,7 +184,7 @@ def _turns(
 
 def _inertial(walk: Walk, windows: Ints) -> tuple[Floats, Floats]:
     """(k,) rad turned and (k, 3) up by the inertial unit; NaN: not known. See `turns_and_up`."""
-    own = walk.inertial
+    own = walk.corrected.inertial
     if own is not None and len(windows):
         return turns_and_up(own.time, own.vector, own.turn_rate, windows)
     return np.full(len(windows), np.nan), np.full((len(windows), 3), np.nan)

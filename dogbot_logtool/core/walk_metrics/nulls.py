@@ -32,7 +32,7 @@ def _lacking(walk: Walk) -> Callable[[KeyPath], Lacks]:
         for name, joint in (legs.metrics.joints.items() if legs else ())
         if legs
     }
-    topics = {each.topic: {"stamps": each.zero_stamps is None} for each in walk.topics}
+    topics = {each.topic: {"stamps": each.zero_stamps is None} for each in walk.corrected.topics}
 
     def lacks_at(path: KeyPath) -> Lacks:
         missing: Mapping[str, bool] = log

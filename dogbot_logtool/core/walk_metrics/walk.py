@@ -126,9 +126,9 @@ def _foot_settings(walk: Walk, row: int) -> metrics.FootSettings:
 
 def _quality_metrics(walk: Walk, findings: Sequence[Finding]) -> metrics.Quality:
     """Return what tells whether a recording can be trusted."""
-    worlds = walk.worlds
+    worlds, topics = walk.worlds, walk.corrected.topics
     return metrics.Quality(
-        topics={topic.topic: copied(metrics.TopicQuality, topic) for topic in walk.topics},
+        topics={topic.topic: copied(metrics.TopicQuality, topic) for topic in topics},
         feet={foot.name: _foot_quality(walk, row) for row, foot in enumerate(walk.feet)},
         overlap_s=_overlap_s(walk),
         base_to_feet_m=None if worlds is None else worlds.distance_m,

@@ -356,12 +356,12 @@ def test_swings_of_sensors_that_are_silent_in_swing_are_no_gaps(tmp_path: Path) 
     walk = walks.Walk(2)
     entries = list(walk.messages(GZ))
     done = measure(written(tmp_path, walk, entries), MeasureOptions()).walk
-    assert not [topic for topic in done.topics if "contact" in topic.topic and topic.gaps]
+    assert not [topic for topic in done.corrected.topics if "contact" in topic.topic and topic.gaps]
     assert not [each for each in findings_of(done) if each.code == "GAPS"]
     silent = walks.foot_topic(GZ, walks.LEGS[0])
     start, end = walks.START + 1_000_000_000, walks.START + 4_800_000_000
     kept = [e for e in entries if e.topic != silent or not start < e.log_time < end]
     done = measure(written(tmp_path, walk, kept), MeasureOptions()).walk
-    (found,) = [topic for topic in done.topics if topic.gaps]
+    (found,) = [topic for topic in done.corrected.topics if topic.gaps]
     assert (found.topic, found.gaps) == (silent, 1)
     assert found.longest_gap_s == pytest.approx(3.8, abs=0.5)

@@ -73,9 +73,9 @@ def test_texts_of_a_log_stay_texts() -> None:
     gait = walk.main.gait
     phase = {names[name]: each for name, each in gait.phase.items()}
     main = replace(walk.main, gait=replace(gait, phase=phase))
-    topics = tuple(replace(topic, topic=HOSTILE) for topic in walk.topics)
+    topics = tuple(replace(topic, topic=HOSTILE) for topic in walk.corrected.topics)
     html = page_of(
-        replace(walk, feet=feet, topics=topics, main=main),
+        replace(walk, feet=feet, corrected=replace(walk.corrected, topics=topics), main=main),
         100,
         path=f"a/{HOSTILE.replace('/', '')}",
         damage=Damage(HOSTILE, (Loss(1, HOSTILE, 2),)),
