@@ -140,7 +140,12 @@ def odd_forces() -> Iterator[tuple[float, float, float]]:
     yield 1e154, 1e154, 1e154
     yield 1e-200, 0.0, 0.0
     rng = np.random.default_rng(3)
-    yield from rng.normal(0, 90, (400, 3)).tolist()
+    yield from rng.normal(0, 90, (1500, 3)).tolist()
+    # Their colours lie as near as can be halfway between two float32 numbers.
+    stored = rng.uniform(0.05, 1, 800).astype(np.float32)
+    halfway = (stored.astype(np.float64) + np.nextafter(stored, np.float32(2))) / 2
+    for wavelength in (510 + (580 - 510) * halfway**1.25).tolist():
+        yield 0.0, 0.0, (wavelength - 380) / 370 * 2.0 * 100.0
 
 
 def odd_contacts() -> Iterator[Entry]:
@@ -149,7 +154,9 @@ def odd_contacts() -> Iterator[Entry]:
     for force in odd_forces():
         time += 1_000_000
         yield Entry(topic, CONTACTS_TYPE, time, contacts(time, contact(force)))
-    for states in ((), (contact((1.0, 2.0, 3.0), points=()),)):
+    one, other = contact((0.0, 0.0, 70.0)), contact((1.0, 2.0, 30.0), points=((5.0, 5.0, 0.0),))
+    bare = contact((1.0, 2.0, 3.0), points=())
+    for states in ((one, other), (other, one), (bare, one), (), (bare,)):
         time += 1_000_000
         yield Entry(topic, CONTACTS_TYPE, time, contacts(time, *states))
 

@@ -8,11 +8,13 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Final
 
 import mujoco
 import numpy as np
 
+import dogbot_logtool as dl
 from tests.oracles.mcap_file import Entry, write_mcap
 from tests.truth.messages import (
     CONTACTS,
@@ -394,3 +396,11 @@ def write_log(
         add(topic, CONTACTS, time[down], bump.all_filled(time[down], numbers))
     entries.sort(key=lambda entry: entry[0])
     return write_mcap(path, entries, make.definition, 1 << 18, "zstd")
+
+
+def measured(robot: Physics, **options: Any) -> dl.Walk:
+    """Measure the log of a walk; see `write_log` for the options."""
+    with TemporaryDirectory() as folder:
+        return dl.measure(
+            write_log(Path(folder) / "walk.mcap", robot, **options), mass=robot.mass_kg
+        )
