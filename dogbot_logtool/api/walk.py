@@ -30,7 +30,7 @@ from dogbot_logtool.io.storage import Location, location
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.tables import stance_columns, stride_table
 from dogbot_logtool.results import Measurement
-from dogbot_logtool.robot.annotated import open_recorded
+from dogbot_logtool.robot.recorded import open_recorded
 
 if TYPE_CHECKING:
     from dogbot_logtool.options import MeasureOptions

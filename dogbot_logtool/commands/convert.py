@@ -21,8 +21,8 @@ from dogbot_logtool.reader.containers.log import (
 from dogbot_logtool.reader.recording import Alongside
 from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.results import Conversion
-from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.measuring.plan import make_plan as plan_measuring
+from dogbot_logtool.robot.recorded import open_recorded
 from dogbot_logtool.run.runner import OnProgress
 
 
