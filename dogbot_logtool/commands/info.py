@@ -66,7 +66,7 @@ def describe(
             frames = read_frames(log, transforms, options.jobs, progress)
             # Frames by every recorded transform instead of the first ones.
             known = replace(known, parents=frames.parents(ros_only=True, without=ours))
-            slashed = recording.slashed_frames.union(frames.recorded.slashed)
+            slashed = recording.slashed_frames.union(frames.slashed)
             recording = replace(recording, slashed_frames=slashed)
         findings, added = _outlook(selection, known)
         findings += [*name_findings(recording), *stamp_findings(recording, settings)]
