@@ -78,7 +78,7 @@ def write(path: Path, walk: walks.Walk, kind: str, log_time: Callable[[int], int
         sample = (entry.log_time - walks.START) // walks.STEP
         if sample >= SAMPLES:
             break
-        entries.append((log_time(sample), entry.topic, entry.kind, entry.data))
+        entries.append(entry._replace(log_time=log_time(sample)))
     return write_mcap(path, entries, walks.Walk(2).definition, 40_000, "zstd")
 
 

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 
@@ -33,7 +32,7 @@ def spoiled_walk(folder: Path, kind: str, bad: Callable[[Entry], bool], batch: i
     entries: list[Entry] = []
     for third, messages in groupby(walks.messages(2, kind), _third):
         for entry in messages:
-            cut = replace(entry, data=entry.data[:11])
+            cut = entry._replace(data=entry.data[:11])
             entries.append(cut if third == batch and bad(entry) else entry)
         # Fills the chunk up, so that the batch ends with it.
         entries.append(Entry(FILLER, "std_msgs/msg/String", entries[-1].log_time, bytes(filler)))

@@ -75,7 +75,7 @@ def late(tmp_path: Path) -> Path:
             yield Entry("/tf", TF_TYPE, time + 2, transform(time, parent, child))
             yield Entry("/filler", TEXT_TYPE, time + 3, text("-" * 300_000))
 
-    return write_bag(tmp_path / "log.bag", entries(), chunk_size=250_000, compressed=True)
+    return write_bag(tmp_path / "log.bag", entries(), chunk_size=250_000, compression="lz4")
 
 
 @pytest.mark.parametrize("jobs", [1, 2])

@@ -295,7 +295,7 @@ def test_what_a_topic_is_used_for(
     tmp_path: Path, walk: StateWalk, kind: str, topics: list[str], uses: list[str]
 ) -> None:
     entries = (
-        replace(entry, topic=topic)
+        entry._replace(topic=topic)
         for entry in walk.messages(kind)
         for topic in (topics if entry.kind == kind else [entry.topic])
     )
