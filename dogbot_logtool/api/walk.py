@@ -206,7 +206,7 @@ class Walk:
         from dogbot_logtool.commands.report import Reports  # noqa: PLC0415
         from dogbot_logtool.io.targets import Output  # noqa: PLC0415
         from dogbot_logtool.option import part_of  # noqa: PLC0415
-        from dogbot_logtool.options import Report  # noqa: PLC0415
+        from dogbot_logtool.options.report import Report  # noqa: PLC0415
 
         page = Output(location(os.fspath(target)), is_folder=False)
         options = replace(part_of(self._options, Report), replay=replay)

@@ -10,7 +10,7 @@ from dogbot_logtool.core.checks.frames import columns_corrected, frames_known
 from dogbot_logtool.finding import Severity, by_severity, found
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.containers.log import (
     Log,
     Loss,

@@ -15,7 +15,7 @@ from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, LIFETIME_S, ArrowStyle
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.robot.measuring.legs import sensor_points
 from dogbot_logtool.robot.recorded import time_limits

@@ -44,7 +44,7 @@ def follow(
     steps = NONE if stepping is None else stepping
     poses = base_history(odometry, clock)
     walk = SimpleNamespace(
-        commands=commands,
+        corrected=SimpleNamespace(commands=commands),
         track=SimpleNamespace(history=poses),
         settings=SimpleNamespace(forward_axis=forward_axis),
         jumps=SimpleNamespace(spans=NONE),

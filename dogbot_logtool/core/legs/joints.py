@@ -6,7 +6,15 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, median_of, percentiles_of
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Float32s,
+    Floats,
+    Integral,
+    Ints,
+    median_of,
+    percentiles_of,
+)
 from dogbot_logtool.core.base.foot_path import LONGEST_STEP_S, FootPath, silent_before, unbroken
 from dogbot_logtool.core.corrections.clock import (
     ClockDifference,
@@ -311,10 +319,8 @@ def joint_work(joint: JointTrack, begin: Ints, end: Ints) -> Floats:
     A span with a silence of the joint's states, or with an effort that is not known, has none:
     NaN.
     """
-    since = (joint.time - joint.time[0]).astype(np.float64)
-    first, last = begin - joint.time[0], end - joint.time[0]
     totals = np.nancumsum(joint.work, axis=1, dtype=np.float64)
-    done = [np.interp(last, since, each) - np.interp(first, since, each) for each in totals]
+    done = Integral(joint.time, totals.T).added(begin, end).T
     known = unbroken(joint.time, ~np.isfinite(joint.work[0]), begin, end)
     work: Floats = np.where(known, done, np.nan)
     return work
