@@ -10,8 +10,8 @@ from dogbot_logtool.core.recording import JointTable, VectorSamples
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.measuring.plan import make_plan
+from dogbot_logtool.robot.recorded import open_recorded
 
 
 @dataclass(frozen=True, slots=True, eq=False)
