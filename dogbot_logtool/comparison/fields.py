@@ -21,14 +21,13 @@ from dogbot_logtool.io.storage import content, is_folder, open_file
 
 Tree = Any
 """A decoded value; see above."""
+Struct = Mapping[str, Tree]
 _QUATERNION: Final = frozenset("xyzw")
 _TEXT_LIMIT: Final = 100
 _NOTHING: Final = "nothing"
 _PROVENANCE: Final = ("tool.version", "log.path")
 """Keys that say where metrics come from."""
 _WHOLE: Final = "(document)"
-_UNWANTED: Final = object()
-"""Returned by `_picked` for a value that is not wanted."""
 _LARGEST: Final = 256 << 20
 
 
@@ -67,45 +66,58 @@ class _Comparer:
         elif isinstance(expected, np.ndarray) and isinstance(actual, np.ndarray):
             self._arrays(expected, actual, path, name)
         elif isinstance(expected, list) and isinstance(actual, list):
-            for index, (one, other) in enumerate(zip(expected, actual, strict=False)):
-                self.compare(one, other, f"{path}[{index}]", name)
+            for row, (one, other) in enumerate(zip(expected, actual, strict=False)):
+                self.compare(one, other, f"{path}[{row}]", name)
             self._lengths(len(expected), len(actual), path)
+        elif _is_number(expected) and _is_number(actual):
+            self._numbers(expected, actual, path, name)
+        elif type(expected) is type(actual) and expected == actual:
+            self._tally.equal += 1
+        elif isinstance(expected, bytes) and isinstance(actual, bytes):
+            self._bytes(expected, actual, path)
         else:
-            self._leaves(expected, actual, path, name)
+            self._findings.differ(path, text_of(expected), text_of(actual))
 
-    def structs(
-        self, expected: Mapping[str, Tree], actual: Mapping[str, Tree], path: str, name: str
-    ) -> None:
+    def structs(self, expected: Struct, actual: Struct, path: str, name: str) -> None:
         self._tally.equal += not (expected or actual)
         for key in dict.fromkeys((*expected, *actual)):
             below, inner = join(path, key), join(name, key)
             if key in expected and key in actual:
                 self.compare(expected[key], actual[key], below, inner)
-            elif not self._rules.ignored(inner) and key in expected:
-                self._tally.missing += 1
-                self._findings.add(below, text_of(expected[key]), _NOTHING)
             elif not self._rules.ignored(inner):
-                self._tally.extra += 1
-                self._findings.add(below, _NOTHING, text_of(actual[key]))
+                self._tally.missing += key in expected
+                self._tally.extra += key in actual
+                self._findings.add(below, _text_at(expected, key), _text_at(actual, key))
 
-    def _quaternions(
-        self, expected: Mapping[str, float], actual: Mapping[str, float], path: str, name: str
-    ) -> None:
-        """Q and -q are the same rotation: the sign that fits better is taken."""
-        counting = [key for key in expected if not self._rules.ignored(join(name, key))]
-        expected, actual = ({key: each[key] for key in counting} for each in (expected, actual))
-        turned = {key: -value for key, value in actual.items()}
-        if _distance(expected, actual) <= _distance(expected, turned):
+    def _quaternions(self, expected: Struct, actual: Struct, path: str, name: str) -> None:
+        """Compare rotations: q and -q are the same, and the sign that fits better is taken."""
+        if not sum(expected[key] * actual[key] for key in expected) < 0.0:
             self.structs(expected, actual, path, name)
             return
         found = Findings(0)
+        turned = {key: -value for key, value in actual.items()}
         _Comparer(self._rules, found).structs(expected, turned, path, name)
-        self._deviate(found.tally.deviation_path, found.tally.deviation)
+        self._tally.deviate(found.tally.deviation_path, found.tally.deviation)
         if found.count:
             # As a whole: single components of q against -q would puzzle.
-            self._differ(path, text_of(expected), text_of(actual), found.tally.deviation)
+            texts = text_of(expected), text_of(actual)
+            self._findings.differ(path, *texts, found.tally.deviation)
         else:
-            self._tally.within_tolerance += len(counting)
+            self._tally.within_tolerance += found.tally.both
+
+    def _arrays(self, expected: NDArray[Any], actual: NDArray[Any], path: str, name: str) -> None:
+        size = min(len(expected), len(actual))
+        rows = np.flatnonzero(expected[:size] != actual[:size])
+        self._tally.equal += size - len(rows)
+        if "f" not in expected.dtype.kind + actual.dtype.kind and not self._rules.claimed(name):
+            # Of an image all may differ: integers without a tolerance are but counted.
+            uncounted = len(rows[self._findings.limit :])
+            self._tally.different += uncounted
+            self._findings.count += uncounted
+            rows = rows[: self._findings.limit]
+        for row in rows.tolist():
+            self.compare(expected[row].item(), actual[row].item(), f"{path}[{row}]", name)
+        self._lengths(len(expected), len(actual), path)
 
     def _lengths(self, expected: int, actual: int, path: str) -> None:
         self._tally.equal += not (expected or actual)
@@ -113,30 +125,6 @@ class _Comparer:
             self._tally.missing += max(expected - actual, 0)
             self._tally.extra += max(actual - expected, 0)
             self._findings.add(path, f"{expected} elements", f"{actual} elements")
-
-    def _arrays(self, expected: NDArray[Any], actual: NDArray[Any], path: str, name: str) -> None:
-        self._lengths(len(expected), len(actual), path)
-        size, found = min(len(expected), len(actual)), self._findings
-        one, other = expected[:size], actual[:size]
-        rows = np.flatnonzero(one != other)
-        self._tally.equal += size - len(rows)
-        if "f" not in one.dtype.kind + other.dtype.kind and self._rules.claimed(name) is None:
-            # Of an image all may differ: integers without a tolerance are but counted.
-            self._tally.different += len(rows[found.limit :])
-            found.count += len(rows[found.limit :])
-            rows = rows[: found.limit]
-        for row in rows.tolist():
-            self._leaves(one[row].item(), other[row].item(), f"{path}[{row}]", name)
-
-    def _leaves(self, expected: Tree, actual: Tree, path: str, name: str) -> None:
-        if type(expected) is type(actual) and expected == actual:
-            self._tally.equal += 1
-        elif _is_number(expected) and _is_number(actual):
-            self._numbers(expected, actual, path, name)
-        elif isinstance(expected, bytes) and isinstance(actual, bytes):
-            self._bytes(expected, actual, path)
-        else:
-            self._differ(path, text_of(expected), text_of(actual))
 
     def _numbers(self, expected: float, actual: float, path: str, name: str) -> None:
         if expected == actual or (expected != expected and actual != actual):  # noqa: PLR0124
@@ -146,43 +134,38 @@ class _Comparer:
         tolerance = self._rules.claimed(name)
         if isinstance(expected, float) or isinstance(actual, float):
             expected, actual = _as_float(expected), _as_float(actual)
-            tolerance = self._rules.tolerance(name)
+            tolerance = tolerance or self._rules.default
         if tolerance is None:
-            self._differ(path, *texts)
+            self._findings.differ(path, *texts)
             return
         apart = abs(expected - actual)
         allowed = tolerance.atol
         if tolerance.rtol:
             allowed += tolerance.rtol * _as_float(abs(expected))
-        self._deviate(path, _as_float(apart))
+        self._tally.deviate(path, _as_float(apart))
         # An infinite expected value would allow everything.
         if apart <= allowed and apart < math.inf:
             self._tally.within_tolerance += 1
         else:
-            self._differ(path, *texts, _as_float(apart))
+            self._findings.differ(path, *texts, _as_float(apart))
 
     def _bytes(self, expected: bytes, actual: bytes, path: str) -> None:
         if len(expected) != len(actual):
-            self._differ(path, f"{len(expected)} bytes", f"{len(actual)} bytes")
+            texts = f"{len(expected)} bytes", f"{len(actual)} bytes"
+            self._findings.differ(path, *texts)
             return
         pairs = enumerate(zip(expected, actual, strict=True))
         index, (one, other) = next(pair for pair in pairs if pair[1][0] != pair[1][1])
-        self._differ(f"{path}[{index}]", f"0x{one:02x}", f"0x{other:02x}")
-
-    def _differ(self, path: str, one: str, other: str, deviation: float = math.nan) -> None:
-        """Note that a leaf differs."""
-        self._tally.different += 1
-        self._findings.add(path, one, other, deviation if math.isfinite(deviation) else None)
-
-    def _deviate(self, path: str, deviation: float) -> None:
-        """Note how far apart two numbers are."""
-        if self._tally.deviation < deviation < math.inf:
-            self._tally.deviation, self._tally.deviation_path = deviation, path
+        self._findings.differ(f"{path}[{index}]", f"0x{one:02x}", f"0x{other:02x}")
 
 
 def join(path: str, key: str) -> str:
     """Return the path of a struct's field."""
     return f"{path}.{key}" if path else key
+
+
+def _text_at(value: Struct, key: str) -> str:
+    return text_of(value[key]) if key in value else _NOTHING
 
 
 def _as_float(value: float) -> float:
@@ -196,14 +179,8 @@ def _is_number(value: Tree) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _is_quaternion(value: Mapping[str, Tree]) -> bool:
+def _is_quaternion(value: Struct) -> bool:
     return value.keys() == _QUATERNION and all(isinstance(each, float) for each in value.values())
-
-
-def _distance(one: Mapping[str, float], other: Mapping[str, float]) -> float:
-    """Return the largest deviation of a component; NaN and infinity count as none."""
-    deviations = [abs(value - other[key]) for key, value in one.items()]
-    return max((d for d in deviations if math.isfinite(d)), default=0.0)
 
 
 def text_of(value: Tree) -> str:
@@ -238,18 +215,17 @@ def compare_json(expected: Path, actual: Path, rules: Rules, max_differences: in
         CallError: none of the keys is wanted.
         LogError: one of the files is not JSON.
     """
-    documents = load_json(expected), load_json(actual)
     findings = Findings(max_differences)
     tallies: list[Tally] = []
     for_values = rules.ignoring(*_PROVENANCE)
+    parts = _parts(load_json(expected), load_json(actual))
+    if rules.topics and not any(fits(rules.topics, key) for key, *_ in parts):
+        raise CallError(f"--topics: neither file has a key like {', '.join(rules.topics)}")
     try:
-        one, other = (_picked(document, "", rules) for document in documents)
-        if one is _UNWANTED and other is _UNWANTED:
-            raise CallError(f"--topics: neither file has a key like {', '.join(rules.topics)}")
-        for key, first, second in _parts(one, other):
-            if not fits(rules.ignore, key):
+        for key, one, other in parts:
+            if rules.takes(key):
                 found = findings.within(Difference(topic=key), key)
-                findings.take(compare_fields(first, second, FieldRules(for_values, key), found))
+                findings.take(compare_fields(one, other, FieldRules(for_values, key), found))
                 tallies.append(found.tally)
     except RecursionError as error:
         raise LogError(f"{actual}: is nested too deeply") from error
@@ -258,28 +234,12 @@ def compare_json(expected: Path, actual: Path, rules: Rules, max_differences: in
     return Comparison(expected, actual, "values", tallies, findings.differences, findings.count)
 
 
-def _picked(value: Tree, name: str, rules: Rules) -> Tree:
-    """Return what of a value is to be compared, `_UNWANTED` if nothing is."""
-    if not rules.topics or fits(rules.topics, name):
-        return value
-    if isinstance(value, dict):
-        inner = {key: _picked(each, join(name, key), rules) for key, each in value.items()}
-        return {key: each for key, each in inner.items() if each is not _UNWANTED} or _UNWANTED
-    if isinstance(value, list):
-        elements = [_picked(each, name, rules) for each in value]
-        if any(each is not _UNWANTED for each in elements):
-            # The others keep their positions.
-            return [{} if each is _UNWANTED else each for each in elements]
-    return _UNWANTED
-
-
 def _parts(expected: Tree, actual: Tree) -> list[tuple[str, Tree, Tree]]:
     """Return the documents' parts with their names; a document that is no object is one part."""
-    one, other = ({} if each is _UNWANTED else each for each in (expected, actual))
-    if not isinstance(one, dict) or not isinstance(other, dict):
-        return [(_WHOLE, one, other)]
-    parts = {key: [{key: e[key]} if key in e else {} for e in (one, other)] for key in one | other}
-    return [(key, first, second) for key, (first, second) in parts.items()]
+    if not isinstance(expected, dict) or not isinstance(actual, dict):
+        return [(_WHOLE, expected, actual)]
+    one, other = ({key: {key: part} for key, part in each.items()} for each in (expected, actual))
+    return [(key, one.get(key, {}), other.get(key, {})) for key in one | other]
 
 
 def load_json(path: Path) -> Tree:

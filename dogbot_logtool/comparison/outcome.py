@@ -1,5 +1,6 @@
 """Results of a comparison, and the words that all reports share."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
@@ -116,21 +117,20 @@ class Tally:
 
     def deviate(self, path: str, deviation: float) -> None:
         """Note how far apart two numbers are."""
-        if deviation > self.deviation:
+        if self.deviation < deviation < math.inf:
             self.deviation, self.deviation_path = deviation, path
 
-    def summary(self, unit: str) -> str:
-        """Say in a line how the topic differs; `unit` is what is counted."""
-        name = printable(self.name)
-        if self.only_in:
-            what = "is missing" if self.only_in == "expected" else "is extra"
-            return f"{name}: {what} ({self.missing + self.extra} {unit})"
-        parts = [f"{self.different} of {self.expected} {unit} different"] if self.different else []
-        parts += [f"{self.missing} missing"] if self.missing else []
-        parts += [f"{self.extra} extra"] if self.extra else []
-        parts += ["described differently"] if self.faults else []
-        apart = f" (largest |d| {self.deviation:.3g})" if self.deviation else ""
-        return f"{name}: {', '.join(parts) or 'the same'}{apart}"
+
+def counted(tallies: Sequence[Tally]) -> str:
+    """Say how many of what is counted differ, and how."""
+    words = {
+        "different": "different",
+        "missing": "missing",
+        "extra": "extra",
+        "faults": "described differently",
+    }
+    counts = {word: sum(getattr(each, name) for each in tallies) for name, word in words.items()}
+    return ", ".join(f"{count} {word}" for word, count in counts.items() if count)
 
 
 @dataclass(slots=True)
@@ -159,6 +159,11 @@ class Findings:
         if len(self.differences) < self.limit:
             found = replace(self.of, path=path, expected=expected, actual=actual)
             self.differences.append(replace(found, deviation=deviation))
+
+    def differ(self, path: str, expected: str, actual: str, deviation: float = math.nan) -> None:
+        """Note that a value differs."""
+        self.tally.different += 1
+        self.add(path, expected, actual, deviation if math.isfinite(deviation) else None)
 
     def take(self, found: "Findings") -> None:
         """Take in the differences of a part."""
@@ -197,11 +202,11 @@ class Comparison:
         topics = [tally for tally in self.tallies if tally.name != RECORDS]
         what = f"{len(topics)} {'topics' if self.unit == 'messages' else 'parts'}"
         of = f"{sum(tally.expected for tally in topics)} {self.unit}"
-        words = {"different": "different", "missing": "missing", "extra": "extra",
-                 "faults": "described differently"}  # fmt: skip
-        counts = {word: sum(getattr(t, name) for t in self.tallies) for name, word in words.items()}
-        listed = ", ".join(f"{count} {word}" for word, count in counts.items() if count)
-        text = f"same: {what}, {of}" if self.same else f"different: {listed}, of {what} and {of}"
+        text = (
+            f"same: {what}, {of}"
+            if self.same
+            else f"different: {counted(self.tallies)}, of {what} and {of}"
+        )
         if loose := sum(tally.within_tolerance for tally in self.tallies):
             text += f", {loose} within tolerance"
         return f"{text}; damaged, and compared as far as can be read" if self.damage else text

@@ -9,6 +9,7 @@ beside its messages is named like fields: ``profile``, ``metadata:NAME``, ``meta
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -60,30 +61,18 @@ class FieldRules:
     """The rules for one topic's fields; remembers what it was asked, for speed."""
 
     def __init__(self, rules: Rules, topic: str = "") -> None:
-        self._rules = rules
-        self._topic = topic
-        self._claimed: dict[str, Tolerance | None] = {}
-        self._ignored: dict[str, bool] = {}
+        def fit(globs: Sequence[str], name: str) -> bool:
+            return fits(globs, name, f"{topic}:{name}")
 
-    def ignored(self, name: str) -> bool:
-        """Tell whether a field, and with it everything below, is left out."""
-        if name not in self._ignored:
-            self._ignored[name] = self._fit(self._rules.ignore, name)
-        return self._ignored[name]
+        def claimed(name: str) -> Tolerance | None:
+            return next((each for each in rules.tolerances if fit(each.fields, name)), None)
 
-    def tolerance(self, name: str) -> Tolerance:
-        """Return the tolerance of a float field."""
-        return self.claimed(name) or self._rules.default
-
-    def claimed(self, name: str) -> Tolerance | None:
-        """Return the first tolerance that names a field, None if none does."""
-        if name not in self._claimed:
-            fitting = (each for each in self._rules.tolerances if self._fit(each.fields, name))
-            self._claimed[name] = next(fitting, None)
-        return self._claimed[name]
-
-    def _fit(self, globs: Sequence[str], name: str) -> bool:
-        return fits(globs, name, f"{self._topic}:{name}")
+        self.default = rules.default
+        """The tolerance of a float field that no other names."""
+        self.ignored = cache(partial(fit, rules.ignore))
+        """Tells whether a field, and with it everything below, is left out."""
+        self.claimed = cache(claimed)
+        """Returns the first tolerance that names a field, None if none does."""
 
 
 def nothing_left(rules: Rules, what: str) -> CallError:

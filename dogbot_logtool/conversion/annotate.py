@@ -1,7 +1,7 @@
 """What is drawn of a walk in any span of log time: looked up, so that spans need no order."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,13 +12,11 @@ from dogbot_logtool.core.base.poses import Odometry, usable_poses
 from dogbot_logtool.core.checks.frames import transform_findings
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
-from dogbot_logtool.core.events.event import EventMessage, GaitState
-from dogbot_logtool.core.events.log_messages import event_messages, gait_states, to_log_time
-from dogbot_logtool.core.frames.kinematics import LinkTransforms, TransformMessages, from_opening
+from dogbot_logtool.core.frames.kinematics import TransformMessages, from_opening
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.scene.arrows import Arrows, force_arrows, pressure_arrows, removals
 from dogbot_logtool.core.scene.feet import DrawnFoot, drawn_foot
-from dogbot_logtool.core.scene.loads import Loads, foot_labels, foot_loads, opening_load, silences
+from dogbot_logtool.core.scene.loads import foot_labels, foot_loads, opening_load, silences
 from dogbot_logtool.core.scene.support_scene import leg_lines, support_scene
 from dogbot_logtool.core.stability import NEAR_NS
 from dogbot_logtool.core.walk import Walk
@@ -32,23 +30,13 @@ class Scene:
     """All that is drawn of a walk; columns are sorted by log time."""
 
     plan: ConversionPlan
+    walk: Walk
     feet: tuple[DrawnFoot, ...]
-    transforms: TransformMessages
-    """Of the base."""
     poses: Odometry
     """Those that support and legs are drawn at."""
-    links: Sequence[LinkTransforms]
-    """Those that joint states move."""
-    loads: Loads
-    """Beside those of samples: where silences begin, and at the opening."""
-    recorded: Arrows | None
-    """Those of contact states as they were recorded; None: there are none."""
-    events: Sequence[EventMessage]
-    event_log_time: Ints
-    """(events,) ns."""
-    gaits: Sequence[GaitState]
-    gait_log_time: Ints
-    """(gaits,) ns."""
+    others: Sequence[Drawn]
+    """What is made of neither samples nor these poses: transforms of base and links, arrows of
+    contact states as they were recorded, and loads where the log and silences begin."""
     known_from: int
     """ns, log time from which the state of every foot is known, if that is soon."""
     findings: tuple[Finding, ...]
@@ -78,28 +66,21 @@ def draw(plan: ConversionPlan, walk: Walk, recorded: Sequence[Arrows]) -> Scene:
     )
     poses = recording.base.pick(usable_poses(recording.base))
     poses = poses.pick(first_at_each_tick(poses.time, plan.options.tf_rate))
-    place = poses.position[:, None], poses.orientation[:, None]
-    in_world = TransformMessages(poses.log_time, poses.time, *place)
     first = [int(foot.samples.log_time[0]) for foot in feet if len(foot.samples.log_time)]
     known_from = max([opening, *first])
     known_from = known_from if known_from - opening <= NEAR_NS else opening
     loads = [opening_load(foot, plan.body_weight_n, opening) for foot in feet]
     loads.append(silences(feet, opening, plan.end))
-    events, gaits = event_messages(walk), gait_states(walk)
-    times = (np.array([one.time for one in each], np.int64) for each in (events, gaits))
-    event_log_time, gait_log_time = (to_log_time(walk, time, opening, plan.end) for time in times)
     return Scene(
         plan=plan,
+        walk=walk,
         feet=feet,
-        transforms=from_opening(in_world, opening),
         poses=_known_poses(poses, opening, known_from),
-        links=_links(plan, recording, opening),
-        loads=in_time_order(concatenated(loads)),
-        recorded=in_time_order(concatenated(recorded)) if recorded else None,
-        events=events,
-        event_log_time=event_log_time,
-        gaits=gaits,
-        gait_log_time=gait_log_time,
+        others=[
+            *_transforms(plan, recording, poses, opening),
+            *([in_time_order(concatenated(recorded))] if recorded else []),
+            in_time_order(concatenated(loads)),
+        ],
         known_from=known_from,
         findings=findings,
     )
@@ -132,16 +113,18 @@ def _known_poses(poses: Odometry, opening: int, known_from: int) -> Odometry:
     return concatenated([first, known.pick(known.log_time > opening)])
 
 
-def _links(plan: ConversionPlan, recording: Recording, opening: int) -> list[LinkTransforms]:
-    """Return the links that are written: as often as the base, and at the log's first time."""
+def _transforms(
+    plan: ConversionPlan, recording: Recording, poses: Odometry, opening: int
+) -> Iterator[TransformMessages]:
+    """Yield the transforms of the base and of the links, and what they are at the first time."""
+    if plan.writes_base:
+        place = poses.position[:, None], poses.orientation[:, None]
+        yield from_opening(TransformMessages(poses.log_time, poses.time, *place), opening)
     motion, rate_hz = plan.description.motion, plan.options.tf_rate
-    if motion is None:
-        return []
-    moved = (motion.links(table) for table in recording.joints if table.topic == motion.topic)
-    return [
-        from_opening(picked(each, first_at_each_tick(each.stamp, rate_hz)), opening)
-        for each in moved
-    ]
+    for table in recording.joints if motion else ():
+        if motion is not None and table.topic == motion.topic:
+            links = motion.links(table)
+            yield from_opening(picked(links, first_at_each_tick(links.stamp, rate_hz)), opening)
 
 
 def annotations_between(scene: Scene, start: int, end: int) -> tuple[list[Drawn], Counter[str]]:
@@ -162,18 +145,12 @@ def annotations_between(scene: Scene, start: int, end: int) -> tuple[list[Drawn]
     plan, wanted, counts = scene.plan, scene.plan.wanted, Counter[str]()
     feet = [(foot, rows(foot.samples.log_time)) for foot in scene.feet]
     forced = [each for each in feet if each[0].has_force]
-    drawn: list[Drawn] = []
-    if plan.writes_base:
-        drawn.append(within(scene.transforms, scene.transforms.log_time))
-    drawn += [within(each, each.log_time) for each in scene.links]
-    if scene.recorded is not None:
-        drawn.append(within(scene.recorded, scene.recorded.log_time))
+    drawn: list[Drawn] = [within(each, each.log_time) for each in scene.others]
     for foot, own in () if plan.style.needs_contact_states else forced:
         arrows, skipped = _arrows(plan, foot, own)
         drawn += arrows
         counts += skipped
     drawn += [foot_loads(*each, plan.body_weight_n) for each in feet]
-    drawn.append(within(scene.loads, scene.loads.log_time))
     drawn += [foot_labels(*each) for each in forced]
     poses = within(scene.poses, scene.poses.log_time)
     # Before the feet are known, what they do at once.

@@ -19,11 +19,13 @@ from dogbot_logtool import __version__
 from dogbot_logtool.conversion.annotate import Scene, annotations_between
 from dogbot_logtool.conversion.copying import CopiedSpan, as_it_stands
 from dogbot_logtool.conversion.plan import ConversionPlan
-from dogbot_logtool.core.events.event import Level
+from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.events.event import EventMessage, GaitState, Level
+from dogbot_logtool.core.events.log_messages import event_messages, gait_states, to_log_time
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import file_name
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.provenance import PROVENANCE
 from dogbot_logtool.reader.containers.log import Chunk, Log, Loss, lost_messages
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
@@ -189,17 +191,22 @@ def annotate_span(
 
 def event_records(annotations: Annotations, scene: Scene) -> Iterator[MessageRecords]:
     """Yield the messages of `/gait`, `/events` and `/events/spans`."""
-    made, channels = annotations.encoding.message, annotations.channels
-    gaits = (made(described.gait(each)) for each in scene.gaits)
-    yield of_payloads(channels[GAIT_TOPIC], gaits, scene.gait_log_time)
-    events, log_time = scene.events, scene.event_log_time
+    made, channels, walk = annotations.encoding.message, annotations.channels, scene.walk
+
+    def log_time(happened: Sequence[EventMessage | GaitState]) -> Ints:
+        time = np.array([each.time for each in happened], np.int64)
+        return to_log_time(walk, time, scene.plan.opening or 0, scene.plan.end)
+
+    events, gaits = event_messages(walk), gait_states(walk)
+    states = (made(described.gait(each)) for each in gaits)
+    yield of_payloads(channels[GAIT_TOPIC], states, log_time(gaits))
     logged = (made(described.event(each)) for each in events)
-    yield of_payloads(channels[EVENTS_TOPIC], logged, log_time)
+    yield of_payloads(channels[EVENTS_TOPIC], logged, log_time(events))
     if SPANS_TOPIC in channels:
         # A viewer's timeline shows what calls for a look; steps are in the log panel.
         odd = [row for row, each in enumerate(events) if each.level is not Level.DEBUG]
         spans = (made(described.span(events[row])) for row in odd)
-        yield of_payloads(channels[SPANS_TOPIC], spans, log_time[odd])
+        yield of_payloads(channels[SPANS_TOPIC], spans, log_time(events)[odd])
 
 
 def provenance_record(

@@ -1,14 +1,14 @@
 """The messages that we add: transforms, arrows, loads, support and the robot, made of columns."""
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache
 from itertools import chain
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Ints, rows_by_group
+from dogbot_logtool.core.arrays import Flags, Ints, rows_by_group
 from dogbot_logtool.core.frames.kinematics import LinkTransforms, TransformMessages
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.core.scene.foot_style import short_names
@@ -21,7 +21,7 @@ from dogbot_logtool.writer.encodings.encoding import Encoding
 from dogbot_logtool.writer.encodings.registry import texts
 from dogbot_logtool.writer.markers import Look
 from dogbot_logtool.writer.message_records import MessageRecords, by_channel, of_payloads
-from dogbot_logtool.writer.template import Columns, Records, Template
+from dogbot_logtool.writer.template import Records, Template
 from dogbot_logtool.writer.topics import (
     EVENTS_TOPIC,
     GAIT_TOPIC,
@@ -43,8 +43,6 @@ Drawn = TransformMessages | Arrows | Loads | Labels | SupportScene | LegLines
 """Columns of one kind of annotation."""
 DescribedBy = tuple[str, Callable[..., Described], tuple[Hashable, ...]]
 """A topic, the function that describes its message, and what that takes."""
-Groups = tuple[Ints, Callable[[int], DescribedBy], Columns]
-"""(n,) the group of each message; what describes a group's messages; and their columns."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,92 +109,58 @@ class Annotations:
 
     def _records(self, drawn: Drawn) -> Iterator[Records]:
         """Yield the messages of one kind of annotation, those of one topic and template at once."""
-        group, described_by, columns = self._groups(drawn)
-        columns = {**columns, **self.encoding.stamp_columns(drawn.stamp)}
-        for number, rows in rows_by_group(group):
-            topic, describe, of = described_by(number)
+        columns = {field.name: getattr(drawn, field.name) for field in fields(drawn)}
+        columns |= self.encoding.stamp_columns(drawn.stamp)
+        for layout, rows in _alike(_layouts(drawn), len(drawn.stamp)):
+            topic, describe, of = self._described_by(drawn, layout)
             template = _kept_template(self.encoding, describe, *of)
             yield template.records(self.channels[topic], drawn.log_time, columns, rows)
 
-    def _groups(self, drawn: Drawn) -> Groups:
-        """Return which messages share a topic and a template, what these are, and the columns."""
-        frame, feet, look = self._wanted.world_frame, self._wanted.feet, self._wanted.look
+    def _described_by(self, drawn: Drawn, layout: Sequence[int]) -> DescribedBy:
+        """Return the topic of messages of one layout, and what describes them."""
+        frame, look = self._wanted.world_frame, self._wanted.look
+        foot = self._wanted.feet[layout[0]] if hasattr(drawn, "foot") else ""
         match drawn:
-            case LinkTransforms():
-                groups = _transforms(tuple(self._wanted.links), drawn)
             case TransformMessages():
-                groups = _transforms(((frame, self._wanted.base_frame),), drawn)
+                base = ((frame, self._wanted.base_frame),)
+                pairs = self._wanted.links if isinstance(drawn, LinkTransforms) else base
+                return TF_TOPIC, described.transforms, (tuple(pairs),)
             case Arrows():
-                arrows = [(arrow_topic(foot), markers.arrow, (foot, frame, look)) for foot in feet]
-                groups = _visible_or_not(drawn, arrows, markers.arrow_columns(drawn))
+                return arrow_topic(foot), markers.arrow, (foot, frame, look, not layout[1])
             case Labels():
-                labels = [
-                    (label_topic(foot), markers.label, (foot, frame, name))
-                    for foot, name in zip(feet, short_names(feet), strict=True)
-                ]
-                groups = _visible_or_not(drawn, labels, markers.label_columns(drawn))
+                short = short_names(self._wanted.feet)[layout[0]]
+                return label_topic(foot), markers.label, (foot, frame, short, not layout[1])
             case Loads():
-                groups = _loads(drawn, feet)
+                return load_topic(foot), described.load, (LOAD_STATES[layout[1]], bool(layout[2]))
             case SupportScene():
-                groups = _supports(drawn, frame, look)
+                return SUPPORT_TOPIC, markers.support, (layout, frame, look)
             case LegLines():
-                groups = _leg_lines(drawn, frame, look)
-        return groups
+                return LEGS_TOPIC, markers.legs, (layout, frame, look)
 
 
-def _transforms(pairs: tuple[tuple[str, str], ...], drawn: TransformMessages) -> Groups:
-    """Group the transforms of k parents and children."""
-    columns = described.transform_columns(drawn.translation, drawn.rotation)
-    group = np.zeros(len(drawn.stamp), np.int64)
-    return group, lambda _: (TF_TOPIC, described.transforms, (pairs,)), columns
+def _layouts(drawn: Drawn) -> Sequence[Ints | Flags]:
+    """Return numbers, each (n,); messages that share them differ in the values of slots alone."""
+    match drawn:
+        case Arrows() | Labels():
+            return drawn.foot, ~drawn.visible
+        case Loads():
+            return drawn.foot, drawn.state, drawn.in_contact
+        case SupportScene():
+            points = (getattr(drawn, name) for name in markers.SUPPORT_POINTS)
+            return [np.isfinite(each[:, :, 0]).sum(axis=1) for each in points]
+        case LegLines():
+            return tuple(np.isfinite(drawn.ends[:, :, 0, 0]).T)
+    return ()
 
 
-def _visible_or_not(
-    drawn: Arrows | Labels, by_foot: Sequence[DescribedBy], columns: Columns
-) -> Groups:
-    """Group what is drawn at a foot, or removed from it."""
-
-    def described_by(group: int) -> DescribedBy:
-        foot, removed = divmod(group, 2)
-        topic, describe, of = by_foot[foot]
-        return topic, describe, (*of, not removed)
-
-    return 2 * drawn.foot + ~drawn.visible, described_by, columns
-
-
-def _loads(loads: Loads, feet: Sequence[str]) -> Groups:
-    def described_by(group: int) -> DescribedBy:
-        foot, rest = divmod(group, 2 * len(LOAD_STATES))
-        state, touches = divmod(rest, 2)
-        return load_topic(feet[foot]), described.load, (LOAD_STATES[state], bool(touches))
-
-    group = 2 * (len(LOAD_STATES) * loads.foot + loads.state) + loads.in_contact
-    return group, described_by, {"force": loads.force, "force_bw": loads.body_weights}
-
-
-def _supports(scene: SupportScene, frame: str, look: Look) -> Groups:
-    """Group messages of what the robot stands on by their numbers of points."""
-    points = markers.support_points(scene).values()
-    sizes = [each.shape[1] + 1 for each in points]
-    counts = [np.isfinite(each[:, :, 0]).sum(axis=1) for each in points]
-
-    def described_by(group: int) -> DescribedBy:
-        shape = tuple(map(int, np.unravel_index(group, sizes)))
-        return SUPPORT_TOPIC, markers.support, (shape, frame, look)
-
-    return np.ravel_multi_index(counts, sizes), described_by, markers.support_columns(scene)
-
-
-def _leg_lines(lines: LegLines, frame: str, look: Look) -> Groups:
-    """Group messages of legs by their standing feet."""
-    standing = np.isfinite(lines.ends[:, :, 0, 0])
-    patterns, group = np.unique(standing, axis=0, return_inverse=True)
-
-    def described_by(group: int) -> DescribedBy:
-        feet = tuple(np.flatnonzero(patterns[group]).tolist())
-        return LEGS_TOPIC, markers.legs, (feet, frame, look)
-
-    return group.reshape(-1), described_by, markers.leg_columns(lines)
+def _alike(layouts: Sequence[Ints | Flags], count: int) -> Iterator[tuple[tuple[int, ...], Ints]]:
+    """Yield each layout of some messages, with the rows that have it."""
+    group, sizes = np.zeros(count, np.int64), []
+    for numbers in layouts:
+        sizes.append(int(numbers.max(initial=0)) + 1)
+        group = group * sizes[-1] + numbers
+    for number, rows in rows_by_group(group):
+        yield tuple(map(int, np.unravel_index(number, sizes))), rows
 
 
 @lru_cache(_TEMPLATES_KEPT)

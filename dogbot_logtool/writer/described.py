@@ -1,17 +1,14 @@
 """The messages that we add, in terms of ROS 2; `encodings/` writes them as other messages, too.
 
-Beside each message stand the columns of its slots.
+Slots have the names of the columns that are drawn.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
-from numpy.typing import NDArray
-
-from dogbot_logtool.core.arrays import Float32s, Floats
 from dogbot_logtool.core.events.event import EventMessage, GaitState
-from dogbot_logtool.writer.template import Columns, Literal, Of, Slot
+from dogbot_logtool.writer.template import Literal, Of, Slot
 
 TF: Final = "tf2_msgs/msg/TFMessage"
 MARKER: Final = "visualization_msgs/msg/Marker"
@@ -39,7 +36,7 @@ OWN_FIELDS: Final[Mapping[str, tuple[tuple[str, str, int], ...]]] = {
 """Name, type and number in protobuf of the fields of our own messages, behind a stamp."""
 LOAD_STATES: Final = ("stance", "swing", "unknown")
 """Values of a load's `state`, in the order of `LoadState`."""
-STAMP: Final[Literal] = {name: Slot(f"stamp.{name}", Of.TIME) for name in ("sec", "nanosec")}
+STAMP: Final[Literal] = {name: Slot(f"stamp.{name}", of=Of.TIME) for name in ("sec", "nanosec")}
 """Slots of a message's time."""
 _SOURCE: Final = "dogbot_logtool"
 """The program that log panels name."""
@@ -58,22 +55,9 @@ class Described:
     """Of that; 0: for ever."""
 
 
-def slots(names: str, prefix: str = "", of: Of = Of.NUMBER) -> Literal:
-    """Return slots of the parts of a vector, a quaternion or a colour."""
-    return {name: Slot(f"{prefix}{name}", of) for name in names}
-
-
-def parts(names: str, values: Floats | Float32s, prefix: str = "") -> Columns:
-    """Return the parts of vectors, quaternions or colours, (n, parts), as columns of `slots`."""
-    return {f"{prefix}{name}": column for name, column in zip(names, values.T, strict=True)}
-
-
-def parts_of_each(names: str, values: Floats, prefix: str) -> Columns:
-    """Return the parts of k vectors a message, (n, k, parts), numbered behind the prefix."""
-    columns: dict[str, NDArray[Any]] = {}
-    for index in range(values.shape[1]):
-        columns |= parts(names, values[:, index], f"{prefix}{index}.")
-    return columns
+def slots(parts: str, name: str, *index: int, of: Of = Of.NUMBER) -> Literal:
+    """Return slots of the parts of a vector, a quaternion or a colour, (..., parts) in a row."""
+    return {part: Slot(name, (*index, number), of) for number, part in enumerate(parts)}
 
 
 def time(nanoseconds: int) -> Literal:
@@ -89,8 +73,8 @@ def transforms(pairs: Sequence[tuple[str, str]]) -> Described:
             "header": {"stamp": STAMP, "frame_id": parent},
             "child_frame_id": child,
             "transform": {
-                "translation": slots("xyz", f"t{index}."),
-                "rotation": slots("xyzw", f"q{index}."),
+                "translation": slots("xyz", "translation", index),
+                "rotation": slots("xyzw", "rotation", index),
             },
         }
         for index, (parent, child) in enumerate(pairs)
@@ -98,14 +82,9 @@ def transforms(pairs: Sequence[tuple[str, str]]) -> Described:
     return Described(TF, {"transforms": each})
 
 
-def transform_columns(translation: Floats, rotation: Floats) -> Columns:
-    """Return the columns of k transforms, (n, k, 3) m and (n, k, 4) quaternions x y z w."""
-    return {**parts_of_each("xyz", translation, "t"), **parts_of_each("xyzw", rotation, "q")}
-
-
 def load(state: str, in_contact: bool) -> Described:  # noqa: FBT001 - what differs
-    """Describe a foot's load in one of `LOAD_STATES`: slots ``force`` and ``force_bw``."""
-    values = {name: Slot(name) for name in ("force", "force_bw")}
+    """Describe a foot's load in one of `LOAD_STATES`."""
+    values = {"force": Slot("force"), "force_bw": Slot("body_weights")}
     return Described(LOAD, {"stamp": STAMP, "state": state, "in_contact": in_contact, **values})
 
 

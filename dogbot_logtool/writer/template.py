@@ -5,7 +5,7 @@ is serialised twice with numbers that occur nowhere else in it. The copies are a
 array of MCAP message records, and the numbers are written into its columns.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
@@ -18,7 +18,7 @@ from dogbot_logtool.core.arrays import Ints
 
 Number = float | int | str
 Columns = Mapping[str, NDArray[Any]]
-"""(n,) values of each slot, by name."""
+"""(n, ...) values by the name of a slot."""
 Records = NDArray[np.void]
 """(n,) message records of one channel and one size."""
 
@@ -60,9 +60,19 @@ class Slot:
     """Where a message has a value that varies."""
 
     name: str
+    """Of the columns that have it."""
+    index: tuple[int, ...] = ()
+    """Of the value in a row of these columns."""
     of: Of = Of.NUMBER
     before: str = ""
     """What stands before a text."""
+    share: float = 1.0
+    """Of a number that is written."""
+
+    def values(self, columns: Columns, rows: Ints) -> NDArray[Any]:
+        """Return what is written for some rows, (m,)."""
+        values: NDArray[Any] = columns[self.name][(rows, *self.index)]
+        return values if self.share == 1.0 else self.share * values
 
 
 Literal = Mapping[str, Any]
@@ -77,8 +87,8 @@ class Template:
     """The message record, of channel 0."""
     dtype: "np.dtype[np.void]"
     """Fields of the record: those of its head, and one for each place of a number."""
-    slots: Mapping[str, str]
-    """Name of the slot of each place, by the place's field."""
+    slots: Mapping[str, Slot]
+    """By the field of each place."""
 
     def records(self, channel: int, log_time: Ints, columns: Columns, rows: Ints) -> Records:
         """Return a record of each of some rows.
@@ -86,7 +96,7 @@ class Template:
         Args:
             channel: id of the channel.
             log_time: (n,) ns; the publish time is the same.
-            columns: (n,) of at least the template's slots.
+            columns: (n, ...) of at least the template's slots.
             rows: (m,) of the columns.
         """
         copies = np.empty(len(rows), f"V{len(self.record)}")
@@ -95,7 +105,7 @@ class Template:
         records["channel"] = channel
         records["log_time"] = records["publish_time"] = log_time[rows]
         for field, slot in self.slots.items():
-            records[field] = columns[slot][rows]
+            records[field] = slot.values(columns, rows)
         return records
 
 
@@ -109,32 +119,31 @@ def learn(
         literal: the message; one slot may stand in several places.
         kinds_of: how the encoding writes values.
     """
-    kinds: dict[str, str] = {}
-    numbers: dict[str, int] = {}
+    numbers: dict[Slot, int] = {}
 
     def filled(*, other: bool) -> bytes:
         def value_of(slot: Slot) -> Number:
-            kind = kinds.setdefault(slot.name, kinds_of[slot.of])
-            number = numbers.setdefault(slot.name, len(numbers))
-            value, _ = _mark(kind, number, other)
-            return f"{slot.before}{value}" if kind == TEXT else value
+            number = numbers.setdefault(slot, len(numbers))
+            value, _ = _mark(kinds_of[slot.of], number, other)
+            return f"{slot.before}{value}" if slot.of is Of.TEXT else value
 
         return serialise(_filled(literal, value_of))
 
     message, changed = filled(other=False), filled(other=True)
     expected = bytearray(message)
-    places: list[tuple[str, int]] = []
-    for name, kind in kinds.items():
-        first, second = (_mark(kind, numbers[name], other)[1] for other in (False, True))
+    places: list[tuple[Slot, str, int]] = []
+    for slot, number in numbers.items():
+        kind = kinds_of[slot.of]
+        first, second = (_mark(kind, number, other)[1] for other in (False, True))
         found = _found(message, first, changed, second)
         if not found:
-            raise AssertionError(f"{name} is not written in a fixed width")
+            raise AssertionError(f"{slot.name} is not written in a fixed width")
         for offset in found:
             expected[offset : offset + len(second)] = second
-            places.append((name, offset))
+            places.append((slot, kind, offset))
     if expected != changed:
-        raise AssertionError(f"more changes than {', '.join(kinds)}")
-    return _of_places(message, [(name, kinds[name], offset) for name, offset in places])
+        raise AssertionError(f"more changes than {', '.join(slot.name for slot in numbers)}")
+    return _of_places(message, places)
 
 
 def _filled(value: Any, value_of: Callable[[Slot], Number]) -> Any:  # noqa: ANN401 - of a literal
@@ -146,22 +155,21 @@ def _filled(value: Any, value_of: Callable[[Slot], Number]) -> Any:  # noqa: ANN
     return [_filled(each, value_of) for each in value] if isinstance(value, list) else value
 
 
-def _of_places(message: bytes, places: list[tuple[str, str, int]]) -> Template:
-    """Return the template of a message whose slots stand at some offsets."""
+def _of_places(message: bytes, places: Sequence[tuple[Slot, str, int]]) -> Template:
+    """Return the template of a message with slots, written as some kinds at some offsets."""
     head = np.zeros((), MESSAGE_HEAD)
     head["opcode"] = MESSAGE_OPCODE
     head["length"] = len(message) + (MESSAGE_HEAD.itemsize - RECORD_HEAD_SIZE)
     of_head: Mapping[str, tuple[Any, ...]] = MESSAGE_HEAD.fields or {}
     fields = {name: of_head[name][:2] for name in ("channel", "log_time", "publish_time")}
-    slots = {f"{name} {offset}": name for name, _, offset in places}
-    for name, kind, offset in places:
-        fields[f"{name} {offset}"] = np.dtype(kind), MESSAGE_HEAD.itemsize + offset
+    for _, kind, offset in places:
+        fields[str(offset)] = np.dtype(kind), MESSAGE_HEAD.itemsize + offset
     record = head.tobytes() + message
     formats, offsets = zip(*fields.values(), strict=True)
     dtype = np.dtype(
         {"names": list(fields), "formats": formats, "offsets": offsets, "itemsize": len(record)}
     )
-    return Template(record, dtype, slots)
+    return Template(record, dtype, {str(offset): slot for slot, _, offset in places})
 
 
 @cache

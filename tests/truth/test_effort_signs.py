@@ -1,6 +1,5 @@
 """Wrong signs of efforts, on a robot in a physics engine that walks on level and sloping ground."""
 
-from collections.abc import Callable
 from functools import cache
 from typing import Any, Final
 
@@ -35,20 +34,13 @@ def robot(slope_rad: float) -> physics.Physics:
     return free_walker.walker(AHEAD, SECONDS, slope_rad=slope_rad)
 
 
-@pytest.fixture(scope="module")
-def measured(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., dl.Walk]:
-    @cache
-    def walk(slope_rad: float, way: str, turned: tuple[int, ...] = ()) -> dl.Walk:
-        def change(position: Floats, velocity: Floats, effort: Floats) -> tuple[Floats, ...]:
-            signs = np.where(np.isin(ALL, turned), -1.0, 1.0)
-            return position, velocity, effort * signs
+@cache
+def measured(slope_rad: float, way: str, turned: tuple[int, ...] = ()) -> dl.Walk:
+    def change(position: Floats, velocity: Floats, effort: Floats) -> tuple[Floats, ...]:
+        return position, velocity, np.where(np.isin(ALL, turned), -effort, effort)
 
-        path = tmp_path_factory.mktemp("signs") / "walk.mcap"
-        options: dict[str, Any] = WAYS[way]
-        physics.write_log(path, robot(slope_rad), change=change, **options)
-        return dl.measure(path, mass=robot(slope_rad).mass_kg)
-
-    return walk
+    options: dict[str, Any] = WAYS[way]
+    return physics.measured(robot(slope_rad), change=change, **options)
 
 
 def doubts(walk: dl.Walk) -> list[str]:
@@ -65,9 +57,7 @@ def true_work(slope_rad: float) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize(("slope_rad", "way"), LOGS)
-def test_right_signs_are_not_doubted(
-    measured: Callable[..., dl.Walk], slope_rad: float, way: str
-) -> None:
+def test_right_signs_are_not_doubted(slope_rad: float, way: str) -> None:
     walk = measured(slope_rad, way)
     positive, net = true_work(slope_rad)
     assert (net < 0.0) == (slope_rad == DOWN_RAD)
@@ -79,7 +69,7 @@ def test_right_signs_are_not_doubted(
 
 
 @pytest.mark.parametrize(("slope_rad", "way"), LOGS)
-def test_all_signs_wrong(measured: Callable[..., dl.Walk], slope_rad: float, way: str) -> None:
+def test_all_signs_wrong(slope_rad: float, way: str) -> None:
     walk, right = measured(slope_rad, way, ALL), measured(slope_rad, way)
     assert len(doubts(walk)) == 1
     legs, true = walk.stats["legs"], right.stats["legs"]
@@ -101,7 +91,7 @@ def test_all_signs_wrong(measured: Callable[..., dl.Walk], slope_rad: float, way
     ids=["leg", "calf", "thigh"],
 )
 def test_a_leg_or_a_joint_with_the_wrong_sign(
-    measured: Callable[..., dl.Walk], way: str, turned: tuple[int, ...], named: str
+    way: str, turned: tuple[int, ...], named: str
 ) -> None:
     walk, right = measured(0.0, way, turned), measured(0.0, way)
     (text,) = doubts(walk)
@@ -116,6 +106,6 @@ def test_a_leg_or_a_joint_with_the_wrong_sign(
     np.testing.assert_array_equal(strides["absolute_work_j"], true["absolute_work_j"])
 
 
-def test_what_nothing_contradicts_is_not_doubted(measured: Callable[..., dl.Walk]) -> None:
+def test_what_nothing_contradicts_is_not_doubted() -> None:
     """Downhill motors may do any work, and force sensors tell no direction."""
     assert doubts(measured(DOWN_RAD, "force sensors", ALL)) == []

@@ -1,7 +1,6 @@
 """Joint states with other units, signs, names and rates, of a robot in a physics engine."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -13,20 +12,12 @@ from tests.truth.recording import Floats
 
 SECONDS: Final = 4.0
 States = tuple[Floats, Floats, Floats]
-Measure = Callable[..., dl.Walk]
 CALF: Final = 2
 """The first leg's."""
 
 
-@pytest.fixture
-def measure(tmp_path: Path) -> Measure:
-    def walk(**options: Any) -> dl.Walk:
-        robot = free_walker.trot(SECONDS)
-        path = tmp_path / "walk.mcap"
-        physics.write_log(path, robot, **{"by_transforms": True, **options})
-        return dl.measure(path, mass=robot.mass_kg)
-
-    return walk
+def measure(**options: Any) -> dl.Walk:
+    return physics.measured(free_walker.trot(SECONDS), **{"by_transforms": True, **options})
 
 
 def only(column: int, faulty: Floats, values: Floats) -> Floats:
@@ -73,7 +64,7 @@ TWICE: Final = (physics.JOINTS[0], physics.JOINTS[0], *physics.JOINTS[2:])
     ],
 )  # fmt: skip
 def test_work_is_null_and_the_cause_is_named(
-    measure: Measure, change: str, options: dict[str, Any], code: str, cause: str
+    change: str, options: dict[str, Any], code: str, cause: str
 ) -> None:
     walk = measure(change=CHANGES.get(change), **options)
     found = [f["text"] for f in walk.stats["findings"] if f["code"] == code and cause in f["text"]]
@@ -89,7 +80,7 @@ def test_work_is_null_and_the_cause_is_named(
 
 
 @pytest.mark.parametrize("told", [1.0, 0.0], ids=["velocities", "none"])
-def test_positions_that_wrap_change_nothing(measure: Measure, told: float) -> None:
+def test_positions_that_wrap_change_nothing(told: float) -> None:
     """As of continuous joints that swing about +-pi: a turn less above the middle."""
 
     def right(position: Floats, velocity: Floats, effort: Floats) -> States:
@@ -112,7 +103,7 @@ def test_positions_that_wrap_change_nothing(measure: Measure, told: float) -> No
         assert joint["peak_speed"] == pytest.approx(true["peak_speed"], abs=5e-4)
 
 
-def test_names_of_another_robot_do_not_place_its_feet(measure: Measure) -> None:
+def test_names_of_another_robot_do_not_place_its_feet() -> None:
     names = tuple(f"robot_{joint}" for joint in physics.JOINTS)
     walk = measure(names=names, by_transforms=False)
     because = walk.stats["null_because"]["feet.front_left.clearance_m"]

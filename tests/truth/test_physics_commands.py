@@ -1,13 +1,11 @@
 """A robot in a physics engine that follows velocity commands through a known latency."""
 
-from collections.abc import Callable
 from functools import cache
 from typing import Any, Final
 
 import numpy as np
 import pytest
 
-import dogbot_logtool as dl
 from tests.truth import free_walker, physics
 from tests.truth.recording import Floats, inverse, turned
 
@@ -29,24 +27,13 @@ ODOMETRY_S: Final = 0.01
 AXES: Final = {"forward": ("mps", 0), "lateral": ("mps", 1), "yaw": ("radps", 2)}
 
 
-@pytest.fixture(scope="module")
-def measured(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., dict[str, Any]]:
-    @cache
-    def commands(steps: free_walker.Steps, latency_s: float, seconds: float) -> dict[str, Any]:
-        robot = free_walker.walker(steps, seconds, latency_s)
-        path = tmp_path_factory.mktemp("commands") / "walk.mcap"
-        physics.write_log(
-            path,
-            robot,
-            by_transforms=False,
-            every=round(ODOMETRY_S / free_walker.KEPT_S),
-            commands=free_walker.sent(steps, seconds),
-        )
-        stats = dl.measure(path, mass=robot.mass_kg).stats
-        found: dict[str, Any] = stats["commands"]
-        return found
-
-    return commands
+@cache
+def measured(steps: free_walker.Steps, latency_s: float, seconds: float) -> dict[str, Any]:
+    every = round(ODOMETRY_S / free_walker.KEPT_S)
+    robot, sent = free_walker.walker(steps, seconds, latency_s), free_walker.sent(steps, seconds)
+    walk = physics.measured(robot, by_transforms=False, every=every, commands=sent)
+    found: dict[str, Any] = walk.stats["commands"]
+    return found
 
 
 def true_velocity(robot: physics.Physics, axis: int) -> Floats:
@@ -78,9 +65,7 @@ def true_errors(latency_s: float, axis: int) -> tuple[float, float]:
 
 @pytest.mark.parametrize("axis", AXES)
 @pytest.mark.parametrize("latency_s", [0.0, 0.3])
-def test_tracking_is_that_of_the_engine(
-    measured: Callable[..., dict[str, Any]], latency_s: float, axis: str
-) -> None:
+def test_tracking_is_that_of_the_engine(latency_s: float, axis: str) -> None:
     unit, column = AXES[axis]
     found = measured(STEPS, latency_s, SECONDS)[axis]
     mean, rms = true_errors(latency_s, column)
@@ -89,9 +74,7 @@ def test_tracking_is_that_of_the_engine(
 
 
 @pytest.mark.parametrize("ahead_mps", [0.4, 0.0], ids=["constant", "zero"])
-def test_the_mean_while_a_command_never_changes(
-    measured: Callable[..., dict[str, Any]], ahead_mps: float
-) -> None:
+def test_the_mean_while_a_command_never_changes(ahead_mps: float) -> None:
     steps: free_walker.Steps = ((-9.0, (ahead_mps, 0.0, 0.0)),)
     found = measured(steps, 0.1, 6.0)
     for axis, (unit, column) in AXES.items():

@@ -1,6 +1,5 @@
 """Legs of a trot that a physics engine made: clearance, touchdowns, work, curves and gaps."""
 
-from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -13,14 +12,9 @@ from tests.truth.free_walker import KEPT_S, trot
 from tests.truth.recording import Floats
 
 
-@pytest.fixture(scope="module")
-def measured(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., dl.Walk]:
-    @cache
-    def walk(**options: Any) -> dl.Walk:
-        path = tmp_path_factory.mktemp("physics") / "trot.mcap"
-        return dl.measure(physics.write_log(path, trot(), **options), mass=trot().mass_kg)
-
-    return walk
+@cache
+def measured(**options: Any) -> dl.Walk:
+    return physics.measured(trot(), **options)
 
 
 def touchdowns(foot: int) -> list[int]:
@@ -60,7 +54,7 @@ def test_the_engine_carries_the_weight() -> None:
 
 
 @BOTH
-def test_clearance_and_swing_length(measured: Callable[..., dl.Walk], by_transforms: Any) -> None:
+def test_clearance_and_swing_length(by_transforms: Any) -> None:
     truth, walk = trot(), measured(by_transforms=by_transforms)
     for foot in range(4):
         clearance = []
@@ -75,7 +69,7 @@ def test_clearance_and_swing_length(measured: Callable[..., dl.Walk], by_transfo
 
 
 @BOTH
-def test_velocity_of_touchdowns(measured: Callable[..., dl.Walk], by_transforms: Any) -> None:
+def test_velocity_of_touchdowns(by_transforms: Any) -> None:
     truth, walk = trot(), measured(by_transforms=by_transforms)
     for foot in range(4):
         down = [-truth.foot_velocity[end - 1, foot, 2] for _, end in spans(walk, foot)]
@@ -91,7 +85,7 @@ def test_velocity_of_touchdowns(measured: Callable[..., dl.Walk], by_transforms:
 
 
 @BOTH
-def test_work_of_a_leg(measured: Callable[..., dl.Walk], by_transforms: Any) -> None:
+def test_work_of_a_leg(by_transforms: Any) -> None:
     truth, walk = trot(), measured(by_transforms=by_transforms)
     for foot in range(4):
         joints = slice(3 * foot, 3 * foot + 3)
@@ -105,7 +99,7 @@ def test_work_of_a_leg(measured: Callable[..., dl.Walk], by_transforms: Any) -> 
             assert found == pytest.approx(done, rel=0.02)
 
 
-def test_cost_of_transport_and_joints(measured: Callable[..., dl.Walk]) -> None:
+def test_cost_of_transport_and_joints() -> None:
     truth, walk = trot(), measured(by_transforms=True)
     rows = slice(*spans(walk, 0)[0][:1], spans(walk, 0)[-1][1])
     power = np.abs(truth.torque[rows] * truth.velocity[rows]).sum() * KEPT_S
@@ -121,7 +115,7 @@ def test_cost_of_transport_and_joints(measured: Callable[..., dl.Walk]) -> None:
         assert joint["rms_effort"] == pytest.approx(rms, rel=0.02)
 
 
-def test_curves_over_the_gait_cycle(measured: Callable[..., dl.Walk]) -> None:
+def test_curves_over_the_gait_cycle() -> None:
     truth, walk = trot(), measured(by_transforms=False)
     for column, name in enumerate(physics.JOINTS):
         curve = walk.stats["legs"]["joints"][name]["position_over_stride"]
@@ -133,13 +127,13 @@ def test_curves_over_the_gait_cycle(measured: Callable[..., dl.Walk]) -> None:
         assert (np.subtract(curve["upper"], curve["lower"]) < 0.07).all()
 
 
-def test_left_and_right_are_alike(measured: Callable[..., dl.Walk]) -> None:
+def test_left_and_right_are_alike() -> None:
     pairs = measured(by_transforms=False).stats["legs"]["asymmetry_percent"]
     assert len(pairs) == 6
     assert all(abs(index) < 5.0 for index in pairs.values())
 
 
-def test_steps_and_rest(measured: Callable[..., dl.Walk]) -> None:
+def test_steps_and_rest() -> None:
     walk = measured(by_transforms=True)
     width = 2.0 * (physics.HALF_WIDTH + physics.OFFSET)
     for name in physics.NAMES:
@@ -150,19 +144,19 @@ def test_steps_and_rest(measured: Callable[..., dl.Walk]) -> None:
         assert walk.stats["feet"][name]["slip_from"] == "foot_frame"
 
 
-def test_a_ball_that_rolls_tells_no_slip(measured: Callable[..., dl.Walk]) -> None:
+def test_a_ball_that_rolls_tells_no_slip() -> None:
     walk = measured(by_transforms=False)
     for name in physics.NAMES:
         assert walk.stats["feet"][name]["slip_from"] is None
 
 
-def test_several_publishers_tell_the_same(measured: Callable[..., dl.Walk]) -> None:
+def test_several_publishers_tell_the_same() -> None:
     one, three = (measured(by_transforms=False, publishers=each) for each in (1, 3))
     for column in ("clearance_m", "absolute_work_j", "touchdown_down_mps"):
         assert three.strides[column] == pytest.approx(one.strides[column], rel=1e-6, nan_ok=True)
 
 
-def test_a_stride_with_a_silence_has_no_figures(measured: Callable[..., dl.Walk]) -> None:
+def test_a_stride_with_a_silence_has_no_figures() -> None:
     whole = measured(by_transforms=False)
     gap = measured(by_transforms=False, silence_s=(1.30, 1.45))
     for column in ("clearance_m", "absolute_work_j"):
@@ -181,9 +175,7 @@ def without_velocity(*states: Floats) -> tuple[Floats, ...]:
     return states[0], np.zeros_like(states[1]), states[2]
 
 
-def test_positions_are_differenced_where_no_velocity_is_told(
-    measured: Callable[..., dl.Walk],
-) -> None:
+def test_positions_are_differenced_where_no_velocity_is_told() -> None:
     told = measured(by_transforms=False)
     found = measured(by_transforms=False, change=without_velocity)
     assert found.strides["absolute_work_j"] == pytest.approx(
@@ -191,9 +183,7 @@ def test_positions_are_differenced_where_no_velocity_is_told(
     )
 
 
-def test_swings_are_not_known_where_the_odometry_loses_its_way(
-    measured: Callable[..., dl.Walk],
-) -> None:
+def test_swings_are_not_known_where_the_odometry_loses_its_way() -> None:
     walk = measured(by_transforms=True, drift=0.1)
     assert np.isnan(walk.strides["clearance_m"]).all()
     assert walk.stats["null_because"]["feet.front_left.clearance_m"] == "WORLDS_DIFFER"

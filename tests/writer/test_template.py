@@ -25,12 +25,12 @@ from dogbot_logtool.writer.template import (
 PAIR = struct.Struct("<3sIIdfx")
 NS = 1_000_000_000
 INT64 = st.integers(-(2**63), 2**63 - 1)
-STAMP = {"sec": Slot("stamp.sec", Of.TIME), "nanosec": Slot("stamp.nanosec", Of.TIME)}
+STAMP = {"sec": Slot("stamp.sec", of=Of.TIME), "nanosec": Slot("stamp.nanosec", of=Of.TIME)}
 VALUES = {
     "force": Slot("force"),
-    "red": Slot("red", Of.COLOUR),
+    "red": Slot("red", of=Of.COLOUR),
 }
-NUMBER = {"n": Slot("n", Of.TIME)}
+NUMBER = {"n": Slot("n", of=Of.TIME)}
 KINDS = Ros2Encoding.kinds
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, norms
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
@@ -96,6 +97,10 @@ RATE_HZ: Final = 20.0
 """Labels a second: numbers that change faster cannot be read."""
 _BELOW_M: Final = 0.1
 """m from the contact point down to the label, so that neither leg nor arrow hides it."""
+_LABEL_WIDTH: Final = 6
+"""Characters of the number and its unit."""
+_LARGEST_N: Final = 9999.0
+_BEYOND: Final = ">10 kN"
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -112,8 +117,8 @@ class Labels:
     """(n,) whether to draw it; else the foot's label is removed."""
     position: Floats
     """(n, 3) m, world frame."""
-    force: Floats
-    """(n,) N, magnitude."""
+    text: NDArray[np.bytes_]
+    """(n,) the force and its unit, padded with spaces; empty where it is removed."""
 
 
 def foot_labels(foot: DrawnFoot, rows: slice) -> Labels:
@@ -137,4 +142,9 @@ def foot_labels(foot: DrawnFoot, rows: slice) -> Labels:
     visible &= np.isfinite(force) & all_finite(samples.position)
     position = samples.position - np.array([0.0, 0.0, _BELOW_M])
     number = np.full(len(row), foot.number)
-    return Labels(number, samples.log_time, samples.time, visible, position, force)
+    text = np.full(len(row), b"", f"S{_LABEL_WIDTH}")
+    text[visible] = [
+        (_BEYOND if each > _LARGEST_N else f"{each:.0f} N").center(_LABEL_WIDTH).encode()
+        for each in force[visible].tolist()
+    ]
+    return Labels(number, samples.log_time, samples.time, visible, position, text)

@@ -16,6 +16,7 @@ from dogbot_logtool.core.arrays import Float32s, Floats, Ints, all_finite
 from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.rotations import normalised, rotate
 from dogbot_logtool.core.scene.feet import TRAIL, DrawnFoot
+from dogbot_logtool.core.scene.foot_style import colour_parts, foot_colour
 from dogbot_logtool.core.stability import Hulls, centre_of_pressure, hulls, margin_in
 
 SAFE_MARGIN_M: Final = 0.05
@@ -43,18 +44,16 @@ class SupportScene:
     """(n, feet + 1, 3) m, world frame: the support polygon's corners at the heights of their
     contact points, counter-clockwise and closed; two points where two feet, or feet in a row,
     make a line. NaN after the last, and throughout where there is none."""
-    margin: Floats
-    """(n,) m, static margin; NaN where there is no polygon."""
     colour: Float32s
     """(n, 4) of the outline: red, green, blue, alpha in [0, 1]."""
     pressure: Floats
-    """(n, 3) m, centre of pressure; NaN where it is not known."""
+    """(n, 1, 3) m, centre of pressure; NaN where it is not known."""
     projection: Floats
-    """(n, 3) m, the base's ground projection; NaN where the ground's height is not known."""
+    """(n, 1, 3) m, the base's ground projection; NaN where the ground's height is not known."""
     touchdowns: Floats
     """(n, feet * TRAIL, 3) m, the latest touchdowns of all feet; NaN after the last one."""
-    touchdown_feet: Ints
-    """(n, feet * TRAIL) index of the foot of each touchdown."""
+    tints: Floats
+    """(n, feet * TRAIL, 3) red, green, blue of the foot of each touchdown."""
     unknown: int
     """Times at which the contact or the contact point of some foot is unknown."""
     unweighed: int
@@ -85,7 +84,6 @@ def support_scene(
     points = np.where((down & has_point)[:, :, None], point, np.nan)
     in_use = np.where(all_known[:, None, None], points, np.nan)
     hull = hulls(in_use[:, :, :2])
-    margin = margin_in(hull, body[:, :2])
     # A foot that pulls does not move the centre of pressure, as in `stats`.
     load = np.where(down, np.maximum(vertical, 0.0), 0.0)
     weighed = np.isfinite(load).all(axis=1)
@@ -96,16 +94,16 @@ def support_scene(
     height = np.where(np.isnan(height), _mean_of_known(trails[:, :, 0, 2]), height)
     touchdowns = trails.reshape(-1, len(feet) * TRAIL, 3)
     order = np.argsort(np.isnan(touchdowns[:, :, 0]), axis=1, kind="stable")
+    tints = np.array([colour_parts(foot_colour(foot)) for foot in range(len(feet))])
     return SupportScene(
         log_time=poses.log_time,
         stamp=poses.time,
         outline=outlines(in_use, hull),
-        margin=margin,
-        colour=margin_colour(margin),
-        pressure=_known(pressure),
-        projection=_known(np.column_stack([body[:, :2], height])),
+        colour=margin_colour(margin_in(hull, body[:, :2])),
+        pressure=_known(pressure)[:, None],
+        projection=_known(np.column_stack([body[:, :2], height]))[:, None],
         touchdowns=np.take_along_axis(touchdowns, order[:, :, None], axis=1),
-        touchdown_feet=order // TRAIL,
+        tints=tints[order // TRAIL],
         unknown=int((~all_known).sum()),
         unweighed=int((all_known & ~weighed).sum()),
     )

@@ -14,9 +14,8 @@ from dogbot_logtool.core.arrays import (
     rows_by_group,
 )
 from dogbot_logtool.core.frames.transforms import Edge, Transforms
-from dogbot_logtool.core.legs.joints import JointSamples, JointTable
 from dogbot_logtool.core.prepared import plausible_translations
-from dogbot_logtool.core.vectors import VectorSamples
+from dogbot_logtool.core.recording import JointSamples, JointTable, VectorSamples
 from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.decode.columns import Table, Texts
 from dogbot_logtool.reader.decode.paths import FieldPath

@@ -1,6 +1,7 @@
 """Annotations as Foxglove's protobuf messages."""
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any, ClassVar, Final, cast
 
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
@@ -22,10 +23,12 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.writer import described, markers
 from dogbot_logtool.writer.described import OWN_FIELDS, Described
 from dogbot_logtool.writer.encodings.encoding import Encoding, MessageType
-from dogbot_logtool.writer.template import TEXT, VARINT, Columns, Literal, Of, Slot, varints
+from dogbot_logtool.writer.template import TEXT, VARINT, Columns, Literal, Of, varints
 
 HEAD_TO_SHAFT: Final = 2.0
 """Diameter of an arrow's head over its shaft's."""
+_SHAFT: Final = 0.77
+"""The shaft's share of an arrow's length, as viewers draw ROS markers."""
 _TYPES: Final = {
     "bool": FieldDescriptor.TYPE_BOOL,
     "string": FieldDescriptor.TYPE_STRING,
@@ -185,7 +188,8 @@ def _primitives(marker: Literal) -> Iterator[tuple[str, Literal]]:
     own = {name: marker[name] for name in ("pose", "color") if name in marker}
     match marker["type"]:
         case markers.ARROW:
-            lengths = {"shaft_length": Slot("shaft"), "head_length": Slot("head")}
+            shaft, head = (replace(scale["x"], share=share) for share in (_SHAFT, 1.0 - _SHAFT))
+            lengths = {"shaft_length": shaft, "head_length": head}
             widths = {"shaft_diameter": scale["y"], "head_diameter": HEAD_TO_SHAFT * scale["y"]}
             yield "arrows", {**own, **lengths, **widths}
         case markers.TEXT:
