@@ -14,7 +14,7 @@ from mcap.writer import CompressionType, IndexType, Writer
 
 import dogbot_logtool as dl
 from dogbot_logtool.commands.compare import compare
-from dogbot_logtool.options import CompareOptions
+from dogbot_logtool.options.compare import CompareOptions
 from tests.comparison.pairs import Pair, counts, tally
 from tests.comparison.recordings import (
     JSON,

@@ -34,7 +34,7 @@ def run_one(folder: Path, seed: int) -> str:
         return "SLOW"
     if reading is None:
         return "refused"
-    if len(reading.messages) == len(case.written):
+    if len(reading.messages) == len(case.log.written):
         return "all messages"
     return "some messages" if reading.messages else "no messages"
 
