@@ -35,7 +35,7 @@ from dogbot_logtool.writer import described
 from dogbot_logtool.writer.annotations import Annotations
 from dogbot_logtool.writer.channels import AddedChannels
 from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunk, finish_chunks
-from dogbot_logtool.writer.encodings.registry import ENCODINGS
+from dogbot_logtool.writer.encodings.registry import encoding_named
 from dogbot_logtool.writer.mcap_writer import McapWriter, metadata_record
 from dogbot_logtool.writer.message_records import MessageRecords, of_payloads
 from dogbot_logtool.writer.topics import EVENTS_TOPIC, GAIT_TOPIC, SPANS_TOPIC
@@ -64,7 +64,7 @@ class AnnotatedLog:
             options: what the user asks for.
             left_out: ids of the channels that are not copied.
         """
-        profile = log.profile if options.copy else ENCODINGS[options.encoding].profile
+        profile = log.profile if options.copy else encoding_named(options.encoding).profile
         self._log, self._options = log, options
         self._writer = McapWriter(file, profile)
         self.arrows: list[Arrows] = []
@@ -108,7 +108,7 @@ class AnnotatedLog:
         """
         plan, total = scene.plan, sum(chunk.data_size for chunk in self._log.chunks)
         self.added = self._channels_for(plan)
-        annotations = Annotations(plan.encoding.load(), plan.wanted, self.added)
+        annotations = Annotations(encoding_named(plan.options.encoding), plan.wanted, self.added)
         self._describe(self.added.schemas, self.added.channels)
         if plan.description.urdf is not None and plan.opening is not None:
             message = annotations.robot_description(plan.description.urdf, plan.opening)
