@@ -75,10 +75,8 @@ class AnnotatedLog:
         copied = log.channels if options.copy else {}
         self._copied = {number: c for number, c in copied.items() if number not in left_out}
         schemas = {c.schema.id: c.schema for c in self._copied.values() if c.schema is not None}
-        self._describe(
-            (schema_record(schema) for _, schema in sorted(schemas.items())),
-            (channel_record(channel) for _, channel in sorted(self._copied.items())),
-        )
+        self._writer.add(*(schema_record(schema) for _, schema in sorted(schemas.items())))
+        self._writer.add(*(channel_record(each) for _, each in sorted(self._copied.items())))
 
     @property
     def messages(self) -> dict[int, int]:
@@ -109,7 +107,7 @@ class AnnotatedLog:
         plan, total = scene.plan, sum(chunk.data_size for chunk in self._log.chunks)
         self.added = self._channels_for(plan)
         annotations = Annotations(encoding_named(plan.options.encoding), plan.wanted, self.added)
-        self._describe(self.added.schemas, self.added.channels)
+        self._writer.add(*self.added.schemas, *self.added.channels)
         if plan.description.urdf is not None and plan.opening is not None:
             message = annotations.robot_description(plan.description.urdf, plan.opening)
             self._writer.add_chunk(finish_chunk(message, plan.options.compression or "zstd"))
@@ -150,14 +148,6 @@ class AnnotatedLog:
         """Write how the file was made, and its end."""
         self._writer.add_metadata(provenance)
         self._writer.finish()
-
-    def _describe(
-        self, schemas: Iterable[records.Schema], channels: Iterable[records.Channel]
-    ) -> None:
-        for schema in schemas:
-            self._writer.add_schema(schema)
-        for channel in channels:
-            self._writer.add_channel(channel)
 
 
 def time_spans(scene: Scene) -> list[TimeSpan]:

@@ -166,8 +166,7 @@ def test_a_file_may_be_empty_and_may_start_at_time_zero(times: list[int]) -> Non
     sink = BytesIO()
     writer, added = McapWriter(sink, ""), AddedChannels()
     channel = added.declare("/one", KIND)
-    writer.add_schema(added.schemas[0])
-    writer.add_channel(added.channels[0])
+    writer.add(*added.schemas, *added.channels)
     for time in times:
         writer.add_chunk(finish_chunk(messages(channel, [time], [1]), "none"))
     writer.finish()
