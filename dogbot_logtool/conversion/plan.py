@@ -118,7 +118,7 @@ def make_plan(
         writes_base=writes_base,
         frames=placed,
         body_weight_n=settings.body_weight_n,
-        arrow_scale=arrow_scale(given, weight_n, description.height_m),
+        arrow_scale=arrow_scale(given, colour_n, description.height_m, by_weight=style.along_force),
         description=description,
         opening=log.start_time if start is None else start,
         end=last if end is None else min(end, last),

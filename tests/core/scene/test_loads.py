@@ -58,7 +58,6 @@ def foot_of(
         record,
         contact_known=contact_known,
         has_force=has_force,
-        force_in_world=False,
     )
 
 
