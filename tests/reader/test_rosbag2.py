@@ -17,7 +17,7 @@ from rosbags.rosbag2.enums import CompressionFormat, CompressionMode, StoragePlu
 from dogbot_logtool.errors import CallError, LogError, LogtoolError
 from dogbot_logtool.reader.containers.mcap.records import read_extra
 from dogbot_logtool.reader.opening import open_log
-from tests.oracles.walks import Entry, Walk, write_rows
+from tests.oracles.walks import Entry, Walk, write_entries
 from tests.paths import ROOT
 from tests.reader.mcap_bytes import attachment, metadata, small_mcap
 from tests.reader.reading import Read, Reading, read_file
@@ -39,8 +39,7 @@ def write(
     if mode is not CompressionMode.NONE:
         writer.set_compression(mode, CompressionFormat.ZSTD)
     with writer:
-        rows = [(entry.log_time, entry.topic, entry.kind, entry.data) for entry in entries]
-        write_rows(writer, WALK.store, rows)
+        write_entries(writer, WALK.store, entries)
     return path
 
 
