@@ -11,7 +11,8 @@ from rosbags.rosbag2.enums import StoragePlugin
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.options import ConvertOptions, MeasureOptions
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.writer.encodings.registry import ENCODINGS

@@ -17,7 +17,9 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.prepared import LARGEST
 from dogbot_logtool.io.plain_json import only_finite, to_json
 from dogbot_logtool.option import part_of
-from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options.convert import ConvertOptions
+from dogbot_logtool.options.info import InfoOptions
 from dogbot_logtool.report.documents import stats_json
 from tests.oracles import walks
 from tests.oracles.mcap_file import write_mcap

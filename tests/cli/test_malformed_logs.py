@@ -10,7 +10,8 @@ import pytest
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.option import part_of
-from dogbot_logtool.options import ConvertOptions, MeasureOptions
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.opening import open_log
 from tests.forked_cli import run
 from tests.oracles import walks

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from tests.commands.conversions import codes, converted
 from tests.oracles.annotated_file import read_written
 from tests.oracles.recorded import (

@@ -17,7 +17,9 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.option import part_of
-from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options.convert import ConvertOptions
+from dogbot_logtool.options.info import InfoOptions
 from dogbot_logtool.report.documents import stats_json
 from tests.forked_cli import run
 from tests.oracles import state_walks, walks
