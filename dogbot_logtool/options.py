@@ -145,7 +145,7 @@ class CompareOptions:
     ignore: Annotated[Sequence[str], As("TOPIC|FIELD")] = ()
     """Glob of what may differ: topics, fields, TOPIC:FIELD, metadata:NAME, attachment:NAME."""
     topics: Annotated[Sequence[str], As("TOPIC")] = ()
-    """Glob of the topics to compare; of JSON, of paths (gait, feet.*.duty_factor.median)."""
+    """Glob of the topics to compare; of JSON, of the keys at its top (gait, feet)."""
     max_differences: Annotated[int, As("N", range=Range(0, 1e9, is_whole=True))] = 20
     """Differences that are printed one by one."""
 

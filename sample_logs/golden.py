@@ -20,7 +20,10 @@ from typing import Final
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.options import CompareOptions, ConvertOptions, MeasureOptions
+from dogbot_logtool.comparison.outcome import counted
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options.compare import CompareOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.report.documents import stats_json
 
 SAMPLES: Final = Path(__file__).parent
@@ -116,7 +119,7 @@ def _renew(golden: Path, fresh: Path) -> list[str]:
     if found.exit_code:
         shutil.copy(fresh, golden)
     damage = [f"was damaged: {each.text}" for each in found.damage]
-    return damage + [each.summary(found.unit) for each in found.tallies if not each.same]
+    return damage + [f"{each.name}: {counted([each])}" for each in found.tallies if not each.same]
 
 
 if __name__ == "__main__":

@@ -5,8 +5,7 @@ a tree as `fields` compares it.
 """
 
 import json
-import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Final
@@ -15,7 +14,7 @@ import numpy as np
 
 from dogbot_logtool.comparison.fields import Tree
 from dogbot_logtool.reader.containers.log import Channel, Schema
-from dogbot_logtool.reader.decode.definition import short_type_name
+from dogbot_logtool.reader.decode.definition import long_type_name, parse_types
 
 if TYPE_CHECKING:
     from google.protobuf.descriptor_pb2 import FileDescriptorProto
@@ -23,12 +22,8 @@ if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
 Decoder = Callable[[bytes], Tree]
-"""Raises `Undecodable`."""
-_ROS_ENCODINGS: Final = ("ros1", "cdr")
-_ROS_DEFINITIONS: Final = ("ros1msg", "ros2msg", "ros2idl")
-_UNKNOWN_FIELDS: Final = "(unknown fields)"
-_FAULTS: Final = (ValueError, KeyError, IndexError, AssertionError, RecursionError)
-"""Raised by libraries, beside errors of their own."""
+"""Raises whatever its library does."""
+ROS_DEFINITIONS: Final = ("ros1msg", "ros2msg", "ros2idl")
 
 
 class Undecodable(Exception):  # noqa: N818 - it never reaches a user
@@ -44,77 +39,47 @@ def decoded(channel: Channel, data: bytes) -> Tree:
     decoder = _decoder(channel.message_encoding, channel.schema)
     if isinstance(decoder, str):
         raise Undecodable(decoder)
-    return decoder(data)
+    try:
+        return decoder(data)
+    except Exception as error:  # a library's, on bytes that may be anything
+        raise Undecodable(f"not a {channel.type_name or 'message'}: {error}") from error
 
 
 @lru_cache(maxsize=256)
 def _decoder(encoding: str, schema: Schema | None) -> Decoder | str:
     """Return a decoder, or why there is none, which takes as long to find out."""
+    if encoding == "json":
+        return json.loads
+    if schema is None:
+        return "there is no message definition"
     try:
-        if encoding == "json":
-            return decode_json
-        if schema is None:
-            return "there is no message definition"
-        if encoding in _ROS_ENCODINGS and schema.encoding in _ROS_DEFINITIONS:
+        if encoding in {"ros1", "cdr"} and schema.encoding in ROS_DEFINITIONS:
             return _ros_decoder(encoding, schema)
         if encoding == "protobuf" and schema.encoding == "protobuf":
             return _protobuf_decoder(schema)
-    except Undecodable as error:
-        return str(error)
+    except Exception:  # noqa: BLE001 - a library's, on a definition that may be anything
+        return f"the definition of {schema.name} cannot be used"
     return f"the encoding {encoding!r} is not known"
 
 
-def decode_json(data: bytes) -> Tree:
-    """Decode JSON text.
-
-    Raises:
-        Undecodable: it is none.
-    """
-    try:
-        return json.loads(data)
-    except (ValueError, RecursionError) as error:
-        raise Undecodable(f"not JSON: {error}") from error
-
-
 def ros_store(schema: Schema) -> "tuple[Typestore, str]":
-    """Return rosbags' types of a definition, and the name of the one that it defines.
-
-    Raises:
-        Undecodable: it cannot be used.
-    """
+    """Return rosbags' types of a definition, and the name of the one that it defines."""
     # Imported late, here and below: slow to import, and rarely needed.
-    from rosbags.typesys import (  # noqa: PLC0415
-        Stores,
-        TypesysError,
-        get_types_from_idl,
-        get_types_from_msg,
-        get_typestore,
-    )
+    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
 
-    text = schema.data.decode("utf-8", "replace").replace("\r\n", "\n")
-    package, _, name = short_type_name(schema.name).rpartition("/")
-    store, type_name = get_typestore(Stores.EMPTY), f"{package}/msg/{name}"
-    try:
-        is_idl = schema.encoding == "ros2idl"
-        store.register(get_types_from_idl(text) if is_idl else get_types_from_msg(text, type_name))
-        store.get_msgdef(type_name)
-    except (TypesysError, SyntaxError, *_FAULTS) as error:
-        raise Undecodable(f"the definition of {schema.name} cannot be used") from error
-    return store, type_name
+    store, name = get_typestore(Stores.EMPTY), long_type_name(schema.name)
+    store.register(parse_types(name, schema.data.decode("utf-8", "replace"), schema.encoding))
+    return store, name
 
 
 def _ros_decoder(encoding: str, schema: Schema) -> Decoder:
-    from rosbags.serde import SerdeError  # noqa: PLC0415
-
-    store, type_name = ros_store(schema)
+    store, name = ros_store(schema)
+    store.get_msgdef(name)
     deserialize = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
 
     def decode(data: bytes) -> Tree:
-        try:
-            message: Any = deserialize(data, type_name)
-            return asdict(message, dict_factory=_ros_struct)
-        except (SerdeError, struct.error, MemoryError, *_FAULTS) as error:
-            raise Undecodable(f"not a {schema.name}: {error}") from error
+        message: Any = deserialize(data, name)
+        return asdict(message, dict_factory=_ros_struct)
 
     return decode
 
@@ -123,71 +88,43 @@ def _ros_struct(fields: list[tuple[str, Tree]]) -> dict[str, Tree]:
     return {name: value for name, value in fields if name != "__msgtype__"}
 
 
-def descriptor_files(schema: Schema) -> "list[FileDescriptorProto]":
-    """Return the files of a protobuf schema.
-
-    Raises:
-        Undecodable: it is not a FileDescriptorSet.
-    """
+def descriptor_files(schema: Schema) -> "Sequence[FileDescriptorProto]":
+    """Return the files of a protobuf schema."""
     from google.protobuf.descriptor_pb2 import FileDescriptorSet  # noqa: PLC0415
-    from google.protobuf.message import DecodeError  # noqa: PLC0415
 
-    try:
-        return list(FileDescriptorSet.FromString(schema.data).file)
-    except DecodeError as error:
-        raise Undecodable(f"the definition of {schema.name} is no FileDescriptorSet") from error
+    return FileDescriptorSet.FromString(schema.data).file
 
 
 def _protobuf_decoder(schema: Schema) -> Decoder:
-    from google.protobuf.message import DecodeError  # noqa: PLC0415
     from google.protobuf.message_factory import GetMessages  # noqa: PLC0415
 
-    try:
-        kind = GetMessages(descriptor_files(schema))[schema.name]
-    except (TypeError, *_FAULTS) as error:
-        raise Undecodable(f"the definition of {schema.name} cannot be used") from error
-
-    def decode(data: bytes) -> Tree:
-        try:
-            return protobuf_tree(kind.FromString(data))
-        except (DecodeError, RecursionError) as error:
-            raise Undecodable(f"not a {schema.name}: {error}") from error
-
-    return decode
+    kind = GetMessages(descriptor_files(schema))[schema.name]
+    return lambda data: _protobuf_tree(kind.FromString(data))
 
 
-def protobuf_tree(message: "Message") -> dict[str, Tree]:
+def _protobuf_tree(message: "Message") -> dict[str, Tree]:
     """Turn a message into a tree; a field that is unset, though presence is tracked, is None."""
-    from google.protobuf.unknown_fields import UnknownFieldSet  # noqa: PLC0415
-
     tree: dict[str, Tree] = {
         field.name: None
         if field.has_presence and not message.HasField(field.name)
         else _protobuf_value(getattr(message, field.name))
         for field in message.DESCRIPTOR.fields
     }
-    if unknown := _unknown(UnknownFieldSet(message)):
-        tree[_UNKNOWN_FIELDS] = unknown
+    rest = type(message)()
+    rest.CopyFrom(message)
+    for field, _ in message.ListFields():
+        rest.ClearField(field.name)
+    if unknown := rest.SerializeToString():
+        tree["(unknown fields)"] = unknown
     return tree
 
 
 def _protobuf_value(value: Any) -> Tree:  # noqa: ANN401 - of any kind
     if hasattr(value, "DESCRIPTOR"):
-        return protobuf_tree(value)
+        return _protobuf_tree(value)
     if isinstance(value, bool | int | float | str | bytes):
         return value
     if isinstance(value, Mapping):
         return {str(key): _protobuf_value(value[key]) for key in sorted(value)}
     elements = [_protobuf_value(element) for element in value]
     return np.array(elements) if elements and isinstance(elements[0], float) else elements
-
-
-def _unknown(fields: Any) -> list[Tree]:  # noqa: ANN401 - iterable, which its type hides
-    return [
-        {
-            "number": field.field_number,
-            "wire_type": field.wire_type,
-            "data": field.data if isinstance(field.data, int | bytes) else _unknown(field.data),
-        }
-        for field in fields
-    ]

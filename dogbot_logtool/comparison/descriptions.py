@@ -1,35 +1,23 @@
 """How two logs describe a topic (type, encoding, definition), and their records beside messages."""
 
 import hashlib
-from collections.abc import Mapping, Sequence
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import zip_longest
 from typing import Final
 
 from mcap import records
 
-from dogbot_logtool.comparison.decoders import (
-    Undecodable,
-    decode_json,
-    descriptor_files,
-    protobuf_tree,
-    ros_store,
-)
-from dogbot_logtool.comparison.fields import Tree, compare_fields
-from dogbot_logtool.comparison.outcome import (
-    RECORDS,
-    Difference,
-    Findings,
-    Kind,
-    Tally,
-)
+from dogbot_logtool.comparison.decoders import ROS_DEFINITIONS, descriptor_files, ros_store
+from dogbot_logtool.comparison.fields import Tree, compare_fields, text_of
+from dogbot_logtool.comparison.outcome import Leaf
 from dogbot_logtool.comparison.tolerances import FieldRules, Rules
 from dogbot_logtool.reader.containers.log import Channel, Extra, Log, Schema
 from dogbot_logtool.reader.containers.mcap.records import read_extra
 
 OWN_VERSION: Final = "metadata:dogbot_logtool.version"
 """The version of this program that wrote a file says nothing of what is in it."""
-_LIMIT: Final = 3
-"""Differences named a definition; what follows is mostly the same shift."""
-_NEXT_TYPE: Final = f"{'=' * 80}\nMSG: "
 
 
 def kind_of(channel: Channel) -> str:
@@ -37,76 +25,49 @@ def kind_of(channel: Channel) -> str:
     return f"{channel.type_name} ({channel.message_encoding})"
 
 
-def compare_descriptions(
-    expected: Sequence[Channel], actual: Sequence[Channel], found: Findings
-) -> None:
+def compare_descriptions(expected: Sequence[Channel], actual: Sequence[Channel]) -> Iterator[Leaf]:
     """Compare the types, encodings and definitions of a topic's channels."""
     sides = expected, actual
     for what, name in (("type", "type_name"), ("encoding", "message_encoding")):
         one, other = ({getattr(channel, name) or "none" for channel in side} for side in sides)
         if one != other:
-            found.add(what, ", ".join(sorted(one)), ", ".join(sorted(other)))
+            yield Leaf("different", what, ", ".join(sorted(one)), ", ".join(sorted(other)))
     for kind in sorted({kind_of(c) for c in expected} & {kind_of(c) for c in actual}):
-        schemas, others = (_schemas(side, kind) for side in sides)
-        if len(schemas) == len(others):
-            for one_schema, other_schema in zip(schemas, others, strict=True):
-                compare_schemas(one_schema, other_schema, found)
-        else:
-            found.add("schema", f"{len(schemas)} definitions", f"{len(others)} definitions")
+        recorded = [_schemas(side, kind) for side in sides]
+        if recorded[0] != recorded[1]:
+            lines = ([line for each in side for line in _lines(each)] for side in recorded)
+            unlike = [pair for pair in zip_longest(*lines, fillvalue="") if pair[0] != pair[1]]
+            if unlike:  # what follows the first is mostly the same shift
+                one_line, other_line = map(text_of, unlike[0])
+                yield Leaf("different", "schema", one_line, other_line)
 
 
-def _schemas(channels: Sequence[Channel], kind: str) -> list[Schema | None]:
+def _schemas(channels: Sequence[Channel], kind: str) -> list[Schema]:
     """Return the different definitions of a type in the order of their channels."""
-    schemas = [channel.schema for channel in channels if kind_of(channel) == kind]
-    return list({(s.encoding, s.data) if s else None: s for s in schemas}.values())
+    schemas = [each.schema for each in channels if each.schema and kind_of(each) == kind]
+    return list(dict.fromkeys(replace(each, id=0) for each in schemas))
 
 
-def compare_schemas(expected: Schema | None, actual: Schema | None, found: Findings) -> None:
-    """Compare what two definitions of a type say."""
-    if expected is None or actual is None:
-        if expected is not actual:
-            texts = "a definition", "none"
-            found.add("schema", *(texts if expected else texts[::-1]))
-    elif expected.encoding != actual.encoding:
-        found.add("schema encoding", expected.encoding, actual.encoding)
-    elif expected.data != actual.data:
-        exactly, differences = FieldRules(Rules()), Findings(_LIMIT, found.of)
-        try:
-            one, other = schema_tree(expected), schema_tree(actual)
-            compare_fields(one, other, exactly, differences, "schema")
-        except (Undecodable, RecursionError):
-            compare_fields(expected.data, actual.data, exactly, differences, "schema")
-        for each in differences.differences:
-            found.add(each.path, each.expected, each.actual)
+def _lines(schema: Schema) -> list[str]:
+    """Return what a definition says, line by line; comments and the order of files do not count."""
+    encoding, data = schema.encoding, schema.data
+    try:
+        if encoding in ROS_DEFINITIONS:
+            store, type_name = ros_store(schema)
+            text, _ = store.generate_msgdef(type_name, 1 if encoding == "ros1msg" else 2)
+        elif encoding == "protobuf":
+            text = "".join(sorted(map(str, descriptor_files(schema))))
+        else:
+            text = json.dumps(json.loads(data), indent=1, sort_keys=True)
+    except Exception:  # noqa: BLE001 - a library's, on a definition that may be anything
+        text = data.decode("utf-8", "replace")
+    return [encoding, *(line.strip() for line in text.splitlines())]
 
 
-def schema_tree(schema: Schema) -> Tree:
-    """Return what a definition says.
-
-    Raises:
-        Undecodable: the definition is broken.
-    """
-    match schema.encoding:
-        case "ros1msg" | "ros2msg" | "ros2idl":
-            store, name = ros_store(schema)
-            text, _ = store.generate_msgdef(name, 1 if schema.encoding == "ros1msg" else 2)
-            own, *others = text.split(_NEXT_TYPE)
-            parts = [each.partition("\n") for each in others]
-            return {name: own.splitlines()} | {each: text.splitlines() for each, _, text in parts}
-        case "protobuf":
-            return {file.name: protobuf_tree(file) for file in descriptor_files(schema)}
-        case "jsonschema":
-            return decode_json(schema.data)
-        case _:
-            return schema.data
-
-
-def compare_records(expected: Log, actual: Log, rules: Rules, findings: Findings) -> Tally:
+def compare_records(expected: Log, actual: Log, rules: Rules) -> Iterator[Leaf]:
     """Compare what is no message; an entry of a metadata record counts as one."""
-    found = findings.within(Difference(kind=Kind.DESCRIPTION, topic=RECORDS), RECORDS)
     ignoring = FieldRules(rules.ignoring(OWN_VERSION))
-    findings.take(compare_fields(records_tree(expected), records_tree(actual), ignoring, found))
-    return found.tally
+    return compare_fields(records_tree(expected), records_tree(actual), ignoring)
 
 
 def records_tree(log: Log) -> Mapping[str, Tree]:

@@ -9,28 +9,21 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from enum import StrEnum
 from fnmatch import fnmatchcase
-from typing import Any, Final, TypeGuard
+from typing import Any, Final
 
-from dogbot_logtool.comparison.limits import Rule
+from dogbot_logtool.comparison.limits import Rule, Value, is_number
 from dogbot_logtool.core.events.event import EventType
 from dogbot_logtool.core.records import METRICS, MetricPath
 
 Json = Mapping[str, Any]
-Value = float | str | bool | None
-"""A figure in JSON."""
-
-
-_CONTACT: Final = METRICS.feet["*"].contact_fraction
-_BASE: Final = METRICS.base.duration_s
+_FEET: Final = METRICS.feet["*"]
+_OF_BASE: Final = EventType.FALL, EventType.TIPPING, EventType.CARRIED, EventType.POSE_JUMP
+_OF_CONTACT: Final = EventType.STUMBLE, EventType.EARLY_CONTACT
 NEEDED: Final[Mapping[str, MetricPath]] = {
-    EventType.SLIP: METRICS.feet["*"].contact_travel_m.median,
-    EventType.STUMBLE: _CONTACT,
-    EventType.EARLY_CONTACT: _CONTACT,
-    EventType.FALL: _BASE,
-    EventType.TIPPING: _BASE,
-    EventType.CARRIED: _BASE,
-    EventType.POSE_JUMP: _BASE,
+    EventType.SLIP: _FEET.contact_travel_m.median,
     EventType.MARGIN_BELOW_ZERO: METRICS.stability.static_margin_m.median,
+    **dict.fromkeys(_OF_CONTACT, _FEET.contact_fraction),
+    **dict.fromkeys(_OF_BASE, METRICS.base.duration_s),
 }
 """Figures by type of event: where all are null, that there was no such event is not known."""
 
@@ -46,6 +39,15 @@ class Status(StrEnum):
     UNKNOWN = "UNKNOWN"
     WARN = "WARN"
     GOOD = "GOOD"
+
+
+_VERDICTS: Final = {
+    "unknown": Status.UNKNOWN,
+    "pass": Status.GOOD,
+    "fail": Status.FAIL,
+    "warn": Status.WARN,
+}
+"""By the words of limits files."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,9 +77,8 @@ def judge(document: Json, rules: Sequence[Rule], baseline: Json | None) -> list[
         Judgements in the order of the rules, and of the figures within one; before them, for a
         damaged log only, a warning that says how.
     """
-    damage = _of_findings(document, DAMAGE)
-    found = [found for rule in rules for found in _judged(document, rule, baseline)]
-    return found if damage.status is Status.GOOD else [damage, *found]
+    damage = [each for each in _judged(document, DAMAGE, None) if each.status is Status.WARN]
+    return damage + [each for rule in rules for each in _judged(document, rule, baseline)]
 
 
 def worst(judgements: Sequence[Judgement]) -> Status:
@@ -88,31 +89,57 @@ def worst(judgements: Sequence[Judgement]) -> Status:
 def _judged(document: Json, rule: Rule, baseline: Json | None) -> Iterator[Judgement]:
     match rule.subject:
         case "finding":
-            yield _of_findings(document, rule)
+            yield _judgement(rule, rule.pattern, *_findings(document, rule.pattern))
         case "event":
-            yield _of_events(document, rule)
+            yield _judgement(rule, rule.pattern, *_events(document, rule.pattern))
         case "figure":
-            yield from _of_figures(document, rule, baseline)
+            # Of several segments, the baseline's first one counts.
+            others = reversed(list(_parts(baseline or {}, rule.where)))
+            before = dict(each for _, part in others for each in figures_in(part, rule.pattern))
+            for prefix, path, value, look in _figures(document, rule):
+                yield _judgement(rule, prefix + path, value, look, before.get(path))
 
 
-def _of_findings(document: Json, rule: Rule) -> Judgement:
+def _judgement(rule: Rule, path: str, value: Value, look: str, before: Value = None) -> Judgement:
+    """Judge a value; `look` says why it is null, or what it comes from."""
+    demand = rule.demand
+    if rule.baseline is not None and value is not None:
+        if before is None:
+            value, look = None, "the baseline does not have it"
+        else:
+            demand = f"{demand}, {value_text(before)}"
+    if value is None:
+        return Judgement(_VERDICTS[rule.null], rule, path, None, demand, look)
+    good = rule.kept_by(value, before)
+    if good is None:
+        status = Status.UNKNOWN
+        look = "a number, which the rule's value is not" if is_number(value) else "no number"
+    elif not good:
+        status = _VERDICTS[rule.level]
+    else:
+        status, look = Status.GOOD, "" if rule.subject == "figure" else look
+    return Judgement(status, rule, path, value, demand, look)
+
+
+def _findings(document: Json, pattern: str) -> tuple[int, str]:
+    """Count the findings of a code or a severity, and quote the first."""
     found = [
-        each
+        each["text"]
         for each in document.get("findings", ())
-        if each["severity"] == rule.pattern or fnmatchcase(each["code"], rule.pattern)
+        if each["severity"] == pattern or fnmatchcase(each["code"], pattern)
     ]
-    return _counted(rule, len(found), "; ".join(each["text"] for each in found[:3]))
+    return len(found), "; ".join(found[:3])
 
 
-def _of_events(document: Json, rule: Rule) -> Judgement:
+def _events(document: Json, pattern: str) -> tuple[int | None, str]:
+    """Count the events of a type, and say when they were; None: the log cannot tell."""
     events = document.get("events")
     if events is None:
-        return _unknown(rule, rule.pattern, "no events in it")
-    found = [each for each in events if fnmatchcase(each["type"], rule.pattern)]
-    if not found and not can_tell(document, rule.pattern):
-        return _unknown(rule, rule.pattern, f"the log cannot tell: {NEEDED[rule.pattern]} is null")
-    times = ", ".join(f"{each['onset_s']:.2f} s" for each in found[:3])
-    return _counted(rule, len(found), f"at {times}" if times else "")
+        return None, "no events in it"
+    times = [each["onset_s"] for each in events if fnmatchcase(each["type"], pattern)]
+    if not times and not can_tell(document, pattern):
+        return None, f"the log cannot tell: {NEEDED[pattern]} is null"
+    return len(times), f"at {', '.join(f'{time:.2f} s' for time in times[:3])}" if times else ""
 
 
 def can_tell(document: Json, event: str) -> bool:
@@ -121,57 +148,16 @@ def can_tell(document: Json, event: str) -> bool:
     return not values or any(value is not None for value in values)
 
 
-def _counted(rule: Rule, count: int, look: str) -> Judgement:
-    good = rule.low <= count <= rule.high
-    status = Status.GOOD if good else _broken(rule)
-    return Judgement(status, rule, rule.pattern, count, rule.demand, look)
-
-
-def _of_figures(document: Json, rule: Rule, baseline: Json | None) -> Iterator[Judgement]:
-    """Yield a judgement for each metric that the pattern fits."""
+def _figures(document: Json, rule: Rule) -> Iterator[tuple[str, str, Value, str]]:
+    """Yield the metrics that a rule looks at: segment, path, value, and what is known of it."""
     parts = list(_parts(document, rule.where))
+    found = [(name, *each) for name, part in parts for each in figures_in(part, rule.pattern)]
+    for name, path, value in found:
+        yield name, path, value, _reason(document, path)
     if not parts:
-        yield _unknown(rule, rule.pattern, f"no segment is a {rule.where}")
-        return
-    # Of several segments, the baseline's first one counts.
-    others = reversed(list(_parts(baseline or {}, rule.where)))
-    before = dict(each for _, part in others for each in figures_in(part, rule.pattern))
-    found = [(prefix, *each) for prefix, part in parts for each in figures_in(part, rule.pattern)]
-    for prefix, path, value in found:
-        yield _of_figure(document, rule, prefix + path, value, before.get(path))
-    if not found:
-        yield _unknown(rule, rule.pattern, _no_such_figure(rule.pattern, [p for _, p in parts]))
-
-
-def _of_figure(document: Json, rule: Rule, path: str, value: Value, before: Value) -> Judgement:
-    if value is None:
-        return _unknown(rule, path, _reason(document, path))
-    low, high, equals, demand = rule.low, rule.high, rule.equals, rule.demand
-    if rule.baseline is not None:
-        if before is None:
-            return _unknown(rule, path, "the baseline does not have it")
-        equals, demand = before, f"{demand}, {value_text(before)}"
-    if _is_number(equals):
-        low, high = rule.baseline.around(equals) if rule.baseline else (equals, equals)
-        equals = None
-    if _is_number(value) and equals is None:
-        good = low <= value <= high
-    elif _is_number(value) or equals is None:
-        look = "no number" if equals is None else "a number, which the rule's value is not"
-        return Judgement(Status.UNKNOWN, rule, path, value, demand, look)
-    else:
-        good = value == equals
-    status = Status.GOOD if good else _broken(rule)
-    return Judgement(status, rule, path, value, demand, "" if good else _reason(document, path))
-
-
-def _broken(rule: Rule) -> Status:
-    return Status.WARN if rule.level == "warn" else Status.FAIL
-
-
-def _unknown(rule: Rule, path: str, why: str) -> Judgement:
-    status = {"unknown": Status.UNKNOWN, "pass": Status.GOOD, "fail": Status.FAIL}[rule.null]
-    return Judgement(status, rule, path, None, rule.demand, why)
+        yield "", rule.pattern, None, f"no segment is a {rule.where}"
+    elif not found:
+        yield "", rule.pattern, None, _no_such_figure(rule.pattern, [part for _, part in parts])
 
 
 def _parts(document: Json, where: str | None) -> Iterator[tuple[str, Json]]:
@@ -226,24 +212,16 @@ def _no_such_figure(pattern: str, parts: Sequence[Json]) -> str:
 
 def _reason(document: Json, path: str) -> str:
     """Return why a metric is null, and the findings that concern it."""
-    because = _null_because(document.get("null_because", {}), path.rpartition(": ")[2])
+    reasons, above = document.get("null_because", {}), path
+    while above and above not in reasons:
+        above = above.rpartition(".")[0]
+    because = reasons.get(above, "")
     texts = [
         each["text"]
         for each in document.get("findings", ())
         if each["code"] == because or (each["where"] and f"{path}.".startswith(f"{each['where']}."))
     ]
     return "; ".join(dict.fromkeys(texts)) or because
-
-
-def _null_because(reasons: Mapping[str, str], path: str) -> str:
-    """Return why a metric, or what holds it, is null: a finding's code or a sentence."""
-    while path and path not in reasons:
-        path = path.rpartition(".")[0]
-    return reasons.get(path, "")
-
-
-def _is_number(value: Value) -> TypeGuard[float]:
-    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def value_text(value: Value) -> str:

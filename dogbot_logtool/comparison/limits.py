@@ -11,17 +11,17 @@ stands for dots), and says what is demanded of it.
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any, Final, Literal, get_args
+from typing import Any, Final, Literal, TypeGuard, get_args
 
 from dogbot_logtool.core.events.event import EventType
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Severity, finding_kinds
-from dogbot_logtool.io.toml_table import parse_toml, read_toml, shortened, toml_number
+from dogbot_logtool.io.toml_table import parse_toml, read_text, shortened, toml_number
 
 Subject = Literal["figure", "finding", "event"]
 """Subject of a rule; a figure is a metric."""
@@ -29,8 +29,8 @@ Null = Literal["unknown", "fail", "pass"]
 """Verdict on a metric that is not known."""
 Level = Literal["fail", "warn"]
 """Consequence of a broken rule."""
-Value = float | str | bool
-"""A value that a metric may have to be equal to."""
+Value = float | str | bool | None
+"""A metric in JSON."""
 
 _RULE: Final = re.compile(r"^[ \t]*\[\[[ \t]*rule[ \t]*\]\]", re.MULTILINE)
 
@@ -49,10 +49,9 @@ class Deviation:
         parts += [f"{self.by_percent:g} %"] if self.by_percent else []
         return " or ".join(parts) or "0"
 
-    def around(self, value: float) -> tuple[float, float]:
-        """Return the lowest and the highest value that is near enough."""
-        margin = max(self.by, abs(value) * self.by_percent / 100.0)
-        return value - margin, value + margin
+    def margin(self, before: float) -> float:
+        """Return how far a metric may be from the baseline's."""
+        return max(self.by, abs(before) * self.by_percent / 100.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +62,7 @@ class Rule:
     pattern: str
     low: float = -math.inf
     high: float = math.inf
-    equals: Value | None = None
+    equals: Value = None
     baseline: Deviation | None = None
     where: str | None = None
     """Glob of the gait classes of the segments that are looked at; None: the log as a whole."""
@@ -85,6 +84,25 @@ class Rule:
             return f"at least {self.low:g}"
         return f"{self.low:g} to {self.high:g}"
 
+    def kept_by(self, value: Value, before: Value) -> bool | None:
+        """Tell whether a value keeps the rule; None where the two cannot be compared.
+
+        Args:
+            value: the metric's.
+            before: that of the baseline; None where the rule needs none.
+        """
+        equals = self.equals if self.baseline is None else before
+        if equals is None:
+            return self.low <= value <= self.high if is_number(value) else None
+        if is_number(value) and is_number(equals):
+            return abs(value - equals) <= (self.baseline.margin(equals) if self.baseline else 0.0)
+        return None if is_number(value) or is_number(equals) else value == equals
+
+
+def is_number(value: Value) -> TypeGuard[float]:
+    """Tell whether a metric is a number."""
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
 
 def load_limits(path: Path) -> tuple[Rule, ...]:
     """Read a limits file.
@@ -92,7 +110,7 @@ def load_limits(path: Path) -> tuple[Rule, ...]:
     Raises:
         CallError: it is not a limits file; the sentence names rule and line.
     """
-    return parse_limits(read_toml(path, "a limits file"), str(path))
+    return parse_limits(read_text(path, "a limits file"), str(path))
 
 
 def parse_limits(text: str, source: str) -> tuple[Rule, ...]:
@@ -122,31 +140,29 @@ def parse_limits(text: str, source: str) -> tuple[Rule, ...]:
 
 
 def _rule(table: Mapping[str, Any], where: str) -> Rule:
-    subjects = [subject for subject in get_args(Subject) if subject in table]
+    if strange := sorted(table.keys() - {*_KEYS}):
+        raise CallError(f"{where}: {strange[0]} is not known; there may be {', '.join(_KEYS)}")
+    given = {key: _value(key, value, f"{where}: {key}") for key, value in table.items()}
+    subjects = [subject for subject in get_args(Subject) if subject in given]
     if len(subjects) != 1:
         raise CallError(f"{where}: needs one of figure, finding and event")
     subject = subjects[0]
-    pattern = _text(table[subject], f"{where}: {subject}")
-    given = {key: value for key, value in table.items() if key != subject}
-    if strange := sorted(given.keys() - _DEMANDS.keys() - _OTHERS.keys()):
-        known = ", ".join((*_DEMANDS, *_OTHERS))
-        raise CallError(f"{where}: {strange[0]} is not known; there may be {known}")
+    pattern = given.pop(subject)
     demands = [name for name in _DEMANDS if name in given]
-    if subject == "figure" and not demands:
-        raise CallError(f"{where}: needs one of {', '.join(_DEMANDS)}")
     if len(demands) > 1 and demands != ["at_least", "at_most"]:
         raise CallError(f"{where}: {demands[0]} and {demands[1]} do not go together")
-    fields: dict[str, Any] = {}
-    if subject != "figure":
-        if set(demands) - {"at_most", "at_least"}:
-            raise CallError(f"{where}: of a {subject}'s number there is at_most and at_least only")
+    # That something was found or happened is what a rule without a number is against.
+    low, high = given.pop("at_least", -math.inf), given.pop("at_most", math.inf)
+    if subject == "figure":
+        if not demands:
+            raise CallError(f"{where}: needs one of {', '.join(_DEMANDS)}")
+    elif set(demands) - {"at_most", "at_least"}:
+        raise CallError(f"{where}: of a {subject}'s number there is at_most and at_least only")
+    else:
         _refuse_unknown(subject, pattern, where)
-        # That something was found or happened is what such a rule is against.
-        fields["high"] = math.inf if "at_least" in demands else 0.0
-    for key, value in given.items():
-        of = f"{where}: {key}"
-        fields |= _DEMANDS[key](value, of) if key in demands else {key: _OTHERS[key](value, of)}
-    return Rule(subject, pattern, **fields)
+        high = high if demands else 0.0
+    low, high = given.pop("between", (low, high))
+    return Rule(subject, pattern, low, high, **given)
 
 
 def _refuse_unknown(subject: Subject, pattern: str, where: str) -> None:
@@ -159,62 +175,31 @@ def _refuse_unknown(subject: Subject, pattern: str, where: str) -> None:
         raise CallError(f"{where}: no {subject} is called {pattern!r}{near}")
 
 
-def _between(value: Any, where: str) -> dict[str, Any]:  # noqa: ANN401 - any TOML value
-    match value:
-        case [first, last]:
-            low, high = toml_number(first, where), toml_number(last, where)
-            if low <= high:
-                return {"low": low, "high": high}
-            raise CallError(f"{where} has its higher number first")
-    raise CallError(f"{where} must be two numbers such as [0.70, 0.80]")
+def _value(key: str, value: Any, where: str) -> Any:  # noqa: ANN401 - any TOML value
+    """Check the value of a rule's key."""
+    match key, value:
+        case ("null", "unknown" | "fail" | "pass") | ("level", "fail" | "warn"):
+            return value
+        case "equals", str() | bool():
+            return value
+        case (("figure" | "finding" | "event" | "where" | "name"), str()) if value:
+            return value
+        case (("at_least" | "at_most" | "equals"), _):
+            return toml_number(value, where)
+        case "between", [low, high] if toml_number(low, where) <= toml_number(high, where):
+            return low, high
+        case "baseline", dict() if value and not value.keys() - {"by", "by_percent"}:
+            return Deviation(
+                **{n: toml_number(each, f"{where}.{n}", 0.0) for n, each in value.items()}
+            )
+    raise CallError(f"{where} is {shortened(value)}; it must be {_WANTED.get(key, 'a text')}")
 
 
-def _within(value: Any, where: str) -> dict[str, Any]:  # noqa: ANN401 - any TOML value
-    match value:
-        case {"of": middle, "by": by, **others} if not others:
-            of, margin = toml_number(middle, f"{where}.of"), abs(toml_number(by, f"{where}.by"))
-            return {"low": of - margin, "high": of + margin}
-    raise CallError(f"{where} must be like {{ of = 1.0, by = 0.05 }}")
-
-
-def _equals(value: Any, where: str) -> dict[str, Any]:  # noqa: ANN401 - any TOML value
-    return {"equals": value if isinstance(value, str | bool) else toml_number(value, where)}
-
-
-def _baseline(value: Any, where: str) -> dict[str, Any]:  # noqa: ANN401 - any TOML value
-    if not isinstance(value, dict) or not value or value.keys() - {"by", "by_percent"}:
-        raise CallError(f"{where} must be like {{ by = 0.01 }} or {{ by_percent = 5 }}")
-    numbers = {key: toml_number(each, f"{where}.{key}", 0.0) for key, each in value.items()}
-    return {"baseline": Deviation(**numbers)}
-
-
-def _text(value: Any, where: str) -> str:  # noqa: ANN401 - any TOML value
-    if not isinstance(value, str) or not value:
-        raise CallError(f"{where} is {shortened(value)}; it must be a text")
-    return value
-
-
-def _one_of(choices: tuple[str, ...]) -> Callable[[Any, str], str]:
-    def checked(value: Any, where: str) -> str:  # noqa: ANN401 - any TOML value
-        if value not in choices:
-            raise CallError(f"{where} is {shortened(value)}; it must be {', '.join(choices)}")
-        return str(value)
-
-    return checked
-
-
-_DEMANDS: Final[Mapping[str, Callable[[Any, str], dict[str, Any]]]] = {
-    "between": _between,
-    "within": _within,
-    "at_least": lambda value, where: {"low": toml_number(value, where)},
-    "at_most": lambda value, where: {"high": toml_number(value, where)},
-    "equals": _equals,
-    "baseline": _baseline,
-}
-"""What a rule may demand, and the fields of the rule that it sets."""
-_OTHERS: Final[Mapping[str, Callable[[Any, str], str]]] = {
-    "where": _text,
-    "null": _one_of(get_args(Null)),
-    "level": _one_of(get_args(Level)),
-    "name": _text,
+_DEMANDS: Final = ("between", "at_least", "at_most", "equals", "baseline")
+_KEYS: Final = (*get_args(Subject), *_DEMANDS, "where", "null", "level", "name")
+_WANTED: Final = {
+    "between": "two numbers such as [0.70, 0.80], the lower one first",
+    "baseline": "like { by = 0.01 } or { by_percent = 5 }",
+    "null": "unknown, fail or pass",
+    "level": "fail or warn",
 }

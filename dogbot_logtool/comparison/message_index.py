@@ -5,7 +5,7 @@ messages are paired. Payloads are not kept: where they differ, their chunks are 
 """
 
 from bisect import bisect_right
-from collections.abc import Mapping
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
@@ -14,7 +14,7 @@ import numpy as np
 
 from dogbot_logtool.comparison.descriptions import kind_of
 from dogbot_logtool.core.arrays import Ints, concatenated, picked, rows_by_group
-from dogbot_logtool.reader.containers.log import Batch, Channel, Chunk, Log, Loss, Messages
+from dogbot_logtool.reader.containers.log import Batch, Channel, Chunk, Log, Loss
 
 _CHUNKS_KEPT: Final = 16
 """Chunks of a log that are kept in memory: messages of about one time may lie in several."""
@@ -24,13 +24,10 @@ _CHUNKS_KEPT: Final = 16
 class Rows:
     """Messages of a topic."""
 
-    kind: Ints
-    """(n,) number of the kind of channel (see `kind_of`)."""
     log_time: Ints
-    """(n,) ns. Likewise `publish_time`."""
-    publish_time: Ints
+    """(n,) ns."""
     digest: Ints
-    """(n,) hash of the payload."""
+    """(n,) hash of the kind of channel (see `kind_of`), the publish time and the payload."""
     position: Ints
     """(n,) index of each message in the file."""
 
@@ -47,13 +44,12 @@ class Message:
 class MessageIndex:
     """The messages of some topics of a log."""
 
-    def __init__(self, log: Log, topics: Mapping[str, int], kinds: dict[str, int]) -> None:
+    def __init__(self, log: Log, topics: Collection[str]) -> None:
         """Read the log.
 
         Args:
             log: the log.
-            topics: numbers of the topics that are wanted.
-            kinds: numbers of kinds of channels, to which new ones are added.
+            topics: those that are wanted.
         """
         self._log = log
         self.losses: list[Loss] = [*log.losses]
@@ -62,12 +58,8 @@ class MessageIndex:
         """Position of each chunk's first message."""
         self._count = 0
         self._loaded = lru_cache(_CHUNKS_KEPT)(self._load)
-        self._parts = {number: [Rows(*[np.empty(0, np.int64)] * 5)] for number in topics.values()}
-        wanted = [(n, each) for n, each in sorted(log.channels.items()) if each.topic in topics]
-        self._channels = np.array([number for number, _ in wanted], np.int64)
-        self._topics = np.array([topics[each.topic] for _, each in wanted], np.int64)
-        numbers = [kinds.setdefault(kind_of(each), len(kinds)) for _, each in wanted]
-        self._kinds = np.array(numbers, np.int64)
+        self._parts = {name: [Rows(*[np.empty(0, np.int64)] * 3)] for name in topics}
+        self._kinds = {n: kind_of(each) for n, each in log.channels.items() if each.topic in topics}
         for span in log.spans():
             self._add(log.read(span))
 
@@ -77,22 +69,24 @@ class MessageIndex:
         for each in batch.chunks:
             self._chunks.append(each.chunk)
             self._first.append(self._count + each.rows.start)
-        position = np.flatnonzero(np.isin(batch.messages.channel, self._channels))
-        messages = batch.messages.pick(position)
-        of = np.searchsorted(self._channels, messages.channel)
-        times = messages.log_time, messages.publish_time
-        found = Rows(self._kinds[of], *times, _digests(batch, messages), self._count + position)
-        for number, rows in rows_by_group(self._topics[of]):
-            self._parts[number].append(picked(found, rows))
-        self._count += len(batch.messages)
+        data, all_of_them = batch.buffer.tobytes(), batch.messages
+        for number, rows in rows_by_group(all_of_them.channel):
+            if kind := self._kinds.get(number):
+                found = all_of_them.pick(rows)
+                columns = found.publish_time, found.start, found.end
+                messages = zip(*(column.tolist() for column in columns), strict=True)
+                digest = [hash((kind, time, data[start:end])) for time, start, end in messages]
+                part = Rows(found.log_time, np.array(digest, np.int64), self._count + rows)
+                self._parts[self._log.channels[number].topic].append(part)
+        self._count += len(all_of_them)
 
-    def take(self, topic: int) -> Rows:
+    def take(self, topic: str) -> Rows:
         """Return the messages of a topic by log time, those of one time as they stand in the file.
 
         They are not kept.
         """
         found = concatenated(self._parts.pop(topic))
-        return picked(found, np.argsort(found.log_time, kind="stable"))
+        return picked(found, np.lexsort((found.position, found.log_time)))
 
     def message(self, position: int) -> Message:
         """Read a message again."""
@@ -105,13 +99,6 @@ class MessageIndex:
 
     def _load(self, number: int) -> Batch:
         return self._log.read((self._chunks[number],))
-
-
-def _digests(batch: Batch, messages: Messages) -> Ints:
-    """Return a hash of each payload, (n,)."""
-    data = batch.buffer.tobytes()
-    bounds = zip(messages.start.tolist(), messages.end.tolist(), strict=True)
-    return np.array([hash(data[start:end]) for start, end in bounds], np.int64)
 
 
 def pair_messages(one: Rows, other: Rows) -> tuple[Ints, Ints, Ints, Ints]:

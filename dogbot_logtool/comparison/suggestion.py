@@ -1,10 +1,11 @@
 """Suggest limits from good runs."""
 
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 from typing import Any, Final, Literal, NamedTuple
 
 from dogbot_logtool.comparison.judge import can_tell, figures_in
+from dogbot_logtool.comparison.limits import is_number
 from dogbot_logtool.core.events.event import STEPS, EventType
 from dogbot_logtool.core.records import METRICS, MetricPath
 from dogbot_logtool.io.printable import printable
@@ -27,25 +28,18 @@ class _Suggested(NamedTuple):
 
 
 _FEET: Final = METRICS.feet["*"]
+_FORCES: Final = METRICS.forces
+_MARGIN: Final = METRICS.stability.static_margin_m.min
 _METRICS: Final = (
     _Suggested(_FEET.duty_factor.median, "how much of a stride each foot stands"),
     _Suggested(_FEET.stride_period_s.median, "s, how long a stride takes"),
     _Suggested(_FEET.stride_length_m.median, "m, how far a stride gets", least=0.005),
     _Suggested(_FEET.peak_force_bw.median, "body weights, how hard feet land and push", 15.0),
     _Suggested(_FEET.slip_m.max, "m, the largest slip of each foot", 50.0, 0.003, "at_most"),
-    _Suggested(METRICS.forces.load_share.feet["*"], "each foot's share of the load", 10.0, 0.02),
-    _Suggested(
-        METRICS.forces.vertical_impulse_over_weight,
-        "1 where sensors and mass are right",
-        2.0,
-        0.02,
-    ),
-    _Suggested(
-        METRICS.stability.static_margin_m.min, "m, minimum static margin", 0.0, 0.02, "at_least"
-    ),
-    _Suggested(
-        METRICS.gait.class_distance, "cycles, how far from the ideal gait", 0.0, 0.05, "at_most"
-    ),
+    _Suggested(_FORCES.load_share.feet["*"], "each foot's share of the load", 10.0, 0.02),
+    _Suggested(_FORCES.vertical_impulse_over_weight, "1 if sensors and mass fit", 2.0, 0.02),
+    _Suggested(_MARGIN, "m, minimum static margin", 0.0, 0.02, "at_least"),
+    _Suggested(METRICS.gait.class_distance, "cycles from the ideal gait", 0.0, 0.05, "at_most"),
 )
 _ALIKE: Final = 1.2
 """Feet share a rule if its range is at most so many times the narrowest of theirs."""
@@ -63,26 +57,22 @@ def suggest_limits(documents: Sequence[Json], names: Sequence[str]) -> str:
         names: what to call them.
     """
     runs = "1 run" if len(documents) == 1 else f"{len(documents)} runs"
-    head = [
-        f"Limits for `dogbot-logtool check`, suggested from {runs}: {', '.join(names)}.",
-        "Each range is what these runs show, and some room. Edit it: you know what matters.",
-        *_damage(documents, names),
-        *doubts(documents, names),
+    parts = [
+        f"# Limits for `dogbot-logtool check`, suggested from {runs}: {', '.join(names)}.\n",
+        "# Each range is what these runs show, and some room. Edit it: you know what matters.\n",
+        *(f"# {printable(doubt)}\n" for doubt in doubts(documents, names)),
     ]
-    counts = [_warnings(document) for document in documents]
-    parts = [f"# {line}\n" for line in head]
     classes = {document["gait"]["name"] for document in documents}
     if len(classes) == 1 and (name := classes.pop()) is not None:
         parts.append(_rule("", figure=str(METRICS.gait.name), equals=name))
     for suggested in _METRICS:
         parts += _rules(documents, suggested)
     parts += _events(documents)
-    unseen = [code for code in _SENSORS if not any(code in count for count in counts)]
-    parts += [_rule("", finding=code) for code in unseen]
+    seen = [_warnings(document) for document in documents]
+    parts += [_rule("", finding=each) for each in _SENSORS if each not in chain(*seen)]
     words = "What must not be found in a good run; the page docs/findings.md has all codes."
     parts.append(_rule(words, finding="error"))
-    most = max(count.total() for count in counts)
-    parts.append(_rule("", finding="warning", at_most=most, level="warn"))
+    parts.append(_rule("", finding="warning", at_most=max(map(len, seen)), level="warn"))
     return "".join(parts)
 
 
@@ -102,7 +92,7 @@ def doubts(documents: Sequence[Json], names: Sequence[str]) -> list[str]:
     """
     found = []
     for document, name in zip(documents, names, strict=True):
-        bad = [code for code in _SENSORS if code in _warnings(document)]
+        bad = [code for code in ("LOST", *_SENSORS) if code in _warnings(document)]
         if bad:
             found.append(f"{name} has {', '.join(bad)}: is it a good run?")
     classes = sorted({str(document["gait"]["name"] or "no gait") for document in documents})
@@ -114,23 +104,12 @@ def doubts(documents: Sequence[Json], names: Sequence[str]) -> list[str]:
     return found
 
 
-def _damage(documents: Sequence[Json], names: Sequence[str]) -> Iterator[str]:
-    """Yield which runs are damaged, and how."""
-    for document, name in zip(documents, names, strict=True):
-        for each in document["findings"]:
-            if each["code"] == "LOST":
-                yield f"{name} is damaged: {printable(each['text'])}"
-
-
 def _rules(documents: Sequence[Json], suggested: _Suggested) -> Iterator[str]:
     """Yield the rules of a figure: one for all feet where they are alike, else one a foot."""
-    values: dict[str, list[float]] = {}
-    for document in documents:
-        for path, value in figures_in(document, str(suggested.of)):
-            if isinstance(value, int | float):
-                values.setdefault(path, []).append(float(value))
-    known = {path: found for path, found in values.items() if len(found) == len(documents)}
-    ranges = {path: _range(found, suggested) for path, found in known.items()}
+    found = [dict(figures_in(document, str(suggested.of))) for document in documents]
+    values = {path: [each.get(path) for each in found] for path in found[0]}
+    known = {path: [v for v in each if is_number(v)] for path, each in values.items()}
+    ranges = {p: _range(v, suggested) for p, v in known.items() if len(v) == len(documents)}
     if not ranges:
         return
     low, high = min(low for low, _ in ranges.values()), max(high for _, high in ranges.values())
@@ -166,6 +145,6 @@ def _events(documents: Sequence[Json]) -> Iterator[str]:
             comment = ""
 
 
-def _warnings(document: Json) -> Counter[str]:
-    """Count the warnings of a run by code."""
-    return Counter(e["code"] for e in document["findings"] if e["severity"] == "warning")
+def _warnings(document: Json) -> list[str]:
+    """Return the codes of a run's warnings."""
+    return [each["code"] for each in document["findings"] if each["severity"] == "warning"]

@@ -9,11 +9,12 @@ beside its messages is named like fields: ``profile``, ``metadata:NAME``, ``meta
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, Final
 
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.io.toml_table import parse_toml, read_toml, toml_number
+from dogbot_logtool.io.toml_table import parse_toml, read_text, toml_number
 
 _DEFAULT: Final = "default"
 
@@ -50,6 +51,16 @@ class Rules:
         """Return rules that ignore more."""
         return replace(self, ignore=(*self.ignore, *globs))
 
+    def refuse_nothing(self, what: str) -> None:
+        """Refuse patterns that leave nothing: files must not pass for the same so.
+
+        Raises:
+            CallError: there are such patterns.
+        """
+        for option, globs in (("--ignore", self.ignore), ("--topics", self.topics)):
+            if globs:
+                raise CallError(f"{option} leaves no {what} to compare: {', '.join(globs)}")
+
 
 def fits(globs: Sequence[str], *names: str) -> bool:
     """Tell whether any of the globs fits any of the names."""
@@ -60,37 +71,18 @@ class FieldRules:
     """The rules for one topic's fields; remembers what it was asked, for speed."""
 
     def __init__(self, rules: Rules, topic: str = "") -> None:
-        self._rules = rules
-        self._topic = topic
-        self._claimed: dict[str, Tolerance | None] = {}
-        self._ignored: dict[str, bool] = {}
+        def fit(globs: Sequence[str], name: str) -> bool:
+            return fits(globs, name, f"{topic}:{name}")
 
-    def ignored(self, name: str) -> bool:
-        """Tell whether a field, and with it everything below, is left out."""
-        if name not in self._ignored:
-            self._ignored[name] = self._fit(self._rules.ignore, name)
-        return self._ignored[name]
+        def claimed(name: str) -> Tolerance | None:
+            return next((each for each in rules.tolerances if fit(each.fields, name)), None)
 
-    def tolerance(self, name: str) -> Tolerance:
-        """Return the tolerance of a float field."""
-        return self.claimed(name) or self._rules.default
-
-    def claimed(self, name: str) -> Tolerance | None:
-        """Return the first tolerance that names a field, None if none does."""
-        if name not in self._claimed:
-            fitting = (each for each in self._rules.tolerances if self._fit(each.fields, name))
-            self._claimed[name] = next(fitting, None)
-        return self._claimed[name]
-
-    def _fit(self, globs: Sequence[str], name: str) -> bool:
-        return fits(globs, name, f"{self._topic}:{name}")
-
-
-def nothing_left(rules: Rules, what: str) -> CallError:
-    """Return the error of patterns that leave nothing: files must not pass for the same so."""
-    if not rules.ignore:
-        return CallError(f"--topics leaves no {what} to compare: {', '.join(rules.topics)}")
-    return CallError(f"--ignore leaves no {what} to compare: {', '.join(rules.ignore)}")
+        self.default = rules.default
+        """The tolerance of a float field that no other names."""
+        self.ignored = cache(partial(fit, rules.ignore))
+        """Tells whether a field, and with it everything below, is left out."""
+        self.claimed = cache(claimed)
+        """Returns the first tolerance that names a field, None if none does."""
 
 
 def load_rules(
@@ -113,7 +105,7 @@ def load_rules(
     """
     document = {}
     if tolerances is not None:
-        document = parse_toml(read_toml(tolerances, "a tolerance file"), str(tolerances))
+        document = parse_toml(read_text(tolerances, "a tolerance file"), str(tolerances))
     found = {name: _tolerance(f"{tolerances}: {name}", name, document[name]) for name in document}
     default = found.pop(_DEFAULT, Tolerance())
     default = Tolerance(
@@ -128,10 +120,8 @@ def _tolerance(where: str, name: str, table: Any) -> Tolerance:  # noqa: ANN401 
     known = {"atol", "rtol"} if name == _DEFAULT else {"atol", "rtol", "fields"}
     if strange := sorted(table.keys() - known):
         raise CallError(f"{where}.{strange[0]}: not known; there may be {', '.join(sorted(known))}")
-    fields = table.get("fields", [])
-    if not isinstance(fields, list) or not all(isinstance(glob, str) for glob in fields):
-        raise CallError(f"{where}.fields must be a list of globs")
-    if not fields and name != _DEFAULT:
-        raise CallError(f"{where}.fields is missing: which fields is it for?")
+    fields = table.get("fields", ["*"] if name == _DEFAULT else [])
+    if not isinstance(fields, list) or not fields or not all(isinstance(f, str) for f in fields):
+        raise CallError(f"{where}.fields must be a list of globs: which fields is it for?")
     atol, rtol = (toml_number(table.get(key, 0), f"{where}.{key}", 0.0) for key in ("atol", "rtol"))
     return Tolerance(atol, rtol, tuple(fields))

@@ -7,15 +7,17 @@ blocks of strides are drawn (moving blocks, Künsch 1989). There are many metric
 interval is as wide as the number of them asks for (Bonferroni).
 """
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from statistics import median
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, median_of
-from dogbot_logtool.core.records import METRICS
+from dogbot_logtool.core.records import METRICS, MetricPath
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.reader.containers.loss import Damage
 
@@ -122,33 +124,28 @@ def metric_differences(
         second: those of the other.
     """
     interval_s = max((run.interval_s for run in (*first, *second)), default=0.0)
-    pairs = []
-    for foot in _common_feet(first, second):
-        one, other = _values(first, foot), _values(second, foot)
-        for metric in one.keys() & other.keys():
-            if min(len(one[metric]), len(other[metric])) >= FEWEST_STRIDES:
-                resolution = _resolution(metric, interval_s, one)
-                pairs.append((foot, metric, one[metric], other[metric], resolution))
-    found = [_difference(*pair, metrics=len(pairs)) for pair in sorted(pairs, key=lambda p: p[:2])]
+    one, other = _values(first), _values(second)
+    both = [key for key in one if key in other]
+    known = [key for key in both if min(len(one[key]), len(other[key])) >= FEWEST_STRIDES]
+    found = []
+    for foot, metric in sorted(known):
+        resolution = _resolution(metric, interval_s, one.get((foot, _PERIOD)))
+        values = one[foot, metric], other[foot, metric]
+        found.append(_difference(foot, metric, *values, resolution, metrics=len(known)))
     return sorted(found, key=lambda each: (not each.differs, -abs(each.effect)))
 
 
-def _common_feet(first: Sequence["Figures"], second: Sequence["Figures"]) -> list[str]:
-    others = {foot for run in second for foot in run.strides.foot}
-    return [f for f in dict.fromkeys(f for run in first for f in run.strides.foot) if f in others]
-
-
-def _values(runs: Sequence["Figures"], foot: str) -> Mapping[str, Floats]:
-    """Return the known values of each metric of a foot, run after run."""
-    parts: dict[str, list[Floats]] = {}
+def _values(runs: Sequence["Figures"]) -> Mapping[tuple[str, str], Floats]:
+    """Return the known values of each metric of each foot, run after run."""
+    parts = defaultdict[tuple[str, str], list[Floats]](list)
     for run in runs:
-        rows = np.array([name == foot for name in run.strides.foot], np.bool_)
-        columns = {key: values[rows] for key, values in run.strides.columns.items()}
+        columns = dict(run.strides.columns)
+        columns.pop(_START, None)
         if {_STANCE, _SWING} <= columns.keys():
             columns[_PERIOD] = columns[_STANCE] + columns[_SWING]
-        for key, values in columns.items():
-            if key != _START:
-                parts.setdefault(key, []).append(values[np.isfinite(values)])
+        feet = np.array(run.strides.foot)
+        for foot, (metric, values) in product(dict.fromkeys(run.strides.foot), columns.items()):
+            parts[foot, metric].append(values[(feet == foot) & np.isfinite(values)])
     return {key: np.concatenate(values) for key, values in parts.items()}
 
 
@@ -198,10 +195,10 @@ def _drawn_medians(values: Floats, random: np.random.Generator) -> Floats:
     return medians
 
 
-def _resolution(metric: str, interval_s: float, values: Mapping[str, Floats]) -> float:
+def _resolution(metric: str, interval_s: float, period: Floats | None) -> float:
     """Return the difference that the recording resolves, in the metric's unit."""
-    if metric == str(METRICS.duty_factor):
-        return interval_s / float(median_of(values[_PERIOD]))
+    if metric == str(METRICS.duty_factor) and period is not None:
+        return interval_s / float(median_of(period))
     return interval_s if metric in {_STANCE, _SWING, _PERIOD} else 0.0
 
 
@@ -241,29 +238,26 @@ def _feet(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
 
 
 def _gait(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
-    one, other = ({METRICS.gait.name.value_in(each) for each in side} for side in (first, second))
+    one, other = ({each["gait"]["name"] or "not known" for each in s} for s in (first, second))
     if len(one | other) > 1:
-        yield f"the gaits differ: {_listed(one)} against {_listed(other)}"
-
-
-def _listed(classes: set[str | None]) -> str:
-    return ", ".join(sorted(each or "not known" for each in classes))
+        yield f"the gaits differ: {', '.join(sorted(one))} against {', '.join(sorted(other))}"
 
 
 def _speed(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
-    speed = METRICS.base.forward_speed_mps
-    speeds = [[speed.value_in(document) for document in side] for side in (first, second)]
-    known = [[each for each in side if each is not None] for side in speeds]
-    if not all(known):
-        return
-    one, other = (median(side) for side in known)
-    if abs(one - other) > max(MOST_SPEED_MPS, MOST_SPEED_SHARE * max(abs(one), abs(other))):
-        yield f"the speeds differ: {one:.2f} m/s against {other:.2f} m/s"
+    one, other = (_known(METRICS.base.forward_speed_mps, side) for side in (first, second))
+    if one and other:
+        speeds = median(one), median(other)
+        most = max(MOST_SPEED_MPS, MOST_SPEED_SHARE * max(map(abs, speeds)))
+        if abs(speeds[0] - speeds[1]) > most:
+            yield f"the speeds differ: {speeds[0]:.2f} m/s against {speeds[1]:.2f} m/s"
 
 
 def _mass(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
-    masses = {METRICS.settings.mass_kg.value_in(document) for document in (*first, *second)}
-    known = [mass for mass in masses if mass is not None]
+    known = _known(METRICS.settings.mass_kg, (*first, *second))
     apart = known and max(known) - min(known) > MOST_MASS_SHARE * max(known)
-    if apart or 0 < len(known) < len(masses):
-        yield f"the masses differ: {', '.join(f'{mass:g} kg' for mass in sorted(known))}"
+    if apart or 0 < len(known) < len(first) + len(second):
+        yield f"the masses differ: {', '.join(f'{mass:g} kg' for mass in sorted({*known}))}"
+
+
+def _known(metric: MetricPath, side: Sequence[Json]) -> list[float]:
+    return [value for each in side if (value := metric.value_in(each)) is not None]

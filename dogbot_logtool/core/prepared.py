@@ -17,7 +17,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import AnyColumns, Flags, Floats, Ints, all_finite
 from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.corrections.clock import TimeSource, advancing
+from dogbot_logtool.core.corrections.clock import TimeSource, advancing, clock_at
 from dogbot_logtool.core.frames.transforms import lookup, track_of
 from dogbot_logtool.core.recording import Recording, has_own_stamps
 from dogbot_logtool.core.rotations import conjugate, multiply, normalised, rotate
@@ -59,7 +59,7 @@ def on_one_clock(recording: Recording, topic: str) -> tuple[Recording, tuple[Fin
             recording, feet=tuple(_stamped(each, log_time, stamp) for each in recording.feet)
         )
     else:
-        own = _clock(base.log_time, log_time, stamp)
+        own = clock_at(base.log_time, log_time, stamp)
         changed = replace(recording, base=replace(base, stamp=own))
     others, stamped_ones = ("feet", "odometry")[:: 1 if base_is_stamped else -1]
     finding = found(
@@ -75,17 +75,7 @@ def on_one_clock(recording: Recording, topic: str) -> tuple[Recording, tuple[Fin
 
 
 def _stamped(samples: Samples, log_time: Ints, stamp: Ints) -> Samples:
-    return replace(samples, stamp=_clock(samples.log_time, log_time, stamp))
-
-
-def _clock(at: Ints, log_time: Ints, stamp: Ints) -> Ints:
-    """(n,) ns, what a clock reads at some log times; beyond its ends it goes on as it did."""
-    begin, end = log_time[[0, -1]].tolist()
-    speed = float(stamp[-1] - stamp[0]) / float(end - begin)
-    since: Floats = np.interp(at - begin, log_time - begin, (stamp - stamp[0]).astype(np.float64))
-    since += np.where(at < begin, (at - begin) * speed, 0.0)
-    since += np.where(at > end, (at - end) * speed, 0.0)
-    return np.asarray(stamp[0] + np.rint(since).astype(np.int64))
+    return replace(samples, stamp=clock_at(samples.log_time, log_time, stamp))
 
 
 _SENSORS: Final = frozenset(

@@ -118,8 +118,11 @@ class TopicQuality:
     last: int
     rate_hz: float | None
     """1/s, (messages - 1) / (last - first); None where that means nothing: see `mean_rate_hz`."""
-    interval_s: dict[str, float] | None
-    """s, the 50th and the 95th percentile and the longest interval."""
+    interval_s: float | None
+    """s, the median interval; also its 95th percentile, and the longest. None of fewer than two
+    times."""
+    interval_p95_s: float | None
+    interval_max_s: float | None
     gaps: int
     """Silences longer than max(5 x usual interval, 50 ms): see `usual_interval_ns`."""
     gaps_total_s: float
@@ -139,16 +142,6 @@ class TopicQuality:
     """s, log time minus header stamp."""
     clock_drift_ppm: float | None
     """Millionths by which log time runs faster than the header stamps."""
-
-    @property
-    def interval_p95_s(self) -> float | None:
-        """s; also `interval_max_s`. None of fewer than two times."""
-        return None if self.interval_s is None else self.interval_s["p95"]
-
-    @property
-    def interval_max_s(self) -> float | None:
-        """S."""
-        return None if self.interval_s is None else self.interval_s["max"]
 
     @property
     def bad_stamps(self) -> int | None:
@@ -219,7 +212,10 @@ def topic_quality(
     steps = None if times.stamp is None else np.diff(times.stamp[times.stamp > 0])
     number, span = len(times.log_time) - 1, int(time.max()) - int(time.min())
     offset, drift = _offset(log_time, stamp) if times.has_stamps else (None, None)
-    check = times.check
+    check, intervals = times.check, step[step > 0]
+    middle, high, longest = None, None, None
+    if len(intervals):
+        middle, high, longest = (percentiles_of(intervals, (50.0, 95.0, 100.0)) / 1e9).tolist()
     return TopicQuality(
         topic=times.topic,
         messages=len(times.log_time),
@@ -227,7 +223,9 @@ def topic_quality(
         first=int(time.min()),
         last=int(time.max()),
         rate_hz=mean_rate_hz(number, span),
-        interval_s=_percentiles(step),
+        interval_s=middle,
+        interval_p95_s=high,
+        interval_max_s=longest,
         gaps=len(gaps),
         gaps_total_s=_total(gaps) / 1e9,
         longest_gap_s=int(gaps.max(initial=0)) / 1e9,
@@ -250,15 +248,6 @@ def _offset(log_time: Ints, stamp: Ints) -> tuple[float, float | None]:
     first = int(offset[0])
     behind = (offset - first).astype(np.float64)
     return float(median_of(behind) + first) / 1e9, _slope_ppm(since.astype(np.float64), behind)
-
-
-def _percentiles(step: Ints) -> dict[str, float] | None:
-    intervals = step[step > 0]
-    if not len(intervals):
-        return None
-    percents = {"p50": 50.0, "p95": 95.0, "max": 100.0}
-    values = percentiles_of(intervals, list(percents.values())) / 1e9
-    return dict(zip(percents, values.tolist(), strict=True))
 
 
 def _slope_ppm(time: Floats, offset: Floats) -> float | None:

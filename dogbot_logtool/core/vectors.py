@@ -19,31 +19,19 @@ from dogbot_logtool.core.corrections.clock import (
     TimeSource,
     advancing,
     check_stamps,
+    clock_at,
     clock_differences,
     first_at_each_tick,
     offset_track,
     too_far_apart,
 )
 from dogbot_logtool.core.quality import steady_gap_ns
+from dogbot_logtool.core.recording import VectorSamples
 
 RATE_HZ: Final = 100.0
 """A day at this rate is half a gigabyte."""
 MOST: Final = 1e6
 """m/s, rad/s or m/s^2; no robot reaches more."""
-
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class VectorSamples:
-    """Vectors that messages of one topic hold, in the order of the log."""
-
-    log_time: Ints
-    """(n,) ns."""
-    stamp: Ints
-    """(n,) ns, header stamp as recorded; 0: none."""
-    vector: Floats
-    """(n, 3), as recorded."""
-    turn_rate: Floats
-    """(n, 3) rad/s, of an inertial unit; NaN: not recorded."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -95,8 +83,9 @@ def vector_history(
     if len(kept.log_time):
         kept = _averaged(kept)
     time = kept.stamp if by_stamps else kept.log_time
-    if clock is TimeSource.HEADER and not by_stamps:
-        time = time - _behind(base, time)
+    if clock is TimeSource.HEADER and not by_stamps and base is not None and len(base.window):
+        middle = base.window * WINDOW_NS + WINDOW_NS // 2
+        time = clock_at(time, middle, middle - base.least_ns)
     goes_on = advancing(time)
     return VectorHistory(
         topic=topic,
@@ -132,14 +121,3 @@ def _is_stamped_like(samples: VectorSamples, check: StampCheck, base: OffsetTrac
     own = offset_track(samples.log_time[check.usable], samples.stamp[check.usable])
     tracks = {check.topic: own, "": base}
     return check.topic not in too_far_apart(clock_differences(tracks, ("",)), None)
-
-
-def _behind(base: OffsetTrack | None, log_time: Ints) -> Ints:
-    """(n,) ns by which the base's stamps lie behind log time; zeros where that is not known."""
-    if base is None or len(base.window) == 0 or len(log_time) == 0:
-        return np.zeros(len(log_time), np.int64)
-    middle = (base.window - base.window[0]) * WINDOW_NS + WINDOW_NS // 2
-    since = log_time - base.window[0] * WINDOW_NS
-    growth = np.interp(since, middle, base.least_ns - base.least_ns[0])
-    behind: Ints = growth.astype(np.int64) + base.least_ns[0]
-    return behind

@@ -6,7 +6,7 @@ from typing import Any, Final
 
 from rich.console import Console
 
-from dogbot_logtool.comparison.outcome import Comparison, Difference, Tally
+from dogbot_logtool.comparison.outcome import Comparison, Difference, Tally, counted
 from dogbot_logtool.comparison.walks import CONFIDENCE, GaitComparison, MetricDifference
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.printable import printable
@@ -103,7 +103,7 @@ def _tally(tally: Tally) -> dict[str, Any]:
         "different": tally.different,
         "missing": tally.missing,
         "extra": tally.extra,
-        "described_differently": tally.faults,
+        "described_differently": tally.described_differently,
         "largest_deviation": tally.deviation,
         "largest_deviation_at": tally.deviation_path or None,
         "note": tally.note or None,
@@ -126,7 +126,7 @@ def comparison_junit(comparison: Comparison) -> bytes:
         if tally.same:
             cases.append(Case(tally.name))
             continue
-        summary = tally.summary(comparison.unit)
+        summary = f"{counted([tally])}, of {tally.expected} {comparison.unit}"
         lines = [each.line for each in comparison.differences if each.topic == tally.name]
         cases.append(Case(tally.name, FAILURE, summary, "\n".join(lines or [summary])))
     name = f"compare {comparison.expected} {comparison.actual}"

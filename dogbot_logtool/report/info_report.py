@@ -54,7 +54,7 @@ def _print_frames(console: Console, info: LogInfo) -> None:
         for name in names:
             print_sentence(console, "  ", name, indent=_DEEPER)
         return
-    edges = {(edge.parent, edge.child): edge for edge in info.frames.recorded.edges}
+    edges = {(edge.parent, edge.child): edge for edge in info.frames.edges}
     found = [edges.get((row.parent or "", row.frame)) for row in rows]
     cells = [_cells(edge) if edge else [""] * 4 for edge in found]
     sent_by = [listed(info.frames.senders(edge), 2) if edge else "" for edge in found]
@@ -83,11 +83,10 @@ def _cells(edge: FrameEdge) -> list[str]:
     timing = edge.timing
     if timing is None:
         return [f"{edge.transforms:,}", "static", "", ""]
-    intervals = timing.interval_s or {}
     return [
         f"{edge.transforms:,}",
         "" if timing.rate_hz is None else f"{timing.rate_hz:.1f}",
-        _milliseconds(intervals.get("max")),
+        _milliseconds(timing.interval_max_s),
         str(timing.gaps or "-"),
     ]
 
@@ -179,7 +178,7 @@ def frames_json(info: LogInfo) -> dict[str, Any]:
     """
     pairs = sorted({*frame_pairs(info)})
     frames = info.frames
-    second = [] if frames is None else second_parents(frames.recorded.edges)
+    second = [] if frames is None else second_parents(frames.edges)
     return {
         "parents": {child: sorted(parents) for child, parents in info.parents.items()},
         "added": list(info.added_transform) if info.added_transform else None,
@@ -193,15 +192,12 @@ def frames_json(info: LogInfo) -> dict[str, Any]:
             {"frame": one.child, "parents": list(one.parents), "at_once": one.at_once}
             for one in second
         ],
-        "edges": None
-        if frames is None
-        else [_edge(edge, frames) for edge in frames.recorded.edges],
+        "edges": None if frames is None else [_edge(edge, frames) for edge in frames.edges],
     }
 
 
 def _edge(edge: FrameEdge, frames: Frames) -> dict[str, Any]:
     timing = edge.timing
-    intervals = (timing and timing.interval_s) or {}
     return {
         "parent": edge.parent,
         "child": edge.child,
@@ -213,8 +209,8 @@ def _edge(edge: FrameEdge, frames: Frames) -> dict[str, Any]:
         "first_time_ns": timing.first if timing else edge.first_log_time,
         "last_time_ns": timing.last if timing else edge.last_log_time,
         "rate_hz": timing and timing.rate_hz,
-        "median_interval_s": intervals.get("p50"),
-        "longest_interval_s": intervals.get("max"),
+        "median_interval_s": timing and timing.interval_s,
+        "longest_interval_s": timing and timing.interval_max_s,
         "gaps": timing and timing.gaps,
         "gaps_total_s": timing and timing.gaps_total_s,
         "repeated_stamps": timing and timing.duplicate_stamps,

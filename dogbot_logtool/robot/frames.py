@@ -6,12 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from dogbot_logtool.core.frames import frame_tree
-from dogbot_logtool.core.frames.frame_tree import (
-    MOST_EDGES,
-    FrameEdge,
-    RecordedFrames,
-    recorded_frames,
-)
+from dogbot_logtool.core.frames.frame_tree import FrameEdge, frame_edge
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.reader.containers.log import Channel, Log, Loss, malformed_messages
@@ -22,12 +17,22 @@ from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.run.runner import OnProgress
 
+MOST_EDGES: Final = 2_000
+"""Pairs of frames that are told apart; no robot has as many, and no viewer draws them."""
+
 
 @dataclass(frozen=True, slots=True)
 class Frames:
     """All transforms of a log, and their senders."""
 
-    recorded: RecordedFrames
+    edges: tuple[FrameEdge, ...]
+    """Sorted by parent, then child."""
+    slashed: frozenset[str]
+    """Frame ids that begin with a slash, as recorded."""
+    unnamed: int
+    """Transforms without the name of a parent or of a child; left out."""
+    left_out: int
+    """Transforms of further pairs of frames, when there were `MOST_EDGES`."""
     channels: Mapping[int, Channel]
     """The channels that carry transforms, by id."""
     unread: tuple[Channel, ...]
@@ -53,7 +58,7 @@ class Frames:
             without: ids of channels that do not count.
         """
         parents: dict[str, set[str]] = {}
-        for edge in self.recorded.edges:
+        for edge in self.edges:
             numbers = [number for number in edge.channels if number not in without]
             if not numbers:
                 continue
@@ -82,8 +87,17 @@ def read_frames(
     read = read_recording(log, wanted, jobs, progress, spans)
     losses = (*read.losses, *malformed_messages(channels, read.malformed))
     unread = tuple(channel for channel in foxglove if channel.id not in channels)
-    frames = recorded_frames(read.recording.transforms, read.recording.slashed_frames)
-    return Frames(frames, channels, unread, losses)
+    transforms = read.recording.transforms
+    named = sorted(pair for pair in transforms if all(pair))
+    return Frames(
+        edges=tuple(frame_edge(*pair, transforms[pair]) for pair in named[:MOST_EDGES]),
+        slashed=read.recording.slashed_frames,
+        unnamed=sum(len(own.stamp) for pair, own in transforms.items() if not all(pair)),
+        left_out=sum(len(transforms[pair].stamp) for pair in named[MOST_EDGES:]),
+        channels=channels,
+        unread=unread,
+        losses=losses,
+    )
 
 
 _NAMED: Final = 5
@@ -97,14 +111,13 @@ def frame_findings(frames: Frames, added: tuple[str, str] | None) -> Iterator[Fi
         frames: all frames.
         added: parent and child of the transform that `convert` adds.
     """
-    recorded = frames.recorded
-    pairs = [(edge.parent, edge.child) for edge in recorded.edges]
-    yield from _of_tree(recorded.edges, [*pairs, added] if added else pairs)
-    yield from _of_transforms(recorded.edges)
-    if recorded.unnamed:
-        yield found("FRAME_NAMES", say="unnamed", count=recorded.unnamed)
-    if recorded.left_out:
-        yield found("FRAME_NAMES", say="left_out", count=recorded.left_out, most=MOST_EDGES)
+    pairs = [(edge.parent, edge.child) for edge in frames.edges]
+    yield from _of_tree(frames.edges, [*pairs, added] if added else pairs)
+    yield from _of_transforms(frames.edges)
+    if frames.unnamed:
+        yield found("FRAME_NAMES", say="unnamed", count=frames.unnamed)
+    if frames.left_out:
+        yield found("FRAME_NAMES", say="left_out", count=frames.left_out, most=MOST_EDGES)
     for channel in frames.unread:
         encoding, topic = channel.message_encoding, channel.topic
         yield found("UNREADABLE", "one_topic", say="transforms", topic=topic, encoding=encoding)

@@ -102,7 +102,7 @@ def test_the_json_and_the_junit_report(different: tuple[object, ...], tmp_path: 
     assert {name for name, failure in cases.items() if failure is not None} == failed
     failure = cases["/b"]
     assert failure is not None
-    assert failure.attrib["message"] == "/b: 2 of 3 messages different, 1 missing"
+    assert failure.attrib["message"] == "2 different, 1 missing, of 3 messages"
     assert failure.text == "/b[0] t=0.000 s: expected 1, got 2"
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.conversion import annotated_log
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
 from tests.commands.conversions import converted

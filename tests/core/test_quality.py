@@ -46,7 +46,7 @@ BURST = S + np.arange(12, dtype=np.int64) * 20_000
     [
         (steady() + 2 * MS, steady(), {"messages": 1001, "gaps": 0, "longest_gap_s": 0.0}),
         (steady() + 2 * MS, steady(), {"rate_hz": 100.0, "clock_offset_s": 0.002}),
-        (steady(), steady(), {"interval_s": {"p50": 0.01, "p95": 0.01, "max": 0.01}}),
+        (steady(), steady(), {"interval_s": 0.01, "interval_p95_s": 0.01, "interval_max_s": 0.01}),
         (TWO_GAPS, TWO_GAPS, {"gaps": 2, "gaps_total_s": 0.58, "longest_gap_s": 0.51}),
         (TWO_GAPS, TWO_GAPS, {"rate_hz": 94.4}),
         (steady(interval_ms=500), steady(interval_ms=500), {"gaps": 0}),

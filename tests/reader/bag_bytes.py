@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 
 import lz4.frame
 
+from tests.reader.reading import Read
+
 MAGIC = b"#ROSBAG V2.0\n"
 SECOND = 1_000_000_000
 U32 = struct.Struct("<I")
@@ -89,8 +91,6 @@ class BagBytes:
     compress: Callable[[bytes], bytes] | None = None
     in_chunks: bool = True
     """The first chunk holds the connection records."""
-    in_index: bool = True
-    """The index section holds them."""
     in_index_section: Sequence[Connection] | None = None
     """The connections that the index section describes instead of the true ones."""
     described_later: Mapping[int, bytes] = field(default_factory=dict)
@@ -101,10 +101,16 @@ class BagBytes:
     chunk_ends: list[int] = field(default_factory=list)
     """Where each chunk record ends in the file."""
     chunk_starts: list[int] = field(default_factory=list)
-    chunk_data: list[bytes] = field(default_factory=list)
     message_ends: list[int] = field(default_factory=list)
     """Where each message ends in the file, if it is not compressed."""
     index_place: int = 0
+
+    @property
+    def written(self) -> list[Read]:
+        """The messages, as they should come out."""
+        topics = {connection.number: connection.topic for connection in self.connections}
+        messages = (message for chunk in self.chunks for message in chunk)
+        return [Read(topics[each.connection], each.log_time, each.payload) for each in messages]
 
     def build(self) -> bytes:
         """Write the bag, and note the places."""
@@ -123,10 +129,8 @@ class BagBytes:
         )
         index = b""
         if self.indexed:
-            if self.in_index:
-                described = self.in_index_section or self.connections
-                index += b"".join(connection.record() for connection in described)
-            index += b"".join(infos)
+            described = self.in_index_section or self.connections
+            index = b"".join([*(connection.record() for connection in described), *infos])
         return MAGIC + head + body + index
 
     def _chunk(self, messages: Sequence[Message], place: int) -> bytes:
@@ -149,7 +153,6 @@ class BagBytes:
         )
         data_place = place + len(written) - len(stored)
         self.message_ends.extend(data_place + end for end in ends)
-        self.chunk_data.append(inner)
         self.chunk_ends.append(place + len(written))
         return written + index_records(messages, offsets)
 

@@ -12,7 +12,6 @@ from tests.reader.mcap_bytes import (
     metadata,
     schema,
 )
-from tests.reader.reading import Read, written_bag, written_mcap
 
 Log = BagBytes | McapBytes
 AnyLog = TypeVar("AnyLog", BagBytes, McapBytes)
@@ -42,10 +41,6 @@ class Case(NamedTuple):
     """Which chunks may be copied as they stand; None: any, or of a sound log all."""
     index_is_true: bool = True
     """What is said of counts when the log is opened is true."""
-
-
-def written(log: Log) -> list[Read]:
-    return written_bag(log) if isinstance(log, BagBytes) else written_mcap(log)
 
 
 def built(log: AnyLog, **options: Any) -> tuple[AnyLog, bytes]:

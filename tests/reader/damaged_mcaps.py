@@ -15,7 +15,6 @@ from tests.reader.cases import (
     flipped,
     put,
     u64,
-    written,
 )
 from tests.reader.mcap_bytes import (
     McapBytes,
@@ -65,7 +64,7 @@ def mcaps_with_a_wrong_summary() -> Iterator[Case]:
     section = put(section, section.rindex(u64(two.summary_start)), u64(mcap.summary_start))
     shorter = resealed(data[: mcap.summary_start] + section, mcap)
     yield Case("unnamed chunk", mcap, shorter, ANY)
-    true = written(mcap)[0].log_time, written(mcap)[-1].log_time
+    true = mcap.written[0].log_time, mcap.written[-1].log_time
     for each in true:
         for shift in (-(10**9), 10**9):
             wrong = put(data, data.rindex(u64(each)), u64(each + shift))
@@ -160,7 +159,7 @@ def mcaps_without_chunks() -> Iterator[Case]:
     yield Case("schema", log, harmed, "schema 7 of /left is nowhere described")
     harmed = data.replace(channel(2, "/right"), b"")
     what = "messages of channels that are nowhere described"
-    right = tuple(n for n, message in enumerate(written(log)) if message.topic == "/right")
+    right = tuple(n for n, message in enumerate(log.written) if message.topic == "/right")
     yield Case("channel", log, harmed, what, right, bytes=6 * 13)
 
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 import lz4.frame
 import zstandard
 
+from tests.reader.reading import Read
+
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX = range(1, 9)
 ATTACHMENT, ATTACHMENT_INDEX, STATISTICS, METADATA, METADATA_INDEX, SUMMARY_OFFSET = range(9, 15)
@@ -100,6 +102,12 @@ class McapBytes:
     """Where each message ends in the file, if it is not compressed."""
     data_end: int = 0
     summary_start: int = 0
+
+    @property
+    def written(self) -> list[Read]:
+        """The messages, as they should come out."""
+        messages = (message for chunk in self.chunks for message in chunk)
+        return [Read(self.topics[each.channel], each.log_time, each.payload) for each in messages]
 
     def build(self) -> bytes:
         """Write the file, and note the places."""

@@ -1,16 +1,18 @@
 """Small logs, ways to harm them, and what must hold for whatever then comes out."""
 
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from functools import cached_property
 from pathlib import Path
+from typing import Final, NamedTuple
 
 from dogbot_logtool.errors import LogtoolError
+from tests.reader import bag_bytes, mcap_bytes
 from tests.reader.bag_bytes import BagBytes, small_bag
+from tests.reader.cases import built
 from tests.reader.mcap_bytes import McapBytes, small_mcap
-from tests.reader.reading import Read, Reading, read_bytes, written_bag, written_mcap
+from tests.reader.reading import Read, Reading, read_bytes
 
 
 class Kind(StrEnum):
@@ -58,69 +60,29 @@ class Mutation:
         return data[:place] + middle + behind
 
 
-@dataclass(frozen=True)
-class Case:
-    """A small sound log and what is promised of its harmed copies."""
+class Case(NamedTuple):
+    """A small sound log."""
 
     name: str
-    build: Callable[[], BagBytes | McapBytes]
+    log: BagBytes | McapBytes
+    data: bytes
     checksums: bool
     """Whether checksums vouch for the payloads."""
 
-    @cached_property
-    def parts(self) -> BagBytes | McapBytes:
-        parts = self.build()
-        parts.build()
-        return parts
 
-    @cached_property
-    def data(self) -> bytes:
-        return self.build().build()
-
-    @cached_property
-    def written(self) -> list[Read]:
-        parts = self.parts
-        return written_bag(parts) if isinstance(parts, BagBytes) else written_mcap(parts)
-
-    @property
-    def is_bag(self) -> bool:
-        return isinstance(self.parts, BagBytes)
+def cases() -> Iterator[Case]:
+    for codec in bag_bytes.CODECS:
+        for indexed, end in ((True, ""), (False, " unindexed")):
+            log = built(small_bag(codec), indexed=indexed)
+            yield Case(f"bag {codec}{end}", *log, checksums=codec != "none")
+    for codec in mcap_bytes.CODECS:
+        for summary, end in ((True, ""), (False, " without summary")):
+            mcap = built(small_mcap(codec), summary=summary)
+            yield Case(f"mcap {codec or 'none'}{end}", *mcap, checksums=True)
+    yield Case("mcap without chunks", *built(small_mcap(""), chunked=False), checksums=False)
 
 
-def _bag(compression: str, *, indexed: bool) -> Callable[[], BagBytes]:
-    def build() -> BagBytes:
-        bag = small_bag(compression)
-        bag.indexed = indexed
-        return bag
-
-    return build
-
-
-def _mcap(
-    compression: str, *, summary: bool = True, chunked: bool = True
-) -> Callable[[], McapBytes]:
-    def build() -> McapBytes:
-        mcap = small_mcap(compression)
-        mcap.summary, mcap.chunked = summary, chunked
-        return mcap
-
-    return build
-
-
-CASES = [
-    Case("bag none", _bag("none", indexed=True), checksums=False),
-    Case("bag none unindexed", _bag("none", indexed=False), checksums=False),
-    Case("bag bz2", _bag("bz2", indexed=True), checksums=True),
-    Case("bag bz2 unindexed", _bag("bz2", indexed=False), checksums=True),
-    Case("bag lz4", _bag("lz4", indexed=True), checksums=True),
-    Case("bag lz4 unindexed", _bag("lz4", indexed=False), checksums=True),
-    Case("mcap none", _mcap(""), checksums=True),
-    Case("mcap none without summary", _mcap("", summary=False), checksums=True),
-    Case("mcap lz4", _mcap("lz4"), checksums=True),
-    Case("mcap zstd", _mcap("zstd"), checksums=True),
-    Case("mcap zstd without summary", _mcap("zstd", summary=False), checksums=True),
-    Case("mcap without chunks", _mcap("", chunked=False), checksums=False),
-]
+CASES: Final = tuple(cases())
 
 
 def read_harmed(folder: Path, case: Case, mutations: Sequence[Mutation]) -> Reading | None:
@@ -152,13 +114,14 @@ def read_harmed(folder: Path, case: Case, mutations: Sequence[Mutation]) -> Read
 
 def check(case: Case, mutations: Sequence[Mutation], reading: Reading) -> None:
     if case.checksums:
-        written = {message[1:] for message in case.written}
-        vouched_for = reading.messages if case.is_bag else _under_checksums(reading)
+        written = {message[1:] for message in case.log.written}
+        is_bag = isinstance(case.log, BagBytes)
+        vouched_for = reading.messages if is_bag else _under_checksums(reading)
         strange = [message for message in vouched_for if message[1:] not in written]
         assert not strange, (strange, reading.sentences)
-        if not case.is_bag and len(mutations) == 1:
-            assert set(vouched_for) <= set(case.written), reading.sentences
-    if case.checksums and set(reading.messages) != set(case.written):
+        if not is_bag and len(mutations) == 1:
+            assert set(vouched_for) <= set(case.log.written), reading.sentences
+    if case.checksums and set(reading.messages) != set(case.log.written):
         assert reading.losses
     assert sum(reading.counts.values()) >= 0
     for loss in reading.losses:
@@ -184,11 +147,11 @@ def _under_checksums(reading: Reading) -> list[Read]:
 
 def floor(case: Case, size: int) -> int:
     """Return how many messages of a log that is cut after some bytes must come out."""
-    parts = case.parts
+    log = case.log
     if case.name.startswith(("bag none", "mcap none", "mcap without")):
-        return sum(end <= size for end in parts.message_ends)
-    whole = sum(end <= size for end in parts.chunk_ends)
-    return sum(len(chunk) for chunk in parts.chunks[:whole])
+        return sum(end <= size for end in log.message_ends)
+    whole = sum(end <= size for end in log.chunk_ends)
+    return sum(len(chunk) for chunk in log.chunks[:whole])
 
 
 def random_mutation(chance: random.Random, size: int = 1 << 16) -> Mutation:

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 from dogbot_logtool.reader.containers.log import Extra, LoadedChunk, Loss
 from dogbot_logtool.reader.opening import open_log
-from tests.reader import bag_bytes, mcap_bytes
 
 
 class Read(NamedTuple):
@@ -95,25 +94,3 @@ def read_bytes(folder: Path, data: bytes) -> Reading:
     path = folder / "log"
     path.write_bytes(data)
     return read_file(path)
-
-
-def written_bag(bag: bag_bytes.BagBytes) -> list[Read]:
-    topics = {connection.number: connection.topic for connection in bag.connections}
-    return [
-        Read(topics[m.connection], m.log_time, m.payload) for chunk in bag.chunks for m in chunk
-    ]
-
-
-def written_mcap(mcap: mcap_bytes.McapBytes) -> list[Read]:
-    return [
-        Read(mcap.topics[m.channel], m.log_time, m.payload) for chunk in mcap.chunks for m in chunk
-    ]
-
-
-def read_built(folder: Path, bag: bag_bytes.BagBytes) -> Reading:
-    return read_bytes(folder, bag.build())
-
-
-def assert_all_there(reading: Reading, bag: bag_bytes.BagBytes) -> None:
-    assert list(reading.messages) == written_bag(bag)
-    assert sum(reading.counts.values()) == len(reading.messages)

@@ -10,7 +10,7 @@ from dogbot_logtool.reader.containers.log import EarlierAnnotations
 from dogbot_logtool.reader.opening import open_log
 from tests.reader import bag_bytes, damaged_bags, damaged_mcaps
 from tests.reader.bag_bytes import small_bag, time
-from tests.reader.cases import AS_LOST, DESCRIBED, MCAP, Case, Log, built, put, u64, written
+from tests.reader.cases import AS_LOST, DESCRIBED, MCAP, Case, Log, built, put, u64
 from tests.reader.mcap_bytes import (
     McapBytes,
     channel,
@@ -29,7 +29,7 @@ from tests.reader.reading import Read, read_bytes
 )
 def test_a_damaged_log(tmp_path: Path, case: Case) -> None:
     reading = read_bytes(tmp_path, case.data)
-    sent = written(case.log)
+    sent = case.log.written
     got = [message for number, message in enumerate(sent) if number not in case.lost]
     found = list(reading.messages)
     if case.either and found != got:
@@ -106,7 +106,7 @@ def test_a_description_that_changes_in_mid_file(
         )
         reading = read_bytes(tmp_path, data)
         assert what in reading.sentences
-        assert list(reading.messages) == written(log)
+        assert list(reading.messages) == log.written
         if where == "described_later" and in_summary == DESCRIBED:
             assert {loss.offset for loss in reading.losses} == {log.chunk_starts[2]}
             assert [chunk.whole for chunk in reading.chunks] == [True, True, False]
@@ -120,7 +120,7 @@ def test_messages_in_and_outside_chunks(tmp_path: Path, place: str, *, checked: 
     for start in starts:
         message = MCAP(1, 7, b"bare").record()
         reading = read_bytes(tmp_path, data[:start] + message + data[start:])
-        assert sorted(reading.messages) == sorted([*written(log), Read("/left", 7, b"bare")])
+        assert sorted(reading.messages) == sorted([*log.written, Read("/left", 7, b"bare")])
         assert not reading.losses
 
 
@@ -128,7 +128,7 @@ def test_messages_in_and_outside_chunks(tmp_path: Path, place: str, *, checked: 
 def test_names_that_are_no_text(tmp_path: Path, name: bytes) -> None:
     log, data = built(small_mcap(), chunked=False, summary=False, data_crc=False)
     reading = read_bytes(tmp_path, data.replace(channel(1, "/left"), channel(1, name)))
-    assert [message[1:] for message in reading.messages] == [each[1:] for each in written(log)]
+    assert [message[1:] for message in reading.messages] == [each[1:] for each in log.written]
     assert not reading.losses
     data = small_bag().build().replace(b"/left", b"/\xff\0\nt")
     reading = read_bytes(tmp_path, data)
@@ -152,7 +152,7 @@ def test_messages_in_front_of_their_channels_description(
     data = data[:at] + record(0x80, b"\xff" * 30) + data[at:]
     end = data.index(right[-1].record()) + len(right[-1].record())
     reading = read_bytes(tmp_path, data[:end] + channel(2, "/right") * described + data[end:])
-    assert list(reading.messages) == written(log)[: 20 if described else 10]
+    assert list(reading.messages) == log.written[: 20 if described else 10]
     assert reading.lost == (0 if described else 10)
     assert ("10 messages of channels that are nowhere described" in reading.sentences) != described
 

@@ -17,7 +17,7 @@ from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.reader.opening import open_log
 from tests.reader.bag_bytes import small_bag
 from tests.reader.mcap_bytes import small_mcap
-from tests.reader.reading import read_bytes, written_bag, written_mcap
+from tests.reader.reading import read_bytes
 
 
 def test_the_suffix_does_not_matter(tmp_path: Path) -> None:
@@ -37,8 +37,8 @@ def test_the_suffix_does_not_matter(tmp_path: Path) -> None:
 def test_a_damaged_magic_is_said(tmp_path: Path, place: int) -> None:
     bag, mcap = small_bag(), small_mcap()
     for data, written, size in [
-        (bag.build(), written_bag(bag), 13),
-        (mcap.build(), written_mcap(mcap), 8),
+        (bag.build(), bag.written, 13),
+        (mcap.build(), mcap.written, 8),
     ]:
         harmed = bytearray(data)
         harmed[place % size] ^= 0x40
@@ -142,7 +142,7 @@ def test_common_accidents_have_their_names(tmp_path: Path, data: bytes, says: st
 )
 def test_all_frames_of_a_compressed_log_are_read(tmp_path: Path, packed: bytes) -> None:
     reading = read_bytes(tmp_path, packed)
-    assert list(reading.messages) == written_mcap(small_mcap())
+    assert list(reading.messages) == small_mcap().written
     assert reading.losses == ()
 
 
@@ -164,7 +164,7 @@ def test_what_stands_before_damage_in_a_compressed_log_is_read(
     tmp_path: Path, packed: bytes, says: str
 ) -> None:
     reading = read_bytes(tmp_path, packed)
-    assert list(reading.messages) == written_mcap(small_mcap())
+    assert list(reading.messages) == small_mcap().written
     assert re.search(says, reading.losses[0].what), reading.sentences
     assert reading.lost is None
 

@@ -1,7 +1,6 @@
 """Bags and MCAP files that are sound, as rosbags and the mcap library read them."""
 
 import io
-import struct
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,8 +12,6 @@ from mcap.reader import make_reader
 from mcap.writer import CompressionType, IndexType
 from mcap.writer import Writer as McapWriter
 from rosbags.rosbag1 import Reader as BagReader
-from rosbags.rosbag1 import Writer as BagWriter
-from rosbags.typesys import Stores, get_typestore
 
 from tests.reader import bag_bytes, mcap_bytes
 from tests.reader.bag_bytes import BagBytes, Connection, bag_header, small_bag
@@ -26,13 +23,12 @@ from tests.reader.cases import (
     Case,
     built,
     put,
-    written,
 )
 from tests.reader.mcap_bytes import (
     McapBytes,
     small_mcap,
 )
-from tests.reader.reading import Read, read_bytes, read_file
+from tests.reader.reading import Read, read_bytes
 
 MCAP_OPTIONS: Final[dict[str, dict[str, Any]]] = {
     "as usual": {},
@@ -95,7 +91,7 @@ def by_libraries(case: Case, path: Path) -> list[Read]:
 @pytest.mark.parametrize("case", [*sound_logs()], ids=lambda case: case.name)
 def test_a_sound_log(tmp_path: Path, case: Case) -> None:
     reading = read_bytes(tmp_path, case.data)
-    assert list(reading.messages) == written(case.log)
+    assert list(reading.messages) == case.log.written
     assert not reading.losses
     mcap = case.log if isinstance(case.log, McapBytes) else None
     if case.whole is None:
@@ -152,30 +148,3 @@ def test_an_mcap_by_the_library(
     assert reading.counts == {"/a": 50, "/b": 50}
     assert [extra.opcode for extra in reading.extras] == [9, 12]
     assert reading.profile == "ros2"
-
-
-@pytest.mark.parametrize("compression", [None, *BagWriter.CompressionFormat])
-def test_a_bag_by_rosbags_is_read_as_rosbags_reads_it(
-    tmp_path: Path, compression: BagWriter.CompressionFormat | None
-) -> None:
-    path = tmp_path / "log.bag"
-    store = get_typestore(Stores.ROS1_NOETIC)
-    writer = BagWriter(path)
-    writer.chunk_threshold = 2000
-    if compression is not None:
-        writer.set_compression(compression)
-    with writer:
-        connections = [
-            writer.add_connection(topic, "std_msgs/msg/String", typestore=store, callerid=caller)
-            for topic, caller in [("/a", "/one"), ("/a", "/two"), ("/b", None)]
-        ]
-        for row in range(500):
-            data = struct.pack("<I", 6) + f"row{row:03}".encode()
-            writer.write(connections[row % 3], row * 7_000_000, data)
-    reading = read_file(path)
-    with BagReader(path) as reader:
-        expected = [Read(c.topic, at, bytes(data)) for c, at, data in reader.messages()]
-    assert sorted(reading.messages) == sorted(expected)
-    assert len(reading.chunks) > 3
-    assert not reading.losses
-    assert reading.counts == {"/a": 334, "/b": 166}

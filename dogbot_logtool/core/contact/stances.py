@@ -131,52 +131,12 @@ LOADED: Final = 0.5
 """Share of a stance's mean force from which its foot is loaded."""
 
 
-def contact_travel(samples: Samples, time: Ints, begin: Ints, end: Ints) -> tuple[Floats, Floats]:
-    """(k,) m, net travel of the contact point from 10 % to 90 % of a stance, and its reach.
-
-    The reach is the largest distance from where the point is at 10 %. Both are horizontal.
-
-    A round foot that rolls moves its contact point without slipping, so this is not slip yet.
-    NaN when no samples with a contact point surround both instants.
-
-    Args:
-        samples: n samples of a foot.
-        time: (n,) ns.
-        begin: (k,) rows of touchdowns.
-        end: (k,) rows that end the stances.
-    """
-    travel, reach = np.full((2, len(begin)), np.nan)
-    rows, stance, _ = rows_of_runs(np.maximum(begin - 1, 0), end + 1)
-    point = _points(samples, rows)
-    known = np.isfinite(point)
-    rows, stance, point = rows[known], stance[known], point[known]
-    phase = (time[rows] - time[begin][stance]) / (time[end] - time[begin])[stance]
-    first, count = runs_of(stance)
-    surround = (phase[first] <= 0.1) & (phase[first + count - 1] >= 0.9) & (count >= 2)
-    of = stance[first[surround]]
-    if not len(of):
-        return travel, reach
-    # Stances follow each other on one axis, so that all are interpolated at once.
-    axis = 4.0 * stance + np.clip(phase, -1.0, 1.0)
-    origin = np.full(len(begin), np.nan, np.complex128)
-    origin[of], last = (np.interp(4.0 * of + share, axis, point) for share in (0.1, 0.9))
-    travel[of] = reach[of] = np.abs(last - origin[of])
-    away = np.abs(point - origin[stance])
-    counts = (phase >= 0.1) & (phase <= 0.9) & np.isfinite(away)
-    np.maximum.at(reach, stance[counts], away[counts])
-    return travel, reach
-
-
-def _points(samples: Samples, rows: Ints) -> Complexes:
-    """(m,) m, contact points in the world; not finite where there are none."""
-    x, y, _ = samples.position.take(rows, axis=0).astype(np.float64, copy=False).T
-    return np.asarray(x + 1j * y)
-
-
-def travel_under_load(
+def contact_travel(
     samples: Samples, track: FootTrack, begin: Ints, end: Ints, mean: Floats
 ) -> Floats:
-    """Find how far contact points go from 10 % to 90 % of a stance, while loaded.
+    """Find how far contact points go, horizontally, from 10 % to 90 % of a stance.
+
+    A round foot that rolls moves its contact point without slipping, so this is not slip yet.
 
     Args:
         samples: n samples of a foot.
@@ -186,16 +146,31 @@ def travel_under_load(
         mean: (k,) N, mean of |F| in each stance.
 
     Returns:
-        (3, k): m, the largest distance from where the point began, by steps between neighbouring
-        loaded samples; s after touchdown, with a tenth and with nine tenths of that. NaN where
-        nothing is known, and times where the point goes nowhere.
+        (5, k): m, the net travel, and the reach, which is the largest distance from where the point
+        is at 10 %; NaN where no samples with a contact point surround both instants. Then that of
+        `_travel`, by steps between neighbouring loaded samples; NaN where nothing is known.
     """
-    found = np.full((3, len(mean)), np.nan)
-    rows, stance, _ = rows_of_runs(begin, end)
+    found = np.full((5, len(begin)), np.nan)
+    rows, stance, _ = rows_of_runs(np.maximum(begin - 1, 0), end + 1)
+    x, y, _ = samples.position.take(rows, axis=0).astype(np.float64, copy=False).T
+    point = np.asarray(x + 1j * y)
+    known = np.isfinite(point)
+    rows, stance, point = rows[known], stance[known], point[known]
     since = track.time[rows] - track.time[begin][stance]
     phase = since / (track.time[end] - track.time[begin])[stance]
-    point = _points(samples, rows)
-    inside = (phase >= 0.1) & (phase <= 0.9) & np.isfinite(point)
+    inside = (phase >= 0.1) & (phase <= 0.9)
+    first, count = runs_of(stance)
+    surround = (phase[first] <= 0.1) & (phase[first + count - 1] >= 0.9) & (count >= 2)
+    of = stance[first[surround]]
+    if len(of):
+        # Stances follow each other on one axis, so that all are interpolated at once.
+        axis = 4.0 * stance + np.clip(phase, -1.0, 1.0)
+        origin = np.full(len(begin), np.nan, np.complex128)
+        origin[of], last = (np.interp(4.0 * of + share, axis, point) for share in (0.1, 0.9))
+        found[:2, of] = np.abs(last - origin[of])
+        away = np.abs(point - origin[stance])
+        counts = inside & np.isfinite(away)
+        np.maximum.at(found[1], stance[counts], away[counts])
     if inside.any():
         rows, stance, time, point = rows[inside], stance[inside], since[inside] / 1e9, point[inside]
         first, count = runs_of(stance)
@@ -206,18 +181,22 @@ def travel_under_load(
         counts = loaded & np.roll(loaded, 1)
         counts[first] = False
         total = np.cumsum(np.where(counts, step, 0.0))
-        found[:, stance[first]] = _travel(time, total - total[first][own], own, first)
+        found[2:, stance[first]] = _travel(time, total - total[first][own], own, first)
     return found
 
 
 def _travel(time: Floats, path: Complexes, own: Ints, first: Ints) -> Floats:
-    """(3, m): how far contact points go in each of m stances; see `travel_under_load`.
+    """Find how far contact points go in each of m stances.
 
     Args:
         time: (n,) s after touchdown.
         path: (n,) m, way of the contact point since the stance's first row.
         own: (n,) ascending, the stance of each row.
         first: (m,) first row of each stance.
+
+    Returns:
+        (3, m): m, the largest distance from where the point began; s after touchdown, with a tenth
+        and with nine tenths of that; NaN where the point goes nowhere.
     """
     rows, distance = np.arange(len(path)), np.abs(path)
     reach = np.maximum.reduceat(distance, first)
@@ -376,8 +355,7 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
     spike_phase = np.full(len(begin), np.nan)
     spike_phase[stance[highest]] = (time / ends_s[stance])[highest]
     impulse = track.impulse.total[:, 2]
-    travel, reach = contact_travel(samples, track.time, begin, end)
-    loaded_reach, reach_begins, reach_ends = travel_under_load(samples, track, begin, end, mean)
+    travel, reach, loaded_reach, begins, ends = contact_travel(samples, track, begin, end, mean)
     found = StanceFigures(
         peak_force_n=peak,
         mean_force_n=mean,
@@ -394,8 +372,8 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
         contact_reach_m=reach,
         friction_use=_friction_use(samples, track, rows, stance, on_n),
         loaded_reach_m=loaded_reach,
-        reach_begins_s=reach_begins,
-        reach_ends_s=reach_ends,
+        reach_begins_s=begins,
+        reach_ends_s=ends,
     )
     return np.stack(found)
 

@@ -316,6 +316,18 @@ def offset_track(log_time: Ints, stamp: Ints) -> OffsetTrack:
     return OffsetTrack(window[lowest], least[lowest])
 
 
+def clock_at(at: Ints, log_time: Ints, stamp: Ints) -> Ints:
+    """Return what a clock reads at some log times, by what it read at others, one at least.
+
+    Beyond its ends it goes on as it did.
+    """
+    begin, end = log_time[[0, -1]].tolist()
+    speed = float(stamp[-1] - stamp[0]) / (end - begin) if end > begin else 1.0
+    since: Floats = np.interp(at - begin, log_time - begin, (stamp - stamp[0]).astype(np.float64))
+    since += speed * ((at - begin).clip(max=0) + (at - end).clip(min=0))
+    return np.asarray(stamp[0] + np.rint(since).astype(np.int64))
+
+
 @dataclass(frozen=True, slots=True)
 class ClockDifference:
     """How far a topic's clock is from that of the feet's topics."""

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 from itertools import accumulate
@@ -12,14 +11,12 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import all_finite, distinct
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.transforms import Edge, Transforms
+from dogbot_logtool.core.frames.transforms import Transforms
 from dogbot_logtool.core.quality import TopicQuality, topic_quality, topic_times
 
 NORM_TOLERANCE: Final = 0.01
 """A quaternion whose squared norm is further from 1 is not normalised. tf2's tolerance: it
 ignores such a transform (geometry2, buffer_core.cpp)."""
-MOST_EDGES: Final = 2_000
-"""Pairs of frames that are told apart; no robot has as many, and no viewer draws them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,40 +49,7 @@ class FrameEdge:
         return self.static == self.transforms
 
 
-@dataclass(frozen=True, slots=True)
-class RecordedFrames:
-    """Figures of all transforms of a log."""
-
-    edges: tuple[FrameEdge, ...]
-    """Sorted by parent, then child."""
-    slashed: tuple[str, ...]
-    """Frame ids that begin with a slash, as recorded, sorted."""
-    unnamed: int
-    """Transforms without the name of a parent or of a child; left out."""
-    left_out: int
-    """Transforms of further pairs of frames, when there were `MOST_EDGES`."""
-
-
-def recorded_frames(
-    transforms: Mapping[Edge, Transforms], slashed: AbstractSet[str]
-) -> RecordedFrames:
-    """Measure all transforms of a log, pair by pair of frames.
-
-    Args:
-        transforms: by parent and child.
-        slashed: frame ids that begin with a slash.
-    """
-    unnamed = [len(own.stamp) for pair, own in transforms.items() if not all(pair)]
-    named = sorted(pair for pair in transforms if all(pair))
-    return RecordedFrames(
-        edges=tuple(_edge(*pair, transforms[pair]) for pair in named[:MOST_EDGES]),
-        slashed=tuple(sorted(slashed)),
-        unnamed=sum(unnamed),
-        left_out=sum(len(transforms[pair].stamp) for pair in named[MOST_EDGES:]),
-    )
-
-
-def _edge(parent: str, child: str, recorded: Transforms) -> FrameEdge:
+def frame_edge(parent: str, child: str, recorded: Transforms) -> FrameEdge:
     """Measure the transforms of a frame in a parent."""
     rotation, log_time = recorded.rotation, recorded.log_time
     finite = all_finite(recorded.translation) & all_finite(rotation)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 from dogbot_logtool.errors import DefinitionError
 
 if TYPE_CHECKING:
-    from rosbags.interfaces.typing import FieldDesc
+    from rosbags.interfaces.typing import FieldDesc, Typesdict
 
 _MAX_TEXT: Final = 1 << 20
 _MAX_DEPTH: Final = 32
@@ -141,13 +141,17 @@ def parse_definition(type_name: str, text: str, schema_encoding: str) -> Struct:
         raise DefinitionError(f"the definition of {type_name} is {len(text)} characters long")
     if not schema_encoding and not text:
         raise DefinitionError(f"neither the log nor this program has a definition of {type_name}")
-    types = _parse_text(type_name, text, schema_encoding)
+    parsed = parse_types(type_name, text, schema_encoding)
+    types = {name: fields for name, (_constants, fields) in parsed.items()}
     return _TreeBuilder(types, schema_encoding).struct(long_type_name(type_name), ())
 
 
-def _parse_text(
-    type_name: str, text: str, schema_encoding: str
-) -> Mapping[str, Sequence[tuple[str, "FieldDesc"]]]:
+def parse_types(type_name: str, text: str, schema_encoding: str) -> "Typesdict":
+    """Parse the types of a recorded definition; see `parse_definition`.
+
+    Raises:
+        DefinitionError: the text is no definition.
+    """
     text = text if schema_encoding == "ros2idl" else text.replace("\r\n", "\n")
     # Imported late: the parser takes longer to import than `--help` may take.
     from rosbags.typesys import TypesysError, get_types_from_idl, get_types_from_msg  # noqa: PLC0415
@@ -157,16 +161,12 @@ def _parse_text(
             text = re.sub(_IDL_SECTION, "", re.sub(_IDL_STRING, '""', text))
             if re.search(_NESTED_PARENTHESES, text):
                 raise DefinitionError(f"the definition of {type_name} has nested parentheses")
-            parsed = get_types_from_idl(text)
-        elif schema_encoding in {"ros1msg", "ros2msg"}:
-            parsed = get_types_from_msg(text, type_name)
-        else:
-            raise DefinitionError(
-                f"{type_name} is described in {schema_encoding!r}, which is not read"
-            )
+            return get_types_from_idl(text)
+        if schema_encoding in {"ros1msg", "ros2msg"}:
+            return get_types_from_msg(text, type_name)
     except (TypesysError, *_PARSER_FAILURES) as error:
         raise DefinitionError(f"the definition of {type_name} cannot be parsed") from error
-    return {name: fields for name, (_constants, fields) in parsed.items()}
+    raise DefinitionError(f"{type_name} is described in {schema_encoding!r}, which is not read")
 
 
 class _TreeBuilder:

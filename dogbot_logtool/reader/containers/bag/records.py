@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints
-from dogbot_logtool.reader.containers.salvage.records import Readable, Records, blank_messages
+from dogbot_logtool.reader.containers.salvage.records import Read, Records, blank_messages
 from dogbot_logtool.reader.decode.columns import gather, gather_bytes, rows_like
 
 AnyNumber = TypeVar("AnyNumber", int, Ints)
@@ -173,23 +173,23 @@ def record_at(data: bytes | memoryview, offset: int, end: int) -> Record:
     return Record(Fields(data[offset + 4 : header_end]), header_end + 4, record_end)
 
 
-def record_in_file(source: Readable, offset: int, head: bytes = b"") -> Record:
+def record_in_file(read: Read, offset: int, head: bytes = b"") -> Record:
     """Read the header of a record in the file; its data may reach beyond the file's end.
 
     Args:
-        source: the file.
+        read: reads the file.
         offset: where the record begins.
         head: its first bytes, if they have been read.
 
     Raises:
         MalformedRecord: there is no record's header.
     """
-    head = head or source.read(offset, HEAD_SIZE)
+    head = head or read(offset, HEAD_SIZE)
     header_size = U32.unpack_from(head)[0] if len(head) >= 4 else 0
     if header_size > _MAX_HEADER_SIZE:
         raise MalformedRecord("a header is absurdly long")
     if len(head) < 8 + header_size:
-        head = source.read(offset, 8 + header_size)
+        head = read(offset, 8 + header_size)
     if len(head) < 8 + header_size:
         raise MalformedRecord("a record is cut off")
     (data_size,) = U32.unpack_from(head, 4 + header_size)
@@ -258,26 +258,26 @@ class BagFormat:
                 left = left[messages.end[left] == 0]
         return Records(op, offset, messages)
 
-    def sound(self, source: Readable, offset: int, end: int) -> bool:
+    def sound(self, read: Read, offset: int, end: int) -> bool:
         """See `RecordFormat.sound`."""
         try:
-            record = record_in_file(source, offset)
+            record = record_in_file(read, offset)
             if record.end > end:
                 is_chunk = record.fields.op() == BagOp.CHUNK
                 return is_chunk and bool(record.fields.raw("compression"))
-            return record.is_sound() and _may_follow(source, record.end, end)
+            return record.is_sound() and _may_follow(read, record.end, end)
         except MalformedRecord:
             return False
 
 
-def _may_follow(source: Readable, offset: int, end: int) -> bool:
+def _may_follow(read: Read, offset: int, end: int) -> bool:
     """Tell whether a record's end leads to another record, or to one that is cut off."""
     if offset == end:
         return True
     try:
-        record_in_file(source, offset).fields.op()
+        record_in_file(read, offset).fields.op()
     except MalformedRecord:
-        head = source.read(offset, 4)
+        head = read(offset, 4)
         size = int.from_bytes(head, "little")
         return len(head) < 4 or (size <= _LONGEST_HEADER and offset + 8 + size > end)
     return True

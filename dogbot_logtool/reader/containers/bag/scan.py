@@ -64,7 +64,7 @@ class BagLog(ScannedLog):
         """See `ScannedLog.use_index`."""
         start = len(BAG_MAGIC)
         try:
-            header = record_in_file(self.source, start)
+            header = record_in_file(self.source.read, start)
             if header.fields.op() != BagOp.BAG_HEADER:
                 raise MalformedRecord("the bag's header is missing")
             index_start = header.fields.number("index_pos", 8)
@@ -137,7 +137,7 @@ class BagLog(ScannedLog):
 
     def _step(self, offset: int) -> int | None:
         try:
-            record = record_in_file(self.source, offset)
+            record = record_in_file(self.source.read, offset)
             if "compression" in record.fields.values:
                 return self._chunk_record(offset, record)
             op = record.fields.op()
@@ -187,7 +187,7 @@ class BagLog(ScannedLog):
             ChunkDamage: there is no chunk, or its header makes no sense.
         """
         try:
-            record = record_in_file(self.source, offset, head)
+            record = record_in_file(self.source.read, offset, head)
             compression = record.fields.raw("compression").decode("utf-8", "replace")
             size = record.fields.number("size")
         except MalformedRecord as fault:

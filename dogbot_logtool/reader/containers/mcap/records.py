@@ -18,7 +18,7 @@ from dogbot_logtool.core.arrays import Bytes, Ints
 from dogbot_logtool.reader.containers.descriptions import Description
 from dogbot_logtool.reader.containers.log import Channel, Extra, Schema
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
-from dogbot_logtool.reader.containers.salvage.records import Readable, Records, blank_messages
+from dogbot_logtool.reader.containers.salvage.records import Read, Records, blank_messages
 from dogbot_logtool.reader.decode.columns import gather
 from dogbot_logtool.reader.decode.message_table import Messages, no_messages
 
@@ -223,13 +223,13 @@ class McapFormat:
             getattr(messages, column.name)[is_message] = getattr(found, column.name)
         return Records(op, offset, messages)
 
-    def sound(self, source: Readable, offset: int, end: int) -> bool:
+    def sound(self, read: Read, offset: int, end: int) -> bool:
         """See `RecordFormat.sound`."""
-        return self._sound(source, offset, end, _MOST_FOLLOWING)
+        return self._sound(read, offset, end, _MOST_FOLLOWING)
 
-    def _sound(self, source: Readable, offset: int, end: int, more: int) -> bool:
+    def _sound(self, read: Read, offset: int, end: int, more: int) -> bool:
         """Check a record and, as its own structure may say little, some that follow it."""
-        head = source.read(offset, min(RECORD_HEAD.size + 64, end - offset))
+        head = read(offset, min(RECORD_HEAD.size + 64, end - offset))
         if len(head) < RECORD_HEAD.size:
             # The end of the file cuts it off, or it is the end of a chunk.
             return not head or 1 <= head[0] <= LARGEST_OPCODE or MCAP_MAGIC.startswith(head)
@@ -243,22 +243,22 @@ class McapFormat:
             # A following record that the end cuts off says nothing against those before it.
             return is_known and more < _MOST_FOLLOWING
         if opcode == Opcode.FOOTER:
-            return source.read(following, len(MCAP_MAGIC)) == MCAP_MAGIC
+            return read(following, len(MCAP_MAGIC)) == MCAP_MAGIC
         content = offset + RECORD_HEAD.size
-        if is_known and self.content(source, content, opcode, length) is None:
+        if is_known and self.content(read, content, opcode, length) is None:
             return False
         # Of a kind that only later versions have, what follows is all that can be looked at.
         return (is_known and (following == end or not more)) or (
-            more > 0 and self._sound(source, following, end, more - 1)
+            more > 0 and self._sound(read, following, end, more - 1)
         )
 
     def content(
-        self, source: Readable, start: int, opcode: int, length: int
+        self, read: Read, start: int, opcode: int, length: int
     ) -> records.McapRecord | bool | None:
         """Decode a record's content.
 
         Args:
-            source: the bytes.
+            read: reads the bytes.
             start: where the content begins.
             opcode: of the record.
             length: of the content, which is known to be there.
@@ -268,28 +268,28 @@ class McapFormat:
             what its opcode says.
         """
         if opcode == Opcode.MESSAGE:
-            channel = int.from_bytes(source.read(start, 2), "little")
+            channel = int.from_bytes(read(start, 2), "little")
             is_message = length >= MESSAGE_CONTENT_SIZE and self._may_be_channel(channel)
             return is_message or None
         if opcode in {Opcode.MESSAGE_INDEX, Opcode.ATTACHMENT}:
-            padding = length - _content_size(source, start, opcode)
+            padding = length - _content_size(read, start, opcode)
             return 0 <= padding <= LARGEST_PADDING or None
         kind = _DECODED.get(Opcode(opcode)) if opcode in _DECODED else None
         if kind is None or length > WHOLE_SMALL_RECORD:
             return None
-        return decode_record(kind, source.read(start, length))
+        return decode_record(kind, read(start, length))
 
 
-def _content_size(source: Readable, content: int, opcode: int) -> int:
+def _content_size(read: Read, content: int, opcode: int) -> int:
     """Return how long a message index or an attachment is by what it says itself."""
     if opcode == Opcode.MESSAGE_INDEX:
-        entries = int.from_bytes(source.read(content + 2, 4), "little")
+        entries = int.from_bytes(read(content + 2, 4), "little")
         # Such that it is not as long as it is, if the entries are not whole.
         return 6 + entries if entries % 16 == 0 else 1 << 64
     size = 16
     for _ in ("name", "media type"):
-        size += 4 + int.from_bytes(source.read(content + size, 4), "little")
-    return size + 8 + int.from_bytes(source.read(content + size, 8), "little") + 4
+        size += 4 + int.from_bytes(read(content + size, 4), "little")
+    return size + 8 + int.from_bytes(read(content + size, 8), "little") + 4
 
 
 def _messages(records: Bytes, offset: Ints, end: Ints) -> Messages:

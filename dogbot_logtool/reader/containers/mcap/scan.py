@@ -2,7 +2,7 @@
 
 import struct
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -13,7 +13,6 @@ import numpy as np
 from mcap import records
 from mcap.opcode import Opcode
 
-from dogbot_logtool.core.arrays import distinct
 from dogbot_logtool.reader.containers.chunked_log import Times
 from dogbot_logtool.reader.containers.descriptions import Descriptions
 from dogbot_logtool.reader.containers.log import (
@@ -21,6 +20,7 @@ from dogbot_logtool.reader.containers.log import (
     Chunk,
     Extra,
     Schema,
+    counts_by_channel,
     differing_counts,
     time_range,
 )
@@ -132,19 +132,24 @@ class McapLog(ScannedLog):
     def _agrees(self, footer: records.Footer, statistics: records.Statistics) -> bool:
         """Tell whether the summary agrees with itself and with the file."""
         self._outside = []
-        stated = Counter(statistics.channel_message_counts)
-        known = [Counter(chunk.counts) for chunk in self._named if chunk.counts is not None]
         named = {chunk.offset: chunk for chunk in self._named}
         heads = in_groups(self.source, [(offset, _CHUNK_HEAD_SIZE) for offset in named])
+        is_vouched = bool(footer.summary_crc)
+        stated = Counter(statistics.channel_message_counts)
+        is_counted = all(chunk.counts is not None for chunk in self._named)
         return (
             stated.total() == statistics.message_count
-            and (len(known) < len(self._named) or sum(known, Counter()) == stated)
             and len(named) == len(self._named)
-            and all(map(partial(self._is_there, bool(footer.summary_crc)), self._named, heads))
+            # To ask a store for the header of each chunk takes longer than all else.
+            and (
+                (is_vouched and not self.source.has_cheap_seeks)
+                or all(map(partial(self._is_there, is_vouched), self._named, heads))
+            )
             and self._holds(len(MCAP_MAGIC), footer.summary_start, named)
+            and (not is_counted or Counter(self._counted()) == stated)
             and len(self.extras) == statistics.attachment_count + statistics.metadata_count
             and not self._take_outside()
-            and self._is_described(self.chunks[:1])
+            and self._is_described()
         )
 
     def _is_there(self, is_vouched: bool, chunk: Chunk, head: bytes) -> bool:  # noqa: FBT001
@@ -167,20 +172,19 @@ class McapLog(ScannedLog):
             return False
         return True
 
-    def _is_described(self, first: Sequence[Chunk]) -> bool:
+    def _is_described(self) -> bool:
         """Tell whether the first chunk, if it can be read, describes channels as the summary does.
 
         Recorders describe most channels there.
         """
-        for chunk in first:
-            try:
-                content, described = self._parsed(chunk)
-            except ChunkDamage:
-                return True
-            numbers = {*distinct(content.messages.channel).tolist()}
-            differs = self.descriptions.compare(described, chunk.offset)
-            return not differs and numbers <= self.channels.keys()
-        return True
+        if not self.chunks:
+            return True
+        try:
+            content, described = self._parsed(self.chunks[0])
+        except ChunkDamage:
+            return True
+        differs = self.descriptions.compare(described, self.chunks[0].offset)
+        return not differs and counts_by_channel(content.messages).keys() <= self.channels.keys()
 
     def _step(self, offset: int) -> int | None:
         size = self.source.size
@@ -200,7 +204,7 @@ class McapLog(ScannedLog):
             return None
         if opcode == Opcode.MESSAGE:
             return self._message(offset, content, end)
-        found = self._mcap_format.content(self.source, content, opcode, length)
+        found = self._mcap_format.content(self.source.read, content, opcode, length)
         return None if found is None else self._record(found, opcode, offset, end)
 
     def _message(self, offset: int, content: int, end: int) -> int | None:

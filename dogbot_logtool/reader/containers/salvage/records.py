@@ -30,22 +30,8 @@ _FIRST_BLOCK: Final = 64
 _LARGEST_BLOCK: Final = 1 << 16
 
 
-class Readable(Protocol):
-    """Bytes by offset: a file, or memory."""
-
-    def read(self, offset: int, size: int, /) -> bytes:
-        """Return up to `size` bytes from `offset`; fewer at the end."""
-
-
-class Memory:
-    """Bytes in memory, read like a file."""
-
-    def __init__(self, data: Bytes) -> None:
-        self._data = data
-
-    def read(self, offset: int, size: int) -> bytes:
-        """See `Readable.read`."""
-        return self._data[offset : offset + size].tobytes()
+Read = Callable[[int, int], bytes]
+"""Returns up to some bytes from an offset of a file, or of memory; fewer at the end."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -151,7 +137,7 @@ class RecordFormat(Protocol):
             offset: (n,) ascending.
         """
 
-    def sound(self, source: Readable, offset: int, end: int) -> bool:
+    def sound(self, read: Read, offset: int, end: int) -> bool:
         """Tell whether a record begins here, beyond reasonable doubt."""
 
 
@@ -165,18 +151,18 @@ class FoundRecords:
     """Starts and ends of the bytes that are no records."""
 
 
-def next_sound(fmt: RecordFormat, source: Readable, offset: int, end: int) -> int:
+def next_sound(fmt: RecordFormat, read: Read, offset: int, end: int) -> int:
     """Return where the next sound record begins, or the end."""
     size = _FIRST_WINDOW
     while offset < end:
-        window = source.read(offset, min(size + _OVERLAP, end - offset))
+        window = read(offset, min(size + _OVERLAP, end - offset))
         if not window:
             return end
         for match in fmt.record_start.finditer(window):
             candidate = offset + match.start()
             if match.start() >= size:
                 break
-            if fmt.sound(source, candidate, end):
+            if fmt.sound(read, candidate, end):
                 return candidate
         offset += size
         size = min(2 * size, _LARGEST_WINDOW)
@@ -228,12 +214,17 @@ def find_all(fmt: RecordFormat, records: Bytes, start: int, end: int) -> FoundRe
                 damage = int(parts[-1].offset[-1])
                 last = parts.pop()
                 parts += [last.pick(slice(len(last) - 1))] if len(last) > 1 else []
-            offset = next_sound(fmt, Memory(records), damage + 1, end)
+            offset = next_sound(fmt, reader_of(records), damage + 1, end)
             skipped.append((damage, offset))
             block = _FIRST_BLOCK
     found = concatenate_records(parts)
     is_message = found.op == fmt.message
     return FoundRecords(found.pick(is_message), found.pick(~is_message), skipped)
+
+
+def reader_of(records: Bytes) -> Read:
+    """Return what reads bytes in memory like those of a file."""
+    return lambda offset, size: records[offset : offset + size].tobytes()
 
 
 def may_begin(fmt: RecordFormat, records: Bytes, offset: int, end: int) -> bool:

@@ -168,7 +168,7 @@ class ScannedLog(ChunkedLog):
     def _search(self, offset: int) -> int:
         """Go on at the next sound record; say what was passed over."""
         self._is_behind_damage = True
-        following = next_sound(self._format, self.source, offset + 1, self.source.size)
+        following = next_sound(self._format, self.source.read, offset + 1, self.source.size)
         count = following - offset
         if following == self.source.size:
             what = f"the last {count} bytes, from byte {offset} on, are no whole record"
@@ -201,7 +201,7 @@ class ScannedLog(ChunkedLog):
             is_plain = not chunk.is_compressed and 0 <= chunk.end - derived_end < _LARGEST_PADDING
             if chunk.end > size and not is_plain:
                 # It is cut off, or its length is damaged.
-                end = next_sound(self._format, self.source, chunk.data_offset, size)
+                end = next_sound(self._format, self.source.read, chunk.data_offset, size)
             self._cut_off = chunk.offset if chunk.end > size == end else None
         known = replace(chunk, end=end, index_end=end, is_scanned=True)
         known = replace(known, data_size=min(chunk.data_size, end - chunk.data_offset))
@@ -218,7 +218,7 @@ class ScannedLog(ChunkedLog):
 
     def _follows(self, offset: int) -> bool:
         size = self.source.size
-        return offset == size or self._format.sound(self.source, offset, size)
+        return offset == size or self._format.sound(self.source.read, offset, size)
 
     def _bare(self, offset: int, end: int) -> int | None:
         """Take a run of messages that stand outside of chunks; None if the first is none.
