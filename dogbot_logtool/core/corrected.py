@@ -44,7 +44,7 @@ from dogbot_logtool.core.sensors import with_sensors, without_offset
 from dogbot_logtool.core.settings import WalkSettings
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.legs.joints import JointTable
+    from dogbot_logtool.core.recording import JointTable
     from dogbot_logtool.core.vectors import VectorHistory
 
 

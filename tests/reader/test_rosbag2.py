@@ -86,13 +86,6 @@ def test_every_message_comes_out(
 
 
 @pytest.mark.parametrize("plugin", PLUGINS)
-def test_a_single_file_is_a_log(tmp_path: Path, plugin: StoragePlugin) -> None:
-    bag = write(tmp_path / "bag", plugin)
-    (file,) = [file for file in bag.iterdir() if file.name != "metadata.yaml"]
-    assert list(read_file(file).messages) == expected()
-
-
-@pytest.mark.parametrize("plugin", PLUGINS)
 def test_split_files_are_one_log(tmp_path: Path, plugin: StoragePlugin) -> None:
     whole = split(tmp_path, plugin)
     reading = read_file(whole)
@@ -206,16 +199,6 @@ def test_directories_without_logs_are_refused(tmp_path: Path) -> None:
     )
     with pytest.raises(LogError, match="names no files"):
         open_log(tmp_path)
-
-
-def test_any_log_may_be_packed_once(tmp_path: Path) -> None:
-    path = tmp_path / "walk.mcap.zstd"
-    packed = zstandard.ZstdCompressor().compress(small_mcap().build())
-    path.write_bytes(packed)
-    assert len(read_file(path).messages) > 0
-    path.write_bytes(zstandard.ZstdCompressor().compress(packed))
-    with pytest.raises(LogError, match="twice"):
-        open_log(path)
 
 
 def test_metadata_names_the_files_and_a_missing_one_is_a_loss(tmp_path: Path) -> None:

@@ -19,7 +19,6 @@ from dogbot_logtool.core.checks import (
     feet,
     frames,
     gait,
-    legs,
     loads,
     poses,
     sensors,
@@ -31,7 +30,7 @@ from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Severity
 
 Check = Callable[[Walk], Iterator[Finding]]
-MODULES: Final = (clock, base, poses, sensors, feet, gait, loads, legs, beside, frames)
+MODULES: Final = (clock, base, poses, sensors, feet, gait, loads, beside, frames)
 CHECKS: Final[tuple[Check, ...]] = tuple(
     each
     for module in MODULES

@@ -15,7 +15,6 @@ from dogbot_logtool.core.events.events import find_events
 from dogbot_logtool.core.gait.feet import foot_metrics
 from dogbot_logtool.core.gait.segments import Segment, no_gait
 from dogbot_logtool.core.gait.support import Support
-from dogbot_logtool.core.legs.swings import STEPS, SWINGS
 from dogbot_logtool.core.loads import (
     WalkLoads,
     share_of,
@@ -193,7 +192,8 @@ def _foot(walk: Walk, row: int, within: Ints | None = None) -> metrics.Foot:
         return found
     leg = walk.legs.feet[row]
     inside = slice(None) if within is None else foot.strides.rows_within(within)
-    named = [name for name in (*SWINGS, *STEPS) if name in leg.strides]
+    # Work of legs stands in the table of strides only.
+    named = [name for name in leg.strides if hasattr(found, name)]
     swings = {name: aggregate(leg.strides[name][inside]) for name in named}
     return replace(
         found,
