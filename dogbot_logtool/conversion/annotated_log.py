@@ -36,7 +36,7 @@ from dogbot_logtool.writer import described
 from dogbot_logtool.writer.annotations import Annotations
 from dogbot_logtool.writer.channels import AddedChannels
 from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunk, finish_chunks
-from dogbot_logtool.writer.encodings.registry import ENCODINGS
+from dogbot_logtool.writer.encodings.registry import encoding_named
 from dogbot_logtool.writer.mcap_writer import McapWriter, metadata_record
 from dogbot_logtool.writer.message_records import MessageRecords, of_payloads
 from dogbot_logtool.writer.topics import EVENTS_TOPIC, GAIT_TOPIC, SPANS_TOPIC
@@ -65,7 +65,7 @@ class AnnotatedLog:
             options: what the user asks for.
             left_out: ids of the channels that are not copied.
         """
-        profile = log.profile if options.copy else ENCODINGS[options.encoding].profile
+        profile = log.profile if options.copy else encoding_named(options.encoding).profile
         self._log, self._options = log, options
         self._writer = McapWriter(file, profile)
         self.arrows: list[Arrows] = []
@@ -76,10 +76,8 @@ class AnnotatedLog:
         copied = log.channels if options.copy else {}
         self._copied = {number: c for number, c in copied.items() if number not in left_out}
         schemas = {c.schema.id: c.schema for c in self._copied.values() if c.schema is not None}
-        self._describe(
-            (schema_record(schema) for _, schema in sorted(schemas.items())),
-            (channel_record(channel) for _, channel in sorted(self._copied.items())),
-        )
+        self._writer.add(*(schema_record(schema) for _, schema in sorted(schemas.items())))
+        self._writer.add(*(channel_record(each) for _, each in sorted(self._copied.items())))
 
     @property
     def messages(self) -> dict[int, int]:
@@ -109,8 +107,8 @@ class AnnotatedLog:
         """
         plan, total = scene.plan, sum(chunk.data_size for chunk in self._log.chunks)
         self.added = self._channels_for(plan)
-        annotations = Annotations(plan.encoding.load(), plan.wanted, self.added)
-        self._describe(self.added.schemas, self.added.channels)
+        annotations = Annotations(encoding_named(plan.options.encoding), plan.wanted, self.added)
+        self._writer.add(*self.added.schemas, *self.added.channels)
         if plan.description.urdf is not None and plan.opening is not None:
             message = annotations.robot_description(plan.description.urdf, plan.opening)
             self._writer.add_chunk(finish_chunk(message, plan.options.compression or "zstd"))
@@ -151,14 +149,6 @@ class AnnotatedLog:
         """Write how the file was made, and its end."""
         self._writer.add_metadata(provenance)
         self._writer.finish()
-
-    def _describe(
-        self, schemas: Iterable[records.Schema], channels: Iterable[records.Channel]
-    ) -> None:
-        for schema in schemas:
-            self._writer.add_schema(schema)
-        for channel in channels:
-            self._writer.add_channel(channel)
 
 
 def time_spans(scene: Scene) -> list[TimeSpan]:
