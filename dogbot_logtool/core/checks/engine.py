@@ -16,12 +16,10 @@ from dogbot_logtool.core.checks import (
     base,
     beside,
     clock,
-    feet,
     frames,
     gait,
     legs,
     loads,
-    poses,
     sensors,
 )
 from dogbot_logtool.core.compared import Reading
@@ -31,7 +29,7 @@ from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Severity
 
 Check = Callable[[Walk], Iterator[Finding]]
-MODULES: Final = (clock, base, poses, sensors, feet, gait, loads, legs, beside, frames)
+MODULES: Final = (clock, base, sensors, gait, loads, legs, beside, frames)
 CHECKS: Final[tuple[Check, ...]] = tuple(
     each
     for module in MODULES
