@@ -21,7 +21,8 @@ from typing import Any, Final
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.layout import view_of
 from dogbot_logtool.io.plain_json import to_json
-from dogbot_logtool.options import ConvertOptions, MeasureOptions
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.report.layouts import foxglove_layout
 
 PICTURES: Final = Path(__file__).parent / "pictures"

@@ -21,7 +21,9 @@ from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.comparison.outcome import counted
-from dogbot_logtool.options import CompareOptions, ConvertOptions, MeasureOptions
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options.compare import CompareOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.report.documents import stats_json
 
 SAMPLES: Final = Path(__file__).parent

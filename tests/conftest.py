@@ -11,6 +11,7 @@ from tests.shell import Shell
 settings.register_profile(
     "untimed", deadline=None, max_examples=50, suppress_health_check=[HealthCheck.too_slow]
 )
+settings.register_profile("fuzz", settings.get_profile("untimed"), max_examples=20_000)
 settings.load_profile("untimed")
 
 # A fifth of the time went into looking for rings of objects among those that stay.

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from tests.measured import measured, measured_contact
 from tests.oracles.annotated_file import Written, read_written, written_arrows, written_loads
 from tests.paths import TROT, TROUBLED, WALK

@@ -11,16 +11,18 @@ from rosbags.rosbag2.enums import StoragePlugin
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.options import ConvertOptions, MeasureOptions
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.oracles.annotated_file import read_written
-from tests.oracles.repacked import Recorded, read_bag, write_bag, write_mcap, write_rosbag2
+from tests.oracles.repacked import out_of_order, unpacked
+from tests.oracles.walks import Entry, Walk, write_bag, write_library_mcap, write_rosbag2
 from tests.paths import SAMPLE_LOGS
 
 TROT: Final = SAMPLE_LOGS / "dogbot_trot.bag"
-recorded = cache(read_bag)
+ROS1, ROS2 = unpacked(TROT, 1), unpacked(TROT, 2)
 
 
 def figures(path: Path, jobs: int = 1) -> dict[str, Any]:
@@ -36,24 +38,21 @@ def expected() -> dict[str, Any]:
     return figures(TROT)
 
 
-def out_of_order() -> Recorded:
-    return recorded(TROT).out_of_order()
+def disordered(ros: tuple[Walk, list[Entry]]) -> tuple[Walk, list[Entry]]:
+    walk, entries = ros
+    return walk, out_of_order(entries)
 
 
 WRITERS: Final[dict[str, Callable[[Path], Path]]] = {
-    "bag": lambda folder: write_bag(folder / "x.bag", recorded(TROT), "", 10_000),
-    "bag lz4": lambda folder: write_bag(folder / "x.bag", recorded(TROT), "lz4", 768 << 10),
-    "bag bz2": lambda folder: write_bag(folder / "x.bag", recorded(TROT), "bz2", 10_000_000),
-    "bag out of order": lambda folder: write_bag(folder / "x.bag", out_of_order(), "", 20_000),
-    "mcap ros1": lambda folder: write_mcap(folder / "x.mcap", recorded(TROT), "ros1", 10_000),
-    "mcap ros2": lambda folder: write_mcap(folder / "x.mcap", recorded(TROT), "ros2", 10_000_000),
-    "mcap out of order": lambda folder: write_mcap(
-        folder / "x.mcap", out_of_order(), "ros2", 20_000
-    ),
-    "rosbag2 mcap": lambda folder: write_rosbag2(folder / "x", recorded(TROT), StoragePlugin.MCAP),
-    "rosbag2 sqlite": lambda folder: write_rosbag2(
-        folder / "x", recorded(TROT), StoragePlugin.SQLITE3
-    ),
+    "bag": lambda path: write_bag(path, *ROS1, 10_000),
+    "bag lz4": lambda path: write_bag(path, *ROS1, 768 << 10, "lz4"),
+    "bag bz2": lambda path: write_bag(path, *ROS1, 10_000_000, "bz2"),
+    "bag out of order": lambda path: write_bag(path, *disordered(ROS1), 20_000),
+    "mcap ros1": lambda path: write_library_mcap(path, *ROS1, 10_000),
+    "mcap ros2": lambda path: write_library_mcap(path, *ROS2, 10_000_000),
+    "mcap out of order": lambda path: write_library_mcap(path, *disordered(ROS2), 20_000),
+    "rosbag2 mcap": lambda path: write_rosbag2(path, *ROS2, StoragePlugin.MCAP),
+    "rosbag2 sqlite": lambda path: write_rosbag2(path, *ROS2, StoragePlugin.SQLITE3),
 }
 
 
@@ -62,7 +61,7 @@ def test_any_number_of_processes_gives_the_same_figures(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, jobs: int
 ) -> None:
     monkeypatch.setattr("dogbot_logtool.reader.containers.log.BATCH_SIZE", 300_000)
-    log = write_mcap(tmp_path / "x.mcap", recorded(TROT), "ros1", 100_000)
+    log = write_library_mcap(tmp_path / "x.mcap", *ROS1, 100_000)
     assert figures(log, jobs) == expected()
 
 
@@ -102,7 +101,7 @@ def test_every_container_and_chunking_gives_the_same_figures_and_annotations(
     written: str,
     encoding: str,
 ) -> None:
-    log = WRITERS[written](tmp_path)
+    log = WRITERS[written](tmp_path / "log")
     assert figures(log) == expected()
     assert annotations(tmp_path, log, encoding) == expected_annotations[encoding]
 
@@ -130,5 +129,5 @@ def test_any_workers_write_the_same_annotations(
 ) -> None:
     monkeypatch.setattr("dogbot_logtool.reader.containers.log.BATCH_SIZE", 300_000)
     monkeypatch.setattr("dogbot_logtool.conversion.annotated_log.SPAN_ROWS", 1000)
-    log = write_mcap(tmp_path / "x.mcap", recorded(TROT), "ros1", 100_000)
+    log = write_library_mcap(tmp_path / "x.mcap", *ROS1, 100_000)
     assert annotations(tmp_path, log, "foxglove", jobs, start) == expected_annotations["foxglove"]

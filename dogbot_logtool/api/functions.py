@@ -7,13 +7,11 @@ from typing import TYPE_CHECKING
 
 from dogbot_logtool.api.keywords import Log, PathOrName, joined, several, takes, takes_with_two
 from dogbot_logtool.io.storage import location
-from dogbot_logtool.options import (
-    BaselineOptions,
-    CompareOptions,
-    ConvertOptions,
-    InfoOptions,
-    MeasureOptions,
-)
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options.check import BaselineOptions
+from dogbot_logtool.options.compare import CompareOptions
+from dogbot_logtool.options.convert import ConvertOptions
+from dogbot_logtool.options.info import InfoOptions
 
 # Each function loads what it needs: who only measures need not load the writer.
 if TYPE_CHECKING:

@@ -10,7 +10,9 @@ from typing import Any, Concatenate, ParamSpec, TypeVar
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.storage import Location, location
 from dogbot_logtool.option import as_keyword, definitions, make, options_of
-from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options.convert import ConvertOptions
+from dogbot_logtool.options.info import InfoOptions
 from dogbot_logtool.robot.robot import check_robot_options
 
 PathOrName = str | os.PathLike[str]

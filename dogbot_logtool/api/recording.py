@@ -6,13 +6,12 @@ from dataclasses import dataclass
 
 from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.legs.joints import JointTable
-from dogbot_logtool.core.vectors import VectorSamples
+from dogbot_logtool.core.recording import JointTable, VectorSamples
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.measuring.plan import make_plan
+from dogbot_logtool.robot.recorded import open_recorded
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -30,7 +30,7 @@ from dogbot_logtool.io.storage import Location, location
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.tables import stance_columns, stride_table
 from dogbot_logtool.results import Measurement
-from dogbot_logtool.robot.annotated import open_recorded
+from dogbot_logtool.robot.recorded import open_recorded
 
 if TYPE_CHECKING:
     from dogbot_logtool.options import MeasureOptions
@@ -206,7 +206,7 @@ class Walk:
         from dogbot_logtool.commands.report import Reports  # noqa: PLC0415
         from dogbot_logtool.io.targets import Output  # noqa: PLC0415
         from dogbot_logtool.option import part_of  # noqa: PLC0415
-        from dogbot_logtool.options import Report  # noqa: PLC0415
+        from dogbot_logtool.options.report import Report  # noqa: PLC0415
 
         page = Output(location(os.fspath(target)), is_folder=False)
         options = replace(part_of(self._options, Report), replay=replay)

@@ -6,7 +6,7 @@ A command's module is loaded when it is called, so that --help answers at once.
 import errno
 import os
 import sys
-from typing import Final, NoReturn
+from typing import NoReturn
 
 import click
 
@@ -16,10 +16,8 @@ from dogbot_logtool.gone import instead_of
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import valid_unicode, without_secrets
 from dogbot_logtool.io.streams import safe_streams
-from dogbot_logtool.options import COMMANDS
+from dogbot_logtool.options import COMMANDS, record_of
 from dogbot_logtool.signals import raise_on_signals, stopped
-
-_COMMANDS: Final = {record.__name__.lower(): record for record in COMMANDS}
 
 
 class _Commands(click.Group):
@@ -28,14 +26,14 @@ class _Commands(click.Group):
     def list_commands(self, ctx: click.Context) -> list[str]:
         """See `click.Group`."""
         del ctx
-        return list(_COMMANDS)
+        return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """See `click.Group`."""
         del ctx
         from dogbot_logtool.cli.command import command  # noqa: PLC0415
 
-        return command(_COMMANDS[cmd_name]) if cmd_name in _COMMANDS else None
+        return command(record_of(cmd_name)) if cmd_name in COMMANDS else None
 
 
 @click.group(

@@ -8,7 +8,8 @@ import click
 from dogbot_logtool.cli.call import Call, refuse_given, write
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.option import options_of, part_of
-from dogbot_logtool.options import Compare, CompareOptions, MeasureOptions, RobotOptions
+from dogbot_logtool.options import MeasureOptions, RobotOptions
+from dogbot_logtool.options.compare import Compare, CompareOptions
 from dogbot_logtool.report.comparison_report import (
     comparison_json,
     comparison_junit,

@@ -4,7 +4,7 @@ from typing import NoReturn
 
 from dogbot_logtool.cli.call import Call
 from dogbot_logtool.commands.info import describe
-from dogbot_logtool.options import Info
+from dogbot_logtool.options.info import Info
 from dogbot_logtool.report.info_report import info_json, print_info
 from dogbot_logtool.report.text.console import results
 

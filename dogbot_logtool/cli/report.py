@@ -9,7 +9,7 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.io.targets import may_be_several, output_at
-from dogbot_logtool.options import Report
+from dogbot_logtool.options.report import Report
 from dogbot_logtool.report.comparison_report import gait_comparison_json
 from dogbot_logtool.report.documents import page_json
 from dogbot_logtool.report.page import require_libraries

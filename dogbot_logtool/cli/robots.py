@@ -12,7 +12,8 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.printable import shell_joined
 from dogbot_logtool.option import part_of
-from dogbot_logtool.options import MeasureOptions, Robots
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options.robots import Robots
 from dogbot_logtool.robot.robot import known_robots, load_robot, robot_toml
 
 

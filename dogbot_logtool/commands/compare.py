@@ -10,7 +10,7 @@ from dogbot_logtool.comparison.logs import compare_logs
 from dogbot_logtool.comparison.outcome import RECORDS, Comparison
 from dogbot_logtool.comparison.tolerances import Rules, load_rules
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.options import CompareOptions
+from dogbot_logtool.options.compare import CompareOptions
 from dogbot_logtool.reader.opening import open_log
 
 

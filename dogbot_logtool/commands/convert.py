@@ -10,7 +10,7 @@ from dogbot_logtool.core.checks.frames import columns_corrected, frames_known
 from dogbot_logtool.finding import Severity, by_severity, found
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.containers.log import (
     Log,
     Loss,
@@ -21,8 +21,8 @@ from dogbot_logtool.reader.containers.log import (
 from dogbot_logtool.reader.recording import Alongside
 from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.results import Conversion
-from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.measuring.plan import make_plan as plan_measuring
+from dogbot_logtool.robot.recorded import open_recorded
 from dogbot_logtool.run.runner import OnProgress
 
 

@@ -13,17 +13,19 @@ from dogbot_logtool.core.quality import mean_rate_hz
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.finding import Finding, by_severity, found
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.options import ConvertOptions, InfoOptions, RobotOptions
+from dogbot_logtool.options import RobotOptions
+from dogbot_logtool.options.convert import ConvertOptions
+from dogbot_logtool.options.info import InfoOptions
 from dogbot_logtool.reader.containers.log import Log, damage_of
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES
 from dogbot_logtool.reader.opening import open_joined
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.results import LogInfo, TopicInfo
-from dogbot_logtool.robot.annotated import without_annotations
 from dogbot_logtool.robot.frames import Frames, frame_findings, read_frames
 from dogbot_logtool.robot.measuring.plan import settings_of
 from dogbot_logtool.robot.measuring.side_topics import joint_channels, side_topics
+from dogbot_logtool.robot.recorded import without_annotations
 from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.robot.topics import is_planned
 from dogbot_logtool.run.runner import OnProgress

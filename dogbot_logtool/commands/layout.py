@@ -18,8 +18,8 @@ from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import damage_of
 from dogbot_logtool.report.layouts import View, upper_bound
-from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.feet import assign_feet
+from dogbot_logtool.robot.recorded import open_recorded
 from dogbot_logtool.robot.robot import Robot, load_robot, with_settings
 from dogbot_logtool.robot.robot_model.skeleton import body_size_m, robot_shape
 

@@ -9,7 +9,7 @@ from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.robot_file import RobotEvidence, robot_file
-from dogbot_logtool.robot.annotated import open_recorded
+from dogbot_logtool.robot.recorded import open_recorded
 from dogbot_logtool.robot.score import FootCandidates
 from dogbot_logtool.robot.selection import select_topics
 from dogbot_logtool.robot.topics import nothing_to_do

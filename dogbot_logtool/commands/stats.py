@@ -21,10 +21,9 @@ from dogbot_logtool.reader.part import TimeLimits
 from dogbot_logtool.reader.recording import Alongside, ReadLog, read_recording
 from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.results import Measurement
-from dogbot_logtool.robot.annotated import open_recorded
 from dogbot_logtool.robot.measuring.plan import MeasuringPlan, make_plan, prepare
+from dogbot_logtool.robot.recorded import open_recorded, refuse_empty_span
 from dogbot_logtool.robot.selection import Selection
-from dogbot_logtool.robot.time_span import refuse_empty_span
 from dogbot_logtool.run.runner import OnProgress
 
 if TYPE_CHECKING:

@@ -15,7 +15,8 @@ from dogbot_logtool.results import Figures
 from dogbot_logtool.run.runner import OnProgress
 
 if TYPE_CHECKING:
-    from dogbot_logtool.options import Convert, ConvertOptions, MeasureOptions
+    from dogbot_logtool.options import MeasureOptions
+    from dogbot_logtool.options.convert import Convert, ConvertOptions
     from dogbot_logtool.reader.containers.loss import Damage
     from dogbot_logtool.report.dataset import Entry
     from dogbot_logtool.report.dataset_tables import Tables

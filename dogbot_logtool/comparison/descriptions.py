@@ -2,7 +2,8 @@
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import zip_longest
 from typing import Final
 
@@ -10,13 +11,7 @@ from mcap import records
 
 from dogbot_logtool.comparison.decoders import ROS_DEFINITIONS, descriptor_files, ros_store
 from dogbot_logtool.comparison.fields import Tree, compare_fields, text_of
-from dogbot_logtool.comparison.outcome import (
-    RECORDS,
-    Difference,
-    Findings,
-    Kind,
-    Tally,
-)
+from dogbot_logtool.comparison.outcome import Leaf
 from dogbot_logtool.comparison.tolerances import FieldRules, Rules
 from dogbot_logtool.reader.containers.log import Channel, Extra, Log, Schema
 from dogbot_logtool.reader.containers.mcap.records import read_extra
@@ -30,33 +25,32 @@ def kind_of(channel: Channel) -> str:
     return f"{channel.type_name} ({channel.message_encoding})"
 
 
-def compare_descriptions(
-    expected: Sequence[Channel], actual: Sequence[Channel], found: Findings
-) -> None:
+def compare_descriptions(expected: Sequence[Channel], actual: Sequence[Channel]) -> Iterator[Leaf]:
     """Compare the types, encodings and definitions of a topic's channels."""
     sides = expected, actual
     for what, name in (("type", "type_name"), ("encoding", "message_encoding")):
         one, other = ({getattr(channel, name) or "none" for channel in side} for side in sides)
         if one != other:
-            found.add(what, ", ".join(sorted(one)), ", ".join(sorted(other)))
+            yield Leaf("different", what, ", ".join(sorted(one)), ", ".join(sorted(other)))
     for kind in sorted({kind_of(c) for c in expected} & {kind_of(c) for c in actual}):
         recorded = [_schemas(side, kind) for side in sides]
         if recorded[0] != recorded[1]:
-            lines = ([line for each in side for line in _lines(*each)] for side in recorded)
+            lines = ([line for each in side for line in _lines(each)] for side in recorded)
             unlike = [pair for pair in zip_longest(*lines, fillvalue="") if pair[0] != pair[1]]
             if unlike:  # what follows the first is mostly the same shift
-                found.add("schema", text_of(unlike[0][0]), text_of(unlike[0][1]))
+                one_line, other_line = map(text_of, unlike[0])
+                yield Leaf("different", "schema", one_line, other_line)
 
 
-def _schemas(channels: Sequence[Channel], kind: str) -> list[tuple[str, str, bytes]]:
+def _schemas(channels: Sequence[Channel], kind: str) -> list[Schema]:
     """Return the different definitions of a type in the order of their channels."""
     schemas = [each.schema for each in channels if each.schema and kind_of(each) == kind]
-    return list(dict.fromkeys((each.name, each.encoding, each.data) for each in schemas))
+    return list(dict.fromkeys(replace(each, id=0) for each in schemas))
 
 
-def _lines(name: str, encoding: str, data: bytes) -> list[str]:
+def _lines(schema: Schema) -> list[str]:
     """Return what a definition says, line by line; comments and the order of files do not count."""
-    schema = Schema(0, name, encoding, data)
+    encoding, data = schema.encoding, schema.data
     try:
         if encoding in ROS_DEFINITIONS:
             store, type_name = ros_store(schema)
@@ -70,12 +64,10 @@ def _lines(name: str, encoding: str, data: bytes) -> list[str]:
     return [encoding, *(line.strip() for line in text.splitlines())]
 
 
-def compare_records(expected: Log, actual: Log, rules: Rules, findings: Findings) -> Tally:
+def compare_records(expected: Log, actual: Log, rules: Rules) -> Iterator[Leaf]:
     """Compare what is no message; an entry of a metadata record counts as one."""
-    found = findings.within(Difference(kind=Kind.DESCRIPTION, topic=RECORDS), RECORDS)
     ignoring = FieldRules(rules.ignoring(OWN_VERSION))
-    findings.take(compare_fields(records_tree(expected), records_tree(actual), ignoring, found))
-    return found.tally
+    return compare_fields(records_tree(expected), records_tree(actual), ignoring)
 
 
 def records_tree(log: Log) -> Mapping[str, Tree]:

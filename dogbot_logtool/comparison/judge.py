@@ -16,17 +16,14 @@ from dogbot_logtool.core.events.event import EventType
 from dogbot_logtool.core.records import METRICS, MetricPath
 
 Json = Mapping[str, Any]
-_CONTACT: Final = METRICS.feet["*"].contact_fraction
-_BASE: Final = METRICS.base.duration_s
+_FEET: Final = METRICS.feet["*"]
+_OF_BASE: Final = EventType.FALL, EventType.TIPPING, EventType.CARRIED, EventType.POSE_JUMP
+_OF_CONTACT: Final = EventType.STUMBLE, EventType.EARLY_CONTACT
 NEEDED: Final[Mapping[str, MetricPath]] = {
-    EventType.SLIP: METRICS.feet["*"].contact_travel_m.median,
-    EventType.STUMBLE: _CONTACT,
-    EventType.EARLY_CONTACT: _CONTACT,
-    EventType.FALL: _BASE,
-    EventType.TIPPING: _BASE,
-    EventType.CARRIED: _BASE,
-    EventType.POSE_JUMP: _BASE,
+    EventType.SLIP: _FEET.contact_travel_m.median,
     EventType.MARGIN_BELOW_ZERO: METRICS.stability.static_margin_m.median,
+    **dict.fromkeys(_OF_CONTACT, _FEET.contact_fraction),
+    **dict.fromkeys(_OF_BASE, METRICS.base.duration_s),
 }
 """Figures by type of event: where all are null, that there was no such event is not known."""
 
@@ -44,8 +41,13 @@ class Status(StrEnum):
     GOOD = "GOOD"
 
 
-_BROKEN: Final = {"warn": Status.WARN, "fail": Status.FAIL}
-_OF_NULL: Final = {"unknown": Status.UNKNOWN, "pass": Status.GOOD, "fail": Status.FAIL}
+_VERDICTS: Final = {
+    "unknown": Status.UNKNOWN,
+    "pass": Status.GOOD,
+    "fail": Status.FAIL,
+    "warn": Status.WARN,
+}
+"""By the words of limits files."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,13 +109,13 @@ def _judgement(rule: Rule, path: str, value: Value, look: str, before: Value = N
         else:
             demand = f"{demand}, {value_text(before)}"
     if value is None:
-        return Judgement(_OF_NULL[rule.null], rule, path, None, demand, look)
+        return Judgement(_VERDICTS[rule.null], rule, path, None, demand, look)
     good = rule.kept_by(value, before)
     if good is None:
         status = Status.UNKNOWN
         look = "a number, which the rule's value is not" if is_number(value) else "no number"
     elif not good:
-        status = _BROKEN[rule.level]
+        status = _VERDICTS[rule.level]
     else:
         status, look = Status.GOOD, "" if rule.subject == "figure" else look
     return Judgement(status, rule, path, value, demand, look)
@@ -210,20 +212,16 @@ def _no_such_figure(pattern: str, parts: Sequence[Json]) -> str:
 
 def _reason(document: Json, path: str) -> str:
     """Return why a metric is null, and the findings that concern it."""
-    because = _null_because(document.get("null_because", {}), path)
+    reasons, above = document.get("null_because", {}), path
+    while above and above not in reasons:
+        above = above.rpartition(".")[0]
+    because = reasons.get(above, "")
     texts = [
         each["text"]
         for each in document.get("findings", ())
         if each["code"] == because or (each["where"] and f"{path}.".startswith(f"{each['where']}."))
     ]
     return "; ".join(dict.fromkeys(texts)) or because
-
-
-def _null_because(reasons: Mapping[str, str], path: str) -> str:
-    """Return why a metric, or what holds it, is null: a finding's code or a sentence."""
-    while path and path not in reasons:
-        path = path.rpartition(".")[0]
-    return reasons.get(path, "")
 
 
 def value_text(value: Value) -> str:

@@ -21,7 +21,7 @@ from typing import Any, Final, Literal, TypeGuard, get_args
 from dogbot_logtool.core.events.event import EventType
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Severity, finding_kinds
-from dogbot_logtool.io.toml_table import parse_toml, read_toml, shortened, toml_number
+from dogbot_logtool.io.toml_table import parse_toml, read_text, shortened, toml_number
 
 Subject = Literal["figure", "finding", "event"]
 """Subject of a rule; a figure is a metric."""
@@ -110,7 +110,7 @@ def load_limits(path: Path) -> tuple[Rule, ...]:
     Raises:
         CallError: it is not a limits file; the sentence names rule and line.
     """
-    return parse_limits(read_toml(path, "a limits file"), str(path))
+    return parse_limits(read_text(path, "a limits file"), str(path))
 
 
 def parse_limits(text: str, source: str) -> tuple[Rule, ...]:

@@ -17,14 +17,13 @@ from dogbot_logtool.comparison.message_index import Message, MessageIndex, Rows,
 from dogbot_logtool.comparison.outcome import (
     RECORDS,
     Comparison,
-    Difference,
-    Findings,
+    Differences,
     Kind,
+    Leaf,
     Tally,
 )
-from dogbot_logtool.comparison.tolerances import FieldRules, Rules, fits, nothing_left
+from dogbot_logtool.comparison.tolerances import FieldRules, Rules, fits
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.errors import CallError
 from dogbot_logtool.reader.containers.log import Log, damage_of
 
 _KINDS: Final = (Kind.FIELD, Kind.MISSING, Kind.EXTRA)
@@ -44,44 +43,39 @@ def compare_logs(expected: Log, actual: Log, rules: Rules, max_differences: int)
         CallError: none of the topics is wanted.
     """
     logs = expected, actual
-    findings = Findings(max_differences)
     names = sorted({name for log in logs for name in log.channels_by_topic if rules.takes(name)})
-    if rules.topics and not names:
-        raise CallError(f"--topics: neither file has a topic like {', '.join(rules.topics)}")
-    topics = [_described(name, logs, findings) for name in names]
-    is_whole = not (rules.topics or fits(rules.ignore, RECORDS))
-    has_records = is_whole and expected.container == actual.container
-    others = [compare_records(expected, actual, rules, findings)] if has_records else []
+    if not names:
+        rules.refuse_nothing("topic")
+    found = Differences(max_differences)
+    tallies = [_described(name, logs, found) for name in names]
     indexes = [MessageIndex(log, frozenset(names)) for log in logs]
+    is_whole = not (rules.topics or fits(rules.ignore, RECORDS))
+    if is_whole and expected.container == actual.container:
+        tallies.append(Tally(RECORDS))
+        for leaf in compare_records(expected, actual, rules):
+            tallies[-1].add(leaf)
+            found.add(leaf, kind=Kind.DESCRIPTION, topic=RECORDS)
     start = expected.start_time or actual.start_time or 0
-    _compare_messages(indexes, topics, rules, findings, start)
+    _compare_messages(indexes, tallies[: len(names)], rules, found, start)
     losses = zip(logs, (each.losses for each in indexes), strict=True)
     damage = [damage_of(log, lost) for log, lost in losses if lost]
-    # That both files have a profile says nothing.
-    most = 0 if FieldRules(rules).ignored("profile") else 1
-    is_nothing = all(each.same and each.both <= most for each in others)
-    if rules.ignore and is_nothing and not (names or damage):
-        raise nothing_left(rules, "topic")
     one, other = (Path(str(log.source.path)) for log in logs)
-    tallies, count = [*topics, *others], findings.count
-    return Comparison(one, other, "messages", tallies, findings.differences, count, damage)
+    return Comparison(one, other, "messages", tallies, found.kept, found.count, damage)
 
 
-def _described(name: str, logs: tuple[Log, Log], findings: Findings) -> Tally:
+def _described(name: str, logs: tuple[Log, Log], found: Differences) -> Tally:
     """Compare how a topic is described in either log; return its tally."""
     one, other = (log.channels_by_topic.get(name, ()) for log in logs)
     tally = Tally(name, ", ".join(dict.fromkeys(c.type_name for c in (*one, *other))))
-    if one and other:
-        found = findings.within(Difference(kind=Kind.DESCRIPTION, topic=name))
-        compare_descriptions(one, other, found)
-    else:
+    kind, leaves = Kind.DESCRIPTION, [*compare_descriptions(one, other)]
+    if not (one and other):
         tally.only_in = "expected" if one else "actual"
         log, what = (logs[0], "missing") if one else (logs[1], "extra")
         count = sum(log.counts.get(channel.id, 0) for channel in (*one, *other))
-        found = findings.within(Difference(kind=Kind.TOPIC, topic=name))
-        found.add(f"the topic is {what} ({count} messages)")
-    findings.take(found)
-    tally.faults = found.count
+        kind, leaves = Kind.TOPIC, [Leaf("different", f"the topic is {what} ({count} messages)")]
+    tally.described_differently = len(leaves)
+    for leaf in leaves:
+        found.add(leaf, kind=kind, topic=name)
     return tally
 
 
@@ -89,7 +83,7 @@ def _compare_messages(
     indexes: Sequence[MessageIndex],
     tallies: Sequence[Tally],
     rules: Rules,
-    findings: Findings,
+    found: Differences,
     start: int,
 ) -> None:
     """Pair the messages of each topic, then compare what is not the same in the order of time.
@@ -98,24 +92,22 @@ def _compare_messages(
         indexes: of both logs.
         tallies: one a topic, to be filled.
         rules: what may differ.
-        findings: where to note what is found.
+        found: where to note what differs.
         start: ns, from which times count.
     """
     of_topics = [FieldRules(rules, tally.name) for tally in tallies]
     events = [np.empty((0, 6), np.int64)]
     for topic, tally in enumerate(tallies):
         events += _unequal(topic, tally, *(index.take(tally.name) for index in indexes))
-    found = np.concatenate(events)
-    for time, topic, kind, row, *positions in found[np.lexsort(found.T[::-1])].tolist():
-        tally, time_s = tallies[topic], (time - start) / 1e9
-        of = Difference(kind=_KINDS[kind], topic=tally.name, index=row, time_s=time_s)
-        noted = findings.within(of)
-        if of.kind is Kind.FIELD:
+    rows = np.concatenate(events)
+    for time, topic, number, row, *positions in rows[np.lexsort(rows.T[::-1])].tolist():
+        tally, kind, leaves = tallies[topic], _KINDS[number], [Leaf("missing")]
+        if kind is Kind.FIELD:
             one, other = map(MessageIndex.message, indexes, positions)
-            noted = _compare_pair(one, other, tally, of_topics[topic], noted)
-        else:
-            noted.add()
-        findings.take(noted)
+            leaves = _compare_pair(one, other, tally, of_topics[topic])
+            tally.add_message(row, leaves)
+        for leaf in leaves:
+            found.add(leaf, kind=kind, topic=tally.name, index=row, time_s=(time - start) / 1e9)
 
 
 def _unequal(topic: int, tally: Tally, one: Rows, other: Rows) -> Iterator[Ints]:
@@ -138,35 +130,18 @@ def _unequal(topic: int, tally: Tally, one: Rows, other: Rows) -> Iterator[Ints]
         yield np.stack([side.log_time[row], *numbers, row, side.position[row], position], axis=1)
 
 
-def _compare_pair(
-    one: Message, other: Message, tally: Tally, rules: FieldRules, found: Findings
-) -> Findings:
-    """Compare two messages, and count them as one that is equal or not."""
+def _compare_pair(one: Message, other: Message, tally: Tally, rules: FieldRules) -> list[Leaf]:
+    """Compare two messages field by field; as bytes where they cannot be decoded."""
     kinds = kind_of(one.channel), kind_of(other.channel)
-    if kinds[0] == kinds[1]:
-        if one.payload != other.payload:
-            found = _compare_payloads(one, other, tally, rules, found)
-        compare_fields(one.publish_time, other.publish_time, rules, found, "publish_time")
-    elif tally.faults:  # they were named once, with the topic
-        tally.different += 1
-        return found
-    else:
-        compare_fields(*kinds, rules, found, "type")
-    tally.deviate(f"[{found.of.index}] {found.tally.deviation_path}", found.tally.deviation)
-    is_loose = bool(found.tally.within_tolerance)
-    tally.different += bool(found.count)
-    tally.within_tolerance += is_loose and not found.count
-    tally.equal += not (is_loose or found.count)
-    return found
-
-
-def _compare_payloads(
-    one: Message, other: Message, tally: Tally, rules: FieldRules, none: Findings
-) -> Findings:
-    """Compare payloads field by field; as bytes where they cannot be decoded."""
+    if kinds[0] != kinds[1]:
+        # Where the channels differ, that was named once, with the topic.
+        return [Leaf("different", "type", *kinds, values=int(not tally.described_differently))]
+    leaves = [*compare_fields(one.publish_time, other.publish_time, rules, "publish_time")]
+    if one.payload == other.payload:
+        return leaves
     try:
         first, second = (decoded(each.channel, each.payload) for each in (one, other))
-        return compare_fields(first, second, rules, none.within(none.of))
+        return [*compare_fields(first, second, rules), *leaves]
     except (Undecodable, RecursionError) as error:
         tally.note = f"compared as bytes: {error}"
-        return compare_fields(one.payload, other.payload, rules, none, "payload")
+        return [*compare_fields(one.payload, other.payload, rules, "payload"), *leaves]

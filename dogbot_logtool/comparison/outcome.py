@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Final, Literal
+from typing import Any, Final, Literal, NamedTuple
 
 from dogbot_logtool.errors import DAMAGED
 from dogbot_logtool.io.printable import printable
@@ -55,17 +55,30 @@ class Difference:
         message = printable(self.topic)
         if self.index is not None:
             message += f"[{self.index}] t={self.time_s:.3f} s"
-        match self.kind:
-            case Kind.MISSING | Kind.EXTRA:
-                return f"{message}: {self.kind}"
-            case Kind.TOPIC:
-                return f"{message}: {self.path}"
+        if self.kind in {Kind.MISSING, Kind.EXTRA, Kind.TOPIC}:
+            return f"{message}: {self.path or self.kind}"
         if self.index is None and self.kind is Kind.FIELD:
             message = ""
         where = " ".join(part for part in (message, printable(self.path)) if part)
         texts = f"expected {printable(self.expected)}, got {printable(self.actual)}"
         apart = "" if self.deviation is None else f" (|d| {self.deviation:.3g})"
         return f"{where or self.topic}: {texts}{apart}"
+
+
+class Leaf(NamedTuple):
+    """What two values come to: fields of messages, or of JSON documents."""
+
+    outcome: Literal["equal", "within_tolerance", "different", "missing", "extra"]
+    path: str = ""
+    expected: str = ""
+    actual: str = ""
+    deviation: float = -math.inf
+    """|expected - actual| of numbers."""
+    values: int = 1
+    """How many values it is so of."""
+
+
+EQUAL: Final = Leaf("equal")
 
 
 @dataclass(slots=True)
@@ -84,7 +97,7 @@ class Tally:
     """In the expected file only."""
     extra: int = 0
     """In the actual file only."""
-    faults: int = 0
+    described_differently: int = 0
     """Differences of the topic itself: its being there, its type, encoding and definition."""
     deviation: float = 0.0
     """The largest between two finite numbers, within tolerance or not."""
@@ -113,62 +126,50 @@ class Tally:
     @property
     def same(self) -> bool:
         """Whether nothing differs more than allowed."""
-        return not (self.different or self.missing or self.extra or self.faults)
+        return not (self.different or self.missing or self.extra or self.described_differently)
 
-    def deviate(self, path: str, deviation: float) -> None:
-        """Note how far apart two numbers are."""
-        if self.deviation < deviation < math.inf:
-            self.deviation, self.deviation_path = deviation, path
+    def add(self, leaf: Leaf) -> None:
+        """Count a pair of values."""
+        setattr(self, leaf.outcome, getattr(self, leaf.outcome) + leaf.values)
+        if self.deviation < leaf.deviation < math.inf:
+            self.deviation, self.deviation_path = leaf.deviation, leaf.path
+
+    def add_message(self, index: int, leaves: Sequence[Leaf]) -> None:
+        """Count a message as one that is equal or not."""
+        for leaf in leaves:
+            self.add(leaf._replace(path=f"[{index}] {leaf.path}", values=0))
+        unequal = {leaf.outcome for leaf in leaves} - {"equal"}
+        self.equal += not unequal
+        self.within_tolerance += unequal == {"within_tolerance"}
+        self.different += bool(unequal - {"within_tolerance"})
 
 
 def counted(tallies: Sequence[Tally]) -> str:
     """Say how many of what is counted differ, and how."""
-    words = {
-        "different": "different",
-        "missing": "missing",
-        "extra": "extra",
-        "faults": "described differently",
-    }
-    counts = {word: sum(getattr(each, name) for each in tallies) for name, word in words.items()}
-    return ", ".join(f"{count} {word}" for word, count in counts.items() if count)
+    names = "different", "missing", "extra", "described_differently"
+    counts = {name: sum(getattr(each, name) for each in tallies) for name in names}
+    return ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in counts.items() if count)
 
 
-@dataclass(slots=True)
-class Findings:
-    """Differences between two values, or two files: all are counted, the first are kept."""
+class Differences:
+    """Differences between two files: all are counted, the first are kept."""
 
-    limit: int
-    """Differences to keep."""
-    of: Difference = Difference()
-    """The topic and the message that differences are of."""
-    tally: Tally = field(default_factory=Tally)
-    """The values that were compared."""
-    differences: list[Difference] = field(default_factory=list)
-    count: int = 0
-    """All differences; whatever is missing or extra at the end of an array is one."""
+    def __init__(self, limit: int) -> None:
+        """Begin with none, to keep so many."""
+        self._limit = limit
+        self.kept: list[Difference] = []
+        self.count = 0
+        """All differences; whatever is missing or extra at the end of an array is one."""
 
-    def within(self, of: Difference, name: str = "") -> "Findings":
-        """Return an empty record of the differences in a part, to be taken in later."""
-        return Findings(self.limit - len(self.differences), of, Tally(name))
-
-    def add(
-        self, path: str = "", expected: str = "", actual: str = "", deviation: float | None = None
-    ) -> None:
-        """Count a difference, and keep it if there is room."""
-        self.count += 1
-        if len(self.differences) < self.limit:
-            found = replace(self.of, path=path, expected=expected, actual=actual)
-            self.differences.append(replace(found, deviation=deviation))
-
-    def differ(self, path: str, expected: str, actual: str, deviation: float = math.nan) -> None:
-        """Note that a value differs."""
-        self.tally.different += 1
-        self.add(path, expected, actual, deviation if math.isfinite(deviation) else None)
-
-    def take(self, found: "Findings") -> None:
-        """Take in the differences of a part."""
-        self.differences += found.differences
-        self.count += found.count
+    def add(self, leaf: Leaf, **where: Any) -> None:  # noqa: ANN401 - fields of `Difference`
+        """Count a pair of values if they differ, and keep the difference if there is room."""
+        if leaf.outcome in {"equal", "within_tolerance"} or not leaf.values:
+            return
+        self.count += leaf.values if leaf.outcome == "different" else 1
+        if len(self.kept) < self._limit:
+            deviation = leaf.deviation if math.isfinite(leaf.deviation) else None
+            texts = leaf.path, leaf.expected, leaf.actual
+            self.kept.append(Difference(*texts, deviation, **where))
 
 
 @dataclass(frozen=True, slots=True)

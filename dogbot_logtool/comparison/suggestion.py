@@ -1,7 +1,7 @@
 """Suggest limits from good runs."""
 
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 from typing import Any, Final, Literal, NamedTuple
 
 from dogbot_logtool.comparison.judge import can_tell, figures_in
@@ -68,13 +68,11 @@ def suggest_limits(documents: Sequence[Json], names: Sequence[str]) -> str:
     for suggested in _METRICS:
         parts += _rules(documents, suggested)
     parts += _events(documents)
-    counts = [_warnings(document) for document in documents]
-    unseen = [code for code in _SENSORS if not any(code in count for count in counts)]
-    parts += [_rule("", finding=code) for code in unseen]
+    seen = [_warnings(document) for document in documents]
+    parts += [_rule("", finding=each) for each in _SENSORS if each not in chain(*seen)]
     words = "What must not be found in a good run; the page docs/findings.md has all codes."
     parts.append(_rule(words, finding="error"))
-    most = max(count.total() for count in counts)
-    parts.append(_rule("", finding="warning", at_most=most, level="warn"))
+    parts.append(_rule("", finding="warning", at_most=max(map(len, seen)), level="warn"))
     return "".join(parts)
 
 
@@ -147,6 +145,6 @@ def _events(documents: Sequence[Json]) -> Iterator[str]:
             comment = ""
 
 
-def _warnings(document: Json) -> Counter[str]:
-    """Count the warnings of a run by code."""
-    return Counter(e["code"] for e in document["findings"] if e["severity"] == "warning")
+def _warnings(document: Json) -> list[str]:
+    """Return the codes of a run's warnings."""
+    return [each["code"] for each in document["findings"] if each["severity"] == "warning"]

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.io.toml_table import parse_toml, read_toml, toml_number
+from dogbot_logtool.io.toml_table import parse_toml, read_text, toml_number
 
 _DEFAULT: Final = "default"
 
@@ -51,6 +51,16 @@ class Rules:
         """Return rules that ignore more."""
         return replace(self, ignore=(*self.ignore, *globs))
 
+    def refuse_nothing(self, what: str) -> None:
+        """Refuse patterns that leave nothing: files must not pass for the same so.
+
+        Raises:
+            CallError: there are such patterns.
+        """
+        for option, globs in (("--ignore", self.ignore), ("--topics", self.topics)):
+            if globs:
+                raise CallError(f"{option} leaves no {what} to compare: {', '.join(globs)}")
+
 
 def fits(globs: Sequence[str], *names: str) -> bool:
     """Tell whether any of the globs fits any of the names."""
@@ -75,13 +85,6 @@ class FieldRules:
         """Returns the first tolerance that names a field, None if none does."""
 
 
-def nothing_left(rules: Rules, what: str) -> CallError:
-    """Return the error of patterns that leave nothing: files must not pass for the same so."""
-    if not rules.ignore:
-        return CallError(f"--topics leaves no {what} to compare: {', '.join(rules.topics)}")
-    return CallError(f"--ignore leaves no {what} to compare: {', '.join(rules.ignore)}")
-
-
 def load_rules(
     atol: float | None,
     rtol: float | None,
@@ -102,7 +105,7 @@ def load_rules(
     """
     document = {}
     if tolerances is not None:
-        document = parse_toml(read_toml(tolerances, "a tolerance file"), str(tolerances))
+        document = parse_toml(read_text(tolerances, "a tolerance file"), str(tolerances))
     found = {name: _tolerance(f"{tolerances}: {name}", name, document[name]) for name in document}
     default = found.pop(_DEFAULT, Tolerance())
     default = Tolerance(
@@ -117,10 +120,8 @@ def _tolerance(where: str, name: str, table: Any) -> Tolerance:  # noqa: ANN401 
     known = {"atol", "rtol"} if name == _DEFAULT else {"atol", "rtol", "fields"}
     if strange := sorted(table.keys() - known):
         raise CallError(f"{where}.{strange[0]}: not known; there may be {', '.join(sorted(known))}")
-    fields = table.get("fields", [])
-    if not isinstance(fields, list) or not all(isinstance(glob, str) for glob in fields):
-        raise CallError(f"{where}.fields must be a list of globs")
-    if not fields and name != _DEFAULT:
-        raise CallError(f"{where}.fields is missing: which fields is it for?")
+    fields = table.get("fields", ["*"] if name == _DEFAULT else [])
+    if not isinstance(fields, list) or not fields or not all(isinstance(f, str) for f in fields):
+        raise CallError(f"{where}.fields must be a list of globs: which fields is it for?")
     atol, rtol = (toml_number(table.get(key, 0), f"{where}.{key}", 0.0) for key in ("atol", "rtol"))
     return Tolerance(atol, rtol, tuple(fields))

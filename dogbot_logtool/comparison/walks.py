@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, median_of
-from dogbot_logtool.core.records import METRICS
+from dogbot_logtool.core.records import METRICS, MetricPath
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.reader.containers.loss import Damage
 
@@ -238,27 +238,26 @@ def _feet(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
 
 
 def _gait(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
-    sides = [
-        {METRICS.gait.name.value_in(each) or "not known" for each in s} for s in (first, second)
-    ]
-    if len(sides[0] | sides[1]) > 1:
-        yield f"the gaits differ: {' against '.join(', '.join(sorted(side)) for side in sides)}"
+    one, other = ({each["gait"]["name"] or "not known" for each in s} for s in (first, second))
+    if len(one | other) > 1:
+        yield f"the gaits differ: {', '.join(sorted(one))} against {', '.join(sorted(other))}"
 
 
 def _speed(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
-    speeds = [
-        [METRICS.base.forward_speed_mps.value_in(each) for each in s] for s in (first, second)
-    ]
-    known = [[each for each in side if each is not None] for side in speeds]
-    if all(known):
-        one, other = map(median, known)
-        if abs(one - other) > max(MOST_SPEED_MPS, MOST_SPEED_SHARE * max(abs(one), abs(other))):
-            yield f"the speeds differ: {one:.2f} m/s against {other:.2f} m/s"
+    one, other = (_known(METRICS.base.forward_speed_mps, side) for side in (first, second))
+    if one and other:
+        speeds = median(one), median(other)
+        most = max(MOST_SPEED_MPS, MOST_SPEED_SHARE * max(map(abs, speeds)))
+        if abs(speeds[0] - speeds[1]) > most:
+            yield f"the speeds differ: {speeds[0]:.2f} m/s against {speeds[1]:.2f} m/s"
 
 
 def _mass(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
-    masses = {METRICS.settings.mass_kg.value_in(document) for document in (*first, *second)}
-    known = [mass for mass in masses if mass is not None]
+    known = _known(METRICS.settings.mass_kg, (*first, *second))
     apart = known and max(known) - min(known) > MOST_MASS_SHARE * max(known)
-    if apart or 0 < len(known) < len(masses):
-        yield f"the masses differ: {', '.join(f'{mass:g} kg' for mass in sorted(known))}"
+    if apart or 0 < len(known) < len(first) + len(second):
+        yield f"the masses differ: {', '.join(f'{mass:g} kg' for mass in sorted({*known}))}"
+
+
+def _known(metric: MetricPath, side: Sequence[Json]) -> list[float]:
+    return [value for each in side if (value := metric.value_in(each)) is not None]

@@ -25,7 +25,7 @@ from dogbot_logtool.core.events.log_messages import event_messages, gait_states,
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import file_name
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.provenance import PROVENANCE
 from dogbot_logtool.reader.containers.log import Chunk, Log, Loss, lost_messages
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record

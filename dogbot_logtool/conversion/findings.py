@@ -12,7 +12,7 @@ from dogbot_logtool.core.scene.styles import ArrowStyle
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.messages.source import Source
 from dogbot_logtool.robot.selection import Selection

@@ -15,9 +15,10 @@ from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, LIFETIME_S, ArrowStyle
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.robot.measuring.legs import sensor_points
+from dogbot_logtool.robot.recorded import time_limits
 from dogbot_logtool.robot.robot_model.description import (
     RobotDescription,
     joint_motion,
@@ -25,7 +26,6 @@ from dogbot_logtool.robot.robot_model.description import (
 )
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 from dogbot_logtool.robot.selection import Selection
-from dogbot_logtool.robot.time_span import time_limits
 from dogbot_logtool.writer.annotations import WantedAnnotations
 from dogbot_logtool.writer.encodings.registry import ENCODINGS, OutputEncoding
 from dogbot_logtool.writer.markers import Look

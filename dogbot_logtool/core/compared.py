@@ -3,14 +3,16 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.metrics import Commands, Imu, Tracking, Turning
 from dogbot_logtool.core.records import Number
-from dogbot_logtool.core.vectors import VectorHistory
+
+if TYPE_CHECKING:
+    from dogbot_logtool.core.vectors import VectorHistory
 
 TRACKING_HZ: Final = 50.0
 """Commanded and measured velocity are compared so often."""
@@ -22,7 +24,7 @@ AXES: Final = ("forward", "lateral", "yaw")
 class CommandTrack:
     """Commanded and measured velocity over time."""
 
-    history: VectorHistory
+    history: "VectorHistory"
     axes: str | None
     """``forward``: a command's x is the robot's forward direction; ``body``: x of the base's frame.
     None: cannot be told."""

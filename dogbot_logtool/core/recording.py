@@ -2,14 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Final
 
-from dogbot_logtool.core.arrays import Ints
+import numpy as np
+
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import Stamped
 from dogbot_logtool.core.frames.transforms import Edge, Transforms
-from dogbot_logtool.core.legs.joints import JointTable
-from dogbot_logtool.core.vectors import VectorSamples
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -23,12 +24,61 @@ class Times:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
+class VectorSamples:
+    """Vectors that messages of one topic hold, in the order of the log."""
+
+    log_time: Ints
+    """(n,) ns."""
+    stamp: Ints
+    """(n,) ns, header stamp as recorded; 0: none."""
+    vector: Floats
+    """(n, 3), as recorded."""
+    turn_rate: Floats
+    """(n, 3) rad/s, of an inertial unit; NaN: not recorded."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class VectorTopic:
     """Vectors of one topic: velocity commands, or accelerations."""
 
     samples: VectorSamples
     frames: tuple[str, ...]
     """Header frame ids among them, sorted."""
+
+
+MOST_JOINTS: Final = 256
+"""Joints of a robot that are followed; no robot with legs has more."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class JointSamples:
+    """States of k joints, one row a message."""
+
+    log_time: Ints
+    """(n,) ns."""
+    stamp: Ints
+    """(n,) ns; the log time of messages without a stamp."""
+    position: Floats
+    """(n, k) rad or m; also `velocity`, rad/s or m/s, and `effort`, N m or N; NaN: not told."""
+    velocity: Floats
+    effort: Floats
+
+    def only(self, joints: Ints) -> "JointSamples":
+        """Return the states of some joints, copies unless these are all."""
+        if np.array_equal(joints, np.arange(self.position.shape[1])):
+            return self
+        values = (each[:, joints] for each in (self.position, self.velocity, self.effort))
+        return JointSamples(self.log_time, self.stamp, *values)
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class JointTable:
+    """Joint states of a topic, in the order of the log."""
+
+    topic: str
+    names: tuple[str, ...]
+    """Names of the joints in `samples`."""
+    samples: JointSamples
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

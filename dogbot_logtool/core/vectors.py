@@ -26,25 +26,12 @@ from dogbot_logtool.core.corrections.clock import (
     too_far_apart,
 )
 from dogbot_logtool.core.quality import steady_gap_ns
+from dogbot_logtool.core.recording import VectorSamples
 
 RATE_HZ: Final = 100.0
 """A day at this rate is half a gigabyte."""
 MOST: Final = 1e6
 """m/s, rad/s or m/s^2; no robot reaches more."""
-
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class VectorSamples:
-    """Vectors that messages of one topic hold, in the order of the log."""
-
-    log_time: Ints
-    """(n,) ns."""
-    stamp: Ints
-    """(n,) ns, header stamp as recorded; 0: none."""
-    vector: Floats
-    """(n, 3), as recorded."""
-    turn_rate: Floats
-    """(n, 3) rad/s, of an inertial unit; NaN: not recorded."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

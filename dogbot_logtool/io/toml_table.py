@@ -22,20 +22,21 @@ _LONG_KEY: Final = re.compile(
 """A key of so many parts takes the parser's time and memory by their square."""
 
 
-def read_toml(path: Path, what: str) -> str:
+def read_text(path: Path, what: str, largest: int = _LARGEST) -> str:
     """Read the text of a file that a person wrote.
 
     Args:
         path: the file.
         what: what it should be: ``"a robot's file"``.
+        largest: bytes that it may have.
 
     Raises:
         CallError: it cannot be read, or is not such a file.
     """
     try:
-        data = content(path, _LARGEST)
+        data = content(path, largest)
         if data is None:
-            raise CallError(f"{path}: is larger than {_LARGEST >> 10} kB, so it is not {what}")
+            raise CallError(f"{path}: is larger than {largest >> 10} kB, so it is not {what}")
         return data.decode("utf-8-sig")
     except OSError as error:
         raise CallError(f"{path}: cannot be read as {what}: {error.strerror}") from error

@@ -18,9 +18,15 @@ from dogbot_logtool.core.arrays import (
 )
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contacts import Samples, no_samples, without_contact
-from dogbot_logtool.core.legs.joints import MOST_JOINTS, JointSamples, JointTable
-from dogbot_logtool.core.recording import Recording, Times, VectorTopic
-from dogbot_logtool.core.vectors import VectorSamples
+from dogbot_logtool.core.recording import (
+    MOST_JOINTS,
+    JointSamples,
+    JointTable,
+    Recording,
+    Times,
+    VectorSamples,
+    VectorTopic,
+)
 from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Loss, Span
 from dogbot_logtool.reader.growing import LARGEST_IN_MEMORY, GrowingColumns
 from dogbot_logtool.reader.messages.gazebo import UNTIMED

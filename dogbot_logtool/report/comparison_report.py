@@ -103,7 +103,7 @@ def _tally(tally: Tally) -> dict[str, Any]:
         "different": tally.different,
         "missing": tally.missing,
         "extra": tally.extra,
-        "described_differently": tally.faults,
+        "described_differently": tally.described_differently,
         "largest_deviation": tally.deviation,
         "largest_deviation_at": tally.deviation_path or None,
         "note": tally.note or None,

@@ -8,7 +8,7 @@ from typing import Final
 
 from dogbot_logtool.errors import CallError, DefinitionError
 from dogbot_logtool.finding import Finding, found
-from dogbot_logtool.io.printable import listed, shell_quoted
+from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.foot import Foot, FootField
@@ -20,7 +20,7 @@ from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.robot.leg_names import ORDER, leg_position
 from dogbot_logtool.robot.names import FootSet, label_names, name_feet
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.score import alternatives
+from dogbot_logtool.robot.score import alternatives, foot_options
 from dogbot_logtool.robot.topics import (
     first_messages,
     is_planned,
@@ -165,8 +165,7 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, S
         findings += (_missing("no_topic", foot.topic, foot.name) for foot in silent)
         unnamed = _unnamed(by_names, feet)
         for foot in unnamed:
-            call = f"--foot {foot.name}={shell_quoted(foot.topic)}"
-            values = {"topic": foot.topic, "robot": robot.name, "call": call}
+            values = {"topic": foot.topic, "robot": robot.name, "call": foot_options([foot])}
             findings.append(found("NO_MESSAGES", say="unnamed", **values))
         # Their messages are not read, so that what rests on all feet is not known.
         missing = (replace(foot, topic="", element=None, label="") for foot in unnamed)
@@ -204,12 +203,12 @@ def _feet_by_names(log: Log) -> tuple[tuple[Foot, ...], Sequence[FootSet], list[
             if feet := feet_of_messages(log, most_frequent(log, topics)):
                 return feet, (), [_found(feet)]
             continue
-        names = name_feet(topics, contacts_only=not source.row.anything)
-        if names.chosen is not None and (part is None or not names.chosen.missing):
-            part, others = names.chosen, names.offered
+        chosen, possible = name_feet(topics, contacts_only=not source.row.anything)
+        if chosen is not None and (part is None or not chosen.missing):
+            part, others = chosen, possible
             if not part.missing:
                 break
-        offered.extend(names.offered[:_MOST_OFFERED])
+        offered.extend(possible[:_MOST_OFFERED])
     if part is None:
         return (), offered, []
     rest = next((one for one in offered if one.completes(part)), None) if part.missing else None

@@ -121,23 +121,19 @@ class FootSet:
         return self.part > Part.NOT_A_FOOT and len(self.feet) <= _MOST_LEGS
 
 
-@dataclass(frozen=True, slots=True)
-class FootNames:
-    """Feet as the names of topics give them."""
-
-    chosen: FootSet | None = None
-    """None: no set is clearly the feet."""
-    offered: tuple[FootSet, ...] = ()
-    """Sets that may be the feet, the most likely first, without the chosen one."""
-
-
-def name_feet(topics: Iterable[str], *, contacts_only: bool) -> FootNames:
+def name_feet(
+    topics: Iterable[str], *, contacts_only: bool
+) -> tuple[FootSet | None, tuple[FootSet, ...]]:
     """Find the feet among the topics of one message type.
 
     Args:
         topics: their names.
         contacts_only: such messages tell of contacts and of nothing else, so that every topic may
             be a foot's. Else only those may be whose names say so.
+
+    Returns:
+        the set that is clearly the feet, None where none is; and others that may be, the most
+        likely first.
     """
     names = {topic: words_of(topic) for topic in sorted(set(topics))[:_MOST_TOPICS]}
     groups: dict[object, dict[str, Sequence[Word]]] = {}
@@ -154,7 +150,7 @@ def name_feet(topics: Iterable[str], *, contacts_only: bool) -> FootNames:
     chosen = None
     if clear and (len(clear) == 1 or clear[0].rank < clear[1].rank):
         chosen = clear[0]
-    return FootNames(chosen, tuple(one for one in ranked if one is not chosen))
+    return chosen, tuple(one for one in ranked if one is not chosen)
 
 
 # --- siblings ------------------------------------------------------------------------------------
@@ -308,8 +304,8 @@ def label_names(labels: Sequence[str]) -> list[Foot]:
     Labels that differ in the leg only are read together: ``BR_tip`` is a middle leg beside
     ``AR_tip``, and else a hind one.
     """
-    found = name_feet(labels, contacts_only=True)
-    for together in (found.chosen, *found.offered):
+    chosen, others = name_feet(labels, contacts_only=True)
+    for together in (chosen, *others):
         if together and together.kind != "alone" and together.topics == set(labels):
             by_label = {foot.topic: foot for foot in together.feet}
             return [by_label[label] for label in labels]

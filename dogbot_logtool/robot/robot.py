@@ -19,7 +19,7 @@ from dogbot_logtool.io.toml_table import (
     declared_fields,
     one_of,
     parse_toml,
-    read_toml,
+    read_text,
     take_fields,
     to_toml,
     toml_field,
@@ -135,7 +135,7 @@ def load_robot(name_or_file: str) -> Robot:
     """
     if not name_or_file.endswith(".toml"):
         return _known_robot(name_or_file)
-    return parse_robot(read_toml(Path(name_or_file), "a robot's file"), name_or_file)
+    return parse_robot(read_text(Path(name_or_file), "a robot's file"), name_or_file)
 
 
 @cache

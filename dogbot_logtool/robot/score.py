@@ -4,7 +4,7 @@ Each thing that speaks for or against them is a mark: points, and a reason for p
 feet is offered with the command that takes it.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePath
 from typing import Final
@@ -232,10 +232,12 @@ def topics_finding(sets: Sequence[FootSet], call: str) -> Finding:
 
 def alternatives(sets: Sequence[FootSet]) -> str:
     """Return the words for a shell that choose the first of some sets."""
-    return " or ".join(
-        " ".join(f"--foot {foot.name}={shell_quoted(foot.topic)}" for foot in one.feet)
-        for one in sets[:_ALTERNATIVES]
-    )
+    return " or ".join(foot_options(one.feet) for one in sets[:_ALTERNATIVES])
+
+
+def foot_options(feet: Iterable[Foot]) -> str:
+    """Return the words for a shell that name some feet."""
+    return " ".join(f"--foot {foot.name}={shell_quoted(word_of(foot))}" for foot in feet)
 
 
 def candidates_finding(log: Log, sets: Sequence[FootCandidates], call: str, base: str) -> Finding:
@@ -257,8 +259,8 @@ def candidates_finding(log: Log, sets: Sequence[FootCandidates], call: str, base
     draft = shell_joined(["dogbot-logtool", "robots", "new", *log.words, *chosen, "-o", file])
     # What fields are, and of which foot, can only be said in a robot's file.
     needs_file = any((foot.field and foot.field.kind) or foot.sensor_of for foot in first.feet)
-    words = " ".join(f"--foot {foot.name}={shell_quoted(word_of(foot))}" for foot in first.feet)
-    say, command = ("draft", draft) if needs_file else ("fields", f"{call} {words}")
+    fields = f"{call} {foot_options(first.feet)}"
+    say, command = ("draft", draft) if needs_file else ("fields", fields)
     values = {"type": first.type_name, "told": told, "draft": draft, "call": command}
     return replace(found("FEET_UNSURE", "possible", say=say, **values), command=command)
 

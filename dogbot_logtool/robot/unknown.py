@@ -202,8 +202,8 @@ def _rows_of_fields(
 
 def _siblings(fields: Mapping[str, Foot]) -> Iterator[_Set]:
     """Yield fields of which each may be a foot: by their names' legs, else by any one word."""
-    by_leg = name_feet(fields, contacts_only=True)
-    sets = [found for found in (by_leg.chosen, *by_leg.offered) if found and found.kind != "alone"]
+    chosen, others = name_feet(fields, contacts_only=True)
+    sets = [found for found in (chosen, *others) if found and found.kind != "alone"]
     for one in sets:
         feet = [
             replace(

@@ -10,7 +10,7 @@ from dogbot_logtool import __version__
 from dogbot_logtool.cli import cli
 from dogbot_logtool.gone import _EVERYWHERE
 from dogbot_logtool.option import definitions, options_of
-from dogbot_logtool.options import COMMANDS, CommonOptions
+from dogbot_logtool.options import COMMANDS, CommonOptions, record_of
 from tests.oracles.small_logs import first_seconds, odometry_log, string_log
 from tests.paths import TROT, TROUBLED, WALK
 from tests.shell import Shell
@@ -142,7 +142,7 @@ def test_right_calls_print_on_stdout(shell: Shell, line: str) -> None:
 @pytest.mark.parametrize("width", [80, 100])
 def test_help_fits_a_terminal(shell: Shell, monkeypatch: pytest.MonkeyPatch, width: int) -> None:
     monkeypatch.setenv("COLUMNS", str(width))
-    for words in ([], *([each.__name__.lower()] for each in COMMANDS)):
+    for words in ([], *([each] for each in COMMANDS)):
         done = shell(*words, "-h")
         assert (done.code, done.err) == (0, "")
         assert max(map(len, done.out.splitlines())) <= width
@@ -153,7 +153,7 @@ def test_help_fits_a_terminal(shell: Shell, monkeypatch: pytest.MonkeyPatch, wid
 
 
 def test_every_option_says_what_it_does_and_there_are_few() -> None:
-    for record in COMMANDS:
+    for record in map(record_of, COMMANDS):
         options = options_of(record)
         own = [each for each in options if each.name not in COMMON and not each.how.is_argument]
         assert all(definitions(record).get(each.name) for each in own)

@@ -17,7 +17,9 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.prepared import LARGEST
 from dogbot_logtool.io.plain_json import only_finite, to_json
 from dogbot_logtool.option import part_of
-from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options.convert import ConvertOptions
+from dogbot_logtool.options.info import InfoOptions
 from dogbot_logtool.report.documents import stats_json
 from tests.oracles import walks
 from tests.oracles.mcap_file import write_mcap
@@ -76,7 +78,7 @@ def write(path: Path, walk: walks.Walk, kind: str, log_time: Callable[[int], int
         sample = (entry.log_time - walks.START) // walks.STEP
         if sample >= SAMPLES:
             break
-        entries.append((log_time(sample), entry.topic, entry.kind, entry.data))
+        entries.append(entry._replace(log_time=log_time(sample)))
     return write_mcap(path, entries, walks.Walk(2).definition, 40_000, "zstd")
 
 

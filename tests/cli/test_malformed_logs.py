@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 
@@ -11,7 +10,8 @@ import pytest
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.option import part_of
-from dogbot_logtool.options import ConvertOptions, MeasureOptions
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.opening import open_log
 from tests.forked_cli import run
 from tests.oracles import walks
@@ -32,7 +32,7 @@ def spoiled_walk(folder: Path, kind: str, bad: Callable[[Entry], bool], batch: i
     entries: list[Entry] = []
     for third, messages in groupby(walks.messages(2, kind), _third):
         for entry in messages:
-            cut = replace(entry, data=entry.data[:11])
+            cut = entry._replace(data=entry.data[:11])
             entries.append(cut if third == batch and bad(entry) else entry)
         # Fills the chunk up, so that the batch ends with it.
         entries.append(Entry(FILLER, "std_msgs/msg/String", entries[-1].log_time, bytes(filler)))

@@ -1,9 +1,7 @@
 """Logs of odd spans and counts end in bounded time and memory, with a sentence."""
 
 import resource
-from collections.abc import Iterator
-from dataclasses import replace
-from functools import cache
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,15 +9,16 @@ import pytest
 
 from tests import forked_cli
 from tests.forked_cli import Ended
-from tests.oracles.repacked import Message, Recorded, read_bag, write_mcap
-from tests.paths import SAMPLE_LOGS
+from tests.oracles.repacked import unpacked
+from tests.oracles.walks import Entry, write_library_mcap
+from tests.paths import TROT
 from tests.shell import Shell
 
 MOST_MB: Final = 1000
 YEARS_NS: Final = 56 * 365 * 86400 * 10**9
 CONTACTS: Final = "gazebo_msgs/msg/ContactsState"
-recorded = cache(read_bag)
-TROT: Final = SAMPLE_LOGS / "dogbot_trot.bag"
+WALK, ENTRIES = unpacked(TROT, 2)
+TOUCHES: Final = [each for each in ENTRIES if each.kind == CONTACTS]
 
 
 def run(folder: Path, *words: str) -> Ended:
@@ -39,13 +38,16 @@ def full_disk() -> Iterator[None]:
     resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
-@cache
-def set_right() -> Recorded:
+def write(folder: Path, entries: Sequence[Entry]) -> Path:
+    return write_library_mcap(folder / "log.mcap", WALK, entries, 1_000_000)
+
+
+def set_right() -> list[Entry]:
     """The clock of the recorder, which begins in 1970, is set right in the middle."""
-    whole = recorded(TROT)
-    half = len(whole.messages) // 2
-    late = tuple(replace(each, log_time=each.log_time + YEARS_NS) for each in whole.messages[half:])
-    return replace(whole, messages=(*whole.messages[:half], *late))
+    half = len(ENTRIES) // 2
+    return ENTRIES[:half] + [
+        each._replace(log_time=each.log_time + YEARS_NS) for each in ENTRIES[half:]
+    ]
 
 
 @pytest.mark.parametrize(
@@ -61,44 +63,32 @@ def set_right() -> Recorded:
     ],
 )
 def test_a_clock_that_is_set_right_by_56_years_costs_nothing(tmp_path: Path, words: str) -> None:
-    log = write_mcap(tmp_path / "log.mcap", set_right(), "ros1", 1_000_000)
+    log = write(tmp_path, set_right())
     done = run(tmp_path, *words.format(log=log).split())
     assert done.returncode in {0, 3}, done.stderr[-500:]
 
 
-@cache
-def many_states(states: int) -> Recorded:
+def many_states(states: int) -> list[Entry]:
     """A few messages of a foot, each with many contact states."""
-    whole = recorded(TROT)
-    of_kind = [each for each in whole.messages if each.kind == CONTACTS]
-    topic = of_kind[0].topic
-    read: list[Any] = [
-        whole.types.deserialize_cdr(each.cdr, CONTACTS) for each in of_kind if each.topic == topic
-    ]
+    of_foot = [each for each in ENTRIES if each.topic == TOUCHES[0].topic]
+    read: list[Any] = [WALK.store.deserialize_cdr(each.data, CONTACTS) for each in of_foot]
     full = next(message for message in read if message.states)
     full.states = [full.states[0]] * states
-    ros1 = bytes(whole.types.serialize_ros1(full, CONTACTS))
-    cdr = bytes(whole.types.serialize_cdr(full, CONTACTS))
-    start = whole.messages[0].log_time
-    messages = tuple(
-        Message(topic, CONTACTS, start + 10_000_000 * number, ros1, cdr) for number in range(6)
-    )
-    return replace(whole, messages=messages)
+    data, start = WALK.bytes_of(CONTACTS, full), ENTRIES[0].log_time
+    return [Entry(of_foot[0].topic, CONTACTS, start + 10_000_000 * n, data) for n in range(6)]
 
 
 @pytest.mark.parametrize("words", ["stats {log}", "convert {log} -o out.mcap"])
 def test_thousands_of_contact_states_in_a_message_are_read_in_linear_time(
     tmp_path: Path, words: str
 ) -> None:
-    log = write_mcap(tmp_path / "log.mcap", many_states(30_000), "ros2", 1_000_000)
+    log = write(tmp_path, many_states(30_000))
     done = run(tmp_path, *words.format(log=log).split())
     assert done.returncode in {0, 1, 3}, done.stderr[-500:]
 
 
 def test_a_figure_of_one_message_says_what_the_log_lacks(tmp_path: Path) -> None:
-    whole = recorded(TROT)
-    (first, *_) = [each for each in whole.messages if each.kind == CONTACTS]
-    log = write_mcap(tmp_path / "log.mcap", replace(whole, messages=(first,)), "ros2", 1_000_000)
+    log = write(tmp_path, TOUCHES[:1])
     done = run(tmp_path, "stats", str(log), "--figure", "figure.svg")
     assert done.returncode == 1, done.stderr
     assert "--window" not in done.stderr

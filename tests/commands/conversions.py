@@ -11,7 +11,7 @@ from mcap import records
 from mcap.stream_reader import StreamReader
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.writer.chunks import Compression
 from tests.oracles.annotated_file import Written, read_written

@@ -19,7 +19,8 @@ import pytest
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.options import ConvertOptions, MeasureOptions
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.commands.conversions import (
     COMPRESSIONS,

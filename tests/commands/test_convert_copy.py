@@ -11,7 +11,7 @@ from mcap.writer import CompressionType
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.writer.chunks import Compression
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.commands.conversions import COMPRESSIONS, chunks_of, converted, opening_of

@@ -1,6 +1,5 @@
 """Conversion of logs in which something is missing or broken."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
@@ -8,7 +7,7 @@ import pytest
 from mcap.writer import CompressionType
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.results import Conversion
 from tests.commands.conversions import chunks_of, codes
 from tests.oracles.annotated_file import Written, read_written, written_loads
@@ -70,7 +69,7 @@ def test_odometry_only(tmp_path: Path, tf: Literal["auto", "never"]) -> None:
 def test_a_malformed_message_costs_one_message(tmp_path: Path, kind: str) -> None:
     entries = list(small_walk())
     broken = next(i for i, e in enumerate(entries) if i > 200 and e.kind == CONTACTS_TYPE)
-    entries[broken] = replace(entries[broken], data=entries[broken].data[:-3])
+    entries[broken] = entries[broken]._replace(data=entries[broken].data[:-3])
     write = write_bag if kind == "bag" else write_ros1_mcap
     conversion, written = done(write(tmp_path / f"log.{kind}", entries))
     assert conversion.damage.exit_code == 3
@@ -91,7 +90,7 @@ def test_transforms_that_cannot_be_decoded_are_counted(tmp_path: Path) -> None:
     """They are read for all that is measured, whatever is written."""
     sent = [10 * S + index * 20_000_000 for index in range(50)]
     frames = [Entry("/tf", TF_TYPE, time, transform(time, "base_link", "leg")) for time in sent]
-    frames[30] = replace(frames[30], data=frames[30].data[:-1])
+    frames[30] = frames[30]._replace(data=frames[30].data[:-1])
     entries = sorted([*small_walk(), *frames], key=lambda entry: entry.log_time)
     log = write_bag(tmp_path / "log.bag", entries)
     conversion, _ = done(log)

@@ -9,7 +9,7 @@ import pytest
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.conversion import plan
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.writer.encodings import registry
 from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding

@@ -11,7 +11,7 @@ import pytest
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.scene.foot_style import colour_parts, foot_colour
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from tests.commands.conversions import codes
 from tests.oracles import state_walks, walks
 from tests.oracles.annotated_file import annotations, arrows, read_written, written_transforms

@@ -10,7 +10,7 @@ import pytest
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.core.scene.support_scene import margin_colour
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from tests.commands.conversions import converted
 from tests.oracles import walks
 from tests.oracles.annotated_file import ENCODED, annotations, read_written

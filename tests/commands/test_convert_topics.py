@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from tests.commands.conversions import codes, converted
 from tests.oracles.annotated_file import read_written
 from tests.oracles.recorded import (
@@ -75,7 +75,7 @@ def late(tmp_path: Path) -> Path:
             yield Entry("/tf", TF_TYPE, time + 2, transform(time, parent, child))
             yield Entry("/filler", TEXT_TYPE, time + 3, text("-" * 300_000))
 
-    return write_bag(tmp_path / "log.bag", entries(), chunk_size=250_000, compressed=True)
+    return write_bag(tmp_path / "log.bag", entries(), chunk_size=250_000, compression="lz4")
 
 
 @pytest.mark.parametrize("jobs", [1, 2])

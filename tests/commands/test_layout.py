@@ -15,7 +15,8 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.layout import view_of
 from dogbot_logtool.core.scene.foot_style import FOOT_COLOURS
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.options import ConvertOptions, MeasureOptions
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.report.layouts import View, foxglove_layout, rviz_config
 from tests.oracles.ros1_logs import write_standing_log
 from tests.paths import SAMPLE_LOGS

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.comparison.outcome import Comparison, Tally
-from dogbot_logtool.options import CompareOptions
+from dogbot_logtool.options.compare import CompareOptions
 from tests.comparison.recordings import Recording
 
 

@@ -127,7 +127,7 @@ def test_what_differs(pair: Pair, name: str) -> None:
 def test_descriptions_are_counted_apart_from_messages(pair: Pair) -> None:
     pair.write(*PAIRS["another definition"][:2])
     one = tally(pair.compare(), "/a")
-    assert (counts(one), one.faults) == ((100, 100, 100, 0, 0, 0, 0), 1)
+    assert (counts(one), one.described_differently) == ((100, 100, 100, 0, 0, 0, 0), 1)
     pair.write(*PAIRS["another type and encoding"][:2])
     assert counts(tally(pair.compare(), "/a")) == (100, 100, 0, 0, 100, 0, 0)
     pair.write(*PAIRS["an unknown encoding"][:2])

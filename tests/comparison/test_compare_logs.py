@@ -14,7 +14,7 @@ from mcap.writer import CompressionType, IndexType, Writer
 
 import dogbot_logtool as dl
 from dogbot_logtool.commands.compare import compare
-from dogbot_logtool.options import CompareOptions
+from dogbot_logtool.options.compare import CompareOptions
 from tests.comparison.pairs import Pair, counts, tally
 from tests.comparison.recordings import (
     JSON,
@@ -199,7 +199,7 @@ def test_patterns_that_leave_nothing_are_a_wrong_call(pair: Pair) -> None:
     pair.write(THREE, CHANGED)
     with pytest.raises(dl.CallError, match="--ignore leaves no topic to compare: /"):
         pair.compare(CompareOptions(ignore=("/*",)))
-    with pytest.raises(dl.CallError, match="neither file has a topic like /x, /y"):
+    with pytest.raises(dl.CallError, match="--topics leaves no topic to compare: /x, /y"):
         pair.compare(CompareOptions(topics=("/x", "/y")))
 
 

@@ -13,7 +13,8 @@ from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.commands import follow_commands
 from dogbot_logtool.core.compared import AXES, CommandTrack
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.vectors import VectorSamples, vector_history
+from dogbot_logtool.core.recording import VectorSamples
+from dogbot_logtool.core.vectors import vector_history
 from dogbot_logtool.core.walk import Walk
 from tests.truth.commanded import Commanded
 from tests.truth.recording import START_NS, BaseRecording, VectorRecording

@@ -8,8 +8,7 @@ import pytest
 
 from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.core.compared import ForceComparison, ImuComparison, Reading
-from dogbot_logtool.core.recording import VectorTopic
-from dogbot_logtool.core.vectors import VectorSamples
+from dogbot_logtool.core.recording import VectorSamples, VectorTopic
 from dogbot_logtool.core.walk import Walk as MeasuredWalk
 from tests.analysed import analysed
 from tests.truth.core_columns import foot_samples, odometry, stats_settings

@@ -4,14 +4,8 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.legs.joints import (
-    MOST_JOINTS,
-    JointLimits,
-    JointSamples,
-    JointTable,
-    JointTrack,
-    joint_tracks,
-)
+from dogbot_logtool.core.legs.joints import JointLimits, JointTrack, joint_tracks
+from dogbot_logtool.core.recording import MOST_JOINTS, JointSamples, JointTable
 
 START = 7_000_000_000
 STEP = 2_000_000

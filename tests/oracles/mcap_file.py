@@ -10,7 +10,7 @@ import zlib
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import BinaryIO, Final
+from typing import BinaryIO, Final, NamedTuple
 
 from tests.reader.mcap_bytes import (
     CHANNEL,
@@ -29,8 +29,17 @@ from tests.reader.mcap_bytes import (
     text,
 )
 
-Entry = tuple[int, str, str, bytes]
-"""Log time in ns, topic, type, payload."""
+
+class Entry(NamedTuple):
+    """A message of a log."""
+
+    topic: str
+    kind: str
+    log_time: int
+    """ns"""
+    data: bytes
+
+
 _HEAD: Final = struct.Struct("<BQHIQQ")
 """Of a message: opcode, length, channel, sequence, log time, publish time."""
 
@@ -61,7 +70,7 @@ def write_mcap(
             size = sum(map(len, parts))
             places: dict[int, list[int]] = {}
             while row < len(entries) and size < chunk_bytes:
-                log_time, topic, _, data = entries[row]
+                topic, _, log_time, data = entries[row]
                 channel = channels[topic]
                 places.setdefault(channel, []).extend((log_time, size))
                 parts.append(_HEAD.pack(MESSAGE, 22 + len(data), channel, 0, log_time, log_time))
@@ -80,7 +89,7 @@ def write_mcap(
 
 def _span(entries: Sequence[Entry]) -> tuple[int, int]:
     """Return the first and the last log time."""
-    times = [entry[0] for entry in entries] or [0]
+    times = [entry.log_time for entry in entries] or [0]
     return min(times), max(times)
 
 
@@ -91,7 +100,7 @@ def _described(
     schemas: dict[str, int] = {}
     channels: dict[str, int] = {}
     described = b""
-    for topic, kind in dict.fromkeys((topic, kind) for _, topic, kind, _ in entries):
+    for topic, kind in dict.fromkeys((each.topic, each.kind) for each in entries):
         if kind not in schemas:
             schemas[kind] = len(schemas) + 1
             content = struct.pack("<H", schemas[kind]) + text(kind) + text("ros2msg")
@@ -132,8 +141,8 @@ def _write_chunk(
 
 
 def _statistics(entries: Sequence[Entry], channels: Mapping[str, int], chunks: int) -> bytes:
-    counts = Counter(channels[topic] for _, topic, _, _ in entries)
-    kinds = len({kind for _, _, kind, _ in entries})
+    counts = Counter(channels[each.topic] for each in entries)
+    kinds = len({each.kind for each in entries})
     told = struct.pack("<QHIIII", len(entries), kinds, len(channels), 0, 0, chunks)
     told += struct.pack("<QQ", *_span(entries))
     told += text(b"".join(struct.pack("<HQ", *each) for each in counts.items()))

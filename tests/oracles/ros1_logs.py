@@ -8,7 +8,6 @@ from typing import Any, Final
 
 import numpy as np
 from mcap.writer import CompressionType
-from mcap.writer import Writer as McapWriter
 
 from tests.oracles import walks
 from tests.oracles.recorded import (
@@ -73,9 +72,9 @@ def text(content: str) -> bytes:
 
 
 def write_bag(
-    path: Path, entries: Iterable[Entry], *, chunk_size: int = 1 << 19, compressed: bool = False
+    path: Path, entries: Iterable[Entry], *, chunk_size: int = 1 << 19, compression: str = ""
 ) -> Path:
-    return walks.write_bag(path, WALK, list(entries), chunk_size, compressed=compressed)
+    return walks.write_bag(path, WALK, entries, chunk_size, compression)
 
 
 def write_ros1_mcap(
@@ -86,29 +85,7 @@ def write_ros1_mcap(
     compression: CompressionType = CompressionType.LZ4,
     chunk_size: int = 1 << 18,
 ) -> Path:
-    with path.open("wb") as stream:
-        writer = McapWriter(stream, chunk_size, compression)
-        writer.start(profile="ros1", library="the tests")
-        if extras:
-            writer.add_metadata("weather", {"sky": "grey", "wind": "none"})
-        channels: dict[str, int] = {}
-        for entry in entries:
-            if entry.topic not in channels:
-                definition = WALK.definition(entry.kind)
-                name = entry.kind.replace("/msg/", "/")
-                schema = writer.register_schema(name, "ros1msg", definition.encode())
-                channels[entry.topic] = writer.register_channel(
-                    entry.topic, "ros1", schema, {"callerid": "/tests"}
-                )
-            writer.add_message(
-                channels[entry.topic], entry.log_time, entry.data, entry.log_time - 7, 3
-            )
-        if extras:
-            writer.add_attachment(5, 6, "map.txt", "text/plain", b"here be dragons" * 100)
-            writer.add_attachment(7, 8, "empty", "application/octet-stream", b"")
-            writer.add_metadata("nothing", {})
-        writer.finish()
-    return path
+    return walks.write_library_mcap(path, WALK, entries, chunk_size, compression, extras=extras)
 
 
 def small_walk(seconds: float = 1.0) -> Iterator[Entry]:

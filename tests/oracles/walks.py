@@ -2,12 +2,13 @@
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from mcap.writer import CompressionType
+from mcap.writer import Writer as McapWriter
 from rosbags.interfaces import Msgdef, Nodetype
 from rosbags.rosbag1 import Writer as BagWriter
 from rosbags.rosbag2 import Writer as Rosbag2Writer
@@ -15,9 +16,9 @@ from rosbags.rosbag2.enums import StoragePlugin
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from tests.oracles.mcap_file import Entry as Row
-from tests.oracles.mcap_file import write_mcap as write_entries
+from tests.oracles import mcap_file
 
+Entry = mcap_file.Entry
 LEGS: Final = ("front_left", "front_right", "back_left", "back_right")
 START: Final = 1_700_000_000_000_000_000
 STEP: Final = 10_000_000
@@ -115,14 +116,6 @@ class SharedStore(Typestore):
         if self.types[typename] is self._known.types.get(typename):
             return self._known.get_msgdef(typename)
         return super().get_msgdef(typename)
-
-
-@dataclass(frozen=True)
-class Entry:
-    topic: str
-    kind: str
-    log_time: int
-    data: bytes
 
 
 class Walk:
@@ -290,37 +283,74 @@ def write_walk(folder: Path, kind: str, container: str) -> Path:
             write_mcap(path, walk, entries)
         case _:
             plugin = StoragePlugin.MCAP if container.endswith("mcap") else StoragePlugin.SQLITE3
-            with Rosbag2Writer(path, version=9, storage_plugin=plugin) as writer:
-                write_rows(writer, walk.store, _rows(entries))
+            write_rosbag2(path, walk, entries, plugin)
     return path
 
 
 def write_bag(
-    path: Path, walk: Walk, entries: list[Entry], chunk_size: int = 0, *, compressed: bool = False
+    path: Path, walk: Walk, entries: Iterable[Entry], chunk_size: int = 0, compression: str = ""
 ) -> Path:
     """Write messages into a ROS 1 bag; without a size, chunks are those of its library."""
     writer = BagWriter(path)
     writer.chunk_threshold = chunk_size or writer.chunk_threshold
-    if compressed:
-        writer.set_compression(BagWriter.CompressionFormat.LZ4)
+    if compression:
+        writer.set_compression(BagWriter.CompressionFormat[compression.upper()])
     with writer:
-        write_rows(writer, walk.store, _rows(entries))
+        write_entries(writer, walk.store, entries)
     return path
 
 
 def write_mcap(path: Path, walk: Walk, entries: list[Entry], chunk_size: int = 1 << 20) -> None:
-    """Write messages into an MCAP file."""
-    write_entries(path, _rows(entries), walk.definition, chunk_size, "zstd")
+    """Write messages of ROS 2 into an MCAP file."""
+    mcap_file.write_mcap(path, entries, walk.definition, chunk_size, "zstd")
 
 
-def _rows(entries: Iterable[Entry]) -> list[Row]:
-    return [(entry.log_time, entry.topic, entry.kind, entry.data) for entry in entries]
+def write_library_mcap(
+    path: Path,
+    walk: Walk,
+    entries: Iterable[Entry],
+    chunk_size: int = 1 << 18,
+    compression: CompressionType = CompressionType.ZSTD,
+    *,
+    extras: bool = False,
+) -> Path:
+    """Write an MCAP file with the official library; extras: attachments and metadata, too."""
+    profile, encoding = ("ros1", "ros1") if walk.ros == 1 else ("ros2", "cdr")
+    with path.open("wb") as stream:
+        writer = McapWriter(stream, chunk_size, compression)
+        writer.start(profile=profile, library="the tests")
+        if extras:
+            writer.add_metadata("weather", {"sky": "grey", "wind": "none"})
+        channels: dict[str, int] = {}
+        for topic, kind, log_time, data in entries:
+            if topic not in channels:
+                name = kind.replace("/msg/", "/") if walk.ros == 1 else kind
+                definition = walk.definition(kind).encode()
+                schema = writer.register_schema(name, f"{profile}msg", definition)
+                about = {"callerid": "/tests"}
+                channels[topic] = writer.register_channel(topic, encoding, schema, about)
+            writer.add_message(channels[topic], log_time, data, log_time - 7, 3)
+        if extras:
+            writer.add_attachment(5, 6, "map.txt", "text/plain", b"here be dragons" * 100)
+            writer.add_attachment(7, 8, "empty", "application/octet-stream", b"")
+            writer.add_metadata("nothing", {})
+        writer.finish()
+    return path
 
 
-def write_rows(writer: BagWriter | Rosbag2Writer, types: Typestore, rows: Iterable[Row]) -> None:
+def write_rosbag2(path: Path, walk: Walk, entries: Iterable[Entry], plugin: StoragePlugin) -> Path:
+    """Write the folder of a ROS 2 bag."""
+    with Rosbag2Writer(path, version=9, storage_plugin=plugin) as writer:
+        write_entries(writer, walk.store, entries)
+    return path
+
+
+def write_entries(
+    writer: BagWriter | Rosbag2Writer, types: Typestore, entries: Iterable[Entry]
+) -> None:
     """Write messages with one of rosbags' writers, a connection a topic."""
     connections: dict[str, Any] = {}
-    for log_time, topic, kind, data in rows:
+    for topic, kind, log_time, data in entries:
         if topic not in connections:
             connections[topic] = writer.add_connection(topic, kind, typestore=types)
         writer.write(connections[topic], log_time, data)

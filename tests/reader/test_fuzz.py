@@ -45,9 +45,7 @@ def test_cut_anywhere(tmp_path: Path, case: Case, every: int) -> None:
 
 
 @ANY_CASE
-@settings(
-    max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(mutations=MUTATIONS)
 def test_random_harm_makes_nothing_up_and_hides_nothing(
     tmp_path: Path, case: Case, mutations: list[Mutation]

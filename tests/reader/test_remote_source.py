@@ -13,7 +13,8 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.errors import CallError, LogError, StoreError
 from dogbot_logtool.io import storage
-from dogbot_logtool.options import ConvertOptions, InfoOptions
+from dogbot_logtool.options.convert import ConvertOptions
+from dogbot_logtool.options.info import InfoOptions
 from dogbot_logtool.reader.containers.remote_source import RemoteSource
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.info_report import info_json

@@ -17,7 +17,7 @@ from rosbags.rosbag2.enums import CompressionFormat, CompressionMode, StoragePlu
 from dogbot_logtool.errors import CallError, LogError, LogtoolError
 from dogbot_logtool.reader.containers.mcap.records import read_extra
 from dogbot_logtool.reader.opening import open_log
-from tests.oracles.walks import Entry, Walk, write_rows
+from tests.oracles.walks import Entry, Walk, write_entries
 from tests.paths import ROOT
 from tests.reader.mcap_bytes import attachment, metadata, small_mcap
 from tests.reader.reading import Read, Reading, read_file
@@ -39,8 +39,7 @@ def write(
     if mode is not CompressionMode.NONE:
         writer.set_compression(mode, CompressionFormat.ZSTD)
     with writer:
-        rows = [(entry.log_time, entry.topic, entry.kind, entry.data) for entry in entries]
-        write_rows(writer, WALK.store, rows)
+        write_entries(writer, WALK.store, entries)
     return path
 
 
@@ -84,13 +83,6 @@ def test_every_message_comes_out(
     assert sum(reading.counts.values()) == len(ENTRIES)
     assert reading.times == (ENTRIES[0].log_time, ENTRIES[-1].log_time)
     assert reading.profile == "ros2"
-
-
-@pytest.mark.parametrize("plugin", PLUGINS)
-def test_a_single_file_is_a_log(tmp_path: Path, plugin: StoragePlugin) -> None:
-    bag = write(tmp_path / "bag", plugin)
-    (file,) = [file for file in bag.iterdir() if file.name != "metadata.yaml"]
-    assert list(read_file(file).messages) == expected()
 
 
 @pytest.mark.parametrize("plugin", PLUGINS)
@@ -207,16 +199,6 @@ def test_directories_without_logs_are_refused(tmp_path: Path) -> None:
     )
     with pytest.raises(LogError, match="names no files"):
         open_log(tmp_path)
-
-
-def test_any_log_may_be_packed_once(tmp_path: Path) -> None:
-    path = tmp_path / "walk.mcap.zstd"
-    packed = zstandard.ZstdCompressor().compress(small_mcap().build())
-    path.write_bytes(packed)
-    assert len(read_file(path).messages) > 0
-    path.write_bytes(zstandard.ZstdCompressor().compress(packed))
-    with pytest.raises(LogError, match="twice"):
-        open_log(path)
 
 
 def test_metadata_names_the_files_and_a_missing_one_is_a_loss(tmp_path: Path) -> None:

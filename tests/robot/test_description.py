@@ -9,7 +9,7 @@ from mcap_ros1.decoder import DecoderFactory
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.robot.robot_model.description import read_urdf
 from tests.paths import SAMPLE_LOGS
 

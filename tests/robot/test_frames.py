@@ -14,7 +14,7 @@ from mcap_protobuf.schema import build_file_descriptor_set
 from rosbags.highlevel import AnyReader
 
 from dogbot_logtool.commands.info import describe
-from dogbot_logtool.options import InfoOptions
+from dogbot_logtool.options.info import InfoOptions
 from dogbot_logtool.results import LogInfo
 from dogbot_logtool.robot.frames import Frames
 from tests.paths import SAMPLE_LOGS

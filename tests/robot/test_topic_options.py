@@ -9,7 +9,7 @@ import pytest
 import dogbot_logtool as dl
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.options import RobotOptions
-from dogbot_logtool.robot.annotated import open_recorded
+from dogbot_logtool.robot.recorded import open_recorded
 from dogbot_logtool.robot.selection import Selection, select_topics
 from tests import forked_cli
 from tests.forked_cli import Ended

@@ -1,7 +1,6 @@
 """Forces and places that the log's own frames tell, from log to arrow."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -10,7 +9,8 @@ import pytest
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.options import ConvertOptions, MeasureOptions
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.results import Conversion
 from tests.oracles import walks
@@ -132,7 +132,7 @@ def test_transforms_that_cannot_be_decoded_are_told(
     """Here places come from frames, so that /tf is read whatever the style."""
     made = Swinging(tmp_path, WRENCHES)
     for broken in (7, len(made.frames) // 2):
-        made.frames[broken] = replace(made.frames[broken], data=made.frames[broken].data[:-2])
+        made.frames[broken] = made.frames[broken]._replace(data=made.frames[broken].data[:-2])
     done = made.converted(style)
     measured = measure(made.log, MeasureOptions(robot=str(made.robot)))
     for (loss,) in (done.damage.losses, measured.damage.losses):

@@ -17,7 +17,8 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.tasks import figures
 from dogbot_logtool.errors import CallError, StoreError
 from dogbot_logtool.io.output import whole_file
-from dogbot_logtool.options import ConvertOptions, MeasureOptions
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from tests.run.services import (
     BUCKET,
     Store,

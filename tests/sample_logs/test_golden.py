@@ -11,7 +11,7 @@ from golden import GOLDEN, Case, cases
 from rich.console import Console
 
 from dogbot_logtool.commands.compare import compare
-from dogbot_logtool.options import CompareOptions
+from dogbot_logtool.options.compare import CompareOptions
 from dogbot_logtool.report.comparison_report import show_comparison
 
 # Sines and powers differ in their last bits from one processor to the next.

@@ -21,6 +21,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
+import psutil
+
 from tests.paths import ROOT
 
 SAMPLES: Final = tuple(
@@ -133,6 +135,15 @@ def wait_until_ready(process: "subprocess.Popen[str]") -> None:
         time.sleep(0.001)
 
 
+def wait_until_written(process: "subprocess.Popen[str]", size: int) -> None:
+    """Wait until the program and its workers have written so many bytes."""
+    parent, written = psutil.Process(process.pid), 0
+    while written < size and process.poll() is None:
+        with contextlib.suppress(psutil.Error):
+            everyone = parent, *parent.children(recursive=True)
+            written = sum(each.io_counters().write_chars for each in everyone)
+
+
 def interrupt(
     process: "subprocess.Popen[str]", signals: Sequence[signal.Signals], *, everyone: bool
 ) -> None:
@@ -171,6 +182,7 @@ def faults_of(
     signals: Sequence[signal.Signals],
     folder: Path,
     patience_s: float = PATIENCE_S,
+    says: str = "",
 ) -> Iterator[str]:
     """Wait for the end of a call that was interrupted; yield what is wrong."""
     try:
@@ -183,6 +195,8 @@ def faults_of(
     else:
         yield from survivors_of(process.pid)
     yield from unwanted(out + err, signals)
+    if says not in err:
+        yield f"does not say: {says}: {err}"
     good = {0} | {-KILL if each is KILL else 128 + each for each in signals}
     if process.returncode not in good:
         yield f"exit code {process.returncode}: {err}"

@@ -1,6 +1,7 @@
 """A few of the interruptions and damaged logs that `make torture` tries by the hundred."""
 
 import itertools
+import signal
 import sys
 import time
 from pathlib import Path
@@ -9,8 +10,10 @@ from typing import Final
 import pytest
 
 from tests.oracles.long_bag import write_long_bag
+from tests.oracles.small_logs import odometry_log
 from tests.torture import commands, signals
 from tests.torture.signals import (
+    HUP,
     INT,
     KILL,
     TERM,
@@ -19,6 +22,7 @@ from tests.torture.signals import (
     interrupt,
     started,
     wait_until_ready,
+    wait_until_written,
 )
 
 LINUX: Final = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
@@ -65,6 +69,32 @@ def test_nothing_is_left_after_signals() -> None:
     rows = dict(signals.torture(1, [(INT,), (TERM, TERM), (KILL,)], ["convert"]))
     assert {name: row.faults for name, row in rows.items() if row.faults} == {}
     assert len(rows) == 6
+
+
+@pytest.fixture(scope="module")
+def long_logs(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    """Two logs that take a while to write: 120 MB of noise each."""
+    log = odometry_log(tmp_path_factory.mktemp("long") / "long.mcap", "/odom", filler=12)
+    twin = log.with_name("twin.mcap")
+    twin.hardlink_to(log)
+    return [str(log), str(twin)]
+
+
+@LINUX
+@pytest.mark.parametrize(
+    ("each", "logs", "jobs"), [(INT, 1, "2"), (TERM, 1, "1"), (HUP, 2, "2"), (KILL, 1, "2")]
+)
+def test_signals_amid_writing_leave_nothing(
+    folder: Path, long_logs: list[str], each: signal.Signals, logs: int, jobs: str
+) -> None:
+    words = ("convert", *long_logs[:logs], "-o", "./", "--compression", "lz4", "--jobs", jobs)
+    with started(words, folder) as process:
+        wait_until_written(process, 20_000_000)
+        interrupt(process, [each], everyone=False)
+        says = "" if each is KILL else "interrupted: nothing was left behind\n"
+        call = Call(words, 0.0, {})
+        assert list(faults_of(process, call, [each], folder, PATIENCE_S, says)) == []
+    assert process.returncode == (-KILL if each is KILL else 128 + each)
 
 
 @LINUX

@@ -31,7 +31,7 @@ TF_RATE_HZ: Final = 50.0
 def write_log(recording: Recording, path: Path) -> Path:
     """Write an MCAP of ROS 2 messages."""
     messages = ros_messages()
-    entries = sorted(_entries(recording, messages), key=lambda entry: entry[0])
+    entries = sorted(_entries(recording, messages), key=lambda entry: entry.log_time)
     return write_mcap(path, entries, messages.definition)
 
 
@@ -58,7 +58,7 @@ def _base_entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
 
 def _rows(log_time: Ints, topic: str, kind: str, data: Sequence[bytes]) -> Iterator[Entry]:
     for time, each in zip(log_time.tolist(), data, strict=True):
-        yield time, topic, kind, each
+        yield Entry(topic, kind, time, each)
 
 
 def _foot_entries(recording: Recording, messages: Messages, foot: int) -> Iterator[Entry]:
@@ -110,7 +110,7 @@ def _static_entries(recording: Recording, messages: Messages) -> Iterator[Entry]
     numbers = [number for _, pose in recording.statics for number in pose]
     first = recording.base
     data = template.filled(int(first.stamp[0]), numbers)
-    yield int(first.log_time[0]), "/tf_static", TF, data
+    yield Entry("/tf_static", TF, int(first.log_time[0]), data)
 
 
 def _vector_entries(topic: VectorRecording, messages: Messages) -> Iterator[Entry]:
@@ -165,4 +165,4 @@ def _transform_entries(recording: Recording, messages: Messages) -> Iterator[Ent
             place = recording.places[number][at].tolist() if recording.places else hip
             numbers += [*place, *foot.link[at].tolist()]
         data = template.filled(int(first.stamp[row]), numbers)
-        yield int(first.log_time[row]), "/tf", TF, data
+        yield Entry("/tf", TF, int(first.log_time[row]), data)

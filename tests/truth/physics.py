@@ -356,11 +356,12 @@ def write_log(
 
     def add(topic: str, kind: str, time: Ints, data: Sequence[bytes]) -> None:
         entries.extend(
-            (at, topic, kind, each) for at, each in zip(time.tolist(), data, strict=True)
+            Entry(topic, kind, at, each) for at, each in zip(time.tolist(), data, strict=True)
         )
 
     if described and not by_transforms:
-        entries.append((ORIGIN_NS, "/robot_description", STRING, make.text(robot.urdf or urdf())))
+        described_as = make.text(robot.urdf or urdf())
+        entries.append(Entry("/robot_description", STRING, ORIGIN_NS, described_as))
     if commands is not None:
         sent = ORIGIN_NS + np.rint(commands.time * 1e9).astype(np.int64)
         add("/cmd_vel", TWIST, sent, make.twist().all_filled(sent, commands.velocity))
@@ -394,7 +395,7 @@ def write_log(
         up = np.tile([0.0, 0.0, 1.0], (len(time), 1))
         numbers = np.concatenate([force, force, point, up], axis=1)[down]
         add(topic, CONTACTS, time[down], bump.all_filled(time[down], numbers))
-    entries.sort(key=lambda entry: entry[0])
+    entries.sort(key=lambda entry: entry.log_time)
     return write_mcap(path, entries, make.definition, 1 << 18, "zstd")
 
 

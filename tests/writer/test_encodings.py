@@ -16,7 +16,7 @@ from rosbags.highlevel import AnyReader
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.writer.channels import AddedChannels
 from dogbot_logtool.writer.chunks import (
     CHUNK_SIZE,

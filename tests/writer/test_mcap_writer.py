@@ -15,7 +15,7 @@ from mcap.reader import make_reader
 from mcap.stream_reader import StreamReader, breakup_chunk
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.options import ConvertOptions
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.writer.chunks import Compression
 from dogbot_logtool.writer.mcap_writer import MAGIC
 from tests.oracles.ros1_logs import small_walk, write_ros1_mcap

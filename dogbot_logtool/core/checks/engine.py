@@ -18,7 +18,6 @@ from dogbot_logtool.core.checks import (
     clock,
     frames,
     gait,
-    legs,
     loads,
     sensors,
 )
@@ -29,7 +28,7 @@ from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Severity
 
 Check = Callable[[Walk], Iterator[Finding]]
-MODULES: Final = (clock, base, sensors, gait, loads, legs, beside, frames)
+MODULES: Final = (clock, base, sensors, gait, loads, beside, frames)
 CHECKS: Final[tuple[Check, ...]] = tuple(
     each
     for module in MODULES
@@ -74,7 +73,7 @@ def _questions(walk: Walk) -> Sequence[tuple[str, str, str]]:
     """Return each question, what the log lacks for it, and why else it cannot be answered."""
     records = walk.records
     forced = [row for row, each in enumerate(records) if each.has_force]
-    assumed = (walk.settings.sensor(row).level.reason for row in forced)
+    assumed = (walk.settings.feet[row].level.reason for row in forced)
     odd_legs = (leg.reason for leg in walk.legs.feet) if walk.legs else ()
     seen = any(each.start is not None for each in records)
     posed = len(walk.base_history.time)

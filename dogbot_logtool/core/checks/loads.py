@@ -1,4 +1,4 @@
-"""Checks of loads: forces, their direction, and the weight."""
+"""Checks of the forces on the feet, of the weight, and of the legs that carry it."""
 
 from collections.abc import Iterator
 from typing import Final
@@ -115,3 +115,31 @@ def _likely_cause(walk: Walk, ratio: float) -> str:
 def origin_of_mass(walk: Walk) -> str:
     """Return words for where the robot's mass is from."""
     return "assumed for the guessed robot" if walk.settings.mass_is_assumed else "given"
+
+
+def foot_frames(walk: Walk) -> Iterator[Finding]:
+    """Yield frames that move while their feet stand, and what tells no touchdown velocities."""
+    legs = walk.legs.feet if walk.legs else ()
+    for leg in legs:
+        if leg.moves:
+            where = f"legs.feet.{leg.name}.clearance_m"
+            yield found("FOOT_FRAME", where=where, feet=(leg.name,), why=leg.reason)
+    if slow := [leg.name for leg in legs if leg.is_slow]:
+        names = ", ".join(slow)
+        yield found("SAMPLED_SLOWLY", "touchdown", where="legs.feet", feet=slow, names=names)
+
+
+def joint_clocks(walk: Walk) -> Iterator[Finding]:
+    """Yield joint states on another clock than the feet."""
+    for topic, clock in walk.legs.clocks_apart.items() if walk.legs else ():
+        yield found("CLOCK_OFFSET", "joints", topic=topic, milliseconds=1e3 * clock.most_s)
+
+
+def joint_work(walk: Walk) -> Iterator[Finding]:
+    """Yield why the work of joints is not known, or its signs are wrong."""
+    if walk.legs is None or walk.legs.clocks_apart:
+        return
+    # Loaded for logs of which joints are known.
+    from dogbot_logtool.core.checks.joints import work_doubts  # noqa: PLC0415
+
+    yield from work_doubts(walk, walk.legs)

@@ -33,7 +33,7 @@ from dogbot_logtool.core.corrections.clock import (
     first_at_each_tick,
 )
 from dogbot_logtool.core.frames.kinematics import LegMotion
-from dogbot_logtool.core.legs.joints import JointTable
+from dogbot_logtool.core.recording import JointTable
 from dogbot_logtool.core.timespans import covers
 
 RATE_HZ: Final = 200.0

@@ -26,13 +26,12 @@ from dogbot_logtool.core.frames.transforms import FrameTrack
 from dogbot_logtool.core.gait.feet import CYCLE_POINTS, QUARTILES
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.metrics import Joint, Legs
+from dogbot_logtool.core.recording import MOST_JOINTS, JointTable
 from dogbot_logtool.core.records import Curve, Shape
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.legs.swings import LegSettings
 
-MOST_JOINTS: Final = 256
-"""Joints of a robot that are followed; no robot with legs has more."""
 NEAR_LIMIT: Final = 0.02
 """Share of a joint's range: closer to an end than this is near a limit."""
 NEAR_FULL: Final = 0.95
@@ -55,37 +54,6 @@ class JointLimits:
     """N m or N."""
     velocity: float = np.inf
     """rad/s or m/s."""
-
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class JointSamples:
-    """States of k joints, one row a message."""
-
-    log_time: Ints
-    """(n,) ns."""
-    stamp: Ints
-    """(n,) ns; the log time of messages without a stamp."""
-    position: Floats
-    """(n, k) rad or m; also `velocity`, rad/s or m/s, and `effort`, N m or N; NaN: not told."""
-    velocity: Floats
-    effort: Floats
-
-    def only(self, joints: Ints) -> "JointSamples":
-        """Return the states of some joints, copies unless these are all."""
-        if np.array_equal(joints, np.arange(self.position.shape[1])):
-            return self
-        values = (each[:, joints] for each in (self.position, self.velocity, self.effort))
-        return JointSamples(self.log_time, self.stamp, *values)
-
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class JointTable:
-    """Joint states of a topic, in the order of the log."""
-
-    topic: str
-    names: tuple[str, ...]
-    """Names of the joints in `samples`."""
-    samples: JointSamples
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

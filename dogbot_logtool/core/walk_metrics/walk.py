@@ -15,7 +15,6 @@ from dogbot_logtool.core.events.events import find_events
 from dogbot_logtool.core.gait.feet import foot_metrics
 from dogbot_logtool.core.gait.segments import Segment, no_gait
 from dogbot_logtool.core.gait.support import Support
-from dogbot_logtool.core.legs.swings import STEPS, SWINGS
 from dogbot_logtool.core.loads import (
     WalkLoads,
     share_of,
@@ -112,7 +111,7 @@ def _contact_from(walk: Walk, findings: Sequence[Finding]) -> str | None:
 
 
 def _foot_settings(walk: Walk, row: int) -> metrics.FootSettings:
-    foot, sensor = walk.feet[row], walk.settings.sensor(row)
+    foot, sensor = walk.feet[row], walk.settings.feet[row]
     position = foot.leg_position
     return metrics.FootSettings(
         topic=foot.topic or None,
@@ -146,7 +145,7 @@ def _overlap_s(walk: Walk) -> float:
 
 
 def _foot_quality(walk: Walk, row: int) -> metrics.FootQuality:
-    foot, level = walk.feet[row], walk.settings.sensor(row).level
+    foot, level = walk.feet[row], walk.settings.feet[row].level
     return copied(
         metrics.FootQuality,
         foot.record,
@@ -193,7 +192,8 @@ def _foot(walk: Walk, row: int, within: Ints | None = None) -> metrics.Foot:
         return found
     leg = walk.legs.feet[row]
     inside = slice(None) if within is None else foot.strides.rows_within(within)
-    named = [name for name in (*SWINGS, *STEPS) if name in leg.strides]
+    # Work of legs stands in the table of strides only.
+    named = [name for name in leg.strides if hasattr(found, name)]
     swings = {name: aggregate(leg.strides[name][inside]) for name in named}
     return replace(
         found,

@@ -3,9 +3,9 @@
 Numbers that stand near each other in a message stay together, as rows of a structured array.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from dogbot_logtool.core.arrays import Bytes, Flags, Floats, Ints, distinct
 
 _DOUBLE: Final = np.dtype("<f8")
-_SIDES: Final[tuple[Literal["left"], Literal["right"]]] = ("left", "right")
 _ROUNDS: Final = 64
 """Different strings from which sorting all is faster than taking out one after another."""
 
@@ -127,18 +126,14 @@ class Nested:
     """The elements of an array field."""
 
     parent: Ints
-    """(m,) row of the outer table. Elements of one row stand in their order; rows may mix."""
+    """(m,) row of the outer table, ascending; elements of one row stand in their order."""
     table: "Table"
     """m rows."""
 
     @property
     def index(self) -> Ints:
         """(m,) index of each element in the array of its row."""
-        order = np.argsort(self.parent, kind="stable")
-        parent = self.parent[order]
-        index = np.empty(len(parent), np.int64)
-        index[order] = np.arange(len(parent)) - np.searchsorted(parent, parent)
-        return index
+        return np.arange(len(self.parent)) - np.searchsorted(self.parent, self.parent)
 
     def rows_at(self, parent: Ints, index: Ints) -> Ints:
         """(k,) rows of elements; -1 for those that do not exist.
@@ -147,12 +142,9 @@ class Nested:
             parent: (k,) rows of the outer table.
             index: (k,) indexes in the arrays of these rows.
         """
-        order = np.argsort(self.parent, kind="stable")
-        first, end = (np.searchsorted(self.parent[order], parent, side) for side in _SIDES)
-        there = (index >= 0) & (index < end - first)
-        rows = np.full(len(parent), -1, np.int64)
-        rows[there] = order[(first + index)[there]]
-        return rows
+        first = np.searchsorted(self.parent, parent)
+        end = np.searchsorted(self.parent, parent, "right")
+        return np.where((index >= 0) & (index < end - first), first + index, -1)
 
 
 Rows = NDArray[np.void]
@@ -212,38 +204,3 @@ class Table:
 def _fields(run: Rows) -> Mapping[str, tuple[Any, ...]]:
     """Return dtype and offset of each number, by its path."""
     return run.dtype.fields or {}
-
-
-def concatenate(tables: Sequence[Table]) -> Table:
-    """Stack tables of the same fields."""
-    if len(tables) == 1:
-        return tables[0]
-    offsets = np.cumsum([0, *(table.rows for table in tables)]).tolist()
-    return Table(
-        offsets[-1],
-        tuple(
-            _concatenated_rows(parts)
-            for parts in zip(*(table.runs for table in tables), strict=True)
-        ),
-        {
-            path: _concatenated([table.columns[path] for table in tables], offsets)
-            for path in tables[0].columns
-        },
-    )
-
-
-def _concatenated_rows(parts: Sequence[Rows]) -> Rows:
-    if not parts[0].itemsize:
-        return np.zeros(sum(len(part) for part in parts), parts[0].dtype)
-    # As plain bytes: numpy copies structured rows field by field.
-    plain = f"V{parts[0].itemsize}"
-    return np.concatenate([part.view(plain) for part in parts]).view(parts[0].dtype)
-
-
-def _concatenated(parts: Sequence[Any], offsets: Sequence[int]) -> Texts | Nested:
-    """Stack columns of one kind; the offsets are those of their tables' first rows."""
-    if isinstance(parts[0], Texts):
-        start = np.concatenate([part.start for part in parts])
-        return Texts(parts[0].buffer, start, np.concatenate([part.length for part in parts]))
-    parents = [part.parent + row for part, row in zip(parts, offsets, strict=False)]
-    return Nested(np.concatenate(parents), concatenate([part.table for part in parts]))

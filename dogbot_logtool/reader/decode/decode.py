@@ -9,22 +9,23 @@ leaves its neighbours alone.
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints
-from dogbot_logtool.reader.decode.columns import Nested, Rows, Table, Texts, concatenate, gather
-from dogbot_logtool.reader.decode.element_skipper import MAX_VARIABLE_ELEMENTS, skip_element
+from dogbot_logtool.reader.decode.columns import Nested, Rows, Table, Texts, gather
 from dogbot_logtool.reader.decode.message_layout import ArrayStep, Layout, Run, Step, TextStep
 
 _FEW_ROWS: Final = 32
 """Messages from which decoding their next elements at once is faster than stepping over them."""
+MAX_VARIABLE_ELEMENTS: Final = 20_000
+"""A message with a longer array of elements of varying size counts as malformed."""
+_COUNT: Final = 4
+"""Bytes of a length or a count."""
 _CDR_HEADER: Final = 4
 _CDR_PADDING: Final = 3
-_NO_ELEMENTS: Final = Nested(np.empty(0, np.int64), Table(0, (), {}))
 
 
 def decode(layout: Layout, buffer: Bytes, start: Ints, end: Ints) -> tuple[Table, Flags]:
@@ -87,8 +88,10 @@ class _Walk:
     def __init__(self, layout: Layout, buffer: Bytes, *, big_endian: bool) -> None:
         self._layout = layout
         self._buffer = buffer
+        self._bytes = buffer.data
         self._cdr = layout.serialisation == "cdr"
         self._order = ">" if big_endian else "<"
+        self._read_count = struct.Struct(self._order + "I").unpack_from
         self._sound: Flags = np.ones(0, np.bool_)
         self._all_sound = True
 
@@ -97,29 +100,30 @@ class _Walk:
         self._sound = np.ones(len(start), np.bool_)
         origin = start + _CDR_HEADER if self._cdr else start
         cursors = _Cursors(origin, end, origin, np.arange(len(start)))
-        table = self._rows(self._layout.steps, cursors)
+        table = self._rows(self._layout.steps, cursors, wanted=True)
         left_over = end - cursors.position
         self._fail(cursors, (left_over < 0) | (left_over > (_CDR_PADDING if self._cdr else 0)))
         return table, self._sound
 
-    def _rows(self, steps: tuple[Step, ...], cursors: _Cursors) -> Table:
+    def _rows(self, steps: tuple[Step, ...], cursors: _Cursors, *, wanted: bool) -> Table:
+        """Return what is wanted of each row, and step over it all."""
         runs: list[Rows] = []
         columns: dict[str, Texts | Nested] = {}
         for step in steps:
             match step:
                 case Run():
-                    runs.extend(self._run(step, cursors))
+                    runs.extend(self._run(step, cursors, wanted=wanted))
                 case TextStep():
                     texts = self._text(step, cursors)
-                    if step.wanted:
+                    if wanted and step.wanted:
                         columns[step.path] = texts
                 case ArrayStep():
-                    nested = self._array(step, cursors)
-                    if step.wanted:
+                    nested = self._array(step, cursors, wanted=wanted and step.wanted)
+                    if nested is not None:
                         columns[step.path] = nested
         return Table(len(cursors.position), tuple(runs), columns)
 
-    def _run(self, run: Run, cursors: _Cursors) -> Sequence[Rows]:
+    def _run(self, run: Run, cursors: _Cursors, *, wanted: bool) -> Sequence[Rows]:
         self._align(cursors, run.alignment)
         self._require(cursors, run.size)
         start = cursors.position
@@ -127,7 +131,7 @@ class _Walk:
         if run.size > len(self._buffer):
             # Every row has failed, so the table will be thrown away: it need not have its rows.
             start = start[:0]
-        return self._numbers(run, start)
+        return self._numbers(run, start) if wanted else ()
 
     def _numbers(self, run: Run, start: Ints) -> Sequence[Rows]:
         """Return the numbers of a run that are wanted, if any are."""
@@ -152,7 +156,8 @@ class _Walk:
             length = np.maximum(length - 1, 0)
         return Texts(self._buffer, start, length)
 
-    def _array(self, step: ArrayStep, cursors: _Cursors) -> Nested:
+    def _array(self, step: ArrayStep, cursors: _Cursors, *, wanted: bool) -> Nested | None:
+        """Step over arrays; return their elements, row by row, if they are wanted."""
         if step.length is None:
             count = self._counts(cursors, step.alignment)
         else:
@@ -160,16 +165,22 @@ class _Walk:
         if not step.smallest_element:
             # Elements without a byte hold nothing, and may be said to be any number.
             self._limit(cursors, count, 1 if step.length is None else 0)
-            nothing = np.empty(0, np.int64)
-            return Nested(nothing, self._rows(step.element, cursors.pick(nothing)))
-        match step.element:
-            case (Run() as run,):
-                return self._even_elements(run, count, cursors, wanted=step.wanted)
-            case _:
-                self._limit(cursors, count, step.smallest_element)
-                return self._uneven_elements(step.element, count, cursors)
+            parent = start = np.empty(0, np.int64)
+        else:
+            match step.element:
+                case (Run() as run,):
+                    return self._even_elements(run, count, cursors, wanted=wanted)
+            self._limit(cursors, count, step.smallest_element)
+            parent, start = self._element_starts(step.element, count, cursors)
+        if not wanted:
+            return None
+        elements = cursors.pick(parent)
+        elements.position = start
+        return Nested(parent, self._rows(step.element, elements, wanted=True))
 
-    def _even_elements(self, run: Run, count: Ints, cursors: _Cursors, *, wanted: bool) -> Nested:
+    def _even_elements(
+        self, run: Run, count: Ints, cursors: _Cursors, *, wanted: bool
+    ) -> Nested | None:
         """Elements of one size: all at once."""
         if run.alignment > 1:
             filled = np.flatnonzero(count)
@@ -186,87 +197,108 @@ class _Walk:
             # None behind the last one.
             cursors.position -= (count > 0) * padding
         if not wanted:
-            return _NO_ELEMENTS
+            return None
         parent = np.repeat(np.arange(len(count)), count)
         # Elements are numbered through all rows; a row's first stands at the row's start.
         origin = start - (np.cumsum(size) - size)
         elements = self._numbers(run, origin[parent] + np.arange(len(parent)) * stride)
         return Nested(parent, Table(len(parent), tuple(elements), {}))
 
-    def _uneven_elements(self, steps: tuple[Step, ...], count: Ints, cursors: _Cursors) -> Nested:
-        """Elements of varying size: all messages' first ones, all second ones, and so on.
+    def _element_starts(
+        self, steps: tuple[Step, ...], count: Ints, cursors: _Cursors
+    ) -> tuple[Ints, Ints]:
+        """Step over elements of varying size: all messages' first ones, all second ones, and so on.
 
-        Where only few messages have more, it is faster to step over their elements one by one, and
-        to decode all of them at once: the work grows with the number of elements alone.
+        Where only few messages have more, it is faster to step over their elements one by one: the
+        work grows with the number of elements alone.
+
+        Returns:
+            (m,) row and (m,) offset of each element, row by row.
         """
         self._fail(cursors, count > MAX_VARIABLE_ELEMENTS)
         self._void_failed(count, cursors)
-        parents: list[Ints] = []
-        tables: list[Table] = []
+        parent, first = np.repeat(np.arange(len(count)), count), np.cumsum(count) - count
+        start = np.zeros(len(parent), np.int64)
         # What was read before keeps its offsets.
         cursors.position = cursors.position.copy()
         index, rows = 0, np.flatnonzero(count)
         while len(rows) >= _FEW_ROWS:
             elements = cursors.pick(rows)
-            tables.append(self._rows(steps, elements))
-            parents.append(rows)
+            start[first[rows] + index] = elements.position
+            self._rows(steps, elements, wanted=False)
             cursors.position[rows] = elements.position
             index += 1
             rows = rows[(count[rows] > index) & self._sound[cursors.message[rows]]]
-        if len(rows) or not tables:
-            parent, position = self._step_over(steps, rows, count[rows] - index, cursors)
-            elements = cursors.pick(parent)
-            elements.position = position
-            tables.append(self._rows(steps, elements))
-            parents.append(parent)
-        return Nested(np.concatenate(parents), concatenate(tables))
-
-    def _step_over(
-        self, steps: tuple[Step, ...], rows: Ints, count: Ints, cursors: _Cursors
-    ) -> tuple[Ints, Ints]:
-        """Step over the elements of some rows, one after the other.
-
-        Args:
-            steps: of an element.
-            rows: (r,).
-            count: (r,) elements of each.
-            cursors: of all rows; those of `rows` end behind their elements.
-
-        Returns:
-            (m,) row and (m,) offset of each element: all first ones, all second ones, and so on.
-        """
-        read = partial(struct.Struct(self._order + "I").unpack_from, self._buffer.data)
-        parents: list[Ints] = []
-        offsets: list[int] = []
-        for row, elements in zip(rows.tolist(), count.tolist(), strict=True):
+        for row in rows.tolist():
             position, limit, origin = (
                 int(each[row]) for each in (cursors.position, cursors.limit, cursors.origin)
             )
-            own: list[int] = []
-            for _ in range(elements):
-                own.append(position)
-                position = skip_element(steps, read, position, origin, limit)
+            for slot in range(int(first[row]) + index, int(first[row] + count[row])):
+                start[slot] = position
+                position = self._skip(steps, position, origin, limit)
                 if position > limit:
+                    self._sound[cursors.message[row]] = self._all_sound = False
                     break
-            if position > limit:
-                self._sound[cursors.message[row]] = self._all_sound = False
-                continue
             cursors.position[row] = position
-            parents.append(np.full(elements, row, np.int64))
-            offsets += own
-        parent = np.concatenate([np.empty(0, np.int64), *parents])
-        number = np.concatenate(
-            [np.empty(0, np.int64), *(np.arange(len(each)) for each in parents)]
-        )
-        order = np.argsort(number, kind="stable")
-        return parent[order], np.array(offsets, np.int64)[order]
+        if self._all_sound:
+            return parent, start
+        sound = self._sound[cursors.message[parent]]
+        return parent[sound], start[sound]
+
+    def _skip(self, steps: tuple[Step, ...], position: int, origin: int, limit: int) -> int:
+        """Return the offset behind a single element, or one beyond the limit if it is malformed.
+
+        Args:
+            steps: of the element.
+            position: where it begins.
+            origin: offset that alignment counts from.
+            limit: end of its message.
+        """
+        for step in steps:
+            position += (origin - position) & (step.alignment - 1)
+            if isinstance(step, Run):
+                position += step.size
+                continue
+            count = step.length if isinstance(step, ArrayStep) else None
+            if count is None:
+                if position + _COUNT > limit:
+                    return limit + 1
+                (count,) = self._read_count(self._bytes, position)
+                position += _COUNT
+            if isinstance(step, ArrayStep):
+                position = self._skip_array(step, count, position, origin, limit)
+            else:
+                position += count
+                is_open = self._cdr and count and position <= limit and self._bytes[position - 1]
+                position = limit + 1 if is_open else position
+            if position > limit:
+                return limit + 1
+        return position
+
+    def _skip_array(
+        self, step: ArrayStep, count: int, position: int, origin: int, limit: int
+    ) -> int:
+        """Step over some elements of an array; see `_skip`."""
+        if not count or not step.smallest_element:
+            return position
+        match step.element:
+            case (Run(alignment, size),):
+                first = position + ((origin - position) & (alignment - 1))
+                return first + (count - 1) * (size + -size % alignment) + size
+        if count > MAX_VARIABLE_ELEMENTS:
+            return limit + 1
+        for _ in range(count):
+            position = self._skip(step.element, position, origin, limit)
+            if position > limit:
+                break
+        return position
 
     def _counts(self, cursors: _Cursors, alignment: int) -> Ints:
         """Read a 32-bit count and step over it; 0 for messages that have failed."""
         self._align(cursors, alignment)
-        self._require(cursors, 4)
-        count = self._gather(cursors.position, 4).view(self._order + "u4").astype(np.int64)
-        cursors.position = cursors.position + 4
+        self._require(cursors, _COUNT)
+        count = self._gather(cursors.position, _COUNT).view(self._order + "u4").astype(np.int64)
+        cursors.position = cursors.position + _COUNT
         self._void_failed(count, cursors)
         return count
 

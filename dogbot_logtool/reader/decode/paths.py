@@ -198,24 +198,13 @@ def side_by_side(nested: Nested, values: Floats, rows: int, array: ArrayPart) ->
         fits &= count >= array.last
     last = min(most, array.first + MOST_ELEMENTS) if array.last is None else array.last
     if array.first >= 0 and last <= most and fits.all() and (count == most).all():
-        whole = _as_matrix(nested, values, rows, most)
-        if whole is not None:
-            return whole[:, array.first : last]
+        return values.reshape(rows, most, *values.shape[1:])[:, array.first : last]
     wanted = np.arange(array.first, max(array.first + (array.first < 0), last))
     index = count[:, None] - 1 if array.first < 0 else np.broadcast_to(wanted, (rows, len(wanted)))
     message = np.repeat(np.arange(rows), index.shape[1])
     row = nested.rows_at(message, index.ravel())
     row[~fits[message]] = -1
     return _picked(values, row).reshape(*index.shape, *values.shape[1:])
-
-
-def _as_matrix(nested: Nested, values: Floats, rows: int, count: int) -> Floats | None:
-    """(rows, count, ...) of arrays that are all as long; None: their elements stand in no order."""
-    if np.array_equal(nested.parent, np.repeat(np.arange(rows), count)):
-        return values.reshape(rows, count, *values.shape[1:])
-    if np.array_equal(nested.parent, np.tile(np.arange(rows), count)):
-        return values.reshape(count, rows, *values.shape[1:]).swapaxes(0, 1)
-    return None
 
 
 def path_of(text: str, want: Want, definition: Struct) -> FieldPath:

@@ -103,7 +103,6 @@ def _chosen_poses(source: Source, messages: DecodedMessages, element: str) -> Ba
     wanted = [number for number, (each, _) in enumerate(names) if each == element]
     message_of, _ = name.texts(table)
     named = np.flatnonzero(np.isin(code, wanted))
-    named = named[np.argsort(message_of[named], kind="stable")]
     beside = paths["position"][0].rows_beside(table, name)
     rows = named if beside is None else beside[named]
     named, rows = named[rows >= 0], rows[rows >= 0]

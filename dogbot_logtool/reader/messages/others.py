@@ -14,9 +14,8 @@ from dogbot_logtool.core.arrays import (
     rows_by_group,
 )
 from dogbot_logtool.core.frames.transforms import Edge, Transforms
-from dogbot_logtool.core.legs.joints import JointSamples, JointTable
 from dogbot_logtool.core.prepared import plausible_translations
-from dogbot_logtool.core.vectors import VectorSamples
+from dogbot_logtool.core.recording import JointSamples, JointTable, VectorSamples
 from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.decode.columns import Table, Texts
 from dogbot_logtool.reader.decode.paths import FieldPath
@@ -104,16 +103,15 @@ def _named_joints(name: FieldPath, table: Table) -> tuple[Ints, Ints, tuple[str,
     """Return the message and the joint of each name, (m,), and the different names."""
     parent, called = name.texts(table)
     count = len(parent) // table.rows
-    # Texts stand element by element: all messages' first names, then all second ones.
-    if count and np.array_equal(parent, np.tile(np.arange(table.rows), count)):
-        start, length = (each.reshape(count, -1) for each in (called.start, called.length))
+    if count and np.array_equal(parent, np.repeat(np.arange(table.rows), count)):
+        start, length = (each.reshape(-1, count) for each in (called.start, called.length))
         # All names of a message, with what lies between them: they are alike in nearly all logs.
-        whole = Texts(called.buffer, start[0], start[-1] + length[-1] - start[0])
-        ends = np.stack([start, start + length]) - start[0]
-        names = tuple(called.text(row) for row in range(0, len(parent), table.rows))
-        is_alike = (ends == ends[:, :, :1]).all() and len(whole.alike()[1]) == 1
+        whole = Texts(called.buffer, start[:, 0], start[:, -1] + length[:, -1] - start[:, 0])
+        ends = np.stack([start, start + length]) - start[:, :1]
+        names = tuple(called.text(row) for row in range(count))
+        is_alike = (ends == ends[:, :1]).all() and len(whole.alike()[1]) == 1
         if is_alike and len(set(names)) == count:
-            return parent, np.repeat(np.arange(count), table.rows), names
+            return parent, np.tile(np.arange(count), table.rows), names
     return parent, *called.encode()
 
 
@@ -182,7 +180,6 @@ def _transforms(
 ) -> tuple[dict[Edge, Transforms], set[str]]:
     table, paths = messages.table, source.paths
     (message, parents), (_, children) = (path.texts(table) for path in paths["choose"])
-    order = np.argsort(message, kind="stable")
     (parent, parent_names), (child, child_names) = parents.encode(), children.encode()
     whole = Transforms(
         channel=messages.channel[message],
@@ -199,7 +196,7 @@ def _transforms(
     pair = codes[parent] * len(number) + codes[len(parent_names) + child]
     names = list(number)
     found = {
-        (names[one // len(names)], names[one % len(names)]): picked(whole, order[rows])
-        for one, rows in rows_by_group(pair[order])
+        (names[one // len(names)], names[one % len(names)]): picked(whole, rows)
+        for one, rows in rows_by_group(pair)
     }
     return found, {name for name in (*parent_names, *child_names) if name.startswith("/")}

@@ -12,8 +12,7 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.estimated.estimate import Estimate, estimate, placed_by_legs
 from dogbot_logtool.core.estimated.ground import TOO_MUCH, WRONG_SIGN, joints_of_legs
 from dogbot_logtool.core.frames.kinematics import Leg
-from dogbot_logtool.core.legs.joints import JointTable
-from dogbot_logtool.core.recording import Recording
+from dogbot_logtool.core.recording import JointTable, Recording
 from dogbot_logtool.core.rotations import multiply
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.options import MeasureOptions

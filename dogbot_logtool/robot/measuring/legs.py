@@ -123,8 +123,8 @@ def named_frames(feet: Sequence[Foot], frames: Iterable[str]) -> dict[int, str]:
     """
     names = list(frames)
     soles = [name for name in names if texts_of(name) & SOLES]
-    found = name_feet(soles, contacts_only=False).chosen
-    found = found or name_feet(names, contacts_only=False).chosen
+    found, _ = name_feet(soles, contacts_only=False)
+    found = found or name_feet(names, contacts_only=False)[0]
     if found is None or found.part is not Part.FOOT:
         return {}
     named = {each.leg_position or each.name: each.topic for each in found.feet}

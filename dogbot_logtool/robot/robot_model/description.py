@@ -10,7 +10,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats, header_time
 from dogbot_logtool.core.frames.kinematics import Joint, LinkTransforms, link_poses
 from dogbot_logtool.core.known_frames import KnownFrames
-from dogbot_logtool.core.legs.joints import JointTable
+from dogbot_logtool.core.recording import JointTable
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.errors import CallError, DefinitionError
 from dogbot_logtool.finding import Finding, found

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dogbot_logtool.errors import DefinitionError
-from dogbot_logtool.reader.decode.element_skipper import MAX_VARIABLE_ELEMENTS
+from dogbot_logtool.reader.decode.decode import MAX_VARIABLE_ELEMENTS
 from tests.reader.decode.oracle import (
     WIRES,
     Author,

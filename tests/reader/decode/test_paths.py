@@ -90,10 +90,9 @@ def test_what_a_definition_does_not_have_is_refused(text: str, want: Want, words
         path_of(text, want, STATE)
 
 
-def table(lists: list[list[float]], order: list[int]) -> Table:
-    """An array of numbers in each message; the messages' elements are interleaved as ordered."""
+def table(lists: list[list[float]]) -> Table:
+    """An array of numbers in each message."""
     pairs = [(row, value) for row, values in enumerate(lists) for value in values]
-    pairs = sorted(pairs, key=lambda pair: order[pair[0]])
     parent = np.array([row for row, _ in pairs], np.int64)
     run = np.array([(value,) for _, value in pairs], [(ELEMENT, "<f8")])
     return Table(len(lists), (), {"cells": Nested(parent, Table(len(pairs), (run,), {}))})
@@ -101,13 +100,10 @@ def table(lists: list[list[float]], order: list[int]) -> Table:
 
 @given(
     st.lists(st.lists(st.floats(-9, 9), max_size=MOST_ELEMENTS + 3), min_size=1, max_size=6),
-    st.permutations(range(6)),
     st.integers(0, 20),
 )
-def test_elements_are_those_of_each_message(
-    lists: list[list[float]], order: list[int], index: int
-) -> None:
-    given_lists = table(lists, order)
+def test_elements_are_those_of_each_message(lists: list[list[float]], index: int) -> None:
+    given_lists = table(lists)
     (one,) = path_of(f"cells[{index}]", "number", STATE).values(given_lists).T[0]
     expected = [values[index] if index < len(values) else np.nan for values in lists]
     np.testing.assert_array_equal(one, expected)
@@ -127,7 +123,7 @@ def test_elements_are_those_of_each_message(
 def test_vectors_of_arrays_of_another_length_are_not_known(condition: str, fits: list[int]) -> None:
     lists = [[float(number) for number in range(length)] for length in (3, 4, 5, 6, 7)]
     path = path_of(f"cells[1:4 by 3 {condition}]".replace(" ]", "]"), "xyz", STATE)
-    found = path.values(table(lists, list(range(6))))
+    found = path.values(table(lists))
     assert found.shape == (5, 1, 3)
     for values, row in zip(lists, found[:, 0], strict=True):
         assert np.isnan(row).all() if len(values) not in fits else row.tolist() == [1.0, 2.0, 3.0]

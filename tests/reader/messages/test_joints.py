@@ -11,7 +11,7 @@ from foxglove_schemas_protobuf.JointStates_pb2 import JointStates as Message
 from mcap.writer import Writer
 from rosbags.typesys import get_types_from_msg
 
-from dogbot_logtool.core.legs.joints import JointTable
+from dogbot_logtool.core.recording import JointTable
 from dogbot_logtool.reader.messages.others import read_joints
 from dogbot_logtool.reader.messages.source import source_of
 from dogbot_logtool.reader.opening import open_log

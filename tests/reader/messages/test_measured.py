@@ -17,7 +17,9 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.option import part_of
-from dogbot_logtool.options import ConvertOptions, InfoOptions, MeasureOptions
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.options.convert import ConvertOptions
+from dogbot_logtool.options.info import InfoOptions
 from dogbot_logtool.report.documents import stats_json
 from tests.forked_cli import run
 from tests.oracles import state_walks, walks
@@ -293,7 +295,7 @@ def test_what_a_topic_is_used_for(
     tmp_path: Path, walk: StateWalk, kind: str, topics: list[str], uses: list[str]
 ) -> None:
     entries = (
-        replace(entry, topic=topic)
+        entry._replace(topic=topic)
         for entry in walk.messages(kind)
         for topic in (topics if entry.kind == kind else [entry.topic])
     )

@@ -14,7 +14,7 @@ from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.page.render import page
 from dogbot_logtool.report.page.replay import MOST_FRAMES, frame_times, replay
 from dogbot_logtool.results import Measurement
-from dogbot_logtool.robot.annotated import open_recorded
+from dogbot_logtool.robot.recorded import open_recorded
 from tests.measured import LogFacts, measurement_of
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import numbers

@@ -24,8 +24,7 @@ from dogbot_logtool.reader.containers.log import (
 )
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.source import ByteSource
-from dogbot_logtool.reader.containers.sqlite.journals import take_journals
-from dogbot_logtool.reader.containers.sqlite.pages import Pages
+from dogbot_logtool.reader.containers.sqlite.pages import Pages, take_journals
 from dogbot_logtool.reader.containers.sqlite.tables import (
     MessageRows,
     MessageTable,
