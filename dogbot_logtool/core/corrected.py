@@ -27,8 +27,8 @@ from dogbot_logtool.core.corrections.clock import (
 )
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.known_frames import (
+    Counts,
     KnownFrames,
-    PlacedCounts,
     WorldFrames,
     imu_mounting,
     known_frames,
@@ -56,7 +56,7 @@ class Corrected:
     settings: WalkSettings
     """With the clock that is used, how sensors read, and the frame of the forces."""
     frames: KnownFrames
-    turned: tuple[WorldFrames, PlacedCounts] | None
+    turned: tuple[WorldFrames, Counts] | None
     """How forces and positions were turned into the world; None: none was to be."""
     feet: tuple[FootHistory, ...]
     places: tuple[FootPath | None, ...]
@@ -202,7 +202,7 @@ def _corrected_samples(
 ) -> tuple[
     tuple[Samples, ...],
     tuple[FootPath | None, ...],
-    tuple[WorldFrames, PlacedCounts] | None,
+    tuple[WorldFrames, Counts] | None,
 ]:
     """Take off offsets, fill swings in, turn forces and places into the world.
 
