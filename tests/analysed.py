@@ -1,16 +1,13 @@
 """Figures of contact samples and poses, as if they were the columns of a log."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from dogbot_logtool.core.analysis import NO_LOG, analyse, judge
 from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
-from dogbot_logtool.core.contact.contact_rule import FootSensor, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
-from dogbot_logtool.core.corrections.sensor import estimate_level
 from dogbot_logtool.core.gait.feet import foot_metrics
 from dogbot_logtool.core.metrics import Foot, WalkMetrics
 from dogbot_logtool.core.recording import Recording, Times, VectorTopic
@@ -40,16 +37,6 @@ def foot_samples(
         position=np.where(known[:, None], point, np.nan),
         normal=np.where(known[:, None], normal, np.nan),
     )
-
-
-def with_learnt_sensors(settings: WalkSettings, samples: Sequence[Samples]) -> WalkSettings:
-    """Return settings that know what each foot's own samples show of its sensor."""
-    feet = []
-    for foot, own in zip(settings.feet, samples, strict=True):
-        level = estimate_level(own.log_time, own.force)
-        rule = contact_rule(level, settings.body_weight_n, settings.thresholds)
-        feet.append(replace(foot, sensor=FootSensor(level, rule)))
-    return replace(settings, feet=tuple(feet))
 
 
 def analysed(

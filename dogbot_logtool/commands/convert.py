@@ -2,7 +2,7 @@
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_planned
 from dogbot_logtool.conversion.annotate import draw
-from dogbot_logtool.conversion.annotated_log import AnnotatedLog, provenance_record
+from dogbot_logtool.conversion.annotated_log import AnnotatedLog, Conversion, provenance_record
 from dogbot_logtool.conversion.copying import make_copier
 from dogbot_logtool.conversion.findings import bad_poses, count_findings
 from dogbot_logtool.conversion.plan import ConversionPlan, make_plan
@@ -20,7 +20,6 @@ from dogbot_logtool.reader.containers.log import (
 )
 from dogbot_logtool.reader.recording import Alongside
 from dogbot_logtool.reader.workers import Start
-from dogbot_logtool.results import Conversion
 from dogbot_logtool.robot.measuring.plan import make_plan as plan_measuring
 from dogbot_logtool.robot.recorded import open_recorded
 from dogbot_logtool.run.runner import OnProgress

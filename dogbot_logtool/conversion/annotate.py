@@ -56,11 +56,10 @@ def draw(plan: ConversionPlan, walk: Walk, recorded: Sequence[Arrows]) -> Scene:
     feet = tuple(
         drawn_foot(
             number,
-            each,
+            replace(each, in_world=each.in_world | walk.settings.force_in_world),
             foot.record,
             contact_known=walk.metrics.feet[foot.name].contact_fraction is not None,
             has_force=walk.settings.feet[number].has_force,
-            force_in_world=walk.settings.force_in_world,
         )
         for number, (each, foot) in enumerate(zip(samples, walk.feet, strict=True))
     )
@@ -176,13 +175,6 @@ def _arrows(
         force=samples.force.astype(np.float64),
         normal=samples.normal.astype(np.float64),
     )
-    if plan.style.along_force:
-        drawn, skipped = force_arrows(
-            samples,
-            force_in_world=foot.force_in_world,
-            body_weight_n=plan.body_weight_n,
-            scale=plan.arrow_scale,
-        )
-    else:
-        drawn, skipped = pressure_arrows(samples, plan.arrow_scale)
+    made = force_arrows if plan.style.along_force else pressure_arrows
+    drawn, skipped = made(samples, plan.arrow_scale)
     return [drawn, removals(foot.samples.pick(rows.start + np.flatnonzero(~touching)))], skipped

@@ -9,6 +9,7 @@ recorded messages.
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
+from dataclasses import dataclass
 from functools import partial
 from typing import BinaryIO, Final
 
@@ -23,19 +24,22 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.events.event import EventMessage, GaitState, Level
 from dogbot_logtool.core.events.log_messages import event_messages, gait_states, to_log_time
 from dogbot_logtool.core.scene.arrows import Arrows
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.io.storage import file_name
+from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.provenance import PROVENANCE
 from dogbot_logtool.reader.containers.log import Chunk, Log, Loss, lost_messages
+from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
 from dogbot_logtool.reader.workers import Start, in_order
+from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.run.runner import OnProgress
 from dogbot_logtool.writer import described
 from dogbot_logtool.writer.annotations import Annotations
 from dogbot_logtool.writer.channels import AddedChannels
 from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunk, finish_chunks
-from dogbot_logtool.writer.encodings.registry import ENCODINGS
+from dogbot_logtool.writer.encodings.registry import encoding_named
 from dogbot_logtool.writer.mcap_writer import McapWriter, metadata_record
 from dogbot_logtool.writer.message_records import MessageRecords, of_payloads
 from dogbot_logtool.writer.topics import EVENTS_TOPIC, GAIT_TOPIC, SPANS_TOPIC
@@ -48,6 +52,33 @@ _LONGEST_NUMBER: Final = 18
 """Digits of a count that a record tells."""
 TimeSpan = tuple[int, int]
 """ns, log times from which on and before which is annotated."""
+
+
+@dataclass(frozen=True, slots=True)
+class Conversion:
+    """The result of `convert`."""
+
+    source: Location
+    target: Location
+    container: str
+    robot: Robot
+    style: str
+    encoding: str
+    odometry_topics: tuple[str, ...]
+    world_frame: str
+    base_frame: str
+    messages: int
+    """Recorded messages that were read."""
+    copied: int
+    """Recorded messages in the output."""
+    annotations: Mapping[str, int]
+    """Messages that were added, by topic."""
+    counts: Counter[str]
+    """Annotations that lack something, by what; see `annotate.py`."""
+    bad_poses: int
+    """Odometry messages with a zero quaternion or a number that is not finite."""
+    findings: tuple[Finding, ...]
+    damage: Damage
 
 
 class AnnotatedLog:
@@ -64,7 +95,7 @@ class AnnotatedLog:
             options: what the user asks for.
             left_out: ids of the channels that are not copied.
         """
-        profile = log.profile if options.copy else ENCODINGS[options.encoding].profile
+        profile = log.profile if options.copy else encoding_named(options.encoding).profile
         self._log, self._options = log, options
         self._writer = McapWriter(file, profile)
         self.arrows: list[Arrows] = []
@@ -75,10 +106,8 @@ class AnnotatedLog:
         copied = log.channels if options.copy else {}
         self._copied = {number: c for number, c in copied.items() if number not in left_out}
         schemas = {c.schema.id: c.schema for c in self._copied.values() if c.schema is not None}
-        self._describe(
-            (schema_record(schema) for _, schema in sorted(schemas.items())),
-            (channel_record(channel) for _, channel in sorted(self._copied.items())),
-        )
+        self._writer.add(*(schema_record(schema) for _, schema in sorted(schemas.items())))
+        self._writer.add(*(channel_record(each) for _, each in sorted(self._copied.items())))
 
     @property
     def messages(self) -> dict[int, int]:
@@ -108,8 +137,8 @@ class AnnotatedLog:
         """
         plan, total = scene.plan, sum(chunk.data_size for chunk in self._log.chunks)
         self.added = self._channels_for(plan)
-        annotations = Annotations(plan.encoding.load(), plan.wanted, self.added)
-        self._describe(self.added.schemas, self.added.channels)
+        annotations = Annotations(encoding_named(plan.options.encoding), plan.wanted, self.added)
+        self._writer.add(*self.added.schemas, *self.added.channels)
         if plan.description.urdf is not None and plan.opening is not None:
             message = annotations.robot_description(plan.description.urdf, plan.opening)
             self._writer.add_chunk(finish_chunk(message, plan.options.compression or "zstd"))
@@ -150,14 +179,6 @@ class AnnotatedLog:
         """Write how the file was made, and its end."""
         self._writer.add_metadata(provenance)
         self._writer.finish()
-
-    def _describe(
-        self, schemas: Iterable[records.Schema], channels: Iterable[records.Channel]
-    ) -> None:
-        for schema in schemas:
-            self._writer.add_schema(schema)
-        for channel in channels:
-            self._writer.add_channel(channel)
 
 
 def time_spans(scene: Scene) -> list[TimeSpan]:

@@ -27,7 +27,7 @@ from dogbot_logtool.robot.robot_model.description import (
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.writer.annotations import WantedAnnotations
-from dogbot_logtool.writer.encodings.registry import ENCODINGS, OutputEncoding
+from dogbot_logtool.writer.encodings.registry import encoding_named
 from dogbot_logtool.writer.markers import Look
 
 ESTIMATED_WIDTH: Final = 0.5
@@ -41,7 +41,6 @@ class ConversionPlan:
     selection: Selection
     options: ConvertOptions
     style: ArrowStyle
-    encoding: OutputEncoding
     wanted: WantedAnnotations
     writes_base: bool
     """Whether the base's transforms are written."""
@@ -96,8 +95,7 @@ def make_plan(
     )
     writes_base = selection.has_base and options.tf != "never" and second is None
     pairs = description.motion.pairs if description.motion else ()
-    profile = options.copy and log.profile
-    is_ros1 = (ENCODINGS[options.encoding].profile or profile) == "ros1"
+    profile = encoding_named(options.encoding).profile or (options.copy and log.profile)
     # A scale of the robot's file has colours of its own.
     colour_n = weight_n if given is None else settings.body_weight_n
     start, end = time_limits(log, options.start, options.end)
@@ -106,7 +104,6 @@ def make_plan(
         selection=selection,
         options=options,
         style=style,
-        encoding=ENCODINGS[options.encoding],
         wanted=WantedAnnotations(
             [foot.name for foot in selection.robot.feet],
             frames.world,
@@ -116,12 +113,12 @@ def make_plan(
             has_transforms=writes_base or bool(pairs),
             has_support=unsupported is None,
             has_legs=description.hips is not None,
-            description="" if description.urdf is None else "ros1" if is_ros1 else "ros2",
+            description="" if description.urdf is None else "ros1" if profile == "ros1" else "ros2",
         ),
         writes_base=writes_base,
         frames=placed,
         body_weight_n=settings.body_weight_n,
-        arrow_scale=arrow_scale(given, weight_n, description.height_m),
+        arrow_scale=arrow_scale(given, colour_n, description.height_m, by_weight=style.along_force),
         description=description,
         opening=log.start_time if start is None else start,
         end=last if end is None else min(end, last),

@@ -98,6 +98,14 @@ def stable_order(values: Ints) -> Ints:
     return np.argsort(values.astype(np.uint16) if short else values, kind="stable")
 
 
+def means_by_group(values: Floats, group: Ints, groups: int) -> Floats:
+    """(groups, k) means of the rows, (n, k), of each group; NaN of none."""
+    sums = [np.bincount(group, column, groups) for column in values.T]
+    with np.errstate(invalid="ignore"):
+        mean: Floats = np.column_stack(sums) / np.bincount(group, minlength=groups)[:, None]
+    return mean
+
+
 def rows_by_group(group: Ints) -> Iterator[tuple[int, Ints]]:
     """Yield each group number, ascending, with its rows as they stand.
 

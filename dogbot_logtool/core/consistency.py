@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Ints, all_finite, distinct, median_of
+from dogbot_logtool.core.arrays import Floats, Ints, all_finite, distinct, means_by_group, median_of
 from dogbot_logtool.core.base.ground import seen_from_base, trend
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
@@ -219,7 +219,7 @@ def compare_worlds(feet: Sequence[FootHistory], base: BaseHistory) -> Worlds | N
     edges = np.linspace(0, last - start, windows + 1)[1:-1]
     shift = np.stack(
         [
-            _means(np.searchsorted(edges, time - start, side="right"), place - own, windows)
+            means_by_group(place - own, np.searchsorted(edges, time - start, side="right"), windows)
             for (time, place), own in zip(placed, usual, strict=True)
         ]
     )
@@ -259,14 +259,6 @@ def placed_poses(
     return base, without
 
 
-def _means(group: Ints, values: Floats, groups: int) -> Floats:
-    """(groups, k) means of the rows of each group; NaN of none."""
-    sums = [np.bincount(group, column, groups) for column in values.T]
-    with np.errstate(invalid="ignore"):
-        mean: Floats = np.column_stack(sums) / np.bincount(group, minlength=groups)[:, None]
-    return mean
-
-
 def _drift_m(feet: Sequence[FootHistory], seen: Sequence[tuple[Ints, Floats]], start: int) -> float:
     """Return how far the base goes among its feet, steadily, over all stances, m.
 
@@ -288,7 +280,7 @@ def _drift_m(feet: Sequence[FootHistory], seen: Sequence[tuple[Ints, Floats]], s
         stance = np.searchsorted(begin, time, side="right") - 1
         inside = (stance >= 0) & (time < np.append(end, 0)[stance])
         rows = np.column_stack([(time - start) / 1e9, place])[inside]
-        mean = _means(stance[inside], rows, len(begin))
+        mean = means_by_group(rows, stance[inside], len(begin))
         positions.append(mean[all_finite(mean)])
     # Each foot has a position of its own, and each its own mean time.
     centred = np.concatenate(

@@ -39,12 +39,11 @@ from dogbot_logtool.core.quality import (
     topic_quality,
     topic_times,
 )
-from dogbot_logtool.core.recording import Recording, VectorTopic
+from dogbot_logtool.core.recording import JointTable, Recording, VectorTopic
 from dogbot_logtool.core.sensors import with_sensors, without_offset
 from dogbot_logtool.core.settings import WalkSettings
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.recording import JointTable
     from dogbot_logtool.core.vectors import VectorHistory
 
 
@@ -108,13 +107,13 @@ def correct(recording: Recording, settings: WalkSettings) -> Corrected:
     feet = tuple(
         foot_history(
             without_bad_stamps(own, _check(foot.topic, own)) if on_stamps else own,
-            settings.sensor(row).rule,
+            foot.rule,
             clock.source,
             force_in_world=settings.force_in_world,
             has_force=foot.has_force,
             breaks=clock.breaks,
         )
-        for row, (foot, own) in enumerate(zip(settings.feet, samples, strict=True))
+        for foot, own in zip(settings.feet, samples, strict=True)
     )
     poses = without_bad_stamps(recording.base, base_check) if on_stamps else recording.base
     base = base_history(poses, clock.source, clock.breaks)
@@ -174,7 +173,7 @@ def _without_filters(
 
 
 def _joint_clocks(
-    joints: "Sequence[JointTable]", offsets: Mapping[str, OffsetTrack], feet: Sequence[str]
+    joints: Sequence[JointTable], offsets: Mapping[str, OffsetTrack], feet: Sequence[str]
 ) -> tuple[ClockDifference, ...]:
     """Compare the clocks of joint states, too."""
     tracks = {}

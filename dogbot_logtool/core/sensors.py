@@ -13,7 +13,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of, norms, percentiles_of
-from dogbot_logtool.core.contact.contact_rule import HEAVILY_FILTERED, FootSensor, contact_rule
+from dogbot_logtool.core.contact.contact_rule import HEAVILY_FILTERED, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import usual_interval_s
 from dogbot_logtool.core.corrections.modes import CONSTANT, two_modes
@@ -42,8 +42,6 @@ Levels = tuple[SensorLevel, ...]
 def with_sensors(settings: WalkSettings, feet: Sequence[Samples]) -> WalkSettings:
     """Return settings with how each foot's sensor reads, and what counts as contact.
 
-    Nothing is learnt where that is known of all feet.
-
     Args:
         settings: what is known of the feet.
         feet: the samples of each, as recorded.
@@ -54,8 +52,6 @@ def with_sensors(settings: WalkSettings, feet: Sequence[Samples]) -> WalkSetting
         for foot, own in zip(settings.feet, feet, strict=True)
     )
     settings = replace(settings, feet=known)
-    if all(foot.sensor is not None for foot in known):
-        return settings
     weight = settings.body_weight_n
     # A mass that is only guessed from the topics tells nothing of levels.
     trusted = None if settings.mass_is_assumed else weight
@@ -72,7 +68,7 @@ def with_sensors(settings: WalkSettings, feet: Sequence[Samples]) -> WalkSetting
             rule = replace(rule, unusable="its sensor reads one constant force while others vary")
         if foot.low_pass and not foot.low_pass.resolved:
             rule = replace(rule, unusable=HEAVILY_FILTERED)
-        found.append(replace(foot, sensor=FootSensor(level, rule)))
+        found.append(replace(foot, level=level, rule=rule))
     return replace(settings, feet=tuple(found), estimated_weight_n=estimated)
 
 
@@ -137,10 +133,9 @@ def without_offset(samples: Samples, foot: FootSettings) -> Samples:
         samples: n samples of one foot.
         foot: with its sensor.
     """
-    sensor = foot.sensor
-    if sensor is None or not len(samples.log_time):
+    level = foot.level
+    if not len(samples.log_time):
         return samples
-    level = sensor.level
     reads_offset = bool(level.offset.any()) or not foot.lists_contacts
     if not (reads_offset or level.drops_out):
         return samples
@@ -151,7 +146,7 @@ def without_offset(samples: Samples, foot: FootSettings) -> Samples:
         if foot.only_presses:
             force = np.where(force < 0.0, 0.0, force)
         # A force that is not a number is below no threshold.
-        force[norms(force) < sensor.rule.off_n] = 0.0
+        force[norms(force) < foot.rule.off_n] = 0.0
     if level.drops_out:
         force[recorded_zero] = np.nan
     touches = (force != 0.0).any(axis=1)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Final
 
-from dogbot_logtool.core.contact.contact_rule import FootSensor, Thresholds, contact_rule
+from dogbot_logtool.core.contact.contact_rule import ContactRule, Thresholds, contact_rule
 from dogbot_logtool.core.contact.filtered import Filter
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
@@ -12,6 +12,10 @@ from dogbot_logtool.core.leg_position import LegPosition, are_some_of
 
 GRAVITY_MPS2: Final = 9.81
 """Standard in simulators (Gazebo's default world has 9.8)."""
+
+
+_ZERO_IN_SWING: Final = SensorLevel(zero_in_swing=True)
+_ANY_FORCE: Final = contact_rule(_ZERO_IN_SWING, None)
 
 
 def body_weight_n(mass_kg: float | None) -> float | None:
@@ -43,8 +47,10 @@ class FootSettings:
     offset_from: Origin = "option"
     low_pass: Filter | None = None
     """The filter that its forces went through; None: none."""
-    sensor: FootSensor | None = None
-    """How its sensor reads; None: to be learnt from its samples."""
+    level: SensorLevel = _ZERO_IN_SWING
+    """How its sensor reads without load and under it, once that is learnt from its samples."""
+    rule: ContactRule = _ANY_FORCE
+    """What counts as contact of it, likewise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,14 +126,6 @@ class WalkSettings:
     def lacks_feet(self) -> bool:
         """Whether the robot has feet beside these, so that nothing is known of all together."""
         return are_some_of([foot.leg_position for foot in self.feet])
-
-    def sensor(self, foot: int) -> FootSensor:
-        """Return how a foot's sensor reads, and what counts as contact of it."""
-        known = self.feet[foot].sensor
-        if known is not None:
-            return known
-        level = SensorLevel(zero_in_swing=True)
-        return FootSensor(level, contact_rule(level, self.body_weight_n, self.thresholds))
 
     @property
     def force_in_world(self) -> bool:

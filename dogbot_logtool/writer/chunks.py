@@ -1,7 +1,6 @@
 """Finished MCAP chunks: compressed records and the message index that belongs to them."""
 
 import struct
-import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final, Literal
@@ -28,16 +27,6 @@ that are 2 to 3 % larger."""
 _INDEX_HEAD: Final = struct.Struct("<BQHI")
 """A message index record up to its entries: opcode, length, channel, bytes of the entries."""
 _INDEX_ENTRY: Final = np.dtype([("log_time", "<i8"), ("offset", "<u8")])
-
-
-class _Codecs(threading.local):
-    """A compressor for each thread: allocating its tables costs more than reusing them."""
-
-    def __init__(self) -> None:
-        self.zstd = zstandard.ZstdCompressor(compression_params=ZSTD)
-
-
-_CODECS: Final = _Codecs()
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -133,7 +122,7 @@ def time_range(log_time: Ints) -> tuple[int, int]:
 def _compress(data: Bytes, compression: Compression) -> bytes:
     match compression:
         case "zstd":
-            return _CODECS.zstd.compress(data.data)
+            return zstandard.ZstdCompressor(compression_params=ZSTD).compress(data.data)
         case "lz4":
             return bytes(lz4.frame.compress(data.data))
         case "none":

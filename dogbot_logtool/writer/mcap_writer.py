@@ -1,7 +1,7 @@
 """The output file: chunks in the order of their arrival, then a complete summary."""
 
 from collections.abc import Mapping
-from typing import Protocol
+from typing import BinaryIO
 
 from mcap import records
 from mcap.data_stream import RecordBuilder
@@ -22,35 +22,26 @@ _SUMMARY_GROUPS = (
 )
 
 
-class Sink(Protocol):
-    """A writable binary stream."""
-
-    def write(self, data: bytes | memoryview, /) -> int:
-        """Append bytes."""
-
-
 class McapWriter:
     """Writes an MCAP file front to back. Memory grows only with the number of chunks."""
 
-    def __init__(self, sink: Sink, profile: str) -> None:
-        self._sink = sink
+    def __init__(self, file: BinaryIO, profile: str) -> None:
+        self._file = file
         self._offset = 0
         self._crc = 0
-        self._summary: dict[Opcode, list[bytes]] = {opcode: [] for opcode in _SUMMARY_GROUPS}
+        self._summary: dict[int, list[bytes]] = {opcode: [] for opcode in _SUMMARY_GROUPS}
         self.channel_counts: dict[int, int] = {}
         """Messages written, by channel id."""
-        self._start: int | None = None
-        self._end: int | None = None
+        self._times: list[int] = []
+        """ns, first and last log time of each chunk with messages."""
         self._write(MAGIC)
         self._write_record(records.Header(profile, f"dogbot-logtool {__version__}"))
 
-    def add_schema(self, schema: records.Schema) -> None:
-        """Write a schema; it must come before its channels."""
-        self._summary[Opcode.SCHEMA].append(self._write_record(schema))
-
-    def add_channel(self, channel: records.Channel) -> None:
-        """Write a channel; it must come before its messages."""
-        self._summary[Opcode.CHANNEL].append(self._write_record(channel))
+    def add(self, *described: records.Schema | records.Channel) -> None:
+        """Write schemas, which must come before their channels, or these before their messages."""
+        for record in described:
+            self._keep(record)
+            self._write_record(record)
 
     def add_chunk(self, chunk: FinishedChunk) -> None:
         """Write a chunk with its message index."""
@@ -70,14 +61,11 @@ class McapWriter:
             message_start_time=chunk.start_time,
             uncompressed_size=chunk.size,
         )
-        self._summary[Opcode.CHUNK_INDEX].append(_serialise(index))
+        self._keep(index)
         for channel, _, count in found:
             self.channel_counts[channel] = self.channel_counts.get(channel, 0) + count
         if found:
-            self._start = min(
-                chunk.start_time, chunk.start_time if self._start is None else self._start
-            )
-            self._end = max(chunk.end_time, chunk.end_time if self._end is None else self._end)
+            self._times += [chunk.start_time, chunk.end_time]
 
     def add_metadata(self, metadata: records.Metadata) -> None:
         """Write a metadata record."""
@@ -92,7 +80,7 @@ class McapWriter:
         """
         index = records.MetadataIndex(self._offset, len(record), metadata.name)
         self._write(record)
-        self._summary[Opcode.METADATA_INDEX].append(_serialise(index))
+        self._keep(index)
 
     def copy_attachment(self, record: bytes, attachment: records.Attachment) -> None:
         """Write a whole attachment record as it was recorded.
@@ -111,7 +99,7 @@ class McapWriter:
             media_type=attachment.media_type,
         )
         self._write(record)
-        self._summary[Opcode.ATTACHMENT_INDEX].append(_serialise(index))
+        self._keep(index)
 
     def finish(self) -> None:
         """Write the end of the data and the summary."""
@@ -123,12 +111,12 @@ class McapWriter:
             channel_message_counts=dict(sorted(self.channel_counts.items())),
             chunk_count=numbers[Opcode.CHUNK_INDEX],
             message_count=sum(self.channel_counts.values()),
-            message_end_time=self._end or 0,
-            message_start_time=self._start or 0,
+            message_end_time=max(self._times, default=0),
+            message_start_time=min(self._times, default=0),
             metadata_count=numbers[Opcode.METADATA_INDEX],
             schema_count=numbers[Opcode.SCHEMA],
         )
-        self._summary[Opcode.STATISTICS].append(_serialise(statistics))
+        self._keep(statistics)
         self._write_summary()
 
     def _write_summary(self) -> None:
@@ -137,7 +125,8 @@ class McapWriter:
         offsets = bytearray()
         for opcode, written in self._summary.items():
             if group := b"".join(written):
-                offsets += _serialise(records.SummaryOffset(opcode, self._offset, len(group)))
+                offset = records.SummaryOffset(Opcode(opcode), self._offset, len(group))
+                offsets += _serialise(offset)
                 self._write(group)
         offsets_start = self._offset
         self._write(bytes(offsets))
@@ -147,13 +136,16 @@ class McapWriter:
         self._write(self._crc.to_bytes(4, "little"))
         self._write(MAGIC)
 
-    def _write_record(self, record: records.McapRecord) -> bytes:
+    def _keep(self, record: records.McapRecord) -> None:
+        """Keep a record for the summary, where those of a kind stand together."""
         data = _serialise(record)
-        self._write(data)
-        return data
+        self._summary[data[0]].append(data)
+
+    def _write_record(self, record: records.McapRecord) -> None:
+        self._write(_serialise(record))
 
     def _write(self, data: bytes | memoryview) -> None:
-        self._sink.write(data)
+        self._file.write(data)
         self._crc = crc32(data, self._crc)
         self._offset += len(data)
 

@@ -1,17 +1,15 @@
 """`/events` and `/gait` in a converted log: what they say, and when."""
 
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.conversion import plan
+from dogbot_logtool.conversion import annotated_log
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.writer.encodings import registry
 from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
 from tests.commands.conversions import converted
 from tests.measured import measured
@@ -90,8 +88,7 @@ def test_without_spans_in_the_schemas_the_rest_is_written(
 ) -> None:
     monkeypatch.setitem(sys.modules, "foxglove_schemas_protobuf.Event_pb2", None)
     # Made with those schemas, not the one that other conversions share.
-    older = replace(registry.ENCODINGS["foxglove"], load=FoxgloveEncoding)
-    monkeypatch.setattr(plan, "ENCODINGS", {"foxglove": older})
+    monkeypatch.setattr(annotated_log, "encoding_named", lambda _: FoxgloveEncoding())
     convert(TROUBLED, tmp_path / "out.mcap", ConvertOptions(copy=False, jobs=1))
     topics = read_written(tmp_path / "out.mcap").topics
     assert "/events/spans" not in topics

@@ -23,7 +23,6 @@ from dogbot_logtool.core.checks import (
     poses,
     sensors,
 )
-from dogbot_logtool.core.compared import Reading
 from dogbot_logtool.core.loads import vertical_is_known
 from dogbot_logtool.core.metrics import Check as Question
 from dogbot_logtool.core.walk import Walk
@@ -75,7 +74,7 @@ def _questions(walk: Walk) -> Sequence[tuple[str, str, str]]:
     """Return each question, what the log lacks for it, and why else it cannot be answered."""
     records = walk.records
     forced = [row for row, each in enumerate(records) if each.has_force]
-    assumed = (walk.settings.sensor(row).level.reason for row in forced)
+    assumed = (walk.settings.feet[row].level.reason for row in forced)
     odd_legs = (leg.reason for leg in walk.legs.feet) if walk.legs else ()
     seen = any(each.start is not None for each in records)
     posed = len(walk.base_history.time)
@@ -135,6 +134,8 @@ def _accelerometer(walk: Walk, no_poses: str) -> tuple[str, str]:
         return "the log has no accelerometer of the base", ""
     if walk.imu is None:
         return no_poses, "accelerometer and poses are not known together for 2 s"
+    from dogbot_logtool.core.compared import Reading  # noqa: PLC0415 - `walk.imu` has loaded it
+
     reading = walk.imu.mounting.reading
     unsure = "the accelerometer does not follow the base's attitude"
     lack = "all accelerations are zero" if reading is Reading.NOTHING else no_poses

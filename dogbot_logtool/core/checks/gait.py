@@ -59,7 +59,7 @@ def moves_without_steps(walk: Walk) -> Iterator[Finding]:
     if not moving:
         return
     unsure = [
-        foot.name for row, foot in enumerate(walk.feet) if walk.settings.sensor(row).level.reason
+        foot.name for row, foot in enumerate(walk.feet) if walk.settings.feet[row].level.reason
     ]
     cases = ("offset_unknown",) if unsure else ()
     seconds, first = _lasting(walk, moving)
@@ -71,7 +71,7 @@ def moves_without_steps(walk: Walk) -> Iterator[Finding]:
 def lifted(walk: Walk) -> Iterator[Finding]:
     """Yield feet that never touch and carry nothing, and time in which no foot is loaded."""
     for row, foot in enumerate(walk.feet):
-        usable = foot.record.start is not None and not walk.settings.sensor(row).rule.unusable
+        usable = foot.record.start is not None and not walk.settings.feet[row].rule.unusable
         if usable and not foot.is_dead and not len(foot.stances.touchdown):
             yield found("LIFTED", foot=foot.name)
     spans = [segment for segment in walk.segments if segment.is_lifted]

@@ -26,10 +26,9 @@ SOME_S: Final = 0.1
 def unloaded_levels(walk: Walk) -> Iterator[Finding]:
     """Yield feet whose contact cannot be told, and offsets of sensors."""
     weight_n = walk.settings.body_weight_n or walk.settings.estimated_weight_n
-    for row, foot in enumerate(walk.settings.feet):
-        sensor, name = walk.settings.sensor(row), foot.name
-        level, where = sensor.level, f"feet.{name}.force_offset_n"
-        why = sensor.rule.unusable
+    for foot in walk.settings.feet:
+        level, why, name = foot.level, foot.rule.unusable, foot.name
+        where = f"feet.{name}.force_offset_n"
         if why and why != HEAVILY_FILTERED:
             unknown = f"feet.{name}.contact_fraction"
             yield found("CONTACT_UNKNOWN", where=unknown, feet=(name,), why=why)
@@ -70,7 +69,7 @@ def silent_feet(walk: Walk) -> Iterator[Finding]:
     """Yield feet of which no message tells, or none that can be used."""
     for row, foot in enumerate(walk.feet):
         record, on = foot.record, f" on {foot.topic}" if foot.topic else ""
-        unusable = record.start is None and not walk.settings.sensor(row).rule.unusable
+        unusable = record.start is None and not walk.settings.feet[row].rule.unusable
         if not record.messages or unusable:
             say = "unusable" if record.messages else "plain"
             yield found("NO_MESSAGES", "foot", say=say, feet=(foot.name,), on=on)
@@ -108,7 +107,7 @@ def odd_forces(walk: Walk) -> Iterator[Finding]:
             continue
         name, record, whole = foot.name, foot.record, foot.stances.whole
         if foot_is_saturated(walk, row):
-            limit_n = walk.settings.sensor(row).level.limit_n
+            limit_n = walk.settings.feet[row].level.limit_n
             yield found("SATURATED", feet=(name,), limit_n=limit_n)
         if foot.spikes:
             where = f"feet.{name}.peak_force_n"
@@ -131,7 +130,7 @@ def foot_is_saturated(walk: Walk, row: int) -> bool:
     is_flat = len(share) > 0 and float(median_of(share)) >= FLAT
     ratio = walk.loads.vertical_impulse_over_weight
     carries_all = is_flat and ratio is not None and abs(ratio - 1.0) <= WHOLE_WEIGHT
-    return walk.settings.sensor(row).level.limit_n is not None and not carries_all
+    return walk.settings.feet[row].level.limit_n is not None and not carries_all
 
 
 def samples_left_out(walk: Walk) -> Iterator[Finding]:
@@ -142,7 +141,7 @@ def samples_left_out(walk: Walk) -> Iterator[Finding]:
             continue
         if count := record.not_finite:
             what = "with a force that is not finite"
-            if walk.settings.sensor(row).level.drops_out:
+            if walk.settings.feet[row].level.drops_out:
                 what = "without a force (lone zeros under load)"
             yield found("NOT_FINITE", say="feet", foot=name, messages=count, what=what)
         if count := record.not_advancing:
@@ -155,5 +154,5 @@ def samples_left_out(walk: Walk) -> Iterator[Finding]:
 def _telling(walk: Walk) -> Iterator[FootSteps]:
     """Yield the feet with usable messages from which contact can be told."""
     for row, foot in enumerate(walk.feet):
-        if foot.record.start is not None and not walk.settings.sensor(row).rule.unusable:
+        if foot.record.start is not None and not walk.settings.feet[row].rule.unusable:
             yield foot

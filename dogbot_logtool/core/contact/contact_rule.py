@@ -87,14 +87,6 @@ class Thresholds:
     origin: Origin = "option"
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class FootSensor:
-    """How one foot's messages are read and understood."""
-
-    level: SensorLevel
-    rule: ContactRule
-
-
 def contact_rule(
     level: SensorLevel, weight_n: float | None, given: Thresholds = Thresholds()
 ) -> ContactRule:

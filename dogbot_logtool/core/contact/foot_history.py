@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, means_by_group, median_of
 from dogbot_logtool.core.contact.contact_rule import (
     ContactRule,
     backdated,
@@ -233,17 +233,12 @@ def stance_places(foot: FootHistory) -> tuple[Ints, Floats]:
         end = np.minimum(end, begin + int(median_of(end - begin)))
     middle = begin + (end - begin) // 2
     time, point = foot.track.contact_points
-    place = np.full((len(begin), 3), np.nan)
     if not len(begin) or not len(time):
-        return middle, place
+        return middle, np.full((len(begin), 3), np.nan)
     stance = np.searchsorted(begin, time, side="right") - 1
     inside = (stance >= 0) & (time < end[np.maximum(stance, 0)])
-    stance, time, point = stance[inside], time[inside], point[inside]
-    count = np.bincount(stance, minlength=len(begin))
-    known = count > 0
-    for axis in range(3):
-        sums = np.bincount(stance, point[:, axis], len(begin))
-        place[known, axis] = sums[known] / count[known]
-    since = np.bincount(stance, (time - begin[0]).astype(np.float64), len(begin))
-    middle[known] = begin[0] + (since[known] / count[known]).astype(np.int64)
-    return middle, place
+    rows = np.column_stack([time - begin[0], point])[inside]
+    means = means_by_group(rows, stance[inside], len(begin))
+    known = np.isfinite(means[:, 0])
+    middle[known] = begin[0] + means[known, 0].astype(np.int64)
+    return middle, means[:, 1:]

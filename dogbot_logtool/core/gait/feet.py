@@ -215,7 +215,7 @@ def foot_steps(
         length, length_from = straight_lengths(base, strides), "base"
     slip = slip_m(figures.contact_travel_m, rolling_m)
     # A sensor that is taken to read zero without load, on a robot that moves without steps.
-    is_refuted = bool(settings.sensor(row).level.reason and len(standing.moving))
+    is_refuted = bool(foot.level.reason and len(standing.moving))
     return FootSteps(
         name=foot.name,
         topic=foot.topic,

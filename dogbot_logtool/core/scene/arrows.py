@@ -105,19 +105,20 @@ class ArrowScale:
     """N at the red end of the colour map."""
 
 
-def arrow_scale(given: float | None, weight_n: float | None, height_m: float) -> ArrowScale:
+def arrow_scale(
+    given: float | None, weight_n: float | None, height_m: float, *, by_weight: bool
+) -> ArrowScale:
     """Return the scale for a robot.
 
     Args:
-        given: N per metre of the robot's file; colours are then those of the live script.
+        given: N per metre of the robot's file.
         weight_n: N, the robot's; None: not known.
         height_m: of the base over the feet: an arrow of one weight is as long.
+        by_weight: whether a scale that is given is coloured by the weight, too.
     """
-    if given is not None:
-        return ArrowScale(given)
-    if weight_n is None:
-        return ArrowScale()
-    return ArrowScale(weight_n / height_m, FORCE_FULL_SCALE_BW * weight_n)
+    if weight_n is None or not (given is None or by_weight):
+        return ArrowScale(given or NEWTONS_PER_METRE)
+    return ArrowScale(given or weight_n / height_m, FORCE_FULL_SCALE_BW * weight_n)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -187,42 +188,28 @@ def classic_arrows(contacts: Contacts) -> tuple[Arrows, Counter[str]]:
     return arrows, Counter({why: int(count) for why, count in skipped.items()})
 
 
-def pressure_arrows(
-    samples: Samples, scale: ArrowScale = ArrowScale()
-) -> tuple[Arrows, Counter[str]]:
+def pressure_arrows(samples: Samples, scale: ArrowScale) -> tuple[Arrows, Counter[str]]:
     """Compute arrows straight up from the mean contact point, as long as the force is large.
 
     No arrow is longer than `LONGEST_M`; so it is with `force_arrows`.
     """
     count = len(samples.log_time)
     orientation = np.tile(np.array(STRAIGHT_UP), (count, 1))
-    return _arrows(samples, orientation, np.ones(count, np.bool_), scale, scale.full_scale_n)
+    return _arrows(samples, orientation, np.ones(count, np.bool_), scale)
 
 
-def force_arrows(
-    samples: Samples,
-    *,
-    force_in_world: bool,
-    body_weight_n: float | None,
-    scale: ArrowScale = ArrowScale(),
-) -> tuple[Arrows, Counter[str]]:
+def force_arrows(samples: Samples, scale: ArrowScale) -> tuple[Arrows, Counter[str]]:
     """Compute arrows along the ground-reaction force from the mean contact point.
 
-    Args:
-        samples: contact samples.
-        force_in_world: whether the wrenches are in the world frame. Where they are not, only the
-            magnitude is known, and it is drawn along the mean contact normal.
-        body_weight_n: N; None colours by the scale of `pressure`.
-        scale: of the arrows.
+    Where forces are not in the world frame, only the magnitude is known, and it is drawn along the
+    mean contact normal.
     """
     magnitude = norms(samples.force)
-    known = samples.in_world | force_in_world
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         along_force = samples.force / magnitude[:, None]
-    direction = np.where(known[:, None], along_force, samples.normal)
+    direction = np.where(samples.in_world[:, None], along_force, samples.normal)
     has_direction = all_finite(direction) | ~((magnitude > 0.0) & np.isfinite(magnitude))
-    full_n = FORCE_FULL_SCALE_BW * body_weight_n if body_weight_n else scale.full_scale_n
-    return _arrows(samples, turn_x_to(direction), has_direction, scale, full_n)
+    return _arrows(samples, turn_x_to(direction), has_direction, scale)
 
 
 def turn_x_to(direction: Floats) -> Floats:
@@ -249,7 +236,7 @@ def turn_x_to(direction: Floats) -> Floats:
 
 
 def _arrows(
-    samples: Samples, orientation: Floats, has_direction: Flags, scale: ArrowScale, full_n: float
+    samples: Samples, orientation: Floats, has_direction: Flags, scale: ArrowScale
 ) -> tuple[Arrows, Counter[str]]:
     """Return the arrows that can be drawn; every other sample removes its foot's arrow.
 
@@ -260,7 +247,8 @@ def _arrows(
     magnitude = norms(samples.force)
     length = magnitude / scale.newtons_per_metre
     with np.errstate(invalid="ignore"):
-        wavelength = SHORTEST_NM + magnitude / full_n * (LONGEST_NM - SHORTEST_NM)
+        load = magnitude / scale.full_scale_n
+        wavelength = SHORTEST_NM + load * (LONGEST_NM - SHORTEST_NM)
     touching, has_position = samples.in_contact, samples.points > 0
     finite = np.isfinite(length) & (all_finite(samples.position) | ~has_position)
     skipped = {

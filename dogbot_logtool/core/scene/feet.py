@@ -74,8 +74,6 @@ class DrawnFoot:
     """ns after a sample at which the next one is due."""
     has_force: bool
     """Whether its sensor tells a force, not only contact."""
-    force_in_world: bool
-    """Whether all forces are in the world frame."""
 
     def at(self, log_time: Ints) -> FootState:
         """Return what is known at some log times, ns, (n,)."""
@@ -90,7 +88,7 @@ class DrawnFoot:
         placed = self.placed[row]
         near = (placed >= 0) & (log_time - samples.log_time[placed] <= NEAR_NS)
         force = samples.force[row].astype(np.float64)
-        is_vertical = samples.in_world[row] | self.force_in_world | ~force.any(axis=1)
+        is_vertical = samples.in_world[row] | ~force.any(axis=1)
         return FootState(
             known,
             known & (self.state[row] == LoadState.STANCE),
@@ -117,7 +115,6 @@ def drawn_foot(
     *,
     contact_known: bool,
     has_force: bool,
-    force_in_world: bool,
 ) -> DrawnFoot:
     """Put what was measured of a foot beside its samples.
 
@@ -127,7 +124,6 @@ def drawn_foot(
         record: what was measured.
         contact_known: whether nothing refutes its contacts.
         has_force: whether its sensor tells a force.
-        force_in_world: whether all forces are in the world frame.
     """
     track, count = record.track, len(samples.log_time)
     rows = np.arange(count, dtype=np.int32)
@@ -161,5 +157,4 @@ def drawn_foot(
         if len(track.log_time) > 1
         else SILENCE_NS,
         has_force=has_force,
-        force_in_world=force_in_world,
     )

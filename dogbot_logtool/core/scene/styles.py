@@ -3,8 +3,6 @@
 ``classic``   the markers of the live script `arrows_rviz.py`, bit for bit;
 ``pressure``  the same picture corrected: newest physics step, all states, straight up;
 ``force``     ground-reaction forces, along the force, coloured by body weights.
-
-Without numpy, so that the command line can list them at once.
 """
 
 from collections.abc import Mapping
@@ -20,8 +18,6 @@ class ArrowStyle:
     """One way to show contact samples as arrows."""
 
     name: str
-    summary: str
-    """Description of the arrows for ``--help``."""
     needs_contact_states: bool = False
     """Arrows are made of the recorded contact states, not of contact samples."""
     along_force: bool = False
@@ -37,12 +33,11 @@ class ArrowStyle:
 ARROW_STYLES: Final[Mapping[str, ArrowStyle]] = {
     "classic": ArrowStyle(
         "classic",
-        "as arrows_rviz.py drew them",
         needs_contact_states=True,
         lifetime_s=0.0,
         shaft_diameter_m=0.1,
     ),
-    "pressure": ArrowStyle("pressure", "the load straight up"),
-    "force": ArrowStyle("force", "the force itself", along_force=True),
+    "pressure": ArrowStyle("pressure"),
+    "force": ArrowStyle("force", along_force=True),
 }
-"""By name, in the order of ``--help``."""
+"""By name."""

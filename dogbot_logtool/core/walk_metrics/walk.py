@@ -111,7 +111,7 @@ def _contact_from(walk: Walk, findings: Sequence[Finding]) -> str | None:
 
 
 def _foot_settings(walk: Walk, row: int) -> metrics.FootSettings:
-    foot, sensor = walk.feet[row], walk.settings.sensor(row)
+    foot, sensor = walk.feet[row], walk.settings.feet[row]
     position = foot.leg_position
     return metrics.FootSettings(
         topic=foot.topic or None,
@@ -145,7 +145,7 @@ def _overlap_s(walk: Walk) -> float:
 
 
 def _foot_quality(walk: Walk, row: int) -> metrics.FootQuality:
-    foot, level = walk.feet[row], walk.settings.sensor(row).level
+    foot, level = walk.feet[row], walk.settings.feet[row].level
     return copied(
         metrics.FootQuality,
         foot.record,

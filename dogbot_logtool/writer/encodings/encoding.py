@@ -24,6 +24,8 @@ class MessageType:
 class Encoding(ABC):
     """Makes messages, and templates of those that are many; `registry.py` lists the encodings."""
 
+    profile: ClassVar[str] = ""
+    """MCAP profile of a file in which all messages have this encoding."""
     types: Mapping[str, MessageType]
     """By the names of ROS 2's types; others have no message in this encoding."""
     kinds: ClassVar[Mapping[Of, str]]

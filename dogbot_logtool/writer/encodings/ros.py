@@ -30,6 +30,7 @@ class Ros2Encoding(Encoding):
         Of.TIME: "<u4",
         Of.TEXT: TEXT,
     }
+    profile = "ros2"
     _stored: ClassVar = Stores.ROS2_HUMBLE
     _time: ClassVar[str] = "builtin_interfaces/Time"
 
@@ -86,6 +87,7 @@ class Ros2Encoding(Encoding):
 class Ros1Encoding(Ros2Encoding):
     """ROS 1 serialisation, definitions of Noetic."""
 
+    profile = "ros1"
     _stored = Stores.ROS1_NOETIC
     _time = "time"
 

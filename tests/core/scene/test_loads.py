@@ -11,7 +11,7 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import foot_history
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.scene.feet import DrawnFoot, LoadState, drawn_foot
-from dogbot_logtool.core.scene.loads import foot_loads, opening_load, silences
+from dogbot_logtool.core.scene.loads import opening_load, silences
 
 MS = 1_000_000
 NOWHERE = (math.nan, math.nan, math.nan)
@@ -58,7 +58,6 @@ def foot_of(
         record,
         contact_known=contact_known,
         has_force=has_force,
-        force_in_world=False,
     )
 
 
@@ -67,19 +66,6 @@ def foot_with(*vertical: float) -> DrawnFoot:
     rule = ContactRule(on_n=10.0, off_n=4.0, debounce_s=0.0)
     messages = [(10.0 * (row + 1), force, NOWHERE) for row, force in enumerate(vertical)]
     return foot_of(messages, rule)
-
-
-def test_states_are_those_of_contact_detection() -> None:
-    loads = foot_loads(foot_with(5.0, 20.0, 5.0, 2.0, math.nan, 2.0), slice(0, 6), None)
-    assert [LoadState(state) for state in loads.state.tolist()] == [
-        LoadState.SWING,
-        LoadState.STANCE,
-        LoadState.STANCE,
-        LoadState.SWING,
-        LoadState.UNKNOWN,
-        LoadState.SWING,
-    ]
-    assert loads.in_contact.tolist() == [False, True, True, False, True, False]
 
 
 def test_the_first_load_stands_at_the_log_s_first_time_if_near() -> None:
