@@ -35,8 +35,8 @@ from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.provenance import PROVENANCE
-from dogbot_logtool.reader.containers.log import Chunk, Log, Loss, lost_messages
-from dogbot_logtool.reader.containers.loss import Damage
+from dogbot_logtool.reader.containers.log import Chunk, Log
+from dogbot_logtool.reader.containers.loss import Damage, Loss, lost_messages
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
 from dogbot_logtool.reader.workers import Start, in_order
 from dogbot_logtool.robot.robot import Robot

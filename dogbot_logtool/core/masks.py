@@ -21,17 +21,8 @@ from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.corrections.clock import too_far_apart
 from dogbot_logtool.core.gait.feet import foot_steps
 from dogbot_logtool.core.gait.strides import any_strides, typical_period_s
-from dogbot_logtool.core.gait.support import (
-    Support,
-    standing_in,
-    support,
-)
-from dogbot_logtool.core.loads import (
-    WalkLoads,
-    dead_feet,
-    is_stuck,
-    loads_of,
-)
+from dogbot_logtool.core.gait.support import Support, standing_in, support
+from dogbot_logtool.core.loads import WalkLoads, dead_feet, is_stuck, loads_of
 from dogbot_logtool.core.metrics import Base, Stability
 from dogbot_logtool.core.stability import stability
 from dogbot_logtool.core.walk import Walk

@@ -17,11 +17,7 @@ from dogbot_logtool.core.arrays import (
     median_of,
     picked,
 )
-from dogbot_logtool.core.corrections.clock import (
-    TimeSource,
-    advancing,
-    first_at_each_tick,
-)
+from dogbot_logtool.core.corrections.clock import TimeSource, advancing, first_at_each_tick
 from dogbot_logtool.core.quality import steady_gap_ns
 from dogbot_logtool.core.rotations import (
     along_heading,
