@@ -12,7 +12,8 @@ from dogbot_logtool.core.base.poses import concatenate_odometry
 from dogbot_logtool.core.contact.contacts import Samples, samples_by_foot
 from dogbot_logtool.core.prepared import plausible
 from dogbot_logtool.core.recording import MOST_JOINTS, JointTable
-from dogbot_logtool.reader.containers.log import Batch, Channel, Log, Loss
+from dogbot_logtool.reader.containers.log import Batch, Channel, Log
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.messages.bases import Base, BasePoses
 from dogbot_logtool.reader.messages.contacts import ReadContacts, read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels

@@ -27,7 +27,8 @@ from dogbot_logtool.core.recording import (
     VectorSamples,
     VectorTopic,
 )
-from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Loss, Span
+from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Span
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.growing import LARGEST_IN_MEMORY, GrowingColumns
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
 from dogbot_logtool.reader.messages.others import is_static
