@@ -13,11 +13,11 @@ from dogbot_logtool.io.storage import Location
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.containers.log import (
     Log,
-    Loss,
     damage_of,
     malformed_messages,
     wrong_statistics,
 )
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.recording import Alongside
 from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.robot.measuring.plan import make_plan as plan_measuring

@@ -6,9 +6,8 @@ from functools import partial
 from typing import Any
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_log
-from dogbot_logtool.io.output import refuse_bad_target, whole_file
+from dogbot_logtool.io.output import Output, refuse_bad_target, targets, whole_file
 from dogbot_logtool.io.storage import Location, file_name, is_folder, name_of, version
-from dogbot_logtool.io.targets import Output, targets
 from dogbot_logtool.options.report import Report
 from dogbot_logtool.report.page.assets import page_script, shared_name
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row

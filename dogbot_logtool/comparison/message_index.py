@@ -14,7 +14,8 @@ import numpy as np
 
 from dogbot_logtool.comparison.descriptions import kind_of
 from dogbot_logtool.core.arrays import Ints, concatenated, picked, rows_by_group
-from dogbot_logtool.reader.containers.log import Batch, Channel, Chunk, Log, Loss
+from dogbot_logtool.reader.containers.log import Batch, Channel, Chunk, Log
+from dogbot_logtool.reader.containers.loss import Loss
 
 _CHUNKS_KEPT: Final = 16
 """Chunks of a log that are kept in memory: messages of about one time may lie in several."""

@@ -21,16 +21,22 @@ from dogbot_logtool.conversion.annotate import Scene, annotations_between
 from dogbot_logtool.conversion.copying import CopiedSpan, as_it_stands
 from dogbot_logtool.conversion.plan import ConversionPlan
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.events.event import EventMessage, GaitState, Level
-from dogbot_logtool.core.events.log_messages import event_messages, gait_states, to_log_time
+from dogbot_logtool.core.events.event import Level
+from dogbot_logtool.core.events.log_messages import (
+    EventMessage,
+    GaitState,
+    event_messages,
+    gait_states,
+    to_log_time,
+)
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.provenance import PROVENANCE
-from dogbot_logtool.reader.containers.log import Chunk, Log, Loss, lost_messages
-from dogbot_logtool.reader.containers.loss import Damage
+from dogbot_logtool.reader.containers.log import Chunk, Log
+from dogbot_logtool.reader.containers.loss import Damage, Loss, lost_messages
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
 from dogbot_logtool.reader.workers import Start, in_order
 from dogbot_logtool.robot.robot import Robot

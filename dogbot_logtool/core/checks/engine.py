@@ -16,11 +16,9 @@ from dogbot_logtool.core.checks import (
     base,
     beside,
     clock,
-    feet,
     frames,
     gait,
     loads,
-    poses,
     sensors,
 )
 from dogbot_logtool.core.loads import vertical_is_known
@@ -29,7 +27,7 @@ from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Severity
 
 Check = Callable[[Walk], Iterator[Finding]]
-MODULES: Final = (clock, base, poses, sensors, feet, gait, loads, beside, frames)
+MODULES: Final = (clock, base, sensors, gait, loads, beside, frames)
 CHECKS: Final[tuple[Check, ...]] = tuple(
     each
     for module in MODULES
