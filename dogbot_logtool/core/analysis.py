@@ -16,12 +16,7 @@ from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.checks.engine import consequence, findings_of
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected, correct
-from dogbot_logtool.core.gait.segments import (
-    Segment,
-    find_segments,
-    main_segment,
-    reference_foot,
-)
+from dogbot_logtool.core.gait.segments import Segment, find_segments, main_segment, reference_foot
 from dogbot_logtool.core.leg_position import quadruped
 from dogbot_logtool.core.masks import loads_in, mask_walk, stability_in, support_in
 from dogbot_logtool.core.metrics import Log

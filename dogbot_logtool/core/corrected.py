@@ -33,12 +33,7 @@ from dogbot_logtool.core.known_frames import (
     imu_mounting,
     known_frames,
 )
-from dogbot_logtool.core.quality import (
-    TopicQuality,
-    TopicTimes,
-    topic_quality,
-    topic_times,
-)
+from dogbot_logtool.core.quality import TopicQuality, TopicTimes, topic_quality, topic_times
 from dogbot_logtool.core.recording import JointTable, Recording, VectorTopic
 from dogbot_logtool.core.sensors import with_sensors, without_offset
 from dogbot_logtool.core.settings import WalkSettings

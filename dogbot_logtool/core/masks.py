@@ -21,17 +21,8 @@ from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.corrections.clock import too_far_apart
 from dogbot_logtool.core.gait.feet import foot_steps
 from dogbot_logtool.core.gait.strides import any_strides, typical_period_s
-from dogbot_logtool.core.gait.support import (
-    Support,
-    standing_in,
-    support,
-)
-from dogbot_logtool.core.loads import (
-    WalkLoads,
-    dead_feet,
-    is_stuck,
-    loads_of,
-)
+from dogbot_logtool.core.gait.support import Support, standing_in, support
+from dogbot_logtool.core.loads import WalkLoads, dead_feet, is_stuck, loads_of
 from dogbot_logtool.core.metrics import Base, Stability
 from dogbot_logtool.core.stability import stability
 from dogbot_logtool.core.walk import Walk
@@ -188,12 +179,7 @@ def _steadiest_height(
 
 def _without_stuck(feet: Sequence[FootHistory]) -> tuple[FootHistory, ...]:
     """Return histories without the forces of sensors that show one constant force."""
-    return tuple(
-        foot.without_force()
-        if is_stuck(foot, [each for each in feet if each is not foot])
-        else foot
-        for foot in feet
-    )
+    return tuple(foot.without_force() if is_stuck(foot, feet) else foot for foot in feet)
 
 
 def _long_delay(
