@@ -178,12 +178,7 @@ def _steadiest_height(
 
 def _without_stuck(feet: Sequence[FootHistory]) -> tuple[FootHistory, ...]:
     """Return histories without the forces of sensors that show one constant force."""
-    return tuple(
-        foot.without_force()
-        if is_stuck(foot, [each for each in feet if each is not foot])
-        else foot
-        for foot in feet
-    )
+    return tuple(foot.without_force() if is_stuck(foot, feet) else foot for foot in feet)
 
 
 def _long_delay(
