@@ -21,8 +21,14 @@ from dogbot_logtool.conversion.annotate import Scene, annotations_between
 from dogbot_logtool.conversion.copying import CopiedSpan, as_it_stands
 from dogbot_logtool.conversion.plan import ConversionPlan
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.events.event import EventMessage, GaitState, Level
-from dogbot_logtool.core.events.log_messages import event_messages, gait_states, to_log_time
+from dogbot_logtool.core.events.event import Level
+from dogbot_logtool.core.events.log_messages import (
+    EventMessage,
+    GaitState,
+    event_messages,
+    gait_states,
+    to_log_time,
+)
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import printable

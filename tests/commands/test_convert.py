@@ -62,6 +62,9 @@ def test_annotations_are_what_message_by_message_conversion_gives(
         assert_same_arrows(found, arrows, style, encoding)
         loads = written_loads(done.written, foot, encoding)
         assert_same_loads(loads, expected_loads(log, foot, contact), opening_of(log))
+        states = {(load.state, load.in_contact) for load in loads if load.state != "unknown"}
+        # Of a dead sensor nothing is known.
+        assert states == ({("stance", True), ("swing", False)} if contact else set())
         assert done.conversion.annotations[arrow_topic(foot)] == len(arrows)
     assert done.conversion.annotations["/support"] > 0
     # Legs that transforms move need no lines.

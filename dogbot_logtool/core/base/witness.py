@@ -117,7 +117,7 @@ def by_points(
         angles[:, 2] += heading or 0.0
     elif len(base.time):
         angles[:, 2] = np.interp(time - time[0], base.time - time[0], base.angles[:, 2])
-    poses = _history(time, centre, angles)
+    poses = BaseHistory(time, centre, angles)
     return Witness(poses, "contact points", heading is not None, turns)
 
 
@@ -201,10 +201,6 @@ def by_legs(
         return None
     poses = dead_reckoned(legs, angles[:, :2])
     return Witness(poses, "legs", tells_heading=True, tells_turn=tells_turn)
-
-
-def _history(time: Ints, position: Floats, angles: Floats) -> BaseHistory:
-    return BaseHistory(len(time), 0, 0, time, position, angles, timespans.no_spans())
 
 
 def feet_witness(

@@ -15,9 +15,11 @@ from dogbot_logtool.core.base.comparison import (
     compare_twist,
     motion_in,
     stride_windows,
+    turn_only,
 )
 from dogbot_logtool.core.base.ground import swapped_pairs
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.consistency import Worlds
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.strides import any_strides
@@ -168,6 +170,7 @@ ASIDE_RAD: Final = np.radians(10.0)
 """A way that is less off its witness's is as good as mountings are."""
 OTHER: Final = "another unit, or a clock that runs at another speed?"
 COURSE: Final = "its course"
+GYROSCOPE: Final = "the gyroscope"
 POINTS: Final = "contact points"
 LEGS: Final = "legs"
 LEAST_SLOPE_RAD: Final = ASIDE_RAD / 3.0
@@ -226,7 +229,7 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
     comparisons = [*_comparisons(walk, windows)]
     yield from _scale(walk, comparisons, windows)
     yield from _direction(walk, comparisons)
-    yield from _orientation(walk, comparisons, windows)
+    yield from _orientation(walk, comparisons)
     yield from _planar(walk, comparisons, windows)
     yield from _climb(comparisons)
 
@@ -250,18 +253,23 @@ def _windows(walk: Walk) -> Ints:
 
 def _comparisons(walk: Walk, windows: Ints) -> Iterator[Comparison]:
     """Yield comparisons of the poses, the surest first."""
-    if not len(windows) or walk.ground is not None or walk.base_by_feet:
+    if not len(windows):
         return
     forward_rad, feet = FORWARD_ANGLES[walk.settings.forward_axis], walk.witness
-    if feet is not None:
+    own, found = motion_in(walk.poses, windows, forward_rad), []
+    may_be_odd = walk.ground is None and not walk.base_by_feet
+    if feet is not None and may_be_odd:
         # Legs tell of the body's own axes, contact points of where fore and hind feet are.
-        own = motion_in(walk.poses, windows, forward_rad)
-        reference = motion_in(feet.poses, windows, forward_rad if feet.by == "legs" else 0.0)
+        reference = motion_in(feet.poses, windows, forward_rad if feet.by == LEGS else 0.0)
         turn, heading = feet.tells_turn, feet.tells_heading
-        by_feet = compare(feet.by, own, reference, tells_turn=turn, tells_heading=heading)
-        yield from () if by_feet is None else (by_feet,)
-    by_twist = compare_twist(walk.poses, windows, forward_rad)
-    yield from () if by_twist is None else (by_twist,)
+        found.append(compare(feet.by, own, reference, tells_turn=turn, tells_heading=heading))
+    if may_be_odd:
+        found.append(compare_twist(walk.poses, windows, forward_rad))
+    turns = (GYROSCOPE, _inertial(walk, windows)[0]), (COURSE, _course_turns(walk.poses, windows))
+    for by, turned in turns:
+        reference = turn_only(turned)
+        found.append(compare(by, own, reference, tells_turn=True, tells_heading=False))
+    yield from filter(None, found)
 
 
 def _scale(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Iterator[Finding]:
@@ -290,35 +298,30 @@ def _direction(walk: Walk, comparisons: Sequence[Comparison]) -> Iterator[Findin
         yield _doubted(walk, "POSE_DIRECTION", degrees=degrees, side=side, witness=surest)
 
 
-def _orientation(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Iterator[Finding]:
+def _orientation(walk: Walk, comparisons: Sequence[Comparison]) -> Iterator[Finding]:
     """Yield that the orientation does not turn although the robot does."""
-    for own, turned, by in _turns(walk, comparisons, windows):
-        least = 2.0 * TURNS_RAD if by == COURSE else TURNS_RAD
-        if abs(turned) > least and own * np.sign(turned) < TURNS_WITH * abs(turned):
+    for each in comparisons:
+        if not each.tells_turn:
+            continue
+        own, turned = float(each.own.turn.sum()), float(each.reference.turn.sum())
+        least = 2.0 * TURNS_RAD if each.by == COURSE else TURNS_RAD
+        is_odd = abs(turned) > least and own * np.sign(turned) < TURNS_WITH * abs(turned)
+        if is_odd:
             own_deg, deg = np.degrees([own, turned]).tolist()
-            yield _doubted(walk, "POSE_DIRECTION", "constant", own=own_deg, told=deg, by=by)
+            yield _doubted(walk, "POSE_DIRECTION", "constant", own=own_deg, told=deg, by=each.by)
+        if is_odd or each.by in {POINTS, LEGS}:
             return
 
 
-def _turns(
-    walk: Walk, comparisons: Sequence[Comparison], windows: Ints
-) -> Iterator[tuple[float, float, str]]:
-    """Yield by how much poses turn and by how much a witness says; only feet are asked, if any."""
-    feet = next((each for each in comparisons if each.tells_turn), None)
-    if feet is not None:
-        yield float(feet.own.turn.sum()), float(feet.reference.turn.sum()), feet.by
-        return
-    poses = walk.poses
-    own = motion_in(poses, windows).turn
-    turns, _ = _inertial(walk, windows)
-    both = np.isfinite(own) & np.isfinite(turns)
-    yield float(own[both].sum()), float(turns[both].sum()), "the gyroscope"
-    # An orientation that is one to the bit, beside a course that turns.
-    if len(windows) and not np.ptp(poses.angles, axis=0).any():
+def _course_turns(poses: BaseHistory, windows: Ints) -> Floats:
+    """(k,) rad, by how much the course turns to each stride, beside one orientation to the bit."""
+    turns = np.full(len(windows), np.nan)
+    if not np.ptp(poses.angles, axis=0).any():
         step = np.diff(poses.position_at(windows.ravel())[:, :2].reshape(-1, 2, 2), axis=1)[:, 0]
-        step = step[np.hypot(*step.T) > CLIMBS_M]
-        course = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
-        yield 0.0, float(course[-1] - course[0]) if len(course) > 1 else 0.0, COURSE
+        rows = np.flatnonzero(np.hypot(*step.T) > CLIMBS_M)
+        course = np.unwrap(np.arctan2(step[rows, 1], step[rows, 0]))
+        turns[rows] = np.diff(course, prepend=course[:1])
+    return turns
 
 
 def _inertial(walk: Walk, windows: Ints) -> tuple[Floats, Floats]:

@@ -90,7 +90,7 @@ def broken(walk: Walk) -> Iterator[Finding]:
     """Yield sensors that show one constant force under load, have stopped, or never feel ground."""
     for foot in _telling(walk):
         feet, spans = (foot.name,), foot.record.stopped
-        if is_stuck(foot.record, [other.record for other in walk.feet if other is not foot]):
+        if is_stuck(foot.record, walk.records):
             cases = () if len(foot.stances.touchdown) > 1 else ("never_lifts",)
             yield found("STUCK", *cases, feet=feet)
         elif len(spans):

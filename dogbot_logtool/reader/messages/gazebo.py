@@ -181,21 +181,20 @@ def foot_sides(
         (s,) as in `Contacts.foot_side`; and by foot the links that forces are in the frames of:
         those of its own collisions, where they are named first.
     """
-    # Few pairs of names make few cases: each is judged once, and looked up. Whatever stands between
-    # two names, their lengths for one, can only make more pairs of them. Each foot has its own.
-    start = np.minimum(first_names.start, second_names.start)
-    end = np.maximum(first_names.end, second_names.end)
-    pair, rows = Texts(first_names.buffer, start, end - start).alike(foot)
+    (first, names), (second, others) = first_names.encode(), second_names.encode()
+    # Few pairs of names make few cases: each is judged once.
+    shape = len(feet), max(len(names), 1), max(len(others), 1)
+    code = np.ravel_multi_index((foot, first, second), shape)
+    different, case = np.unique(code, return_inverse=True)
+    cases = np.stack(np.unravel_index(different, shape), axis=1)
     sides: list[int] = []
     links: dict[int, set[str]] = {}
-    for row in rows:
-        number, first = int(foot[row]), first_names.text(row)
-        sides.append(_side(feet[number], first, second_names.text(row)))
+    for number, one, other in cases.tolist():
+        sides.append(_side(feet[number], names[one], others[other]))
         # Nested models add parts in front of ``model::link::collision``.
-        if sides[-1] == FOOT_IS_COLLISION1 and first.count("::") > 1:
-            links.setdefault(number, set()).add(first.split("::")[-2])
-    side: NDArray[np.int8] = np.array(sides, np.int8)[pair]
-    return side, links
+        if sides[-1] == FOOT_IS_COLLISION1 and names[one].count("::") > 1:
+            links.setdefault(number, set()).add(names[one].split("::")[-2])
+    return np.array(sides, np.int8)[case], links
 
 
 def _side(foot: Foot, first: str, second: str) -> int:

@@ -108,7 +108,7 @@ def _named_joints(name: FieldPath, table: Table) -> tuple[Ints, Ints, tuple[str,
         whole = Texts(called.buffer, start[:, 0], start[:, -1] + length[:, -1] - start[:, 0])
         ends = np.stack([start, start + length]) - start[:, :1]
         names = tuple(called.text(row) for row in range(count))
-        is_alike = (ends == ends[:, :1]).all() and len(whole.alike()[1]) == 1
+        is_alike = (ends == ends[:, :1]).all() and len(whole.encode()[1]) == 1
         if is_alike and len(set(names)) == count:
             return parent, np.tile(np.arange(count), table.rows), names
     return parent, *called.encode()
