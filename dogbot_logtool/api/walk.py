@@ -204,7 +204,7 @@ class Walk:
 
         require_libraries()
         from dogbot_logtool.commands.report import Reports  # noqa: PLC0415
-        from dogbot_logtool.io.targets import Output  # noqa: PLC0415
+        from dogbot_logtool.io.output import Output  # noqa: PLC0415
         from dogbot_logtool.option import part_of  # noqa: PLC0415
         from dogbot_logtool.options.report import Report  # noqa: PLC0415
 

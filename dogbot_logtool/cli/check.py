@@ -8,8 +8,8 @@ from dogbot_logtool.cli.call import Call, write
 from dogbot_logtool.commands.check import check, exit_code, read_limits
 from dogbot_logtool.comparison.judge import Judgement
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.io.output import output_file
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.io.targets import output_file
 from dogbot_logtool.options.check import Check
 from dogbot_logtool.report.check_report import check_json, check_junit, print_check
 from dogbot_logtool.report.documents import damage_json

@@ -37,8 +37,8 @@ def run(options: Compare) -> NoReturn:
 def _compare_files(call: Call, options: Compare) -> NoReturn:
     """Compare two logs, or two `stats --json` files; exit."""
     from dogbot_logtool.commands.compare import compare  # noqa: PLC0415
+    from dogbot_logtool.io.output import output_file  # noqa: PLC0415
     from dogbot_logtool.io.printable import printable  # noqa: PLC0415
-    from dogbot_logtool.io.targets import output_file  # noqa: PLC0415
 
     expected, actual = Path(options.expected), Path(options.actual)
     junit = output_file(options.junit, ".xml", (expected, actual), overwrite=options.overwrite)

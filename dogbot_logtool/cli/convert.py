@@ -5,8 +5,8 @@ from typing import NoReturn
 
 from dogbot_logtool.cli.call import Call
 from dogbot_logtool.commands.tasks import conversion_tasks, convert_task
+from dogbot_logtool.io.output import may_be_several, output_at, targets
 from dogbot_logtool.io.storage import from_root
-from dogbot_logtool.io.targets import may_be_several, output_at, targets
 from dogbot_logtool.options.convert import Convert
 from dogbot_logtool.report.documents import conversion_json
 

@@ -11,9 +11,8 @@ from dogbot_logtool.api.walk import Walk
 from dogbot_logtool.cli.call import Call, refuse_given
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.io.output import refuse_bad_target, whole_file
+from dogbot_logtool.io.output import refuse_bad_target, refuse_no_name, whole_file
 from dogbot_logtool.io.storage import Location, from_root, location, name_of
-from dogbot_logtool.io.targets import refuse_no_name
 from dogbot_logtool.options.export import Export
 from dogbot_logtool.report.tables import TableFile
 from dogbot_logtool.results import Measurement

@@ -5,7 +5,7 @@ from typing import NoReturn
 
 from dogbot_logtool.cli.call import Call, write
 from dogbot_logtool.commands.layout import view_of
-from dogbot_logtool.io.targets import output_file
+from dogbot_logtool.io.output import output_file
 from dogbot_logtool.options.layout import Layout
 from dogbot_logtool.report.layouts import VIEWERS
 

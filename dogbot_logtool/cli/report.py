@@ -6,9 +6,9 @@ import click
 
 from dogbot_logtool.cli.call import Call
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.io.output import may_be_several, output_at
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.storage import name_of
-from dogbot_logtool.io.targets import may_be_several, output_at
 from dogbot_logtool.options.report import Report
 from dogbot_logtool.report.comparison_report import gait_comparison_json
 from dogbot_logtool.report.documents import page_json

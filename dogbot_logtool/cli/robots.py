@@ -43,7 +43,7 @@ def run(options: Robots) -> None:
 def _new(options: Robots, log: Path, *others: Path) -> NoReturn:
     """Draft the file of a log's robot; exit."""
     from dogbot_logtool.commands.new_robot import new_robot  # noqa: PLC0415
-    from dogbot_logtool.io.targets import output_file  # noqa: PLC0415
+    from dogbot_logtool.io.output import output_file  # noqa: PLC0415
 
     call = Call(options)
     target = output_file(options.output, ".toml", (log, *others), overwrite=options.overwrite)

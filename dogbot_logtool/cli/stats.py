@@ -7,8 +7,8 @@ from typing import NoReturn
 from dogbot_logtool.cli.call import Call
 from dogbot_logtool.commands.tasks import figures
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.io.output import output_file
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.io.targets import output_file
 from dogbot_logtool.options.stats import Stats
 from dogbot_logtool.results import Figures, Measurement
 

@@ -2,7 +2,7 @@
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_planned
 from dogbot_logtool.conversion.annotate import Scene, draw
-from dogbot_logtool.conversion.annotated_log import AnnotatedLog
+from dogbot_logtool.conversion.annotated_log import AnnotatedLog, Conversion
 from dogbot_logtool.conversion.copying import make_copier
 from dogbot_logtool.conversion.findings import bad_poses, count_findings
 from dogbot_logtool.conversion.plan import make_plan
@@ -13,14 +13,13 @@ from dogbot_logtool.io.storage import Location
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.containers.log import (
     Log,
-    Loss,
     damage_of,
     malformed_messages,
     wrong_statistics,
 )
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.recording import Alongside
 from dogbot_logtool.reader.workers import Start
-from dogbot_logtool.results import Conversion
 from dogbot_logtool.robot.measuring.plan import make_plan as plan_measuring
 from dogbot_logtool.robot.recorded import open_recorded
 from dogbot_logtool.run.runner import OnProgress

@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from dogbot_logtool.comparison.walks import GaitComparison, compare_walks
-from dogbot_logtool.io.output import refuse_bad_target, whole_file
+from dogbot_logtool.io.output import Output, refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, file_stem
-from dogbot_logtool.io.targets import Output
 from dogbot_logtool.report.page.comparison import comparison_page
 from dogbot_logtool.results import Figures
 

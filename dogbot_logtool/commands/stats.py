@@ -12,11 +12,11 @@ from dogbot_logtool.io.storage import Location, name_of
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import (
     Log,
-    Loss,
     damage_of,
     malformed_messages,
     wrong_statistics,
 )
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.part import TimeLimits
 from dogbot_logtool.reader.recording import Alongside, ReadLog, read_recording
 from dogbot_logtool.reader.workers import Start

@@ -5,7 +5,7 @@ Each imports its command when it is called, so that a command need not load the 
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -15,14 +15,14 @@ from dogbot_logtool.results import Figures
 from dogbot_logtool.run.runner import OnProgress
 
 if TYPE_CHECKING:
+    from dogbot_logtool.conversion.annotated_log import Conversion
     from dogbot_logtool.options import MeasureOptions
     from dogbot_logtool.options.convert import Convert, ConvertOptions
-    from dogbot_logtool.reader.containers.loss import Damage
-    from dogbot_logtool.report.dataset import Entry
-    from dogbot_logtool.report.dataset_tables import Tables
-    from dogbot_logtool.results import Conversion
+    from dogbot_logtool.report.dataset import Entry, MeasuredEntry
 
 _CHECKS_AT_ONCE: Final = 16
+ConversionTask = tuple[Location, Location, bool]
+"""A log to convert, its output, and whether that may be replaced."""
 
 
 def figures(
@@ -61,22 +61,14 @@ def figures(
     )
 
 
-@dataclass(frozen=True, slots=True)
-class ConversionTask:
-    """A log to convert."""
-
-    log: Location
-    target: Location
-    overwrite: bool
-
-
 def convert_task(
     task: ConversionTask, *, options: "ConvertOptions", progress: OnProgress | None = None
 ) -> "Conversion":
     """Convert a log."""
     from dogbot_logtool.commands.convert import convert  # noqa: PLC0415
 
-    return convert(task.log, task.target, replace(options, overwrite=task.overwrite), progress)
+    log, target, overwrite = task
+    return convert(log, target, replace(options, overwrite=overwrite), progress)
 
 
 def conversion_tasks(
@@ -88,12 +80,12 @@ def conversion_tasks(
     began may be replaced then.
     """
     if options.overwrite or (len(pairs) == 1 and options.scheduler is None):
-        return [ConversionTask(*pair, options.overwrite) for pair in pairs]
+        return [(*pair, options.overwrite) for pair in pairs]
     from concurrent.futures import ThreadPoolExecutor  # noqa: PLC0415 - takes long
 
     with ThreadPoolExecutor(_CHECKS_AT_ONCE) as pool:
         free = pool.map(_is_free, [target for _, target in pairs])
-        return [ConversionTask(*pair, is_free) for pair, is_free in zip(pairs, free, strict=True)]
+        return [(*pair, is_free) for pair, is_free in zip(pairs, free, strict=True)]
 
 
 def _is_free(target: Location) -> bool:
@@ -102,20 +94,12 @@ def _is_free(target: Location) -> bool:
     return not storage.exists(target)
 
 
-@dataclass(frozen=True, slots=True)
-class MeasuredEntry:
-    """A log that was measured for a dataset."""
-
-    entry: "Entry"
-    tables: "Tables"
-    damage: "Damage"
-
-
 def measure_entry(
     entry: "Entry", *, options: "MeasureOptions", progress: OnProgress | None = None
-) -> MeasuredEntry:
+) -> "MeasuredEntry":
     """Measure a log for a dataset."""
     from dogbot_logtool.commands.stats import measure  # noqa: PLC0415
+    from dogbot_logtool.report.dataset import MeasuredEntry  # noqa: PLC0415
     from dogbot_logtool.report.dataset_tables import log_tables  # noqa: PLC0415
     from dogbot_logtool.report.tables import stride_table  # noqa: PLC0415
 

@@ -77,11 +77,7 @@ def _ros_decoder(encoding: str, schema: Schema) -> Decoder:
     store.get_msgdef(name)
     deserialize = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
 
-    def decode(data: bytes) -> Tree:
-        message: Any = deserialize(data, name)
-        return asdict(message, dict_factory=_ros_struct)
-
-    return decode
+    return lambda data: asdict(deserialize(data, name), dict_factory=_ros_struct)  # type: ignore[call-overload]
 
 
 def _ros_struct(fields: list[tuple[str, Tree]]) -> dict[str, Tree]:

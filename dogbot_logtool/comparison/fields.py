@@ -30,7 +30,6 @@ _PROVENANCE: Final = ("tool.version", "log.path")
 """Keys that say where metrics come from."""
 _MOST_INTEGERS: Final = 100
 """Elements of an array that are named one by one."""
-_WHOLE: Final = "(document)"
 _LARGEST: Final = 256 << 20
 
 
@@ -228,7 +227,7 @@ def compare_json(expected: Path, actual: Path, rules: Rules, max_differences: in
 def _parts(expected: Tree, actual: Tree) -> list[tuple[str, Tree, Tree]]:
     """Return the documents' parts with their names; a document that is no object is one part."""
     if not isinstance(expected, dict) or not isinstance(actual, dict):
-        return [(_WHOLE, expected, actual)]
+        return [("(document)", expected, actual)]
     one, other = ({key: {key: part} for key, part in each.items()} for each in (expected, actual))
     return [(key, one.get(key, {}), other.get(key, {})) for key in one | other]
 

@@ -41,15 +41,6 @@ class Status(StrEnum):
     GOOD = "GOOD"
 
 
-_VERDICTS: Final = {
-    "unknown": Status.UNKNOWN,
-    "pass": Status.GOOD,
-    "fail": Status.FAIL,
-    "warn": Status.WARN,
-}
-"""By the words of limits files."""
-
-
 @dataclass(frozen=True, slots=True)
 class Judgement:
     """The result of a rule for one figure, or for the count of findings or events."""
@@ -94,7 +85,7 @@ def _judged(document: Json, rule: Rule, baseline: Json | None) -> Iterator[Judge
             yield _judgement(rule, rule.pattern, *_events(document, rule.pattern))
         case "figure":
             # Of several segments, the baseline's first one counts.
-            others = reversed(list(_parts(baseline or {}, rule.where)))
+            others = reversed([*_parts(baseline or {}, rule.where)] if rule.baseline else [])
             before = dict(each for _, part in others for each in figures_in(part, rule.pattern))
             for prefix, path, value, look in _figures(document, rule):
                 yield _judgement(rule, prefix + path, value, look, before.get(path))
@@ -102,20 +93,18 @@ def _judged(document: Json, rule: Rule, baseline: Json | None) -> Iterator[Judge
 
 def _judgement(rule: Rule, path: str, value: Value, look: str, before: Value = None) -> Judgement:
     """Judge a value; `look` says why it is null, or what it comes from."""
-    demand = rule.demand
-    if rule.baseline is not None and value is not None:
-        if before is None:
-            value, look = None, "the baseline does not have it"
-        else:
-            demand = f"{demand}, {value_text(before)}"
+    demand = rule.demand if before is None else f"{rule.demand}, {value_text(before)}"
+    if rule.baseline is not None and before is None and value is not None:
+        value, look = None, "the baseline does not have it"
     if value is None:
-        return Judgement(_VERDICTS[rule.null], rule, path, None, demand, look)
+        status = Status.GOOD if rule.null == "pass" else Status[rule.null.upper()]
+        return Judgement(status, rule, path, None, demand, look)
     good = rule.kept_by(value, before)
     if good is None:
         status = Status.UNKNOWN
         look = "a number, which the rule's value is not" if is_number(value) else "no number"
     elif not good:
-        status = _VERDICTS[rule.level]
+        status = Status[rule.level.upper()]
     else:
         status, look = Status.GOOD, "" if rule.subject == "figure" else look
     return Judgement(status, rule, path, value, demand, look)

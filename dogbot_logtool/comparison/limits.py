@@ -25,10 +25,6 @@ from dogbot_logtool.io.toml_table import parse_toml, read_text, shortened, toml_
 
 Subject = Literal["figure", "finding", "event"]
 """Subject of a rule; a figure is a metric."""
-Null = Literal["unknown", "fail", "pass"]
-"""Verdict on a metric that is not known."""
-Level = Literal["fail", "warn"]
-"""Consequence of a broken rule."""
 Value = float | str | bool | None
 """A metric in JSON."""
 
@@ -66,8 +62,10 @@ class Rule:
     baseline: Deviation | None = None
     where: str | None = None
     """Glob of the gait classes of the segments that are looked at; None: the log as a whole."""
-    null: Null = "unknown"
-    level: Level = "fail"
+    null: str = "unknown"
+    """Verdict on a metric that is not known: or ``fail`` or ``pass``."""
+    level: str = "fail"
+    """Consequence where it is broken: or ``warn``."""
     name: str = ""
     """Its name for people."""
 

@@ -14,7 +14,8 @@ import numpy as np
 
 from dogbot_logtool.comparison.descriptions import kind_of
 from dogbot_logtool.core.arrays import Ints, concatenated, picked, rows_by_group
-from dogbot_logtool.reader.containers.log import Batch, Channel, Chunk, Log, Loss
+from dogbot_logtool.reader.containers.log import Batch, Channel, Chunk, Log
+from dogbot_logtool.reader.containers.loss import Loss
 
 _CHUNKS_KEPT: Final = 16
 """Chunks of a log that are kept in memory: messages of about one time may lie in several."""
@@ -57,7 +58,7 @@ class MessageIndex:
         self._first: list[int] = []
         """Position of each chunk's first message."""
         self._count = 0
-        self._loaded = lru_cache(_CHUNKS_KEPT)(self._load)
+        self._loaded = lru_cache(_CHUNKS_KEPT)(lambda number: log.read((self._chunks[number],)))
         self._parts = {name: [Rows(*[np.empty(0, np.int64)] * 3)] for name in topics}
         self._kinds = {n: kind_of(each) for n, each in log.channels.items() if each.topic in topics}
         for span in log.spans():
@@ -97,9 +98,6 @@ class MessageIndex:
         channel = self._log.channels[int(messages.channel[row])]
         return Message(channel, int(messages.publish_time[row]), payload)
 
-    def _load(self, number: int) -> Batch:
-        return self._log.read((self._chunks[number],))
-
 
 def pair_messages(one: Rows, other: Rows) -> tuple[Ints, Ints, Ints, Ints]:
     """Pair messages of one topic by log time, and those of the same log time by their order.
@@ -108,16 +106,14 @@ def pair_messages(one: Rows, other: Rows) -> tuple[Ints, Ints, Ints, Ints]:
         (n,) rows of the pairs in one table and (n,) in the other; (m,) rows that only the one has;
         (k,) rows that only the other has.
     """
-    count = len(one.log_time)
-    time = np.concatenate([one.log_time, other.log_time])
-    nth = np.concatenate([_index_at_its_time(each.log_time) for each in (one, other)])
-    order = np.lexsort((nth, time))
-    # The two of a pair stand side by side now, that of the first table before the other's.
-    first = np.flatnonzero((np.diff(time[order]) == 0) & (np.diff(nth[order]) == 0))
-    alone = np.ones(len(order), np.bool_)
-    alone[first] = alone[first + 1] = False
-    left = order[alone]
-    return order[first], order[first + 1] - count, left[left < count], left[left >= count] - count
+    sides = one.log_time, other.log_time
+    _, time = np.unique(np.concatenate(sides), return_inverse=True)
+    nth = np.concatenate([_index_at_its_time(each) for each in sides])
+    first, second = np.split(time * (nth.max(initial=0) + 1) + nth, [len(one.log_time)])
+    _, rows, others = np.intersect1d(first, second, assume_unique=True, return_indices=True)
+    missing = np.delete(np.arange(len(first)), rows)
+    extra = np.delete(np.arange(len(second)), others)
+    return rows, others, missing, extra
 
 
 def _index_at_its_time(time: Ints) -> Ints:

@@ -1,17 +1,15 @@
 """Suggest limits from good runs."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import chain
-from typing import Any, Final, Literal, NamedTuple
+from typing import Final, Literal, NamedTuple
 
-from dogbot_logtool.comparison.judge import can_tell, figures_in
+from dogbot_logtool.comparison.judge import Json, can_tell, figures_in
 from dogbot_logtool.comparison.limits import is_number
 from dogbot_logtool.core.events.event import STEPS, EventType
 from dogbot_logtool.core.records import METRICS, MetricPath
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.toml_table import to_toml
-
-Json = Mapping[str, Any]
 
 
 class _Suggested(NamedTuple):

@@ -108,9 +108,8 @@ def load_rules(
         document = parse_toml(read_text(tolerances, "a tolerance file"), str(tolerances))
     found = {name: _tolerance(f"{tolerances}: {name}", name, document[name]) for name in document}
     default = found.pop(_DEFAULT, Tolerance())
-    default = Tolerance(
-        default.atol if atol is None else atol, default.rtol if rtol is None else rtol
-    )
+    default = replace(default, atol=default.atol if atol is None else atol)
+    default = replace(default, rtol=default.rtol if rtol is None else rtol)
     return Rules(default, tuple(found.values()), ignore, topics)
 
 

@@ -9,6 +9,7 @@ recorded messages.
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
+from dataclasses import dataclass
 from functools import partial
 from typing import BinaryIO, Final
 
@@ -20,16 +21,25 @@ from dogbot_logtool.conversion.annotate import Scene, annotations_between
 from dogbot_logtool.conversion.copying import CopiedSpan, as_it_stands
 from dogbot_logtool.conversion.plan import ConversionPlan
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.events.event import EventMessage, GaitState, Level
-from dogbot_logtool.core.events.log_messages import event_messages, gait_states, to_log_time
+from dogbot_logtool.core.events.event import Level
+from dogbot_logtool.core.events.log_messages import (
+    EventMessage,
+    GaitState,
+    event_messages,
+    gait_states,
+    to_log_time,
+)
 from dogbot_logtool.core.scene.arrows import Arrows
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.io.storage import file_name
+from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.provenance import PROVENANCE
-from dogbot_logtool.reader.containers.log import Chunk, Log, Loss, lost_messages
+from dogbot_logtool.reader.containers.log import Chunk, Log
+from dogbot_logtool.reader.containers.loss import Damage, Loss, lost_messages
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
 from dogbot_logtool.reader.workers import Start, in_order
+from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.run.runner import OnProgress
 from dogbot_logtool.writer import described
 from dogbot_logtool.writer.annotations import Annotations
@@ -48,6 +58,33 @@ _LONGEST_NUMBER: Final = 18
 """Digits of a count that a record tells."""
 TimeSpan = tuple[int, int]
 """ns, log times from which on and before which is annotated."""
+
+
+@dataclass(frozen=True, slots=True)
+class Conversion:
+    """The result of `convert`."""
+
+    source: Location
+    target: Location
+    container: str
+    robot: Robot
+    style: str
+    encoding: str
+    odometry_topics: tuple[str, ...]
+    world_frame: str
+    base_frame: str
+    messages: int
+    """Recorded messages that were read."""
+    copied: int
+    """Recorded messages in the output."""
+    annotations: Mapping[str, int]
+    """Messages that were added, by topic."""
+    counts: Counter[str]
+    """Annotations that lack something, by what; see `annotate.py`."""
+    bad_poses: int
+    """Odometry messages with a zero quaternion or a number that is not finite."""
+    findings: tuple[Finding, ...]
+    damage: Damage
 
 
 class AnnotatedLog:

@@ -14,20 +14,12 @@ from typing import TYPE_CHECKING, Final
 from dogbot_logtool.core.base.falls import find_tipping
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.checks.engine import consequence, findings_of
-from dogbot_logtool.core.commands import follow_commands
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected, correct
-from dogbot_logtool.core.gait.segments import (
-    Segment,
-    find_segments,
-    main_segment,
-    reference_foot,
-)
-from dogbot_logtool.core.imu import compare_imu
+from dogbot_logtool.core.gait.segments import Segment, find_segments, main_segment, reference_foot
 from dogbot_logtool.core.leg_position import quadruped
 from dogbot_logtool.core.masks import loads_in, mask_walk, stability_in, support_in
 from dogbot_logtool.core.metrics import Log
-from dogbot_logtool.core.planned import follow_plan
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.stability import instants
@@ -108,17 +100,23 @@ def _measured(walk: Walk) -> Walk:
         support=supported,
         instants=placed_at,
     )
-    return replace(
-        walk,
-        loads=loads_in(walk),
-        stability=stability_in(walk),
-        command_track=follow_commands(walk),
-        imu=compare_imu(walk),
-    )
+    walk = replace(walk, loads=loads_in(walk), stability=stability_in(walk))
+    # Modules of what few logs hold are loaded for those that do.
+    if walk.corrected.commands is not None:
+        from dogbot_logtool.core.commands import follow_commands  # noqa: PLC0415
+
+        walk = replace(walk, command_track=follow_commands(walk))
+    if walk.corrected.inertial is not None:
+        from dogbot_logtool.core.imu import compare_imu  # noqa: PLC0415
+
+        walk = replace(walk, imu=compare_imu(walk))
+    return walk
 
 
 def _with_plan(walk: Walk, planned: Walk) -> Walk:
     """Add how the feet follow their plan, if that is on the same clock."""
+    from dogbot_logtool.core.planned import follow_plan  # noqa: PLC0415 - few logs hold a plan
+
     clocks = [each.settings.clock for each in (walk, planned)]
     plan = {foot.name: foot for foot in planned.feet}
     if clocks[0] is not clocks[1]:

@@ -274,15 +274,9 @@ def aggregate(values: Floats) -> Aggregate | None:
     )
 
 
-@dataclass(frozen=True, slots=True)
-class CircularMean:
-    """Mean of phases on the circle."""
-
-    mean: float
-    """Cycles in [0, 1)."""
-    consistency: float
-    """R in [0, 1]: 1 when all phases are equal, near 0 when they are spread evenly."""
-    n: int
+CircularMean = tuple[float, float]
+"""Mean of phases, cycles in [0, 1), and its consistency R in [0, 1]: 1 when all phases are equal,
+near 0 when they are spread evenly."""
 
 
 def circular_mean(phases: Floats) -> CircularMean | None:
@@ -303,7 +297,7 @@ def circular_mean(phases: Floats) -> CircularMean | None:
     angle = 2.0 * np.pi * known
     x, y = float(np.mean(np.cos(angle))), float(np.mean(np.sin(angle)))
     mean = float(np.arctan2(y, x)) / (2.0 * np.pi) % 1.0
-    return CircularMean(mean if mean < 1.0 else 0.0, min(1.0, float(np.hypot(x, y))), len(known))
+    return mean if mean < 1.0 else 0.0, min(1.0, float(np.hypot(x, y)))
 
 
 def wrapped(phases: Floats) -> Floats:

@@ -27,18 +27,13 @@ from dogbot_logtool.core.corrections.clock import (
 )
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.known_frames import (
+    Counts,
     KnownFrames,
-    PlacedCounts,
     WorldFrames,
     imu_mounting,
     known_frames,
 )
-from dogbot_logtool.core.quality import (
-    TopicQuality,
-    TopicTimes,
-    topic_quality,
-    topic_times,
-)
+from dogbot_logtool.core.quality import TopicQuality, TopicTimes, topic_quality, topic_times
 from dogbot_logtool.core.recording import JointTable, Recording, VectorTopic
 from dogbot_logtool.core.sensors import with_sensors, without_offset
 from dogbot_logtool.core.settings import WalkSettings
@@ -56,7 +51,7 @@ class Corrected:
     settings: WalkSettings
     """With the clock that is used, how sensors read, and the frame of the forces."""
     frames: KnownFrames
-    turned: tuple[WorldFrames, PlacedCounts] | None
+    turned: tuple[WorldFrames, Counts] | None
     """How forces and positions were turned into the world; None: none was to be."""
     feet: tuple[FootHistory, ...]
     places: tuple[FootPath | None, ...]
@@ -202,7 +197,7 @@ def _corrected_samples(
 ) -> tuple[
     tuple[Samples, ...],
     tuple[FootPath | None, ...],
-    tuple[WorldFrames, PlacedCounts] | None,
+    tuple[WorldFrames, Counts] | None,
 ]:
     """Take off offsets, fill swings in, turn forces and places into the world.
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Integral, Ints, all_finite, trapezoids
+from dogbot_logtool.core.base.comparison import likeness
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.compared import ForceComparison, ImuComparison, Mounting, Reading
 from dogbot_logtool.core.gait.strides import any_strides
@@ -170,13 +171,10 @@ def find_turn(first: Floats, second: Floats) -> float | None:
         where they are not, or either hardly accelerates.
     """
     one, other = (each[:, 0] + 1j * each[:, 1] for each in (first, second))
-    sizes = [float((np.abs(each) ** 2).sum()) for each in (one, other)]
-    if not len(first) or min(sizes) < len(one) * MOVES_MPS2**2:
+    if not len(first) or min(np.mean(np.abs([one, other]) ** 2, axis=1)) < MOVES_MPS2**2:
         return None
-    product = complex(np.vdot(other, one))
-    angle = float(np.angle(product))
-    is_one = abs(product) >= COHERENT * np.sqrt(sizes[0] * sizes[1])
-    return angle if is_one and abs(angle) > TURNED_RAD else None
+    _, coherence, angle = likeness(one, other)
+    return angle if coherence >= COHERENT and abs(angle) > TURNED_RAD else None
 
 
 def _compare_forces(

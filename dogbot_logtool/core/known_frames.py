@@ -44,14 +44,9 @@ _FARTHEST_M: Final = 1.5
 Point = tuple[float, float, float]
 
 
-@dataclass(frozen=True, slots=True)
-class PlacedCounts:
-    """How often frames told what was asked of them: how often they did, and did not."""
-
-    forces: tuple[int, int] = (0, 0)
-    """Forces that were turned from a link's frame into the world, and that were not."""
-    points: tuple[int, int] = (0, 0)
-    """The same of samples without a contact point, for which the position of a frame stands in."""
+Counts = list[tuple[int, int]]
+"""How many forces were turned from a link's frame into the world, and were not; and how many
+samples without a contact point were placed where a frame is, and were not."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -67,7 +62,7 @@ class WorldFrames:
     """Of the frames on the way from these to the world."""
     clock: TimeSource
 
-    def place(self, feet: Sequence[Samples]) -> tuple[tuple[Samples, ...], PlacedCounts]:
+    def place(self, feet: Sequence[Samples]) -> tuple[tuple[Samples, ...], Counts]:
         """Turn forces of each foot into the world and place its sensor, where frames tell."""
         turned = [self._turn(*each) for each in zip(feet, self.links, strict=True)]
         placed = [
@@ -76,7 +71,7 @@ class WorldFrames:
         ]
         parts = (np.concatenate([known for _, known in each]) for each in (turned, placed))
         counts = [(int(known.sum()), int((~known).sum())) for known in parts]
-        return tuple(samples for samples, _ in placed), PlacedCounts(*counts)
+        return tuple(samples for samples, _ in placed), counts
 
     def _poses(self, frame: str, samples: Samples) -> Poses:
         """Return where a frame is in the world when samples were taken."""

@@ -57,8 +57,8 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     if not joints and not any(path is not None for path in paths):
         return walk
     period = typical_period_s([foot.stances for foot in walk.feet])
-    clocks = {each.topic: each for each in walk.corrected.joint_clocks}
-    apart = too_far_apart(walk.corrected.joint_clocks, period) & set(settings.joint_topics)
+    clocks = walk.corrected.joint_clocks
+    apart = too_far_apart(clocks, period) & set(settings.joint_topics)
     legs, stood = [], []
     for row, path in enumerate(paths):
         reason = _no_swings(walk, settings, row, path, joints_apart=bool(apart))
@@ -89,7 +89,7 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
             joints=found,
             asymmetry_percent=_asymmetry(settings, ranges),
         ),
-        clocks_apart={topic: clocks[topic] for topic in apart},
+        clocks_apart={each.topic: each for each in clocks if each.topic in apart},
     )
     witness = walk.witness
     if witness is None and not walk.settings.base_from_legs:

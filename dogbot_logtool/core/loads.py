@@ -285,12 +285,12 @@ def dead_feet(feet: Sequence[FootHistory], loads: WalkLoads) -> tuple[bool, ...]
     )
 
 
-def is_stuck(foot: FootHistory, others: Sequence[FootHistory]) -> bool:
-    """Tell whether a sensor shows one constant value under load while other feet's vary.
+def is_stuck(foot: FootHistory, feet: Sequence[FootHistory]) -> bool:
+    """Tell whether a sensor shows one constant value under load while those of other feet vary.
 
     Where no force varies the robot stands still, in a simulator without noise.
     """
-    varies = (each.loaded > 0 and not _is_constant(each) for each in others)
+    varies = (each.loaded > 0 and not _is_constant(each) for each in feet)
     return _is_constant(foot) and any(varies)
 
 

@@ -10,30 +10,19 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.axes import with_forward_axis
 from dogbot_logtool.core.base.falls import fallen_spans
-from dogbot_logtool.core.base.frozen import find_frozen, without_frozen
-from dogbot_logtool.core.base.ground import height_drift_m, height_over_feet
+from dogbot_logtool.core.base.ground import find_moving_ground, height_drift_m, height_over_feet
 from dogbot_logtool.core.base.jumps import find_jumps, without_jumps
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES, BaseTrack, base_motion, find_travel
-from dogbot_logtool.core.base.moving_ground import find_moving_ground
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.base.witness import feet_witness
+from dogbot_logtool.core.base.witness import feet_witness, find_frozen, without_frozen
 from dogbot_logtool.core.consistency import placed_poses, without_stopped
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.corrections.clock import too_far_apart
 from dogbot_logtool.core.gait.feet import foot_steps
 from dogbot_logtool.core.gait.strides import any_strides, typical_period_s
-from dogbot_logtool.core.gait.support import (
-    Support,
-    standing_in,
-    support,
-)
-from dogbot_logtool.core.loads import (
-    WalkLoads,
-    dead_feet,
-    is_stuck,
-    loads_of,
-)
+from dogbot_logtool.core.gait.support import Support, standing_in, support
+from dogbot_logtool.core.loads import WalkLoads, dead_feet, is_stuck, loads_of
 from dogbot_logtool.core.metrics import Base, Stability
 from dogbot_logtool.core.stability import stability
 from dogbot_logtool.core.walk import Walk
@@ -190,12 +179,7 @@ def _steadiest_height(
 
 def _without_stuck(feet: Sequence[FootHistory]) -> tuple[FootHistory, ...]:
     """Return histories without the forces of sensors that show one constant force."""
-    return tuple(
-        foot.without_force()
-        if is_stuck(foot, [each for each in feet if each is not foot])
-        else foot
-        for foot in feet
-    )
+    return tuple(foot.without_force() if is_stuck(foot, feet) else foot for foot in feet)
 
 
 def _long_delay(

@@ -17,16 +17,7 @@ from fnmatch import fnmatchcase
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
-from typing import (
-    Annotated,
-    Any,
-    Final,
-    NamedTuple,
-    Self,
-    TypeVar,
-    get_args,
-    get_origin,
-)
+from typing import Annotated, Any, Final, NamedTuple, Self, TypeVar, get_args, get_origin
 
 from dogbot_logtool.core.arrays import Aggregate
 

@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints, all_finite, picked
+from dogbot_logtool.core.arrays import Floats, Ints, picked
 from dogbot_logtool.core.corrections.clock import (
     WINDOW_NS,
     OffsetTrack,
@@ -72,8 +72,8 @@ def vector_history(
         clock: what is measured on.
         base: how far the stamps of the base lie behind log time; None: it has none.
     """
-    usable = all_finite(samples.vector)
-    usable[usable] = (np.abs(samples.vector[usable]) <= MOST).all(axis=1)
+    # A number that is not finite is not below any bound.
+    usable = np.asarray((np.abs(samples.vector) <= MOST).all(axis=1))
     check = check_stamps(topic, samples.stamp, samples.log_time)
     by_stamps = clock is TimeSource.HEADER and _is_stamped_like(samples, check, base)
     good = usable & check.usable if by_stamps else usable.copy()

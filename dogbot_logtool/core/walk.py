@@ -5,13 +5,11 @@ from typing import TYPE_CHECKING
 
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.falls import Tipping
-from dogbot_logtool.core.base.frozen import Frozen
+from dogbot_logtool.core.base.ground import MovingGround
 from dogbot_logtool.core.base.jumps import PoseJumps
 from dogbot_logtool.core.base.motion import BaseTrack
-from dogbot_logtool.core.base.moving_ground import MovingGround
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.base.witness import Witness
-from dogbot_logtool.core.compared import CommandTrack, ImuComparison
+from dogbot_logtool.core.base.witness import Frozen, Witness
 from dogbot_logtool.core.consistency import Worlds
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected
@@ -22,7 +20,6 @@ from dogbot_logtool.core.gait.support import Standing, Support
 from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.loads import WalkLoads
 from dogbot_logtool.core.metrics import Base, Stability, WalkMetrics
-from dogbot_logtool.core.planned import PlannedFoot
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.records import unknown
 from dogbot_logtool.core.settings import WalkSettings
@@ -30,8 +27,10 @@ from dogbot_logtool.core.stability import Instants
 from dogbot_logtool.finding import Finding
 
 if TYPE_CHECKING:
+    from dogbot_logtool.core.compared import CommandTrack, ImuComparison
     from dogbot_logtool.core.heave import Delay
     from dogbot_logtool.core.legs.joints import LegFigures
+    from dogbot_logtool.core.planned import PlannedFoot
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -102,15 +101,15 @@ class Walk:
     instants: Instants | None = None
     """Where base and feet are; None where contacts are not known, or not on one clock with the
     base and in one world."""
-    command_track: CommandTrack | None = None
+    command_track: "CommandTrack | None" = None
     """Commanded and measured velocity; None without commands."""
-    imu: ImuComparison | None = None
+    imu: "ImuComparison | None" = None
     """Comparison of the base's accelerometer with forces and poses; None without one."""
     legs: "LegFigures | None" = None
     """None where the log tells nothing of its legs."""
     plan_apart: str = ""
     """Topic of a plan that is on another clock than the feet, and not compared; empty: none is."""
-    planned: tuple[PlannedFoot | None, ...] = ()
+    planned: "tuple[PlannedFoot | None, ...]" = ()
     """How each foot follows its plan; None without one; empty: the log has no plan beside."""
     findings: tuple[Finding, ...] = ()
     """About the log, the walk and its metrics, the worst first."""

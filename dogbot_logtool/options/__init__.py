@@ -125,16 +125,6 @@ class OutputOptions:
     """Replace the output if it exists."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class JunitOptions:
-    """A report for CI."""
-
-    junit: Target = None
-    """Write JUnit XML as well, to a new file."""
-    overwrite: Flag = False
-    """Replace the file of --junit if it exists."""
-
-
 COMMANDS: Final = (
     *("info", "convert", "stats", "report", "check", "export", "compare", "layout", "robots"),
 )

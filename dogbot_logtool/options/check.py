@@ -9,10 +9,20 @@ from dogbot_logtool.options import (
     ClusterOptions,
     CommonOptions,
     Flag,
-    JunitOptions,
     LogOptions,
     MeasureOptions,
+    Target,
 )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class JunitOptions:
+    """A report for CI."""
+
+    junit: Target = None
+    """Write JUnit XML as well, to a new file."""
+    overwrite: Flag = False
+    """Replace the file of --junit if it exists."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

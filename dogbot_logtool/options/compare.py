@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Annotated
 
 from dogbot_logtool.option import As, Range
-from dogbot_logtool.options import CommonOptions, Flag, JobOptions, JunitOptions, RobotOptions
+from dogbot_logtool.options import CommonOptions, Flag, JobOptions, RobotOptions
+from dogbot_logtool.options.check import JunitOptions
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

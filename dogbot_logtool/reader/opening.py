@@ -9,7 +9,8 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader import not_a_log
-from dogbot_logtool.reader.containers.log import Log, Loss
+from dogbot_logtool.reader.containers.log import Log
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.registry import (
     CONTAINERS,
     ROSBAG2_SUFFIXES,

@@ -11,8 +11,9 @@ from dogbot_logtool.core.arrays import Ints, rows_by_group
 from dogbot_logtool.core.base.poses import concatenate_odometry
 from dogbot_logtool.core.contact.contacts import Samples, samples_by_foot
 from dogbot_logtool.core.prepared import plausible
-from dogbot_logtool.core.recording import MOST_JOINTS, JointTable
-from dogbot_logtool.reader.containers.log import Batch, Channel, Log, Loss
+from dogbot_logtool.core.recording import MOST_JOINTS, JointTable, Times
+from dogbot_logtool.reader.containers.log import Batch, Channel, Log
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.messages.bases import Base, BasePoses
 from dogbot_logtool.reader.messages.contacts import ReadContacts, read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels
@@ -75,16 +76,6 @@ class Numbers:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Stamps:
-    """Times of messages with a header."""
-
-    log_time: Ints
-    """(n,) ns."""
-    stamp: Ints
-    """(n,) ns."""
-
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Part:
     """What is in some neighbouring chunks."""
 
@@ -93,7 +84,7 @@ class Part:
     foot's ``lags``, ns by which the newest physics step is older than the stamp (`UNTIMED`: not
     known), of ``steps``, ns between neighbouring physics steps of a message, and of ``times``, ns,
     log times of all messages of a channel in file order; `Odometry` of the ``base``;
-    `VectorSamples` of ``commands`` and ``accelerations``; `Stamps` of a topic's ``stamps``;
+    `VectorSamples` of ``commands`` and ``accelerations``; `Times` of a topic's ``stamps``;
     `Transforms` of a parent and child's ``transforms``."""
     names: dict[Key, set[str]] = field(default_factory=lambda: defaultdict(set))
     """Names of frames: ``links`` of a foot, ``worlds`` and ``bases`` of poses, ``slashed`` ones of
@@ -205,7 +196,7 @@ def _joint_tables(part: Part, batch: Batch, wanted: Wanted) -> Iterator[JointTab
 
 def _stamped(
     log: Log, wanted: Wanted, base: Sequence[BasePoses], contacts: Sequence[ReadContacts]
-) -> Iterator[tuple[str, Stamps]]:
+) -> Iterator[tuple[str, Times]]:
     """Yield the times of messages with a header, by topic."""
     timed: list[tuple[Ints, Ints, Ints]] = []
     source = wanted.base.source if wanted.base else None
@@ -217,4 +208,4 @@ def _stamped(
             timed.append((messages.channel, messages.log_time, read.source.stamps(messages)))
     for channels, log_time, stamp in timed:
         for channel, rows in rows_by_group(channels):
-            yield log.channels[channel].topic, Stamps(log_time[rows], stamp[rows])
+            yield log.channels[channel].topic, Times(log_time[rows], stamp[rows])

@@ -27,11 +27,12 @@ from dogbot_logtool.core.recording import (
     VectorSamples,
     VectorTopic,
 )
-from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Loss, Span
+from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Span
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.growing import LARGEST_IN_MEMORY, GrowingColumns
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
 from dogbot_logtool.reader.messages.others import is_static
-from dogbot_logtool.reader.part import ONLY, Key, Numbers, Part, Stamps, Wanted, read_part
+from dogbot_logtool.reader.part import ONLY, Key, Numbers, Part, Wanted, read_part
 from dogbot_logtool.reader.workers import Start, in_order
 
 Table = TypeVar("Table")
@@ -307,10 +308,11 @@ def _one_table(topic: str, tables: Sequence[JointTable]) -> JointTable:
     return JointTable(topic, names, in_time_order(concatenated(samples)))
 
 
-def _has_times(read: Samples | Odometry, sent: Stamps) -> bool:
+def _has_times(read: Samples | Odometry, sent: Times) -> bool:
     """Tell whether what was read of a topic has the times of some messages."""
-    equal = np.array_equal(read.log_time, sent.log_time)
-    return equal and np.array_equal(read.stamp, sent.stamp)
+    if sent.stamp is None or not np.array_equal(read.log_time, sent.log_time):
+        return False
+    return np.array_equal(read.stamp, sent.stamp)
 
 
 def in_time_order(columns: Columns) -> Columns:

@@ -26,6 +26,7 @@ from dogbot_logtool.io.output import whole_file
 from dogbot_logtool.io.storage import Location, valid_unicode
 from dogbot_logtool.option import part_of
 from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.dataset_tables import TABLES, Labels, Tables, log_row, with_labels
 from dogbot_logtool.run.inputs import LogSet
 
@@ -55,6 +56,15 @@ class Entry:
     """What its metrics depend on, as JSON; empty: there is no such log."""
     damaged: bool | None = None
     """Of a log that is there already: whether it is damaged; None: it is to be measured."""
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuredEntry:
+    """A log that was measured for a dataset."""
+
+    entry: Entry
+    tables: Tables
+    damage: Damage
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import is_dataclass, replace
-from typing import Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from xml.etree import ElementTree as ET
 
 from dogbot_logtool import __version__
@@ -15,7 +15,11 @@ from dogbot_logtool.io.printable import listed, printable, printable_lines
 from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.verdict import headline, quality_of
-from dogbot_logtool.results import Conversion, Measurement, Page
+from dogbot_logtool.results import Measurement
+
+if TYPE_CHECKING:
+    from dogbot_logtool.conversion.annotated_log import Conversion
+    from dogbot_logtool.report.page.render import Page
 
 TOOL: Final = {"name": "dogbot-logtool", "version": __version__}
 
@@ -98,7 +102,7 @@ _SKIPPED: Final = ("not_finite", "no_position", "no_direction", "overflow")
 """Why samples have no arrow, see `core/scene/arrows.py`."""
 
 
-def conversion_json(done: Conversion) -> dict[str, Any]:
+def conversion_json(done: "Conversion") -> dict[str, Any]:
     """Return what was done as plain values."""
     return {
         "tool": TOOL,
@@ -121,7 +125,7 @@ def conversion_json(done: Conversion) -> dict[str, Any]:
     }
 
 
-def page_json(done: Page) -> Json:
+def page_json(done: "Page") -> Json:
     """Return what was written of a page as plain values."""
     measured = done.measured
     return {

@@ -9,7 +9,8 @@ from dogbot_logtool.core.frames import frame_tree
 from dogbot_logtool.core.frames.frame_tree import FrameEdge, frame_edge
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
-from dogbot_logtool.reader.containers.log import Channel, Log, Loss, malformed_messages
+from dogbot_logtool.reader.containers.log import Channel, Log, malformed_messages
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from dogbot_logtool.core.events.event import EventMessage, GaitState
+from dogbot_logtool.core.events.log_messages import EventMessage, GaitState
 from dogbot_logtool.writer.template import Literal, Of, Slot
 
 TF: Final = "tf2_msgs/msg/TFMessage"

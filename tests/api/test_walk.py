@@ -12,6 +12,8 @@ from tests.oracles.conversion import sample_of
 from tests.oracles.recorded import ODOMETRY, contact_topic, decoded_log
 from tests.paths import TROT, TROUBLED, WALK
 
+FOOT = "front_left"
+
 
 @pytest.fixture(scope="module")
 def walk() -> dl.Walk:
@@ -95,3 +97,32 @@ def test_the_base_is_where_odometry_says(walk: dl.Walk) -> None:
 def test_a_wrong_foot_lists_those_that_exist(walk: dl.Walk) -> None:
     with pytest.raises(dl.CallError, match="'left' is no foot of this robot; it has front_left"):
         walk.samples("left")
+    with pytest.raises(dl.CallError, match="'left' is no foot of this robot"):
+        walk.curves("left")
+
+
+# --- Curves over strides --------------------------------------------------------------------------
+
+
+def test_curves_pass_through_what_was_recorded(walk: dl.Walk) -> None:
+    messages = [each.message for each in decoded_log(WALK)[contact_topic(FOOT)]]
+    time = [stamp_s(each, walk.start_ns) for each in messages]
+    vertical = [sample_of(each, FOOT).force[2] for each in messages]
+    curves = walk.curves(FOOT)
+    rows = np.flatnonzero(walk.strides["foot"] == FOOT)
+    assert curves["force_z_n"].shape == (len(rows), 101)
+    assert (len(curves["start_s"]), len(curves["percent"])) == (len(rows), 101)
+    for curve, row in zip(curves["force_z_n"], rows, strict=True):
+        start = walk.strides["start_s"][row]
+        period = walk.strides["stance_s"][row] + walk.strides["swing_s"][row]
+        for percent in (0, 10, 37, 80, 95, 100):
+            at = start + period * percent / 100
+            assert curve[percent] == pytest.approx(np.interp(at, time, vertical), abs=1e-6)
+
+
+def test_the_usual_curve_is_that_of_the_figures(walk: dl.Walk) -> None:
+    figure = walk.stats["feet"][FOOT]["vertical_over_stride_n"]
+    curves = walk.curves(FOOT, points=51)
+    assert curves["percent"].tolist() == figure["percent"]
+    difference = np.median(curves["force_z_n"], axis=0) - figure["median"]
+    assert np.abs(difference).mean() < 5.0

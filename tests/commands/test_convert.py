@@ -62,7 +62,13 @@ def test_annotations_are_what_message_by_message_conversion_gives(
         assert_same_arrows(found, arrows, style, encoding)
         loads = written_loads(done.written, foot, encoding)
         assert_same_loads(loads, expected_loads(log, foot, contact), opening_of(log))
+        states = {(load.state, load.in_contact) for load in loads if load.state != "unknown"}
+        # Of a dead sensor nothing is known.
+        assert states == ({("stance", True), ("swing", False)} if contact else set())
         assert done.conversion.annotations[arrow_topic(foot)] == len(arrows)
+    assert done.conversion.annotations["/support"] > 0
+    # Legs that transforms move need no lines.
+    assert "/legs" not in done.written.topics
     # The logs have a /tf of their own; only transforms of its own ROS fit on it.
     joined = encoding == ("ros2" if log == WALK else "ros1")
     topic = "/tf" if joined else "/dogbot_logtool/tf"

@@ -19,7 +19,6 @@ from tests.oracles.frames import Frames, turn_of
 from tests.oracles.recorded import TF_TYPE
 from tests.oracles.ros1_logs import BASE, FEET, LIFTED, LIFTED_S, START, write_standing_log
 from tests.oracles.state_walks import StateWalk
-from tests.paths import TROUBLED
 from tests.truth import physics
 from tests.truth.free_walker import KEPT_S, trot
 
@@ -205,9 +204,3 @@ def test_the_body_spans_the_hips_and_its_nose_is_between_the_fore_feet(tmp_path:
     assert 0.2 <= width < 0.4
     assert x > length / 2.0
     assert y == pytest.approx(0.0)
-
-
-def test_legs_that_transforms_move_need_no_lines(tmp_path: Path) -> None:
-    convert(TROUBLED, tmp_path / "out.mcap", ConvertOptions(copy=False))
-    written = read_written(tmp_path / "out.mcap")
-    assert "/legs" not in {channel.topic for channel in written.channels.values()}

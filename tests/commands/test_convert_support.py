@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.core.scene.support_scene import margin_colour
 from dogbot_logtool.options.convert import ConvertOptions
 from tests.commands.conversions import converted
@@ -86,13 +85,6 @@ def assert_standing(feet: Sequence[str], outline: Sequence[Vector], colour: Any)
 
 
 # --- When it is written ---------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("style", ARROW_STYLES)
-def test_it_is_written_whatever_the_style(tmp_path: Path, style: str) -> None:
-    options = ConvertOptions(style=style, copy=False, end=0.2)
-    done = convert(TROUBLED, tmp_path / "out.mcap", options)
-    assert done.annotations["/support"] > 0
 
 
 def test_what_is_not_known_is_told(folder: Path) -> None:

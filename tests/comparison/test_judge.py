@@ -111,6 +111,11 @@ def test_a_baseline_gives_the_range(lines: str, baseline: float | None, status: 
     assert baseline is None or found.demand.endswith(f" of the baseline, {baseline:.4g}")
 
 
+def test_a_metric_that_neither_run_has_says_why_this_one_lacks_it() -> None:
+    (found,) = judged('figure = "forces.ratio"\nbaseline = { by = 1 }', baseline={})
+    assert found.look == "no mass"
+
+
 def test_a_baseline_of_a_text_must_be_the_same() -> None:
     lines = 'figure = "gait.name"\nbaseline = { by = 0 }'
     statuses = [judged(lines, baseline={"gait": {"name": each}}) for each in ("trot", "walk")]

@@ -92,6 +92,11 @@ def test_feet_that_differ_have_a_rule_each() -> None:
     assert 'figure = "feet.right.duty_factor.median"\nbetween = [0.665, 0.735]' in text
 
 
+def test_runs_that_differ_get_half_as_much_room_again() -> None:
+    text = suggest_limits([run(0.6), run(0.8)], NAMES[:2])
+    assert 'figure = "feet.*.duty_factor.median"\nbetween = [0.5, 0.9]' in text
+
+
 def test_what_a_run_does_not_have_gets_no_rule() -> None:
     log = run()
     log["stability"] = None

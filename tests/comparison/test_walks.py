@@ -77,6 +77,12 @@ def test_a_difference_below_the_sampling_interval_is_none(later_s: float, found:
     assert {each.metric for each in differing(*sides)} == found
 
 
+@pytest.mark.parametrize(("force_n", "found"), [(150.75, set()), (153.0, {"peak_force_n"})])
+def test_a_certain_difference_below_one_per_cent_is_none(force_n: float, found: set[str]) -> None:
+    sides = [of(("left",) * 40, {"peak_force_n": np.full(40, each)}) for each in (150.0, force_n)]
+    assert {each.metric for each in differing(*sides)} == found
+
+
 def test_too_few_strides_and_unknown_figures_are_not_compared() -> None:
     assert metric_differences([run(1, strides=4)], [run(2)]) == []
     assert "length_m" not in {each.metric for each in metric_differences([run(1)], [run(2)])}

@@ -1,18 +1,33 @@
 """What is checked of a walk, what each finding says, and what it voids."""
 
 import ast
+import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from string import Formatter
+from typing import Any, get_args, get_type_hints
 
 import numpy as np
 import pytest
 
+from dogbot_logtool.core.base.comparison import Comparison
+from dogbot_logtool.core.base.falls import Tipping
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.checks.engine import findings_of, questions_of, void_columns
+from dogbot_logtool.core.compared import ForceComparison, ImuComparison
+from dogbot_logtool.core.consistency import Worlds
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.metrics import Check, Stride, WalkMetrics
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.corrections.clock import ClockDifference
+from dogbot_logtool.core.heave import Delay
+from dogbot_logtool.core.loads import WalkLoads
+from dogbot_logtool.core.metrics import Base, Check, Gait, Stride, WalkMetrics
+from dogbot_logtool.core.planned import PlannedFoot
+from dogbot_logtool.core.quality import TopicQuality
 from dogbot_logtool.core.records import fields_of, metric_paths
+from dogbot_logtool.core.settings import WalkSettings
+from dogbot_logtool.core.vectors import VectorHistory
 from dogbot_logtool.core.walk import Walk as MeasuredWalk
 from dogbot_logtool.finding import Finding, FindingKind, Severity, finding_kinds, found
 from tests.analysed import analysed
@@ -192,6 +207,67 @@ def test_a_check_tells_what_its_sentence_names(where: str, call: ast.Call, gives
     said = [each.value for each in call.keywords if each.arg == "say"]
     for key in named if said else ():
         assert key[1] not in strings(said[0]) or named[key] <= told, (where, key)
+
+
+RECORDS: dict[str, type] = {
+    "base": Base,
+    "beside": VectorHistory,
+    "clock": ClockDifference,
+    "delay": Delay,
+    "forces": ForceComparison,
+    "gait": Gait,
+    "imu": ImuComparison,
+    "loads": WalkLoads,
+    "plan": PlannedFoot,
+    "poses": BaseHistory,
+    "settings": WalkSettings,
+    "timing": TopicQuality,
+    "tipping": Tipping,
+    "told": Comparison,
+    "witness": Comparison,
+    "worlds": Worlds,
+}
+"""What a check gives by a name whose attributes its sentences name."""
+_RECORD_OF_CODE = {"CHATTER": FootHistory, "NOT_FINITE": BaseHistory, "BAD_STAMPS": BaseHistory}
+
+
+def sentence_parts() -> Iterator[tuple[str, str, str]]:
+    """Code, value and its format, of every sentence."""
+    for code, kind in finding_kinds().items():
+        for text in kind.texts.values():
+            for _, name, form, _ in Formatter().parse(text):
+                if name:
+                    yield code, name, form or ""
+
+
+@pytest.mark.parametrize(("code", "name", "form"), sorted({*sentence_parts()}))
+def test_a_sentence_can_be_formatted(code: str, name: str, form: str) -> None:
+    first, *attributes = name.split(".")
+    kind: Any = RECORDS.get(first) or _RECORD_OF_CODE.get(code)
+    for attribute in attributes:
+        owner = getattr(kind, attribute)
+        of_property = owner.fget if isinstance(owner, property) else None
+        hints = get_type_hints(of_property or kind, localns=vars(sys.modules[kind.__module__]))
+        kind = hints["return" if of_property else attribute]
+    if attributes:
+        kinds = get_args(kind) or (kind,)
+        value = next(VALUES[each] for each in kinds if each in VALUES)
+    else:
+        value = next(each for each in VALUES.values() if takes(each, form))
+    assert takes(value, form), (kind, form)
+
+
+VALUES: dict[type, object] = {str: "word", int: 2, float: 0.5}
+
+
+def takes(value: object, form: str) -> bool:
+    """Whether a value can be formatted so; numbers with a noun are whole."""
+    if form.replace(" ", "").isalpha():
+        return isinstance(value, int)
+    try:
+        return bool(format(value, form))
+    except ValueError:
+        return False
 
 
 def test_numbers_have_their_nouns() -> None:

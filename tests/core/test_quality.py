@@ -3,11 +3,7 @@ import pytest
 
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.quality import (
-    TopicQuality,
-    topic_quality,
-    topic_times,
-)
+from dogbot_logtool.core.quality import TopicQuality, topic_quality, topic_times
 
 MS = 1_000_000
 S = 1_000 * MS

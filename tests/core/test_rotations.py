@@ -2,13 +2,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.rotations import (
-    multiply,
-    normalised,
-    roll_pitch_yaw,
-    rotate,
-    slerp,
-)
+from dogbot_logtool.core.rotations import multiply, normalised, roll_pitch_yaw, rotate, slerp
 
 
 def about(axis: int, angle: float) -> Floats:

@@ -9,7 +9,7 @@ import pytest
 from upath import UPath
 
 from dogbot_logtool.errors import CallError, LogtoolError
-from dogbot_logtool.io.output import refuse_bad_target, whole_file
+from dogbot_logtool.io.output import output_at, refuse_bad_target, whole_file
 
 
 def files(folder: Path) -> list[str]:
@@ -159,3 +159,38 @@ def test_bad_targets(tmp_path: Path) -> None:
     refuse_bad_target(other, [log], overwrite=True)
     refuse_bad_target(tmp_path / "new", [log], overwrite=False)
     assert log.read_bytes() == b"log"
+
+
+MCAP = ".annotated.mcap"
+
+
+@pytest.mark.parametrize(
+    ("word", "several", "is_folder"),
+    [
+        ("annotated/", False, True),
+        ("annotated", False, False),
+        ("annotated", True, True),
+        ("x.mcap", False, False),
+        ("x.mcap", True, False),
+        ("x.mcap/", False, True),
+        ("there", False, True),
+        ("there.mcap", True, True),
+        ("x.v2", False, False),
+        ("memory://out", False, True),
+        ("memory://out/x.mcap", False, False),
+    ],
+)
+def test_what_an_output_means(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    word: str,
+    *,
+    several: bool,
+    is_folder: bool,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("there", "there.mcap"):
+        (tmp_path / name).mkdir()
+    output = output_at(word, MCAP, several=several)
+    assert output.is_folder == is_folder
+    assert str(output.path).rstrip("/") == word.rstrip("/")

@@ -237,7 +237,8 @@ def written_loads(written: Written, foot: str, encoding: str) -> list[Load]:
     for message, one in annotations(written, load_topic(foot), encoding, type_name):
         stamp = stamp_of(one.timestamp if encoding == "foxglove" else one.stamp)
         assert encoding != "foxglove" or one.HasField("in_contact")
-        loads.append(Load(message.log_time, stamp, bool(one.in_contact), one.force, one.force_bw))
+        felt = bool(one.in_contact), one.force, one.force_bw, one.state
+        loads.append(Load(message.log_time, stamp, *felt))
     return loads
 
 

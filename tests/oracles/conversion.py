@@ -74,6 +74,7 @@ class Load:
     in_contact: bool
     force: float
     body_weights: float
+    state: str = ""
 
 
 @dataclass(frozen=True, slots=True)

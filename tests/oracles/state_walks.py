@@ -54,7 +54,6 @@ FLAGS_ONLY: Final = (
     "hrpsys_ros_bridge/msg/ContactStatesStamped",
     "quadropted_msgs/msg/RobotFootContact",
 )
-WITH_FORCE: Final = tuple(kind for kind in KINDS if kind not in FLAGS_ONLY)
 WITH_POINTS: Final = (*KINDS[:6], *RAW, *KINDS[-3:-1])
 IN_WORLD: Final = tuple(kind for kind in KINDS[:7] if not kind.startswith("anymal"))
 UNITREE: Final = ("front_right", "front_left", "back_right", "back_left")

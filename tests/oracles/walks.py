@@ -70,7 +70,6 @@ KINDS: Final = (
     "spot_msgs/msg/FootStateArray",
     "champ_msgs/msg/ContactsStamped",
 )
-CONTAINERS: Final = ("bag", "mcap", "rosbag2-sqlite3", "rosbag2-mcap")
 MASS_KG: Final = 20.0
 
 

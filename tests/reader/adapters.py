@@ -10,11 +10,13 @@ from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.reader.containers.log import Batch, Channel, Messages, Schema
+from dogbot_logtool.reader.containers.log import Batch, Channel, Schema
+from dogbot_logtool.reader.decode.message_table import Messages
+from dogbot_logtool.reader.decode.paths import MOST_ELEMENTS
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.bases import Base
 from dogbot_logtool.reader.messages.contacts import read_contacts
-from dogbot_logtool.reader.messages.feet import FootChannels
+from dogbot_logtool.reader.messages.feet import FootChannels, feet_in
 from dogbot_logtool.reader.messages.messages import malformed_in
 from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES, read_transforms
 from dogbot_logtool.reader.messages.source import Source, source_of
@@ -101,6 +103,11 @@ WITH_ARRAYS: Final = (
     "quad_msgs/GRFArray",
     "whole_body_state_msgs/WholeBodyState",
     "hrpsys_ros_bridge/ContactStatesStamped",
+    "xpp_msgs/RobotStateCartesian",
+    "old_xpp/RobotStateCartesian",
+    "anymal_msgs/AnymalState",
+    "dwl_msgs/WholeBodyState",
+    "ocs2_msgs/mpc_observation",
 )
 """Types whose messages may hold nothing."""
 
@@ -194,6 +201,7 @@ def read(of: Channel, given: Batch) -> Outcome:
     found = read_contacts(given, [of], feet(of.type_name))
     for each in found:
         assert each.links is not None
+        assert each.source.row.pairs or len(feet_in(each.source, each.messages)) <= MOST_ELEMENTS
         if each.source.has_header:
             each.messages.table.nanoseconds("header.stamp")
     times = _times([each.samples.log_time for each in found])

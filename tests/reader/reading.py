@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from dogbot_logtool.reader.containers.log import Extra, LoadedChunk, Loss
+from dogbot_logtool.reader.containers.log import Extra, LoadedChunk
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.opening import open_log
 
 

@@ -1,4 +1,4 @@
-"""Poses against a second witness of the same motion, over whole strides: feet, or the twist."""
+"""Poses against a second witness of the same motion, over whole strides: feet, twist, gyroscope."""
 
 from dataclasses import dataclass, replace
 from typing import Final
@@ -64,8 +64,7 @@ def motion_in(base: BaseHistory, windows: Ints, forward_rad: float = 0.0) -> Mot
         forward_rad: from the heading of its poses to forward.
     """
     if len(base.time) < 2:
-        unknown = np.full(len(windows), np.nan)
-        return Motion(unknown + 0j, unknown, unknown)
+        return turn_only(np.full(len(windows), np.nan))
     ahead, left, _ = base.steps(forward_rad)
     path = np.concatenate([[0.0], np.cumsum(ahead + 1j * left)])
     edges = windows - base.time[0]
@@ -75,6 +74,12 @@ def motion_in(base: BaseHistory, windows: Ints, forward_rad: float = 0.0) -> Mot
     columns = path, base.angles[:, 2], base.position[:, 2]
     changes = [np.diff(np.interp(edges, since, each))[:, 0] for each in columns]
     return Motion(*(np.where(outside, np.nan, each) for each in changes))
+
+
+def turn_only(turn: Floats) -> Motion:
+    """Return the motion by a witness that tells nothing but turns, (k,) rad."""
+    unknown = np.full(len(turn), np.nan)
+    return Motion(unknown + 0j, turn, unknown)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -98,7 +103,7 @@ class Comparison:
     @property
     def scale(self) -> float | None:
         """How many times as far as the witness the poses go; None: it does not tell."""
-        factor, coherence, _ = self._fit
+        factor, coherence, _ = likeness(self.own.displacement, self.reference.displacement)
         if not self._is_telling:
             return None
         return factor if coherence >= COHERENT else self.own.walked_m / self.reference.walked_m
@@ -106,7 +111,7 @@ class Comparison:
     @property
     def direction_rad(self) -> float | None:
         """From the witness's way to that of the poses, to the left; None: it does not tell."""
-        _, coherence, angle = self._fit
+        _, coherence, angle = likeness(self.own.displacement, self.reference.displacement)
         return angle if self._is_telling and self.tells_heading and coherence >= COHERENT else None
 
     @property
@@ -115,18 +120,18 @@ class Comparison:
         turned = float(np.abs(self.reference.turn).sum()) if self.tells_turn else 0.0
         return self.reference.walked_m > max(SHORTEST_PATH_M, SWINGS * turned)
 
-    @property
-    def _fit(self) -> tuple[float, float, float]:
-        """Return the factor, the coherence and the angle between both paths."""
-        own, reference = self.own.displacement, self.reference.displacement
-        squares, product = (
-            float(np.vdot(reference, reference).real),
-            complex(np.vdot(reference, own)),
-        )
-        if not squares or not product:
-            return 0.0, 0.0, 0.0
-        both = np.sqrt(squares * float(np.vdot(own, own).real))
-        return abs(product) / squares, abs(product) / both, float(np.angle(product))
+
+def likeness(own: Complexes, reference: Complexes) -> tuple[float, float, float]:
+    """Compare horizontal vectors, x + iy, with what they should be.
+
+    Returns:
+        How many times as long they are, the coherence, and by which angle they are turned, rad.
+    """
+    squares, product = float(np.vdot(reference, reference).real), complex(np.vdot(reference, own))
+    if not squares or not product:
+        return 0.0, 0.0, 0.0
+    both = np.sqrt(squares * float(np.vdot(own, own).real))
+    return abs(product) / squares, abs(product) / both, float(np.angle(product))
 
 
 def compare(

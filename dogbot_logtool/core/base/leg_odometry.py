@@ -161,15 +161,7 @@ def dead_reckoned(
     begin, end = time[np.minimum(edges[:-1] + 1, len(time) - 1)], time[edges[1:]]
     begin[0] = time[0]
     long = end - begin > LONGEST_FLIGHT_S * 1e9
-    return BaseHistory(
-        messages=len(time),
-        not_usable=0,
-        not_advancing=0,
-        time=time,
-        position=position,
-        angles=angles,
-        gaps=np.stack([begin[long], end[long]], axis=1),
-    )
+    return BaseHistory(time, position, angles, np.stack([begin[long], end[long]], axis=1))
 
 
 def _bridged(values: Floats, seconds: Floats) -> Floats:

@@ -17,11 +17,7 @@ from dogbot_logtool.core.arrays import (
     median_of,
     picked,
 )
-from dogbot_logtool.core.corrections.clock import (
-    TimeSource,
-    advancing,
-    first_at_each_tick,
-)
+from dogbot_logtool.core.corrections.clock import TimeSource, advancing, first_at_each_tick
 from dogbot_logtool.core.quality import steady_gap_ns
 from dogbot_logtool.core.rotations import (
     along_heading,
@@ -106,19 +102,20 @@ SLOWEST_S: Final = 0.5
 class BaseHistory:
     """Poses of the base at up to 100 Hz."""
 
-    messages: int
-    not_usable: int
-    """Messages with a number that is not finite or a zero quaternion; left out."""
-    not_advancing: int
-    """Messages that repeat a time or step back; left out."""
     time: Ints
     """(n,) ns, strictly increasing."""
     position: Floats
     """(n, 3) m, world frame."""
     angles: Floats
     """(n, 3) rad, roll, pitch, yaw; yaw unwrapped."""
-    gaps: Ints
+    gaps: Ints = field(default_factory=timespans.no_spans)
     """(g, 2) ns, silences: last pose before, first one after."""
+    messages: int = 0
+    """Recorded ones; of poses that are worked out, none."""
+    not_usable: int = 0
+    """Messages with a number that is not finite or a zero quaternion; left out."""
+    not_advancing: int = 0
+    """Messages that repeat a time or step back; left out."""
     velocity: Floats = field(default_factory=lambda: np.empty((0, 3)))
     """(n, 3) m/s, the twist beside each pose, in the world or the body; empty: there is none."""
     repeated: int = 0

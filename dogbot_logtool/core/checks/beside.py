@@ -1,16 +1,18 @@
 """Checks of what is recorded beside feet and base: velocity commands and the accelerometer."""
 
 from collections.abc import Iterator
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from dogbot_logtool.core.checks.loads import origin_of_mass
-from dogbot_logtool.core.compared import ForceComparison, Reading
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.loads import WEIGHT_TOLERANCE
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Words, found
+
+if TYPE_CHECKING:
+    from dogbot_logtool.core.compared import ForceComparison
 
 _NAMES: Final = {"forward": "forward speed", "lateral": "sideways speed", "yaw": "yaw rate"}
 
@@ -47,6 +49,8 @@ def mounting(walk: Walk) -> Iterator[Finding]:
     imu = walk.imu
     if imu is None:
         return
+    from dogbot_logtool.core.compared import Reading  # noqa: PLC0415 - `walk.imu` has loaded it
+
     seat = imu.mounting
     if seat.reading is not Reading.SOUND:
         cases = ("undecided",) if seat.reading in {Reading.NOTHING, Reading.UNCLEAR} else ()
@@ -75,7 +79,7 @@ def forces(walk: Walk) -> Iterator[Finding]:
         yield _odd_forces(walk, compared)
 
 
-def _odd_forces(walk: Walk, forces: ForceComparison) -> Finding:
+def _odd_forces(walk: Walk, forces: "ForceComparison") -> Finding:
     """Return which of mass, feet and frame is wrong, as far as it can be told."""
     case, code = "accelerometer", "IMPULSE_IS_NOT_WEIGHT"
     dead = [foot.name for foot in walk.feet if foot.is_dead]

@@ -16,21 +16,18 @@ from dogbot_logtool.core.checks import (
     base,
     beside,
     clock,
-    feet,
     frames,
     gait,
     loads,
-    poses,
     sensors,
 )
-from dogbot_logtool.core.compared import Reading
 from dogbot_logtool.core.loads import vertical_is_known
 from dogbot_logtool.core.metrics import Check as Question
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Severity
 
 Check = Callable[[Walk], Iterator[Finding]]
-MODULES: Final = (clock, base, poses, sensors, feet, gait, loads, beside, frames)
+MODULES: Final = (clock, base, sensors, gait, loads, beside, frames)
 CHECKS: Final[tuple[Check, ...]] = tuple(
     each
     for module in MODULES
@@ -135,6 +132,8 @@ def _accelerometer(walk: Walk, no_poses: str) -> tuple[str, str]:
         return "the log has no accelerometer of the base", ""
     if walk.imu is None:
         return no_poses, "accelerometer and poses are not known together for 2 s"
+    from dogbot_logtool.core.compared import Reading  # noqa: PLC0415 - `walk.imu` has loaded it
+
     reading = walk.imu.mounting.reading
     unsure = "the accelerometer does not follow the base's attitude"
     lack = "all accelerations are zero" if reading is Reading.NOTHING else no_poses

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from math import atan, degrees
 
 from dogbot_logtool.core.frames.wrench_frame import FrameFit, WrenchFrame, WrenchFrameEvidence
-from dogbot_logtool.core.known_frames import PlacedCounts, WorldFrames
+from dogbot_logtool.core.known_frames import Counts, WorldFrames
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.walk import Walk
@@ -76,13 +76,13 @@ def _fit_text(fit: FrameFit) -> str:
     )
 
 
-def transform_findings(frames: WorldFrames, counts: PlacedCounts) -> Iterator[Finding]:
+def transform_findings(frames: WorldFrames, counts: Counts) -> Iterator[Finding]:
     """Yield how often the frames told what was asked of them."""
-    points = [point for point in frames.points if point]
+    points, (turned, placed) = [point for point in frames.points if point], counts
     for wanted, (done, left), what in (
-        (any(frames.links), counts.forces, "forces"),
-        (any(point.recorded for point in points), counts.points, "positions"),
-        (not all(point.recorded for point in points), counts.points, "origins"),
+        (any(frames.links), turned, "forces"),
+        (any(point.recorded for point in points), placed, "positions"),
+        (not all(point.recorded for point in points), placed, "origins"),
     ):
         if wanted:
             cases = ("none",) if not left else ("forces",) if what == "forces" else ()

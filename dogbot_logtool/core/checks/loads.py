@@ -25,9 +25,8 @@ def no_force(walk: Walk) -> Iterator[Finding]:
     if walk.settings.contact_from:
         return
     for foot in walk.feet:
-        others = [each.record for each in walk.feet if each is not foot]
         touches = len(foot.stances.touchdown) > 0
-        if touches and not foot.record.has_force and not is_stuck(foot.record, others):
+        if touches and not foot.record.has_force and not is_stuck(foot.record, walk.records):
             yield found("NO_FORCE", where=f"feet.{foot.name}.peak_force_n", foot=foot.name)
 
 

@@ -6,10 +6,14 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import median_of
+from dogbot_logtool.core.arrays import Floats, Ints, aggregate, median_of, median_of_known
+from dogbot_logtool.core.base.falls import down_spans
+from dogbot_logtool.core.checks.base import feet_agree
 from dogbot_logtool.core.contact.contact_rule import HEAVILY_FILTERED
 from dogbot_logtool.core.gait.feet import FootSteps
-from dogbot_logtool.core.loads import is_stuck
+from dogbot_logtool.core.gait.strides import any_strides
+from dogbot_logtool.core.loads import is_stuck, mean_impulses
+from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Words, found
 
@@ -86,7 +90,7 @@ def broken(walk: Walk) -> Iterator[Finding]:
     """Yield sensors that show one constant force under load, have stopped, or never feel ground."""
     for foot in _telling(walk):
         feet, spans = (foot.name,), foot.record.stopped
-        if is_stuck(foot.record, [other.record for other in walk.feet if other is not foot]):
+        if is_stuck(foot.record, walk.records):
             cases = () if len(foot.stances.touchdown) > 1 else ("never_lifts",)
             yield found("STUCK", *cases, feet=feet)
         elif len(spans):
@@ -156,3 +160,177 @@ def _telling(walk: Walk) -> Iterator[FootSteps]:
     for row, foot in enumerate(walk.feet):
         if foot.record.start is not None and not walk.settings.feet[row].rule.unusable:
             yield foot
+
+
+FEWEST_DOWN: Final = 1.2
+"""Feet of four or more that must be down on average, unless the robot flies."""
+MOST_FLIGHT: Final = 0.02
+FLIES: Final = 0.05
+HALF: Final = 0.5
+"""Duty factor of feet above which a stride is a walk's."""
+SHORT: Final = 0.4
+"""The same below which it is none, with or without flight."""
+STANDS_FROUDE: Final = 1e-3
+WALKS_FROUDE: Final = 0.06
+"""Froude numbers between which robots walk and do not run; on the spot they may hop."""
+LEG_M, HEAVY_KG = 0.2, 20.0
+"""m, the leg of a robot of 1 kg; of others it grows with the cube root of their mass. The mass that
+is assumed where none is known."""
+DANGLES_S: Final = 1.0
+"""s without a foot on the ground; no gait flies for so long."""
+STAYS_M: Final = 0.03
+"""m that a base moves at most while it stands."""
+TRAVELS: Final = 0.5
+"""Share of its stride that no foot travels while it stands on the ground."""
+UNLIKE: Final = 0.3
+"""By which the contact fraction of a foot differs from that of all others, if it is inverted."""
+ALIKE: Final = 0.08
+"""By which those of the others, and what is left of its own, differ at most."""
+UNCERTAIN: Final = 0.1
+"""Sampling interval over stride from which duty and phase are not known."""
+CHANGES: Final = 0.06
+"""Share of the weight by which it changes when a load is put on or taken off."""
+OVER_NOISE: Final = 5.0
+"""Times the scatter of the weight over strides that it must change by."""
+FEWEST_WEIGHTS: Final = 6
+
+
+def flags_inverted(walk: Walk) -> Iterator[Finding]:
+    """Yield that contact flags seem to be true in the air and false on the ground."""
+    feet = [foot for foot in walk.feet if not foot.record.has_force and len(foot.touchdown)]
+    if not feet or walk.ground is not None or walk.frozen is not None:
+        return
+    why = _all_inverted(walk, feet)
+    if not why:
+        feet = list(_odd_feet(walk))[:1]
+        why = "its flag is down when those of the other feet are up"
+    if feet:
+        names = tuple(foot.name for foot in feet)
+        yield found("FLAGS_INVERTED", where="feet", feet=names, names=", ".join(names), why=why)
+
+
+def _all_inverted(walk: Walk, feet: list[FootSteps]) -> str:
+    """Return why all flags seem to be inverted; empty if they do not."""
+    travels = np.array([_travel_share(foot) for foot in feet])
+    if np.isfinite(travels).any() and float(median_of_known(travels, axis=0)) > TRAVELS:
+        return "the feet would travel on the ground, and rest in the air"
+    supported = walk.support
+    if supported is None:
+        return ""
+    down = np.array(supported.feet_down)
+    flight = float(down[0])
+    mean = float(down @ np.arange(len(down)))
+    if len(feet) == len(walk.feet) >= 4 and mean < FEWEST_DOWN and flight < MOST_FLIGHT:
+        return f"{mean:.1f} of {len(feet)} feet would be down on average, without any flight"
+    speed = walk.base.forward_speed_mps if walk.base else None
+    if speed is not None and _flies_slowly(walk, flight, speed) and not feet_agree(walk):
+        return f"feet would be up so long, {flight:.0%} of the time all at once, at {speed:.2f} m/s"
+    at = _dangles(walk, supported.in_flight)
+    if at is not None:
+        return f"no foot would be down from {walk.seconds(at)[0]:.1f} s on, while the base stands"
+    return ""
+
+
+def _flies_slowly(walk: Walk, flight: float, speed_mps: float) -> bool:
+    """Tell whether feet would be up for as long as in no walk, at a walk's speed by its size.
+
+    Flags that are true for most of a stride would be less likely the other way round.
+    """
+    usual = float(median_of(np.array([foot.record.contact_fraction() for foot in walk.feet])))
+    leg_m = LEG_M * (walk.settings.mass_kg or HEAVY_KG) ** (1.0 / 3.0)
+    froude = speed_mps**2 / (GRAVITY_MPS2 * leg_m)
+    is_short = usual < SHORT or (usual < HALF and flight >= FLIES)
+    return is_short and STANDS_FROUDE < froude < WALKS_FROUDE
+
+
+def _travel_share(foot: FootSteps) -> float:
+    """Return how far a foot travels in its stances, as a share of its stride; NaN: not known."""
+    travel = aggregate(foot.stances.figures.contact_travel_m[foot.stances.whole])
+    length = aggregate(foot.length_m)
+    if travel is None or length is None or length.median <= STAYS_M:
+        return np.nan
+    return travel.median / length.median
+
+
+def _dangles(walk: Walk, in_flight: Ints) -> Ints | None:
+    """Return a long time without contact in which the base stands as high as in its steps."""
+    poses = walk.poses
+    steps = timespans.merge(any_strides(walk.records, walk.fallen, timespans.no_spans()))
+    height = aggregate(poses.position[timespans.covers(steps, poses.time), 2])
+    for span in in_flight[in_flight[:, 1] - in_flight[:, 0] > DANGLES_S * 1e9]:
+        inside = poses.position[timespans.covers(span[None], poses.time)]
+        if height is None or len(inside) < 2 or np.ptp(inside[:, :2], axis=0).max() > STAYS_M:
+            continue
+        if abs(float(median_of(inside[:, 2])) - height.median) < STAYS_M:
+            return np.asarray(span)
+    return None
+
+
+def _odd_feet(walk: Walk) -> Iterator[FootSteps]:
+    """Yield feet whose flags are up as long as those of all others are down."""
+    known = [foot.record.contact_fraction() for foot in walk.feet]
+    fractions = np.array([each for each in known if each is not None])
+    if len(known) != len(fractions) or len(known) < 3:
+        return
+    for row, (foot, own) in enumerate(zip(walk.feet, fractions, strict=True)):
+        others = np.delete(fractions, row)
+        usual = float(median_of(others))
+        agree = float(np.ptp(others)) < ALIKE and abs(1.0 - own - usual) < ALIKE
+        if agree and abs(own - usual) > UNLIKE and not foot.record.has_force:
+            yield foot
+
+
+def sampled_slowly(walk: Walk) -> Iterator[Finding]:
+    """Yield feet of which contact is known too rarely in a stride."""
+    samples = {
+        foot.name: (walk.period_s or np.inf) / foot.record.median_interval_s
+        for foot in walk.feet
+        if foot.record.median_interval_s and len(foot.strides.stance)
+    }
+    feet = tuple(name for name, number in samples.items() if number < 1.0 / UNCERTAIN)
+    if feet:
+        least = min(samples.values())
+        words: Words = {"names": ", ".join(feet), "least": least, "share": 1.0 / least}
+        yield found("SAMPLED_SLOWLY", "contact", where="feet", feet=feet, **words)
+
+
+def payload(walk: Walk) -> Iterator[Finding]:
+    """Yield that the feet's sum changes lastingly: a load is put on, or taken off."""
+    time, weight = _weights(walk)
+    # The stride in which it changes belongs to neither part.
+    rows = np.arange(FEWEST_WEIGHTS // 2 - 1, len(weight) - FEWEST_WEIGHTS // 2 + 1)
+    if not len(rows):
+        return
+    away = weight - weight.mean()
+    total, squares = np.cumsum(away), np.cumsum(away * away)
+    rests = squares[rows - 1] - total[rows - 1] ** 2 / rows
+    rests += squares[-1] - squares[rows]
+    rests -= (total[-1] - total[rows]) ** 2 / (len(weight) - 1 - rows)
+    row = int(rows[np.argmin(rests)])
+    before, after = float(weight[:row].mean()), float(weight[row + 1 :].mean())
+    scatter = float(np.sqrt(max(rests.min(), 0.0) / max(len(weight) - 2, 1)))
+    if abs(after - before) >= max(CHANGES * max(before, after), OVER_NOISE * scatter):
+        since, load = walk.seconds(time[row : row + 1])[0], abs(after - before)
+        verb = "taken off" if after < before else "put on"
+        yield found(
+            "PAYLOAD", where="forces", before=before, after=after, since=since, load=load, verb=verb
+        )
+
+
+def _weights(walk: Walk) -> tuple[Ints, Floats]:
+    """Return when, and the feet's mean load over each stride then, (k,) N; none: not known."""
+    known = timespans.intersect([each.known for each in walk.records])
+    forced = all(each.has_force for each in walk.records) and len(walk.records) > 0
+    if not walk.period_s or not forced or not walk.contacts_known:
+        known = timespans.no_spans()
+    half = round((walk.period_s or 1.0) * 5e8)
+    # The belly of a robot that lies carries it.
+    track = walk.track
+    down = down_spans(track.history, walk.records, track.height_m)
+    known = timespans.subtract(known, timespans.merge(np.concatenate([walk.fallen, down])))
+    time = timespans.ticks(known, 2 * half)
+    time = time[timespans.hold_window(known, time, half, half)]
+    kind = "vertical_impulse" if walk.vertical_known else "force_impulse"
+    if len(time) < FEWEST_WEIGHTS:
+        return time[:0], np.empty(0)
+    return time, np.asarray(mean_impulses(walk.records, kind, time, half).sum(axis=1))

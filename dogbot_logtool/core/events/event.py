@@ -1,7 +1,6 @@
-"""Types of events, their order, and what annotated logs say of events and gaits."""
+"""Types of events, their order, and how much each matters."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable
 from enum import IntEnum, StrEnum
 from typing import Final
 
@@ -80,34 +79,3 @@ class Level(IntEnum):
     INFO = 2
     WARNING = 3
     ERROR = 4
-
-
-@dataclass(frozen=True, slots=True)
-class EventMessage:
-    """An event for a log panel."""
-
-    time: int
-    """ns, its onset."""
-    level: Level
-    source: str
-    """Name of the foot, or ``robot``."""
-    text: str
-    end: int = 0
-    """ns."""
-    details: Mapping[str, str] = field(default_factory=dict)
-    """Its details by name: ``type``, ``foot``, ``value``, ``unit``, ``code``."""
-
-
-@dataclass(frozen=True, slots=True)
-class GaitState:
-    """The gait from a time on."""
-
-    time: int
-    """ns."""
-    gait: str
-    """Class, or `UNKNOWN`."""
-    stride_frequency_hz: float
-    """NaN where there are no strides; also the rest."""
-    duty_factor: float
-    phases: tuple[float, ...]
-    """Cycles, of each foot."""

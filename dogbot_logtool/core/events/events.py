@@ -197,7 +197,7 @@ def _sensor_faults(walk: Walk, row: int) -> Iterator[Event]:
     record, stances, figures = foot.record, foot.record.stances, foot.record.stances.figures
     if foot.is_dead and not len(record.stopped):
         yield fault(record.start or 0, record.end or 0, "DEAD")
-    if is_stuck(record, [other.record for other in walk.feet if other is not foot]):
+    if is_stuck(record, walk.records):
         yield fault(int(stances.touchdown[0]), int(stances.liftoff[-1]), "STUCK")
     else:
         yield from (fault(start, end, "STOPPED") for start, end in record.stopped.tolist())

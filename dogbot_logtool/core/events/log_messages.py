@@ -1,6 +1,7 @@
 """Events as sentences, and the gait as it changes."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from itertools import zip_longest
 from typing import Final
 
@@ -10,9 +11,7 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.events.event import (
     STEPS,
     UNKNOWN,
-    EventMessage,
     EventType,
-    GaitState,
     Level,
     with_steps,
 )
@@ -25,6 +24,37 @@ _LEVELS: Final[Mapping[str, Level]] = {
     **dict.fromkeys(STEPS, Level.DEBUG),
 }
 """Levels of events that are no warnings."""
+
+
+@dataclass(frozen=True, slots=True)
+class EventMessage:
+    """An event for a log panel."""
+
+    time: int
+    """ns, its onset."""
+    level: Level
+    source: str
+    """Name of the foot, or ``robot``."""
+    text: str
+    end: int = 0
+    """ns."""
+    details: Mapping[str, str] = field(default_factory=dict)
+    """Its details by name: ``type``, ``foot``, ``value``, ``unit``, ``code``."""
+
+
+@dataclass(frozen=True, slots=True)
+class GaitState:
+    """The gait from a time on."""
+
+    time: int
+    """ns."""
+    gait: str
+    """Class, or `UNKNOWN`."""
+    stride_frequency_hz: float
+    """NaN where there are no strides; also the rest."""
+    duty_factor: float
+    phases: tuple[float, ...]
+    """Cycles, of each foot."""
 
 
 def event_messages(walk: Walk) -> tuple[EventMessage, ...]:

@@ -240,8 +240,9 @@ def diagonality(phases: Sequence[float]) -> float | None:
     Returns:
         None where a phase is not known, or the sides are half a cycle apart.
     """
-    mean = circular_mean(np.array(limb_phases(phases)))
-    return mean.mean if mean and mean.n == 2 and mean.consistency > 1e-6 else None
+    sides = np.array(limb_phases(phases))
+    mean, consistency = circular_mean(sides) or (0.0, 0.0)
+    return mean if np.isfinite(sides).all() and consistency > 1e-6 else None
 
 
 CONSISTENT: Final = 0.8

@@ -7,17 +7,10 @@ from typing import Any, Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import (
-    Flags,
-    Floats,
-    Ints,
-    aggregate,
-    percentiles_of,
-    rows_of_runs,
-)
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, percentiles_of, rows_of_runs
 from dogbot_logtool.core.base.foot_path import FootPath, footfalls
+from dogbot_logtool.core.base.ground import MovingGround
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES, stride_lengths
-from dogbot_logtool.core.base.moving_ground import MovingGround
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
 from dogbot_logtool.core.contact.stances import Cut, Stances

@@ -232,11 +232,8 @@ def _phases(feet: Sequence[FootSteps], strides: Strides) -> list[CircularMean | 
 
 
 def _phase(own: CircularMean | None, hind: CircularMean | None) -> Phase:
-    return Phase(
-        mean=None if own is None else own.mean,
-        consistency=None if own is None else own.consistency,
-        left_hind=None if hind is None else hind.mean,
-    )
+    mean, consistency = own or (None, None)
+    return Phase(mean, consistency, left_hind=hind[0] if hind else None)
 
 
 def _named(gait: Gait, feet: Sequence[FootSteps], phases: Sequence[CircularMean | None]) -> Gait:
@@ -245,7 +242,7 @@ def _named(gait: Gait, feet: Sequence[FootSteps], phases: Sequence[CircularMean 
     known = [each for foot in legs_in_order(positions) or () if (each := phases[foot])]
     if not known or len(known) < len(feet):
         return gait
-    means, consistency = [each.mean for each in known], [each.consistency for each in known]
+    means, consistency = [mean for mean, _ in known], [each for _, each in known]
     found = classify(means, consistency, gait.duty_factor, gait.flight_fraction)
     confidence = None
     if found.class_distance is not None:

@@ -13,15 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import (
-    Flags,
-    Float32s,
-    Floats,
-    Ints,
-    all_finite,
-    header_time,
-    norms,
-)
+from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, all_finite, header_time, norms
 from dogbot_logtool.core.contact.contacts import Contacts, Samples
 
 EDGES_NM: Final = np.array([380.0, 440.0, 490.0, 510.0, 580.0, 645.0, 750.0])

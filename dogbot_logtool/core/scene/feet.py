@@ -12,13 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import (
-    Flags,
-    Floats,
-    Ints,
-    all_finite,
-    median_of,
-)
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, median_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import SILENCE_NS

@@ -15,11 +15,7 @@ from dogbot_logtool.core.events.events import find_events
 from dogbot_logtool.core.gait.feet import foot_metrics
 from dogbot_logtool.core.gait.segments import Segment, no_gait
 from dogbot_logtool.core.gait.support import Support
-from dogbot_logtool.core.loads import (
-    WalkLoads,
-    share_of,
-    symmetry_index_percent,
-)
+from dogbot_logtool.core.loads import WalkLoads, share_of, symmetry_index_percent
 from dogbot_logtool.core.masks import base_in, loads_in, stability_in, support_in
 from dogbot_logtool.core.records import copied, unknown, void
 from dogbot_logtool.core.walk import Walk

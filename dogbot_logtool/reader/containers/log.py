@@ -1,7 +1,4 @@
-"""A log: its channels, its chunks, and batches of its messages as columns.
-
-Other rooms import what they need of a log from here.
-"""
+"""A log: its channels, its chunks, and batches of its messages as columns."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -18,27 +15,7 @@ from dogbot_logtool.io.storage import Location, name_of
 from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Damage, Loss, lost_messages
 from dogbot_logtool.reader.containers.source import ByteSource
 from dogbot_logtool.reader.decode.definition import short_type_name
-from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
-
-__all__ = [
-    "BATCH_SIZE",
-    "Batch",
-    "Channel",
-    "Chunk",
-    "EarlierAnnotations",
-    "Extra",
-    "LoadedChunk",
-    "Log",
-    "Loss",
-    "Messages",
-    "Schema",
-    "Span",
-    "concatenate_messages",
-    "damage_of",
-    "lost_messages",
-    "malformed_messages",
-    "wrong_statistics",
-]
+from dogbot_logtool.reader.decode.message_table import Messages
 
 BATCH_SIZE: Final = 15 << 19
 """Bytes of decompressed chunks from which a batch is full: large enough to make the cost of a

@@ -5,14 +5,13 @@ Numbers that stand near each other in a message stay together, as rows of a stru
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Floats, Ints, distinct
 
-_DOUBLE: Final = np.dtype("<f8")
 _ROUNDS: Final = 64
 """Different strings from which sorting all is faster than taking out one after another."""
 
@@ -64,52 +63,36 @@ class Texts:
         return str(self.buffer[start : start + int(self.length[row])].tobytes(), "utf-8", "replace")
 
     def encode(self) -> tuple[Ints, tuple[str, ...]]:
-        """Replace the strings by numbers.
-
-        Returns:
-            code (n,), and the different strings that the codes count.
-        """
-        code, rows = self.alike()
-        return code, tuple(self.text(row) for row in rows)
-
-    def alike(self, kind: Ints | None = None) -> tuple[Ints, list[int]]:
-        """Number the different strings, as bytes.
+        """Replace the strings by numbers; they are compared as bytes.
 
         Strings on the path are nearly always constant, or take few values, so each round
         settles all rows that equal the first unsettled one. After some rounds the rest is sorted,
         since a log may also name every row differently.
 
-        Args:
-            kind: (n,) small numbers, not negative; only strings of one kind are compared, and
-                those of different kinds get different numbers.
-
         Returns:
-            code (n,), and for each code a row that has it.
+            code (n,), and the different strings that the codes count.
         """
         code = np.full(len(self.start), -1, np.int64)
         rows: list[int] = []
         left = np.arange(len(self.start))
-        key = self.length
-        if kind is not None:
-            key = key * (int(kind.max(initial=0)) + 1) + kind
         while len(left) and len(rows) < _ROUNDS:
             first = left[0]
-            alike = left[key[left] == key[first]]
-            if size := int(self.length[first]):
+            size = int(self.length[first])
+            alike = left[self.length[left] == size]
+            if size:
                 texts = gather_bytes(self.buffer, self.start[alike], size)
                 alike = alike[rows_like(texts, texts[0])]
             code[alike] = len(rows)
             rows.append(int(first))
             left = left[code[left] < 0] if len(alike) < len(left) else left[:0]
-        for one in distinct(key[left]).tolist():
-            alike = left[key[left] == one]
-            size = int(self.length[alike[0]])
+        for size in distinct(self.length[left]).tolist():
+            alike = left[self.length[left] == size]
             # Texts without a byte are all alike.
             whole = gather(self.buffer, self.start[alike], size) if size else alike * 0
             _, first_rows, inverse = np.unique(whole, return_index=True, return_inverse=True)
             code[alike] = len(rows) + inverse
             rows.extend(alike[first_rows].tolist())
-        return code, rows
+        return code, tuple(self.text(row) for row in rows)
 
 
 def rows_like(rows: Bytes, row: Bytes) -> Flags:
@@ -163,21 +146,12 @@ class Table:
 
     def numbers(self, path: str) -> NDArray[np.generic]:
         """Return a column of numbers, (n,) or (n, k)."""
-        return self._run(path)[path]
+        return next(run for run in self.runs if path in (run.dtype.names or ()))[path]
 
     def vectors(self, path: str, components: str) -> Floats:
         """Return (n, k) float64 from the fields ``path.x``, ``path.y`` ... of a struct."""
         prefix = f"{path}." if path else ""
         names = [prefix + component for component in components]
-        run = self._run(names[0])
-        fields = _fields(run)
-        first = fields[names[0]][1]
-        in_a_row = [(_DOUBLE, first + _DOUBLE.itemsize * row) for row in range(len(names))]
-        # A view of no rows has no bytes for its offset to lie in.
-        if len(run) and [fields.get(name) for name in names] == in_a_row:
-            data, strides = run.view(np.uint8).data, (run.itemsize, _DOUBLE.itemsize)
-            shape = len(run), len(names)
-            return np.ascontiguousarray(np.ndarray(shape, _DOUBLE, data, first, strides))
         return np.stack([self.numbers(name) for name in names], axis=1).astype(np.float64)
 
     def nanoseconds(self, path: str) -> Ints:
@@ -196,11 +170,3 @@ class Table:
         column = self.columns[path]
         assert isinstance(column, Nested)  # noqa: S101 - a wrong path is a fault of ours
         return column
-
-    def _run(self, path: str) -> Rows:
-        return next(run for run in self.runs if path in _fields(run))
-
-
-def _fields(run: Rows) -> Mapping[str, tuple[Any, ...]]:
-    """Return dtype and offset of each number, by its path."""
-    return run.dtype.fields or {}

@@ -93,7 +93,6 @@ class _Walk:
         self._order = ">" if big_endian else "<"
         self._read_count = struct.Struct(self._order + "I").unpack_from
         self._sound: Flags = np.ones(0, np.bool_)
-        self._all_sound = True
 
     def messages(self, start: Ints, end: Ints) -> tuple[Table, Flags]:
         """Decode whole messages: the table has a row each, void where the flag is false."""
@@ -237,10 +236,10 @@ class _Walk:
                 start[slot] = position
                 position = self._skip(steps, position, origin, limit)
                 if position > limit:
-                    self._sound[cursors.message[row]] = self._all_sound = False
+                    self._sound[cursors.message[row]] = False
                     break
             cursors.position[row] = position
-        if self._all_sound:
+        if self._sound.all():
             return parent, start
         sound = self._sound[cursors.message[parent]]
         return parent[sound], start[sound]
@@ -327,10 +326,9 @@ class _Walk:
     def _fail(self, cursors: _Cursors, rows: Flags) -> None:
         if rows.any():
             self._sound[cursors.message[rows]] = False
-            self._all_sound = False
 
     def _void_failed(self, count: Ints, cursors: _Cursors) -> None:
-        if not self._all_sound:
+        if not self._sound.all():
             count[~self._sound[cursors.message]] = 0
 
     def _gather(self, start: Ints, size: int) -> NDArray[np.void]:

@@ -105,7 +105,7 @@ class Layout:
 
 
 def compile_layout(
-    definition: Struct, serialisation: Serialisation, wanted: Collection[str] | None
+    definition: FieldType, serialisation: Serialisation, wanted: Collection[str] | None
 ) -> Layout:
     """Compile a definition.
 

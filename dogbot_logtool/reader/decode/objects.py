@@ -75,25 +75,22 @@ def _type(field: Any) -> FieldType:  # noqa: ANN401
     return VariableArray(kind) if field.default_value == [] else kind
 
 
-def only(definition: Struct, columns: Collection[str], prefix: str = "") -> Struct:
+def only(kind: FieldType, columns: Collection[str], path: str = "") -> FieldType:
     """Return a definition that has some columns only; messages need not have the others."""
-    fields: list[tuple[str, FieldType]] = []
-    for name, kind in definition.fields:
-        path = f"{prefix}{name}"
-        if path in columns:
-            fields.append((name, kind))
-        elif any(each.startswith(f"{path}.") for each in columns):
-            fields.append((name, _inside(kind, columns, f"{path}.")))
-    return Struct(definition.name, tuple(fields))
+    match kind:
+        case VariableArray(element):
+            return VariableArray(only(element, columns, path))
+        case Struct(name, fields) if path not in columns:
+            kept: list[tuple[str, FieldType]] = []
+            for field, inner in fields:
+                below = f"{path}.{field}".removeprefix(".")
+                if any(f"{each}.".startswith(f"{below}.") for each in columns):
+                    kept.append((field, only(inner, columns, below)))
+            return Struct(name, tuple(kept))
+    return kind
 
 
-def _inside(kind: FieldType, columns: Collection[str], prefix: str) -> FieldType:
-    if isinstance(kind, VariableArray):
-        return VariableArray(_inside(kind.element, columns, prefix))
-    return only(kind, columns, prefix) if isinstance(kind, Struct) else kind
-
-
-def as_ros1(type_name: str, encoding: str, payload: bytes, definition: Struct) -> bytes | None:
+def as_ros1(type_name: str, encoding: str, payload: bytes, definition: FieldType) -> bytes | None:
     """Return a message as ROS 1 would write it; None if it cannot be decoded.
 
     Args:

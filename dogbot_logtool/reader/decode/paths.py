@@ -129,21 +129,16 @@ class FieldPath:
         """Return (m, w) numbers of every element."""
         return _leaf(self, self._innermost(table))
 
-    def rows_beside(self, table: Table, other: "FieldPath") -> Ints | None:
-        """Return the elements that stand beside those of another path's array.
-
-        Returns:
-            (m,) rows of `all_values`, -1 where there is none; None: they are the same elements.
-        """
-        if [each.path for each in self.arrays] == [each.path for each in other.arrays]:
-            return None
+    def rows_beside(self, table: Table, other: "FieldPath") -> Ints:
+        """(m,) rows of `all_values` beside the elements of another path's array; -1: none."""
         own, theirs = (table.nested(each.arrays[0].path) for each in (self, other))
+        if np.array_equal(own.parent, theirs.parent):
+            return np.arange(len(own.parent))
         return own.rows_at(theirs.parent, theirs.index)
 
     def beside(self, table: Table, other: "FieldPath") -> Floats:
         """Return (m, w) numbers beside each element of another path's array; NaN: none."""
-        values, rows = self.all_values(table), self.rows_beside(table, other)
-        return values if rows is None else _picked(values, rows)
+        return _picked(self.all_values(table), self.rows_beside(table, other))
 
     def _innermost(self, table: Table) -> Table:
         return table.nested(self.arrays[0].path).table if self.arrays else table

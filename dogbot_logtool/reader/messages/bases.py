@@ -103,8 +103,7 @@ def _chosen_poses(source: Source, messages: DecodedMessages, element: str) -> Ba
     wanted = [number for number, (each, _) in enumerate(names) if each == element]
     message_of, _ = name.texts(table)
     named = np.flatnonzero(np.isin(code, wanted))
-    beside = paths["position"][0].rows_beside(table, name)
-    rows = named if beside is None else beside[named]
+    rows = paths["position"][0].rows_beside(table, name)[named]
     named, rows = named[rows >= 0], rows[rows >= 0]
     values = {key: paths[key][0].all_values(table)[rows] for key in ("position", "orientation")}
     stamp = paths["stamp"][0].times(table)[rows] if source.has_header else None

@@ -221,7 +221,7 @@ def _legs_by_place(source: Source, messages: DecodedMessages) -> Sequence[str]:
     points = source.paths["point"][0].values(messages.table)
     usable = np.isfinite(points).all(axis=(1, 2)) & all_finite(at) & all_finite(turned)
     usable &= (turned != 0.0).any(axis=1)
-    if not usable.any():
+    if not usable.any() or not points.shape[1]:
         return ()
     back = conjugate(normalised(turned[usable]))
     seen = [rotate(back, points[usable, foot] - at[usable]) for foot in range(points.shape[1])]

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Bytes, Flags, Ints, sum_by_group
+from dogbot_logtool.core.arrays import Flags, Ints, sum_by_group
 from dogbot_logtool.core.contact.contacts import (
     FOOT_IS_COLLISION1,
     FOOT_IS_COLLISION2,
@@ -33,8 +33,6 @@ UNTIMED: Final = int(np.iinfo(np.int64).min)
 _GROUND_WORDS: Final = ("ground", "plane", "terrain", "heightmap", "floor", "world")
 _INFO_TAIL: Final = 48
 """Bytes at the end of `info` that hold the time of the physics step, and more."""
-_MOST_DIGITS: Final = 18
-"""Of a number; more may not fit into an int64."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -148,9 +146,6 @@ def step_times(info: Texts) -> Ints:
     """
     if not len(info.start):
         return info.start
-    alike = _times_of_alike(info)
-    if alike is not None:
-        return alike
     size = min(_INFO_TAIL, len(info.buffer))
     first, column = np.maximum(info.end - size, 0), np.arange(size)
     begin, end = (info.start - first)[:, None], (info.end - first)[:, None]
@@ -164,36 +159,11 @@ def step_times(info: Texts) -> Ints:
     behind_point = np.zeros(len(tail), np.bool_)
     for place in range(int(colon.min()) + 1, size):
         letter, here = tail[:, place], place > colon
-        digit = _is_digit(letter) & here
+        digit = (letter >= ord("0")) & (letter <= ord("9")) & here
         for number, own in ((seconds, digit & ~behind_point), (nanoseconds, digit & behind_point)):
             number[own] = 10 * number[own] + letter[own] - ord("0")
         behind_point |= (letter == ord(".")) & here
     return np.where(timed, seconds * 1_000_000_000 + nanoseconds, UNTIMED)
-
-
-def _times_of_alike(info: Texts) -> Ints | None:
-    """(s,) ns, if all texts end alike but for the digits, as is usual; else None."""
-    text = info.text(0)
-    size = len(text) - text.rfind("time:") if text.isascii() and "time:" in text else 0
-    if not 0 < size <= _INFO_TAIL or int(info.length.min()) < size:
-        return None
-    tail = gather_bytes(info.buffer, info.end - size, size)
-    digit = _is_digit(tail[0])
-    if (tail != tail[0])[:, ~digit].any() or not _is_digit(tail[:, digit]).all():
-        return None
-    behind_point = np.cumsum(tail[0] == ord(".")) > 0
-    numbers = [tail[:, digit & side] for side in (~behind_point, behind_point)]
-    if max(each.shape[1] for each in numbers) > _MOST_DIGITS:
-        return None
-    seconds, nanoseconds = (
-        (each - np.uint8(ord("0"))).astype(np.int64) @ 10 ** np.arange(each.shape[1])[::-1]
-        for each in numbers
-    )
-    return np.asarray(seconds * 1_000_000_000 + nanoseconds)
-
-
-def _is_digit(letters: Bytes) -> Flags:
-    return np.asarray((letters >= ord("0")) & (letters <= ord("9")))
 
 
 def foot_sides(
@@ -211,21 +181,20 @@ def foot_sides(
         (s,) as in `Contacts.foot_side`; and by foot the links that forces are in the frames of:
         those of its own collisions, where they are named first.
     """
-    # Few pairs of names make few cases: each is judged once, and looked up. Whatever stands between
-    # two names, their lengths for one, can only make more pairs of them. Each foot has its own.
-    start = np.minimum(first_names.start, second_names.start)
-    end = np.maximum(first_names.end, second_names.end)
-    pair, rows = Texts(first_names.buffer, start, end - start).alike(foot)
+    (first, names), (second, others) = first_names.encode(), second_names.encode()
+    # Few pairs of names make few cases: each is judged once.
+    shape = len(feet), max(len(names), 1), max(len(others), 1)
+    code = np.ravel_multi_index((foot, first, second), shape)
+    different, case = np.unique(code, return_inverse=True)
+    cases = np.stack(np.unravel_index(different, shape), axis=1)
     sides: list[int] = []
     links: dict[int, set[str]] = {}
-    for row in rows:
-        number, first = int(foot[row]), first_names.text(row)
-        sides.append(_side(feet[number], first, second_names.text(row)))
+    for number, one, other in cases.tolist():
+        sides.append(_side(feet[number], names[one], others[other]))
         # Nested models add parts in front of ``model::link::collision``.
-        if sides[-1] == FOOT_IS_COLLISION1 and first.count("::") > 1:
-            links.setdefault(number, set()).add(first.split("::")[-2])
-    side: NDArray[np.int8] = np.array(sides, np.int8)[pair]
-    return side, links
+        if sides[-1] == FOOT_IS_COLLISION1 and names[one].count("::") > 1:
+            links.setdefault(number, set()).add(names[one].split("::")[-2])
+    return np.array(sides, np.int8)[case], links
 
 
 def _side(foot: Foot, first: str, second: str) -> int:

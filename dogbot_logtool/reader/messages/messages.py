@@ -165,9 +165,9 @@ def _decoder(
     definition, _ = found
     if encoding not in OBJECT_ENCODINGS:
         return _Decoder(compile_layout(definition, SERIALISATIONS[encoding], columns))
-    definition = only(definition, columns)
-    layout = compile_layout(definition, "ros1", None)
-    return _Decoder(layout, partial(as_ros1, name, encoding, definition=definition))
+    read = only(definition, columns)
+    layout = compile_layout(read, "ros1", None)
+    return _Decoder(layout, partial(as_ros1, name, encoding, definition=read))
 
 
 @lru_cache(maxsize=256)

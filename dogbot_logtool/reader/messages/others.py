@@ -73,23 +73,22 @@ def _joints(source: Source, messages: DecodedMessages) -> tuple[tuple[str, ...],
     paths = [source.paths[name][0] for name in ("joint_position", "joint_velocity", "joint_effort")]
     name = source.paths["joint"][0] if source.row.joint else None
     if name is not None and len(name.texts(table)[0]):
+        key = name
         parent, joint, names = _named_joints(name, table)
-        columns = [path.beside(table, name)[:, 0] for path in paths]
     else:
-        nested = table.nested(paths[0].arrays[0].path)
-        parent, joint, names = nested.parent, nested.index, source.row.joints
-        columns = [path.all_values(table)[:, 0] for path in paths]
+        key, names = paths[0], source.row.joints
+        nested = table.nested(key.arrays[0].path)
+        parent, joint = nested.parent, nested.index
         if name is not None:
             # Some publishers leave the names out; positions keep their order.
             names = tuple(f"joint_{n}" for n in range(-(-len(parent) // max(rows, 1))))
     most = min(len(names), max(_MOST_CELLS, len(parent)) // max(rows, 1))
     kept = joint < most
+    cells = parent[kept], joint[kept]
     found: list[Floats] = []
-    for column in columns:
+    for path in paths:
+        own = path.beside(table, key)[kept, 0]
         matrix = np.full((rows, most), np.nan)
-        # Arrays that some publishers leave empty.
-        own = column[kept] if len(column) == len(parent) else np.full(int(kept.sum()), np.nan)
-        cells = parent[kept], joint[kept]
         matrix[cells] = own
         # A name that stands twice in a message, with other numbers, tells nothing.
         twice = (matrix[cells] != own) & ~np.isnan(own)
@@ -109,7 +108,7 @@ def _named_joints(name: FieldPath, table: Table) -> tuple[Ints, Ints, tuple[str,
         whole = Texts(called.buffer, start[:, 0], start[:, -1] + length[:, -1] - start[:, 0])
         ends = np.stack([start, start + length]) - start[:, :1]
         names = tuple(called.text(row) for row in range(count))
-        is_alike = (ends == ends[:, :1]).all() and len(whole.alike()[1]) == 1
+        is_alike = (ends == ends[:, :1]).all() and len(whole.encode()[1]) == 1
         if is_alike and len(set(names)) == count:
             return parent, np.tile(np.arange(count), table.rows), names
     return parent, *called.encode()

@@ -14,17 +14,18 @@ from dogbot_logtool.report.text.console import (
     print_sentence,
 )
 from dogbot_logtool.report.verdict import headline, quality_of
-from dogbot_logtool.results import Conversion, Page
 
 if TYPE_CHECKING:
     from dogbot_logtool.comparison.walks import GaitComparison
+    from dogbot_logtool.conversion.annotated_log import Conversion
+    from dogbot_logtool.report.page.render import Page
 
 
 def _print_written(console: Console, name: str, words: str) -> None:
     print_sentence(console, (printable(name), "bold"), printable(f": {words}"))
 
 
-def print_conversion(console: Console, done: Conversion, *, verbose: bool) -> None:
+def print_conversion(console: Console, done: "Conversion", *, verbose: bool) -> None:
     """Print what was written of a log, and if verbose how many annotations each topic has."""
     added = sum(done.annotations.values())
     words = f"{done.copied:,} recorded messages and {added:,} annotations"
@@ -36,7 +37,7 @@ def print_conversion(console: Console, done: Conversion, *, verbose: bool) -> No
     print_losses(console, done.damage)
 
 
-def print_page(console: Console, done: Page, *, verbose: bool) -> None:
+def print_page(console: Console, done: "Page", *, verbose: bool) -> None:
     """Print what a page says, and if verbose all findings."""
     measured = done.measured
     words = f"{headline(measured.metrics)}. {quality_of(measured).line} ({human_size(done.size)})"

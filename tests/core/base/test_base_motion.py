@@ -2,12 +2,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.base.motion import (
-    BaseTrack,
-    base_motion,
-    find_travel,
-    stride_lengths,
-)
+from dogbot_logtool.core.base.motion import BaseTrack, base_motion, find_travel, stride_lengths
 from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.metrics import Base

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.falls import fallen_spans, find_tipping
 from dogbot_logtool.core.base.jumps import find_jumps
@@ -32,13 +31,9 @@ def curve(knots: Knots) -> Floats:
 def base(height: Knots, roll: Knots) -> BaseHistory:
     time, zero = times(), np.zeros_like(times())
     return BaseHistory(
-        messages=len(time),
-        not_usable=0,
-        not_advancing=0,
         time=np.round(time * 1e9).astype(np.int64),
         position=np.stack([zero, zero, curve(height)], axis=1),
         angles=np.stack([curve(roll), zero, zero], axis=1),
-        gaps=timespans.no_spans(),
     )
 
 

@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.jumps import find_jumps, without_jumps
 from dogbot_logtool.core.base.motion import find_travel, path_length_m, pose_noise_m
@@ -99,9 +98,7 @@ def test_any_finite_pose_but_a_zero_quaternion_can_be_used(
 
 def history(time_s: Floats, position: Floats) -> BaseHistory:
     time = 10**18 + np.round(time_s * 1e9).astype(np.int64)
-    return BaseHistory(
-        len(time), 0, 0, time, position, np.zeros((len(time), 3)), timespans.no_spans()
-    )
+    return BaseHistory(time, position, np.zeros((len(time), 3)))
 
 
 def walk(rate_hz: float, seconds: float = 20.0, speed_mps: float = 0.5) -> BaseHistory:

@@ -4,10 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dogbot_logtool.core.contact.contacts import (
-    FOOT_IS_COLLISION1,
-    Contacts,
-)
+from dogbot_logtool.core.contact.contacts import FOOT_IS_COLLISION1, Contacts
 
 Vector = tuple[float, float, float]
 

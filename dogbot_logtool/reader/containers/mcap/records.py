@@ -69,6 +69,7 @@ LARGEST_OPCODE: Final = int(max(Opcode))
 _HEAD: Final = np.dtype([("opcode", "u1"), ("length", "<u8")])
 _MAY_STAND_IN_CHUNK: Final = np.arange(256) > LARGEST_OPCODE
 """(256,) by opcode; of those that are known, only three."""
+_MAY_STAND_IN_CHUNK[[Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE]] = True
 _DECODED: Final = {
     Opcode.HEADER: records.Header,
     Opcode.FOOTER: records.Footer,
@@ -168,9 +169,6 @@ def read_extra(extra: Extra) -> tuple[bytes, records.Attachment | records.Metada
     crc = int.from_bytes(record[-4:], "little")
     sound = crc in {0, crc32(body[:-4])}
     return None if attachment is None or not sound else (record, attachment)
-
-
-_MAY_STAND_IN_CHUNK[[Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE]] = True
 
 
 class McapFormat:

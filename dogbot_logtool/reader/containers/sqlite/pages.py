@@ -50,6 +50,8 @@ _FRAME_HEAD: Final = struct.Struct(">6I")
 _SUMMED: Final = 8
 """Bytes of it that its checksum covers."""
 
+_Words = NDArray[np.uint32]
+
 
 class JournalError(LogtoolError):
     """A journal cannot be used."""
@@ -177,9 +179,6 @@ def unsigned(buffer: Bytes, start: Ints, width: int) -> Ints:
         width: of each, bytes.
     """
     return gather(buffer, start, width).view(f">u{width}").astype(np.int64)
-
-
-_Words = NDArray[np.uint32]
 
 
 def take_journals(pages: Pages, path: Location) -> Iterator[Loss]:
