@@ -6,7 +6,6 @@ a tree as `fields` compares it.
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Final
 
@@ -77,11 +76,13 @@ def _ros_decoder(encoding: str, schema: Schema) -> Decoder:
     store.get_msgdef(name)
     deserialize = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
 
-    return lambda data: asdict(deserialize(data, name), dict_factory=_ros_struct)  # type: ignore[call-overload]
+    return lambda data: _ros_tree(deserialize(data, name))
 
 
-def _ros_struct(fields: list[tuple[str, Tree]]) -> dict[str, Tree]:
-    return {name: value for name, value in fields if name != "__msgtype__"}
+def _ros_tree(value: Any) -> Tree:  # noqa: ANN401 - a message, a list or a leaf
+    if hasattr(value, "__msgtype__"):
+        return {n: _ros_tree(each) for n, each in vars(value).items() if n != "__msgtype__"}
+    return [_ros_tree(each) for each in value] if isinstance(value, list) else value
 
 
 def descriptor_files(schema: Schema) -> "Sequence[FileDescriptorProto]":

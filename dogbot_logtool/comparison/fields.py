@@ -91,8 +91,7 @@ def _quaternions(
     if not sum(expected[key] * actual[key] for key in expected) < 0.0:
         yield from _structs(expected, actual, rules, path, name)
         return
-    turned = {key: -value for key, value in actual.items()}
-    leaves = [*_structs(expected, turned, rules, path, name)]
+    leaves = [*_structs(expected, {k: -v for k, v in actual.items()}, rules, path, name)]
     if any(leaf.outcome == "different" for leaf in leaves):
         # As a whole: single components of q against -q would puzzle.
         deviation = max(leaf.deviation for leaf in leaves if not leaf.deviation >= math.inf)
@@ -120,10 +119,9 @@ def _arrays(
 
 
 def _lengths(expected: int, actual: int, path: str) -> Iterator[Leaf]:
-    if expected != actual:
+    if more := expected - actual:
         texts = f"{expected} elements", f"{actual} elements"
-        values = abs(expected - actual)
-        yield Leaf("missing" if expected > actual else "extra", path, *texts, values=values)
+        yield Leaf("missing" if more > 0 else "extra", path, *texts, values=abs(more))
     elif not expected:
         yield EQUAL
 

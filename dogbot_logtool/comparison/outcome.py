@@ -136,7 +136,7 @@ class Tally:
 
     def add_message(self, index: int, leaves: Sequence[Leaf]) -> None:
         """Count a message as one that is equal or not."""
-        for leaf in leaves:
+        for leaf in (each for each in leaves if each.deviation > self.deviation):
             self.add(leaf._replace(path=f"[{index}] {leaf.path}", values=0))
         unequal = {leaf.outcome for leaf in leaves} - {"equal"}
         self.equal += not unequal

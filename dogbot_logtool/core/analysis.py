@@ -24,7 +24,7 @@ from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.stability import instants
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.core.walk_metrics.walk import metrics_of
+from dogbot_logtool.core.walk_metrics import metrics_of
 from dogbot_logtool.finding import Finding
 
 if TYPE_CHECKING:

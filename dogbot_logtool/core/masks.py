@@ -11,9 +11,8 @@ from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.axes import with_forward_axis
 from dogbot_logtool.core.base.falls import fallen_spans
 from dogbot_logtool.core.base.ground import find_moving_ground, height_drift_m, height_over_feet
-from dogbot_logtool.core.base.jumps import find_jumps, without_jumps
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES, BaseTrack, base_motion, find_travel
-from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.base.poses import BaseHistory, find_jumps, without_jumps
 from dogbot_logtool.core.base.witness import feet_witness, find_frozen, without_frozen
 from dogbot_logtool.core.consistency import placed_poses, without_stopped
 from dogbot_logtool.core.contact.foot_history import FootHistory

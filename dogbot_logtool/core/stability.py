@@ -101,8 +101,6 @@ def _cross(along: Floats, to: Floats) -> Floats:
 
 FEWEST_FEET: Final = 3
 """Feet that span a polygon."""
-AT_BASE: Final = (0.0, 0.0, 0.0)
-"""m, a centre of mass at the base's frame."""
 _CHUNK_NUMBERS: Final = 500_000
 """Pairs of feet, times instants, that are looked at in one go."""
 
@@ -181,7 +179,7 @@ def instants(
     feet: Sequence[FootHistory],
     base: BaseHistory,
     forward_axis: str,
-    com_offset_m: Sequence[float] = AT_BASE,
+    com_offset_m: Sequence[float],
 ) -> Instants | None:
     """Place base and feet at the first foot's samples; None where they have no time in common.
 

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.falls import Tipping
 from dogbot_logtool.core.base.ground import MovingGround
-from dogbot_logtool.core.base.jumps import PoseJumps
 from dogbot_logtool.core.base.motion import BaseTrack
-from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps
 from dogbot_logtool.core.base.witness import Frozen, Witness
 from dogbot_logtool.core.consistency import Worlds
 from dogbot_logtool.core.contact.foot_history import FootHistory

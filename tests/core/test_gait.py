@@ -1,12 +1,27 @@
 """Classes of gaits by their phases, and names and order of legs."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.gait.classes import classify
+from dogbot_logtool.core.gait import classes
 from dogbot_logtool.core.leg_position import leg_names, legs_in_order, quadruped
+from dogbot_logtool.core.metrics import Gait
+from dogbot_logtool.core.records import unknown
 
 SURE = (1.0,) * 6
+
+
+def classify(
+    phases: Sequence[float],
+    consistency: Sequence[float],
+    duty_factor: float | None = None,
+    flight_fraction: float | None = None,
+) -> Gait:
+    gait = replace(unknown(Gait), duty_factor=duty_factor, flight_fraction=flight_fraction)
+    return classes.classify(gait, phases, consistency)
 
 
 @pytest.mark.parametrize(

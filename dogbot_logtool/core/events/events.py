@@ -16,7 +16,7 @@ from dogbot_logtool.core.arrays import (
     norms,
     percentiles_of,
 )
-from dogbot_logtool.core.base.jumps import SMALLEST_JUMP_M
+from dogbot_logtool.core.base.poses import SMALLEST_JUMP_M
 from dogbot_logtool.core.checks.sensors import foot_is_saturated
 from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.events.event import EventType, in_order

@@ -5,7 +5,7 @@ are down for more than half of the stride is a trot all the same).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from itertools import combinations
 from typing import Final
 
@@ -13,6 +13,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, circular_mean, wrapped
 from dogbot_logtool.core.gait.strides import Strides
+from dogbot_logtool.core.metrics import Gait
 
 TOLERANCE: Final = 0.1
 """Cycles by which phases may differ from those of a class."""
@@ -255,54 +256,37 @@ _SAME: Final = 9
 """Decimals to which two distances must agree to count as equal."""
 
 
-@dataclass(frozen=True, slots=True)
-class GaitClass:
-    """The class of a gait, and how well it fits."""
-
-    name: str | None
-    """A class of `class_distances`, ``irregular``, ``stand``; None where it cannot be known."""
-    sequence: str | None
-    """Walk and amble: ``lateral`` or ``diagonal``. Gallop: ``rotary`` or ``transverse``."""
-    nearest_name: str | None
-    """The class that fits best, whether it fits or not; None where phases are missing."""
-    class_distance: float | None
-    """Cycles, of the nearest class."""
-
-
-UNKNOWN_GAIT: Final = GaitClass(None, None, None, None)
-
-
-def classify(
-    phases: Sequence[float],
-    consistency: Sequence[float],
-    duty_factor: float | None = None,
-    flight_fraction: float | None = None,
-) -> GaitClass:
-    """Name the gait of mean phases.
+def classify(gait: Gait, phases: Sequence[float], consistency: Sequence[float]) -> Gait:
+    """Name a gait by its mean phases, its duty factor and its time in flight.
 
     Args:
+        gait: without a class.
         phases: cycles, of all feet in the order of `class_distances`.
         consistency: R of each.
-        duty_factor: mean of all feet; None: not known.
-        flight_fraction: share of time without a foot on the ground; None: not known.
 
     Returns:
-        The class; `UNKNOWN_GAIT` where a phase is missing or gaits of so many feet have no names.
+        The gait as it is where a phase is missing or gaits of so many feet have no names.
     """
     table = np.array([phases], np.float64)
-    duty = None if duty_factor is None else np.array([duty_factor])
+    duty = None if gait.duty_factor is None else np.array([gait.duty_factor])
     distances = {
         name: round(float(value[0]), _SAME) for name, value in class_distances(table, duty).items()
     }
     if not distances or not np.isfinite(table).all():
-        return UNKNOWN_GAIT
+        return gait
     nearest = min(distances, key=distances.__getitem__)
     distance = distances[nearest]
     fits = distance <= TOLERANCE and all(each > CONSISTENT for each in consistency)
-    if nearest == "amble" and flight_fraction is not None and flight_fraction > FLIGHT:
+    if nearest == "amble" and (gait.flight_fraction or 0.0) > FLIGHT:
         fits = False
     name = nearest if fits else IRREGULAR
-    return GaitClass(name, _sequence(name, table[0]), nearest, distance)
+    return replace(
+        gait,
+        name=name,
+        sequence=_sequence(name, table[0]),
+        nearest_name=nearest,
+        class_distance=distance,
+    )
 
 
 def _sequence(name: str, phases: Floats) -> str | None:

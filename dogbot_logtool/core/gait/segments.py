@@ -1,7 +1,7 @@
 """When does the gait change? The time line, cut where class or stride period changes lastingly."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
 
@@ -243,13 +243,12 @@ def _named(gait: Gait, feet: Sequence[FootSteps], phases: Sequence[CircularMean 
     if not known or len(known) < len(feet):
         return gait
     means, consistency = [mean for mean, _ in known], [each for _, each in known]
-    found = classify(means, consistency, gait.duty_factor, gait.flight_fraction)
-    confidence = None
-    if found.class_distance is not None:
-        fit = max(0.0, 1.0 - found.class_distance / (2.0 * TOLERANCE))
+    gait = classify(gait, means, consistency)
+    if gait.class_distance is not None:
+        fit = max(0.0, 1.0 - gait.class_distance / (2.0 * TOLERANCE))
         enough = min(1.0, (gait.strides or 0) / FEWEST_STRIDES)
-        confidence = fit * min(consistency) * enough
+        gait = replace(gait, confidence=fit * min(consistency) * enough)
     if quadruped(positions):
         limbs = LimbPhase(*limb_phases(means))
         gait = replace(gait, diagonality=diagonality(means), limb_phase=limbs)
-    return replace(gait, confidence=confidence, **asdict(found))
+    return gait

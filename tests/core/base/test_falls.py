@@ -7,8 +7,7 @@ import pytest
 
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.falls import fallen_spans, find_tipping
-from dogbot_logtool.core.base.jumps import find_jumps
-from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.base.poses import BaseHistory, find_jumps
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import FootHistory, foot_history

@@ -9,9 +9,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.base.jumps import find_jumps, without_jumps
 from dogbot_logtool.core.base.motion import find_travel, path_length_m, pose_noise_m
-from dogbot_logtool.core.base.poses import BaseHistory, Odometry, usable_poses
+from dogbot_logtool.core.base.poses import (
+    BaseHistory,
+    Odometry,
+    find_jumps,
+    usable_poses,
+    without_jumps,
+)
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 
 NAN: Final = math.nan

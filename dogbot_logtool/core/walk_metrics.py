@@ -17,9 +17,9 @@ from dogbot_logtool.core.gait.segments import Segment, no_gait
 from dogbot_logtool.core.gait.support import Support
 from dogbot_logtool.core.loads import WalkLoads, share_of, symmetry_index_percent
 from dogbot_logtool.core.masks import base_in, loads_in, stability_in, support_in
+from dogbot_logtool.core.nulls import null_because
 from dogbot_logtool.core.records import copied, unknown, void
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.core.walk_metrics.nulls import null_because
 from dogbot_logtool.finding import Finding
 
 _PAIRS: Final = {"fore": (0, 1), "hind": (2, 3)}
