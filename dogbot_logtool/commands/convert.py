@@ -1,11 +1,11 @@
 """`dogbot-logtool convert`: write an annotated MCAP of a log."""
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_planned
-from dogbot_logtool.conversion.annotate import draw
-from dogbot_logtool.conversion.annotated_log import AnnotatedLog, Conversion, provenance_record
+from dogbot_logtool.conversion.annotate import Scene, draw
+from dogbot_logtool.conversion.annotated_log import AnnotatedLog, Conversion
 from dogbot_logtool.conversion.copying import make_copier
 from dogbot_logtool.conversion.findings import bad_poses, count_findings
-from dogbot_logtool.conversion.plan import ConversionPlan, make_plan
+from dogbot_logtool.conversion.plan import make_plan
 from dogbot_logtool.core.checks.frames import columns_corrected, frames_known
 from dogbot_logtool.finding import Severity, by_severity, found
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
@@ -69,7 +69,7 @@ def convert(
             plan = make_plan(log, selection, model, walk, options, copier.left_out)
             scene = draw(plan, walk, output.arrows)
             output.annotate(scene, _half(progress, 1), start)
-            losses = _finish(log, output, measured, plan)
+            losses = _finish(log, output, measured, scene)
     finally:
         log.close()
     topics, moved = output.added.topics(), output.added.moved
@@ -115,15 +115,12 @@ def _is_warning(code: str, severity: Severity) -> bool:
     return code != "LOST" and severity is not Severity.NOTE
 
 
-def _finish(
-    log: Log, output: AnnotatedLog, measured: MeasuredLog, plan: ConversionPlan
-) -> list[Loss]:
+def _finish(log: Log, output: AnnotatedLog, measured: MeasuredLog, scene: Scene) -> list[Loss]:
     """Write what follows the messages; return all that could not be read."""
-    read, options = measured.read, plan.options
+    read, options = measured.read, scene.plan.options
     losses = [*log.losses, *read.losses, *output.copy_extras()]
     if options.start is None and options.end is None:
         losses += wrong_statistics(log, read.counts, losses)
     losses += malformed_messages(log.channels, read.malformed, ": copied, but not annotated")
-    in_world = measured.measurement.walk.settings.force_in_world
-    output.finish(provenance_record(log, plan, losses, force_in_world=in_world))
+    output.finish(scene, losses)
     return losses

@@ -68,7 +68,7 @@ def draw(plan: ConversionPlan, walk: Walk, recorded: Sequence[Arrows]) -> Scene:
     first = [int(foot.samples.log_time[0]) for foot in feet if len(foot.samples.log_time)]
     known_from = max([opening, *first])
     known_from = known_from if known_from - opening <= NEAR_NS else opening
-    loads = [opening_load(foot, plan.body_weight_n, opening) for foot in feet]
+    loads = [opening_load(foot, walk.settings.body_weight_n, opening) for foot in feet]
     loads.append(silences(feet, opening, plan.end))
     return Scene(
         plan=plan,
@@ -149,7 +149,7 @@ def annotations_between(scene: Scene, start: int, end: int) -> tuple[list[Drawn]
         arrows, skipped = _arrows(plan, foot, own)
         drawn += arrows
         counts += skipped
-    drawn += [foot_loads(*each, plan.body_weight_n) for each in feet]
+    drawn += [foot_loads(*each, scene.walk.settings.body_weight_n) for each in feet]
     drawn += [foot_labels(*each) for each in forced]
     poses = within(scene.poses, scene.poses.log_time)
     # Before the feet are known, what they do at once.

@@ -181,9 +181,9 @@ class AnnotatedLog:
             what = f"the attachment or metadata record at byte {extra.offset} is damaged; left out"
             yield Loss(extra.offset, what, extra.size)
 
-    def finish(self, provenance: records.Metadata) -> None:
+    def finish(self, scene: Scene, losses: Sequence[Loss]) -> None:
         """Write how the file was made, and its end."""
-        self._writer.add_metadata(provenance)
+        self._writer.add_metadata(provenance_record(self._log, scene, losses))
         self._writer.finish()
 
 
@@ -236,18 +236,16 @@ def event_records(annotations: Annotations, scene: Scene) -> Iterator[MessageRec
         yield of_payloads(channels[SPANS_TOPIC], spans, log_time(events)[odd])
 
 
-def provenance_record(
-    log: Log, plan: ConversionPlan, losses: Sequence[Loss], *, force_in_world: bool
-) -> records.Metadata:
+def provenance_record(log: Log, scene: Scene, losses: Sequence[Loss]) -> records.Metadata:
     """Return the metadata record that tells how a file was made: no dates, no paths."""
-    options, robot = plan.options, plan.selection.robot
+    plan, options, robot = scene.plan, scene.plan.options, scene.plan.selection.robot
     values: dict[str, object] = {
         "version": __version__,
         "style": options.style,
         "encoding": options.encoding,
         "copy": options.copy,
         "wrench_frame": robot.wrench_frame,
-        "force_in_world": force_in_world,
+        "force_in_world": scene.walk.settings.force_in_world,
         "tf": options.tf,
         "tf_rate_hz": options.tf_rate,
         "robot": robot.name,

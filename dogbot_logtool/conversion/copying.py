@@ -15,13 +15,8 @@ from dogbot_logtool.reader.containers.log import Batch, Channel, Chunk, Log
 from dogbot_logtool.reader.messages.contacts import read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.robot.selection import Selection
-from dogbot_logtool.writer.chunks import (
-    Compression,
-    FinishedChunk,
-    chunk_rows,
-    finish_chunk,
-)
-from dogbot_logtool.writer.message_records import record_bounds, recorded
+from dogbot_logtool.writer.chunks import Compression, FinishedChunk, finish_chunks
+from dogbot_logtool.writer.message_records import recorded
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -86,20 +81,10 @@ def _new_chunks(
 ) -> Iterator[FinishedChunk]:
     if not rows:
         return
-    messages = batch.messages.pick(slice(rows[0].start, rows[-1].stop))
-    # One chunk at a time fits the processor's cache until it is compressed.
-    for chunk in chunk_rows(record_bounds(messages.end - messages.start)):
-        part = messages.pick(chunk)
-        records = recorded(
-            part.channel,
-            part.sequence,
-            part.log_time,
-            part.publish_time,
-            batch.buffer,
-            part.start,
-            part.end,
-        )
-        yield finish_chunk(records, compression or "zstd")
+    own = batch.messages.pick(slice(rows[0].start, rows[-1].stop))
+    times = own.log_time, own.publish_time
+    records = recorded(own.channel, own.sequence, *times, batch.buffer, own.start, own.end)
+    yield from finish_chunks(records, compression or "zstd")
 
 
 def as_it_stands(chunk: Chunk, stored: bytes | memoryview) -> FinishedChunk:

@@ -46,7 +46,6 @@ class ConversionPlan:
     """Whether the base's transforms are written."""
     frames: WorldFrames | None
     """How the links' frames are connected to the world; None: not needed, or not connected."""
-    body_weight_n: float | None
     arrow_scale: ArrowScale
     description: RobotDescription
     """Of the robot, with hips only where the lines of `/legs` are drawn."""
@@ -117,7 +116,6 @@ def make_plan(
         ),
         writes_base=writes_base,
         frames=placed,
-        body_weight_n=settings.body_weight_n,
         arrow_scale=arrow_scale(given, colour_n, description.height_m, by_weight=style.along_force),
         description=description,
         opening=log.start_time if start is None else start,

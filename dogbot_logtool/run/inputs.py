@@ -255,12 +255,12 @@ def _walk(root: Path, unreadable: Unreadable) -> Iterator[tuple[Path, list[str],
     def note(error: OSError) -> None:
         unreadable[Path(error.filename)] = error.strerror or str(error)
 
-    seen = {_identity(above) for above in Path(os.path.realpath(root)).parents}
+    seen = set(map(str, Path(storage.identity(root)).parents))
     roots = deque([root])
     while roots:
         for name, folders, files in os.walk(roots.popleft(), onerror=note):
             path = Path(name)
-            identity = _identity(path)
+            identity = storage.identity(path)
             if identity in seen:
                 folders.clear()
                 continue
@@ -269,15 +269,6 @@ def _walk(root: Path, unreadable: Unreadable) -> Iterator[tuple[Path, list[str],
             yield path, folders, [each for each in files if not each.startswith(".")]
             links = (path / each for each in sorted(folders))
             roots.extend(each for each in links if os.path.islink(each))  # noqa: PTH114 - false for a name that no disk takes
-
-
-def _identity(path: Path) -> tuple[int, int] | Path:
-    """Return what tells a directory from all others."""
-    try:
-        status = path.stat()
-    except OSError:
-        return path
-    return status.st_dev, status.st_ino
 
 
 def _matches(pattern: str) -> list[Path]:

@@ -47,21 +47,11 @@ class FinishedChunk:
 
 def finish_chunks(messages: MessageRecords, compression: Compression) -> Iterator[FinishedChunk]:
     """Split messages into chunks and compress these."""
-    for rows in chunk_rows(messages.bounds):
-        yield finish_chunk(messages.part(rows), compression)
-
-
-def chunk_rows(bounds: Ints) -> Iterator[slice]:
-    """Yield the rows of each chunk's messages.
-
-    Args:
-        bounds: (n + 1,) where each message's record begins and the last one ends.
-    """
-    first, count = 0, len(bounds) - 1
+    bounds, first, count = messages.bounds, 0, len(messages.log_time)
     while first < count:
         last = int(np.searchsorted(bounds, bounds[first] + CHUNK_SIZE, "left"))
         last = min(max(last, first + 1), count)
-        yield slice(first, last)
+        yield finish_chunk(messages.part(slice(first, last)), compression)
         first = last
 
 

@@ -44,18 +44,6 @@ class MessageRecords:
         )
 
 
-def record_bounds(size: Ints) -> Ints:
-    """Return where consecutive message records begin, and where the last one ends.
-
-    Args:
-        size: (n,) bytes of each payload.
-
-    Returns:
-        (n + 1,) bytes.
-    """
-    return _bounds(size + MESSAGE_HEAD.itemsize)
-
-
 def recorded(
     channel: Ints,
     sequence: Ints,
@@ -90,7 +78,7 @@ def recorded(
     payloads = buffer.data
     pieces[1::2] = [payloads[a:b] for a, b in zip(start.tolist(), end.tolist(), strict=True)]
     data = np.frombuffer(b"".join(pieces), np.uint8)
-    return MessageRecords(data, record_bounds(size), channel, log_time)
+    return MessageRecords(data, _bounds(size + MESSAGE_HEAD.itemsize), channel, log_time)
 
 
 def of_payloads(channel: int, payloads: Iterable[bytes], log_time: Ints) -> MessageRecords:
