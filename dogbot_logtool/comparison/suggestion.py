@@ -90,6 +90,8 @@ def doubts(documents: Sequence[Json], names: Sequence[str]) -> list[str]:
     """
     found = []
     for document, name in zip(documents, names, strict=True):
+        lost = (each["text"] for each in document["findings"] if each["code"] == "LOST")
+        found += [f"{name} is damaged: {text}" for text in lost]
         bad = [code for code in ("LOST", *_SENSORS) if code in _warnings(document)]
         if bad:
             found.append(f"{name} has {', '.join(bad)}: is it a good run?")
