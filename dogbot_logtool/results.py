@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.metrics import WalkMetrics
     from dogbot_logtool.core.walk import Walk
     from dogbot_logtool.finding import Finding
+    from dogbot_logtool.io.storage import Location
+    from dogbot_logtool.robot.frames import Frames
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,3 +59,66 @@ class Figures:
     damage: Damage
     whole: "Measurement | None" = None
     """All there is, if it was asked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class TopicInfo:
+    """One topic as one type and encoding."""
+
+    topic: str
+    type_name: str
+    encoding: str
+    messages: int
+    rate_hz: float | None
+    """Messages a second over the log's duration; None where there are too few of them, or the log
+    is too short, for a rate."""
+    senders: int
+    use: str
+    """Its use: ``odometry``, ``foot front_left``, ``frames``, ``joints``, or nothing.
+    ``annotation``: `convert` added it."""
+
+
+@dataclass(frozen=True, slots=True)
+class LogInfo:
+    """The contents of a log."""
+
+    path: "Location"
+    size: int
+    """Bytes."""
+    container: str
+    profile: str
+    compressions: tuple[str, ...]
+    start_time: int | None
+    """ns, log time of the first message; None for an empty log."""
+    duration_s: float | None
+    messages: int
+    chunks: int
+    topics: tuple[TopicInfo, ...]
+    robot: str
+    parents: Mapping[str, frozenset[str]]
+    """Parents of each frame, by the log's own transforms, in the chunks that were looked at unless
+    all `frames` were asked for."""
+    added_transform: tuple[str, str] | None
+    """Parent and child of the transform that `convert` adds."""
+    chunks_seen: int
+    """Chunks that were looked at for frames and stamps; the rest was not read."""
+    frames: "Frames | None"
+    """All transforms of the log, if they were asked for."""
+    findings: "tuple[Finding, ...]"
+    damage: Damage
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """A page that was written."""
+
+    source: "Location"
+    target: "Location"
+    size: int
+    """bytes."""
+    measured: Measurement
+
+    @property
+    def damage(self) -> Damage:
+        """What could not be read of the log."""
+        return self.measured.damage

@@ -21,7 +21,7 @@ from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES
 from dogbot_logtool.reader.opening import open_joined
 from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.report.info_report import LogInfo, TopicInfo
+from dogbot_logtool.results import LogInfo, TopicInfo
 from dogbot_logtool.robot.frames import Frames, frame_findings, read_frames
 from dogbot_logtool.robot.measuring.plan import settings_of
 from dogbot_logtool.robot.measuring.side_topics import joint_channels, side_topics

@@ -11,8 +11,9 @@ from dogbot_logtool.io.storage import Location, file_name, is_folder, name_of, v
 from dogbot_logtool.options.report import Report
 from dogbot_logtool.report.page.assets import page_script, shared_name
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
-from dogbot_logtool.report.page.render import ALONE, Beside, Page, page
+from dogbot_logtool.report.page.render import ALONE, Beside, page
 from dogbot_logtool.report.page.replay import frame_times, replay
+from dogbot_logtool.results import Page
 from dogbot_logtool.robot.recorded import open_recorded
 from dogbot_logtool.robot.robot_model.skeleton import find_limbs
 from dogbot_logtool.run.runner import OnProgress

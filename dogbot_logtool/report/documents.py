@@ -15,11 +15,10 @@ from dogbot_logtool.io.printable import listed, printable, printable_lines
 from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.verdict import headline, quality_of
-from dogbot_logtool.results import Measurement
+from dogbot_logtool.results import Measurement, Page
 
 if TYPE_CHECKING:
     from dogbot_logtool.conversion.annotated_log import Conversion
-    from dogbot_logtool.report.page.render import Page
 
 TOOL: Final = {"name": "dogbot-logtool", "version": __version__}
 
@@ -125,7 +124,7 @@ def conversion_json(done: "Conversion") -> dict[str, Any]:
     }
 
 
-def page_json(done: "Page") -> Json:
+def page_json(done: Page) -> Json:
     """Return what was written of a page as plain values."""
     measured = done.measured
     return {

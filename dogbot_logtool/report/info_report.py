@@ -1,7 +1,7 @@
 """`info` for people and for scripts."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any, Final
 
 from rich.console import Console
@@ -17,10 +17,8 @@ from dogbot_logtool.core.frames.frame_tree import (
     trees,
     walk,
 )
-from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed, printable
-from dogbot_logtool.io.storage import Location, name_of
-from dogbot_logtool.reader.containers.loss import Damage
+from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.report.documents import damage_json, finding_json
 from dogbot_logtool.report.tables import recorded_at
 from dogbot_logtool.report.text.console import (
@@ -31,6 +29,7 @@ from dogbot_logtool.report.text.console import (
     print_findings,
     print_sentence,
 )
+from dogbot_logtool.results import LogInfo
 from dogbot_logtool.robot.frames import Frames
 
 _DEEPER: Final = 6
@@ -38,53 +37,6 @@ _DEEPER: Final = 6
 _ASCII: Final = str.maketrans("│├└─", "|+`-")
 _MOST_TOPICS: Final = 1000
 """Rows of the table."""
-
-
-@dataclass(frozen=True, slots=True)
-class TopicInfo:
-    """One topic as one type and encoding."""
-
-    topic: str
-    type_name: str
-    encoding: str
-    messages: int
-    rate_hz: float | None
-    """Messages a second over the log's duration; None where there are too few of them, or the log
-    is too short, for a rate."""
-    senders: int
-    use: str
-    """Its use: ``odometry``, ``foot front_left``, ``frames``, ``joints``, or nothing.
-    ``annotation``: `convert` added it."""
-
-
-@dataclass(frozen=True, slots=True)
-class LogInfo:
-    """The contents of a log."""
-
-    path: Location
-    size: int
-    """Bytes."""
-    container: str
-    profile: str
-    compressions: tuple[str, ...]
-    start_time: int | None
-    """ns, log time of the first message; None for an empty log."""
-    duration_s: float | None
-    messages: int
-    chunks: int
-    topics: tuple[TopicInfo, ...]
-    robot: str
-    parents: Mapping[str, frozenset[str]]
-    """Parents of each frame, by the log's own transforms, in the chunks that were looked at unless
-    all `frames` were asked for."""
-    added_transform: tuple[str, str] | None
-    """Parent and child of the transform that `convert` adds."""
-    chunks_seen: int
-    """Chunks that were looked at for frames and stamps; the rest was not read."""
-    frames: Frames | None
-    """All transforms of the log, if they were asked for."""
-    findings: tuple[Finding, ...]
-    damage: Damage
 
 
 def frame_pairs(info: LogInfo) -> list[Pair]:

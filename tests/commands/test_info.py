@@ -12,7 +12,8 @@ from rosbags.rosbag1 import Reader as BagReader
 
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.options.info import InfoOptions
-from dogbot_logtool.report.info_report import LogInfo, info_json, print_info
+from dogbot_logtool.report.info_report import info_json, print_info
+from dogbot_logtool.results import LogInfo
 from tests.paths import SAMPLE_LOGS
 
 TROT, WALK, TROUBLED = (

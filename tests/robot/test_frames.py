@@ -15,7 +15,7 @@ from rosbags.highlevel import AnyReader
 
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.options.info import InfoOptions
-from dogbot_logtool.report.info_report import LogInfo
+from dogbot_logtool.results import LogInfo
 from dogbot_logtool.robot.frames import Frames
 from tests.paths import SAMPLE_LOGS
 

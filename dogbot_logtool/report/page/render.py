@@ -11,8 +11,6 @@ from dogbot_logtool import __version__
 from dogbot_logtool.core.metrics import Segment, Settings, WalkMetrics
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.io.storage import Location
-from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.page.assets import json_in_html, page_script, policy_of, rendered
 from dogbot_logtool.report.page.chart import FINE, Drawing, foot_glyph, packed, seconds
 from dogbot_logtool.report.page.feet_over_time import gait_diagram, load_curves
@@ -48,22 +46,6 @@ FIGURES: Final[Mapping[str, Callable[[Walk], Drawing | None]]] = {
     "ground": walk_from_above,
 }
 """What draws each figure, by the name that the template knows it by; a log may lack some."""
-
-
-@dataclass(frozen=True, slots=True)
-class Page:
-    """A page that was written."""
-
-    source: Location
-    target: Location
-    size: int
-    """bytes."""
-    measured: Measurement
-
-    @property
-    def damage(self) -> Damage:
-        """What could not be read of the log."""
-        return self.measured.damage
 
 
 @dataclass(frozen=True, slots=True)
