@@ -18,10 +18,7 @@ from dogbot_logtool.core.arrays import Floats, Ints, norms
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrected import usable_samples
 from dogbot_logtool.core.events.event import with_steps
-from dogbot_logtool.core.metrics import (
-    Event,
-    Joint,
-)
+from dogbot_logtool.core.metrics import Event, Joint
 from dogbot_logtool.core.records import fields_of
 from dogbot_logtool.core.timespans import covers
 from dogbot_logtool.errors import CallError

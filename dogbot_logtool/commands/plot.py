@@ -6,12 +6,7 @@ from pathlib import Path
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.report.gait_figure import (
-    FORMATS,
-    gait_figure,
-    require_matplotlib,
-    write_figure,
-)
+from dogbot_logtool.report.gait_figure import FORMATS, gait_figure, require_matplotlib, write_figure
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.results import Measurement
 

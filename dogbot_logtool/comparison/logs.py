@@ -14,14 +14,7 @@ from dogbot_logtool.comparison.decoders import Undecodable, decoded
 from dogbot_logtool.comparison.descriptions import compare_descriptions, compare_records, kind_of
 from dogbot_logtool.comparison.fields import compare_fields
 from dogbot_logtool.comparison.message_index import Message, MessageIndex, Rows, pair_messages
-from dogbot_logtool.comparison.outcome import (
-    RECORDS,
-    Comparison,
-    Differences,
-    Kind,
-    Leaf,
-    Tally,
-)
+from dogbot_logtool.comparison.outcome import RECORDS, Comparison, Differences, Kind, Leaf, Tally
 from dogbot_logtool.comparison.tolerances import FieldRules, Rules, fits
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.reader.containers.log import Log, damage_of

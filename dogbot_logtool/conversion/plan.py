@@ -3,12 +3,7 @@
 from dataclasses import dataclass, replace
 from typing import Final
 
-from dogbot_logtool.conversion.findings import (
-    arrow_findings,
-    copy_findings,
-    no_support,
-    second_tf,
-)
+from dogbot_logtool.conversion.findings import arrow_findings, copy_findings, no_support, second_tf
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.known_frames import WorldFrames
 from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale

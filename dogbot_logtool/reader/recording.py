@@ -8,14 +8,7 @@ from typing import Any, Final, Protocol, TypeVar
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import (
-    Flags,
-    Ints,
-    Record,
-    concatenated,
-    median_of,
-    picked,
-)
+from dogbot_logtool.core.arrays import Flags, Ints, Record, concatenated, median_of, picked
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contacts import Samples, no_samples, without_contact
 from dogbot_logtool.core.recording import (

@@ -25,10 +25,7 @@ from dogbot_logtool.robot.base_candidates import (
     sources_at,
 )
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.topics import (
-    require_topic,
-    split_topic,
-)
+from dogbot_logtool.robot.topics import require_topic, split_topic
 
 _MOST_OFFERED: Final = 3
 _MOST_LISTED: Final = 12

@@ -16,11 +16,7 @@ from dogbot_logtool.reader.messages.others import is_static
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.topics import (
-    first_messages,
-    message_count,
-    topic_words,
-)
+from dogbot_logtool.robot.topics import first_messages, message_count, topic_words
 from dogbot_logtool.robot.words import VOCABULARY
 
 _MOST_TYPES: Final = 500

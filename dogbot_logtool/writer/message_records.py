@@ -8,12 +8,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Ints
-from dogbot_logtool.writer.template import (
-    MESSAGE_HEAD,
-    MESSAGE_OPCODE,
-    RECORD_HEAD_SIZE,
-    Records,
-)
+from dogbot_logtool.writer.template import MESSAGE_HEAD, MESSAGE_OPCODE, RECORD_HEAD_SIZE, Records
 
 _MANY: Final = 64 << 10
 """Bytes of one channel's messages from which they get chunks of their own."""

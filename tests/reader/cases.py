@@ -5,13 +5,7 @@ from typing import Any, Final, NamedTuple, TypeVar
 
 from tests.reader import bag_bytes, mcap_bytes
 from tests.reader.bag_bytes import BagBytes, Connection
-from tests.reader.mcap_bytes import (
-    McapBytes,
-    attachment,
-    channel,
-    metadata,
-    schema,
-)
+from tests.reader.mcap_bytes import McapBytes, attachment, channel, metadata, schema
 
 Log = BagBytes | McapBytes
 AnyLog = TypeVar("AnyLog", BagBytes, McapBytes)

@@ -11,14 +11,7 @@ from dogbot_logtool.reader.opening import open_log
 from tests.reader import bag_bytes, damaged_bags, damaged_mcaps
 from tests.reader.bag_bytes import small_bag, time
 from tests.reader.cases import AS_LOST, DESCRIBED, MCAP, Case, Log, built, put, u64
-from tests.reader.mcap_bytes import (
-    McapBytes,
-    channel,
-    record,
-    resealed,
-    schema,
-    small_mcap,
-)
+from tests.reader.mcap_bytes import McapBytes, channel, record, resealed, schema, small_mcap
 from tests.reader.reading import Read, read_bytes
 
 

@@ -15,19 +15,8 @@ from rosbags.rosbag1 import Reader as BagReader
 
 from tests.reader import bag_bytes, mcap_bytes
 from tests.reader.bag_bytes import BagBytes, Connection, bag_header, small_bag
-from tests.reader.cases import (
-    BAG,
-    DESCRIBED,
-    EXTRAS,
-    SENDERS,
-    Case,
-    built,
-    put,
-)
-from tests.reader.mcap_bytes import (
-    McapBytes,
-    small_mcap,
-)
+from tests.reader.cases import BAG, DESCRIBED, EXTRAS, SENDERS, Case, built, put
+from tests.reader.mcap_bytes import McapBytes, small_mcap
 from tests.reader.reading import Read, read_bytes
 
 MCAP_OPTIONS: Final[dict[str, dict[str, Any]]] = {

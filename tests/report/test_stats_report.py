@@ -15,10 +15,7 @@ from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, finding_kinds
 from dogbot_logtool.reader.containers.loss import Damage, Loss
 from dogbot_logtool.report.documents import schema, stats_json
-from dogbot_logtool.report.text.gait_diagram import (
-    ASCII,
-    gait_diagram,
-)
+from dogbot_logtool.report.text.gait_diagram import ASCII, gait_diagram
 from dogbot_logtool.report.text.stats_text import print_report, print_summary
 from dogbot_logtool.report.verdict import summary_row
 from dogbot_logtool.results import Measurement

@@ -12,12 +12,7 @@ from dogbot_logtool.core.metrics import NEEDS
 from tests.truth.commanded import Commanded, commanded_walk
 from tests.truth.gaits import WALK
 from tests.truth.log_file import write_log
-from tests.truth.recording import (
-    Recording,
-    VectorRecording,
-    about_axis,
-    disturbed,
-)
+from tests.truth.recording import Recording, VectorRecording, about_axis, disturbed
 from tests.truth.sensed import with_imu
 from tests.truth.walking import Walk
 from tests.truth.world_faults import drifting

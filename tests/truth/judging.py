@@ -7,13 +7,7 @@ from typing import Final, Literal, Protocol
 import numpy as np
 
 from tests.truth.outcome import Outcome, matched
-from tests.truth.recording import (
-    Disturbance,
-    Floats,
-    Recording,
-    Truth,
-    disturbed,
-)
+from tests.truth.recording import Disturbance, Floats, Recording, Truth, disturbed
 from tests.truth.walking import Walk
 
 Status = Literal["right", "null", "wrong", "unexplained", "missing"]

@@ -4,14 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tests.truth.recording import (
-    START_NS,
-    Disturbance,
-    FootRecording,
-    Ints,
-    Recording,
-    of_feet,
-)
+from tests.truth.recording import START_NS, Disturbance, FootRecording, Ints, Recording, of_feet
 
 
 @of_feet

@@ -16,12 +16,7 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.writer.channels import AddedChannels
-from dogbot_logtool.writer.chunks import (
-    CHUNK_SIZE,
-    finish_chunk,
-    finish_chunks,
-    indexed_channels,
-)
+from dogbot_logtool.writer.chunks import CHUNK_SIZE, finish_chunk, finish_chunks, indexed_channels
 from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from dogbot_logtool.writer.mcap_writer import McapWriter

@@ -12,15 +12,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.checks import (
-    base,
-    beside,
-    clock,
-    frames,
-    gait,
-    loads,
-    sensors,
-)
+from dogbot_logtool.core.checks import base, beside, clock, frames, gait, loads, sensors
 from dogbot_logtool.core.loads import vertical_is_known
 from dogbot_logtool.core.metrics import Check as Question
 from dogbot_logtool.core.walk import Walk

@@ -8,13 +8,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.events.event import (
-    STEPS,
-    UNKNOWN,
-    EventType,
-    Level,
-    with_steps,
-)
+from dogbot_logtool.core.events.event import STEPS, UNKNOWN, EventType, Level, with_steps
 from dogbot_logtool.core.metrics import Event
 from dogbot_logtool.core.walk import Walk
 

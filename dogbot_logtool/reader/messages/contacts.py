@@ -17,12 +17,7 @@ from dogbot_logtool.reader.messages.feet import FootChannels, read_feet
 from dogbot_logtool.reader.messages.gazebo import PairStates, read_pairs
 from dogbot_logtool.reader.messages.message_type import MessageType
 from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels, definition_of
-from dogbot_logtool.reader.messages.source import (
-    Source,
-    first_fitting,
-    source_of,
-    without_sender,
-)
+from dogbot_logtool.reader.messages.source import Source, first_fitting, source_of, without_sender
 from dogbot_logtool.reader.messages.table import types_of
 
 

@@ -15,12 +15,7 @@ from dogbot_logtool.reader.decode.decode import decode
 from dogbot_logtool.reader.decode.definition import Struct, parse_definition, short_type_name
 from dogbot_logtool.reader.decode.known_definitions import known_definition
 from dogbot_logtool.reader.decode.message_layout import Layout, Serialisation, compile_layout
-from dogbot_logtool.reader.decode.objects import (
-    OBJECT_ENCODINGS,
-    as_ros1,
-    object_definition,
-    only,
-)
+from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS, as_ros1, object_definition, only
 from dogbot_logtool.reader.decode.paths import Columns
 
 SERIALISATIONS: Final[Mapping[str, Serialisation]] = {"ros1": "ros1", "cdr": "cdr"}

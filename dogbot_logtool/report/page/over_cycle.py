@@ -11,16 +11,7 @@ from dogbot_logtool.core.records import Curve, Shape
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.report.page.chart import (
-    Drawing,
-    Row,
-    Trace,
-    area,
-    extent_of,
-    grid,
-    label,
-    line,
-)
+from dogbot_logtool.report.page.chart import Drawing, Row, Trace, area, extent_of, grid, label, line
 
 _ENDS: Final = {"front": "fore feet", "middle": "middle feet", "back": "hind feet"}
 _AXIS: Final = {

@@ -10,11 +10,7 @@ from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.reader.containers.log import Chunk
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.mcap.records import (
-    CHUNK_HEAD,
-    RECORD_HEAD,
-    decode_record,
-)
+from dogbot_logtool.reader.containers.mcap.records import CHUNK_HEAD, RECORD_HEAD, decode_record
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
 from dogbot_logtool.reader.containers.source import ByteSource
 
