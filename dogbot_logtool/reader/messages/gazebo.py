@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Flags, Ints, sum_by_group
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints, sum_by_group
 from dogbot_logtool.core.contact.contacts import (
     FOOT_IS_COLLISION1,
     FOOT_IS_COLLISION2,
@@ -33,6 +33,8 @@ UNTIMED: Final = int(np.iinfo(np.int64).min)
 _GROUND_WORDS: Final = ("ground", "plane", "terrain", "heightmap", "floor", "world")
 _INFO_TAIL: Final = 48
 """Bytes at the end of `info` that hold the time of the physics step, and more."""
+_MOST_DIGITS: Final = 18
+"""Of a number; more may not fit into an int64."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -146,6 +148,9 @@ def step_times(info: Texts) -> Ints:
     """
     if not len(info.start):
         return info.start
+    alike = _times_of_alike(info)
+    if alike is not None:
+        return alike
     size = min(_INFO_TAIL, len(info.buffer))
     first, column = np.maximum(info.end - size, 0), np.arange(size)
     begin, end = (info.start - first)[:, None], (info.end - first)[:, None]
@@ -159,11 +164,36 @@ def step_times(info: Texts) -> Ints:
     behind_point = np.zeros(len(tail), np.bool_)
     for place in range(int(colon.min()) + 1, size):
         letter, here = tail[:, place], place > colon
-        digit = (letter >= ord("0")) & (letter <= ord("9")) & here
+        digit = _is_digit(letter) & here
         for number, own in ((seconds, digit & ~behind_point), (nanoseconds, digit & behind_point)):
             number[own] = 10 * number[own] + letter[own] - ord("0")
         behind_point |= (letter == ord(".")) & here
     return np.where(timed, seconds * 1_000_000_000 + nanoseconds, UNTIMED)
+
+
+def _times_of_alike(info: Texts) -> Ints | None:
+    """(s,) ns, if all texts end alike but for the digits, as is usual; else None."""
+    text = info.text(0)
+    size = len(text) - text.rfind("time:") if text.isascii() and "time:" in text else 0
+    if not 0 < size <= _INFO_TAIL or int(info.length.min()) < size:
+        return None
+    tail = gather_bytes(info.buffer, info.end - size, size)
+    digit = _is_digit(tail[0])
+    if (tail != tail[0])[:, ~digit].any() or not _is_digit(tail[:, digit]).all():
+        return None
+    behind_point = np.cumsum(tail[0] == ord(".")) > 0
+    numbers = [tail[:, digit & side] for side in (~behind_point, behind_point)]
+    if max(each.shape[1] for each in numbers) > _MOST_DIGITS:
+        return None
+    seconds, nanoseconds = (
+        (each - np.uint8(ord("0"))).astype(np.int64) @ 10 ** np.arange(each.shape[1])[::-1]
+        for each in numbers
+    )
+    return np.asarray(seconds * 1_000_000_000 + nanoseconds)
+
+
+def _is_digit(letters: Bytes) -> Flags:
+    return np.asarray((letters >= ord("0")) & (letters <= ord("9")))
 
 
 def foot_sides(
