@@ -39,7 +39,6 @@ class ClusterRunner(ExecutorRunner[Result]):
 
     jobs = 1
     capacity = AHEAD
-    tries_again = False
 
     def __init__(self, scheduler: str) -> None:
         """Connect.
@@ -131,6 +130,14 @@ class ClusterRunner(ExecutorRunner[Result]):
 
     def _run_lost(self) -> RunLost:
         return RunLost(f"was not done: the scheduler {self._name} was lost")
+
+    def may_help(self, error: Exception) -> bool:
+        """See `ExecutorRunner.may_help`.
+
+        Dask tries again itself. But it raises a TypeError where the worker dies whose result it has
+        just fetched; errors of the work itself are outcomes, and none of these.
+        """
+        return isinstance(error, TypeError)
 
     def explain(self, error: Exception) -> str:
         """See `ExecutorRunner.explain`."""

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
-from typing import Any, ClassVar, Final, Generic
+from typing import Any, Final, Generic
 
 from dogbot_logtool.run.runner import Failure, Progress, Result, Runner, Work
 
@@ -37,13 +37,12 @@ class _Items(Generic[Result]):
 class ExecutorRunner(Runner[Result]):
     """Hands items to an executor and takes outcomes as they come.
 
-    Where the executor does not try again itself, an item whose worker was lost is tried once more,
-    alone: the items beside it are not to blame, and with nothing else under way it has all memory.
+    An item whose worker was lost is tried once more, alone: the items beside it are not to blame,
+    and with nothing else under way it has all memory.
     """
 
     capacity: int
     """How many items may be under way at once."""
-    tries_again: ClassVar[bool] = True
 
     @abstractmethod
     def submit(self, work: Work[Result], item: object) -> "Future[Result | Failure]":
@@ -64,6 +63,10 @@ class ExecutorRunner(Runner[Result]):
     @abstractmethod
     def explain(self, error: Exception) -> str:
         """Return the outcome, in words, of an item whose worker was lost for good."""
+
+    def may_help(self, error: Exception) -> bool:  # noqa: ARG002 - of other executors
+        """Tell whether another try may help an item whose worker was lost."""
+        return True
 
     def run(
         self, work: Work[Result], items: Sequence[Any], progress: Progress
@@ -110,7 +113,7 @@ class ExecutorRunner(Runner[Result]):
         try:
             outcome = future.result()
         except Exception as error:  # noqa: BLE001 - errors of the work itself are outcomes
-            if self.tries_again and number not in state.retried:
+            if number not in state.retried and self.may_help(error):
                 state.lost.append(number)
                 return
             outcome = Failure(self.explain(error), 1)
