@@ -171,11 +171,13 @@ class _Walk:
                     return self._even_elements(run, count, cursors, wanted=wanted)
             self._limit(cursors, count, step.smallest_element)
             parent, start = self._element_starts(step.element, count, cursors)
-        if not wanted:
-            return None
-        elements = cursors.pick(parent)
-        elements.position = start
-        return Nested(parent, self._rows(step.element, elements, wanted=True))
+        last = np.flatnonzero(np.diff(parent, append=-1))
+        chosen = np.arange(len(parent)) if wanted else last
+        elements = cursors.pick(parent[chosen])
+        elements.position = start[chosen]
+        table = self._rows(step.element, elements, wanted=wanted)
+        cursors.position[parent[last]] = elements.position[last] if wanted else elements.position
+        return Nested(parent, table) if wanted else None
 
     def _even_elements(
         self, run: Run, count: Ints, cursors: _Cursors, *, wanted: bool
@@ -206,10 +208,10 @@ class _Walk:
     def _element_starts(
         self, steps: tuple[Step, ...], count: Ints, cursors: _Cursors
     ) -> tuple[Ints, Ints]:
-        """Step over elements of varying size: all messages' first ones, all second ones, and so on.
+        """Find elements of varying size: all messages' first ones, all second ones, and so on.
 
         Where only few messages have more, it is faster to step over their elements one by one: the
-        work grows with the number of elements alone.
+        work grows with the number of elements alone. The last one is left to be stepped over.
 
         Returns:
             (m,) row and (m,) offset of each element, row by row.
@@ -221,24 +223,25 @@ class _Walk:
         # What was read before keeps its offsets.
         cursors.position = cursors.position.copy()
         index, rows = 0, np.flatnonzero(count)
+        start[first[rows]] = cursors.position[rows]
+        rows = rows[count[rows] > 1]
         while len(rows) >= _FEW_ROWS:
             elements = cursors.pick(rows)
-            start[first[rows] + index] = elements.position
             self._rows(steps, elements, wanted=False)
             cursors.position[rows] = elements.position
             index += 1
-            rows = rows[(count[rows] > index) & self._sound[cursors.message[rows]]]
+            start[first[rows] + index] = elements.position
+            rows = rows[(count[rows] > index + 1) & self._sound[cursors.message[rows]]]
         for row in rows.tolist():
             position, limit, origin = (
                 int(each[row]) for each in (cursors.position, cursors.limit, cursors.origin)
             )
-            for slot in range(int(first[row]) + index, int(first[row] + count[row])):
-                start[slot] = position
+            for slot in range(int(first[row]) + index + 1, int(first[row] + count[row])):
                 position = self._skip(steps, position, origin, limit)
                 if position > limit:
                     self._sound[cursors.message[row]] = False
                     break
-            cursors.position[row] = position
+                start[slot] = position
         if self._sound.all():
             return parent, start
         sound = self._sound[cursors.message[parent]]
