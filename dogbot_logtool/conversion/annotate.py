@@ -120,8 +120,10 @@ def _transforms(
         place = poses.position[:, None], poses.orientation[:, None]
         yield from_opening(TransformMessages(poses.log_time, poses.time, *place), opening)
     motion, rate_hz = plan.description.motion, plan.options.tf_rate
-    for table in recording.joints if motion else ():
-        if motion is not None and table.topic == motion.topic:
+    if motion is None:
+        return
+    for table in recording.joints:
+        if table.topic == motion.topic:
             links = motion.links(table)
             yield from_opening(picked(links, first_at_each_tick(links.stamp, rate_hz)), opening)
 

@@ -227,13 +227,13 @@ def event_records(annotations: Annotations, scene: Scene) -> Iterator[MessageRec
     events, gaits = event_messages(walk), gait_states(walk)
     states = (made(described.gait(each)) for each in gaits)
     yield of_payloads(channels[GAIT_TOPIC], states, log_time(gaits))
-    logged = (made(described.event(each)) for each in events)
-    yield of_payloads(channels[EVENTS_TOPIC], logged, log_time(events))
+    logged, event_time = (made(described.event(each)) for each in events), log_time(events)
+    yield of_payloads(channels[EVENTS_TOPIC], logged, event_time)
     if SPANS_TOPIC in channels:
         # A viewer's timeline shows what calls for a look; steps are in the log panel.
         odd = [row for row, each in enumerate(events) if each.level is not Level.DEBUG]
         spans = (made(described.span(events[row])) for row in odd)
-        yield of_payloads(channels[SPANS_TOPIC], spans, log_time(events)[odd])
+        yield of_payloads(channels[SPANS_TOPIC], spans, event_time[odd])
 
 
 def provenance_record(log: Log, scene: Scene, losses: Sequence[Loss]) -> records.Metadata:

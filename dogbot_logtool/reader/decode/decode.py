@@ -172,7 +172,7 @@ class _Walk:
             self._limit(cursors, count, step.smallest_element)
             parent, start = self._element_starts(step.element, count, cursors)
         last = np.flatnonzero(np.diff(parent, append=-1))
-        chosen = np.arange(len(parent)) if wanted else last
+        chosen = slice(None) if wanted else last
         elements = cursors.pick(parent[chosen])
         elements.position = start[chosen]
         table = self._rows(step.element, elements, wanted=wanted)
