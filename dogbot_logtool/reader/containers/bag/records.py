@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints
-from dogbot_logtool.reader.containers.salvage.records import Read, Records, blank_messages
+from dogbot_logtool.reader.containers.salvage.records import Read, Records
 from dogbot_logtool.reader.decode.columns import gather, gather_bytes, rows_like
 
 AnyNumber = TypeVar("AnyNumber", int, Ints)
@@ -201,6 +201,7 @@ class BagFormat:
     """How bags write records; see `RecordFormat`."""
 
     message = int(BagOp.MESSAGE)
+    describing = frozenset({int(BagOp.CONNECTION)})
     record_start = re.compile(
         rb"(?s)(?=[\x08-\xff].\0\0.\0\0\0"
         rb"(?:op|conn|time|topic|compression|size|ver|count|chunk_pos|chunk_count|conn_count|"
@@ -225,8 +226,8 @@ class BagFormat:
 
     def decode(self, records: Bytes, offset: Ints) -> Records:
         """See `RecordFormat.decode`."""
-        op = np.zeros(len(offset), np.int64)
-        messages = blank_messages(offset)
+        found = Records(*np.zeros((8, len(offset)), np.int64))
+        found.offset[:] = offset
         left = np.flatnonzero((offset >= 0) & (offset + _LENGTHS <= len(records)))
         header_size = np.zeros(len(offset), np.int64)
         header_size[left] = gather(records, offset[left], 4).view("<u4") if len(left) else 0
@@ -236,10 +237,10 @@ class BagFormat:
             first = int(offset[rows[0]])
             try:
                 record = record_at(records.data, first, len(records))
-                op[rows] = BagOp.CONNECTION if record.fields.op() == BagOp.CONNECTION else 0
+                found.op[rows] = BagOp.CONNECTION if record.fields.op() == BagOp.CONNECTION else 0
             except MalformedRecord:
                 continue
-            messages.start[rows], messages.end[rows] = record.data, record.end
+            found.start[rows], found.end[rows] = record.data, record.end
             template = _template(records, first, record)
             if template is None:
                 continue
@@ -250,13 +251,13 @@ class BagFormat:
             alike, values = template.read(records, offset[rows])
             rows, values = rows[alike], values[alike]
             start = offset[rows] + values.itemsize
-            messages.start[rows], messages.end[rows] = start, start + values["data_size"]
-            messages.channel[rows] = channel_id(values["connection"].astype(np.int64))
-            messages.log_time[rows] = messages.publish_time[rows] = nanoseconds(values)
-            op[rows] = np.where(messages.end[rows] <= len(records), BagOp.MESSAGE, 0)
+            found.start[rows], found.end[rows] = start, start + values["data_size"]
+            found.channel[rows] = channel_id(values["connection"].astype(np.int64))
+            found.log_time[rows] = found.publish_time[rows] = nanoseconds(values)
+            found.op[rows] = np.where(found.end[rows] <= len(records), BagOp.MESSAGE, 0)
             if len(rows) > 1:
-                left = left[messages.end[left] == 0]
-        return Records(op, offset, messages)
+                left = left[found.end[left] == 0]
+        return found
 
     def sound(self, read: Read, offset: int, end: int) -> bool:
         """See `RecordFormat.sound`."""

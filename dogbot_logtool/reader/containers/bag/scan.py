@@ -22,19 +22,19 @@ from dogbot_logtool.reader.containers.bag.records import (
     record_bounds,
     record_in_file,
 )
-from dogbot_logtool.reader.containers.chunked_log import Times
-from dogbot_logtool.reader.containers.descriptions import Description, Descriptions
+from dogbot_logtool.reader.containers.descriptions import Description
 from dogbot_logtool.reader.containers.log import Channel, Chunk, Schema, time_range
 from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.record_log import (
+    IndexEntry,
+    RecordLog,
+    Times,
+    UnusableIndex,
+    open_records,
+)
 from dogbot_logtool.reader.containers.registry import BAG_MAGIC
 from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
 from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
-from dogbot_logtool.reader.containers.salvage.scan import (
-    IndexEntry,
-    ScannedLog,
-    UnusableIndex,
-    open_scanned,
-)
 from dogbot_logtool.reader.containers.source import ByteSource, in_groups
 
 _MOST_CONNECTIONS: Final = 0xFFFF
@@ -49,19 +49,19 @@ _RECURRING_SIZE: Final = 64
 _NOT_CLOSED: Final = "the bag has no index (its recording was not closed); it was read without it"
 
 
-class BagLog(ScannedLog):
+class BagLog(RecordLog):
     """Finds chunks, bare messages and connections."""
 
     container = "ROS 1 bag"
     profile = "ros1"
     magic = BAG_MAGIC
-    describing = frozenset({int(BagOp.CONNECTION)})
 
     def __init__(self, source: ByteSource) -> None:
-        super().__init__(source, BagFormat(), Descriptions(_connection))
+        super().__init__(source, _connection)
+        self._format = BagFormat()
 
     def use_index(self) -> None:
-        """See `ScannedLog.use_index`."""
+        """See `RecordLog.use_index`."""
         start = len(BAG_MAGIC)
         try:
             header = record_in_file(self.source.read, start)
@@ -207,7 +207,7 @@ class BagLog(ScannedLog):
         return read_index(behind, _index_record, _INDEX_ENTRY, nanoseconds)
 
     def _own_times(self, chunk: Chunk) -> Times:
-        """See `ChunkedLog._own_times`: those that the index records behind it name."""
+        """See `RecordLog._own_times`: those that the index records behind it name."""
         index = self._index_of(memoryview(self.source.read(chunk.end, chunk.index_end - chunk.end)))
         if index is None or not index.complete or not len(index.log_time):
             return None, None
@@ -270,7 +270,7 @@ def _indexed_connection(header: bytes) -> int:
 _recurring_connection: Final = lru_cache(maxsize=1024)(_indexed_connection)
 
 
-def open_log(source: ByteSource, distribution: str) -> ScannedLog:
+def open_log(source: ByteSource, distribution: str) -> RecordLog:
     """Open a bag."""
     del distribution
-    return open_scanned(BagLog, source)
+    return open_records(BagLog, source)

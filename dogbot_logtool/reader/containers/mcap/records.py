@@ -3,7 +3,6 @@
 import re
 import struct
 from collections.abc import Callable
-from dataclasses import fields
 from io import BytesIO
 from typing import Final, TypeVar
 
@@ -18,9 +17,8 @@ from dogbot_logtool.core.arrays import Bytes, Ints
 from dogbot_logtool.reader.containers.descriptions import Description
 from dogbot_logtool.reader.containers.log import Channel, Extra, Schema
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
-from dogbot_logtool.reader.containers.salvage.records import Read, Records, blank_messages
+from dogbot_logtool.reader.containers.salvage.records import Read, Records
 from dogbot_logtool.reader.decode.columns import gather
-from dogbot_logtool.reader.decode.message_table import Messages, no_messages
 
 RECORD_HEAD: Final = struct.Struct("<BQ")
 """Opcode and length of the content, before every record."""
@@ -30,24 +28,9 @@ WHOLE_SMALL_RECORD: Final = 16 << 20
 """Larger records that describe something are not believed to be sound."""
 LARGEST_PADDING: Final = 64
 """Bytes that a record may have behind the fields that are known: later versions may add some."""
-DESCRIBING: Final = frozenset({int(Opcode.SCHEMA), int(Opcode.CHANNEL)})
 _MALFORMED: Final = (McapError, struct.error, ValueError, OverflowError)
 
-_Record = TypeVar(
-    "_Record",
-    records.Header,
-    records.Schema,
-    records.Channel,
-    records.Footer,
-    records.Statistics,
-    records.ChunkIndex,
-    records.Metadata,
-    records.Attachment,
-    records.AttachmentIndex,
-    records.MetadataIndex,
-    records.SummaryOffset,
-    records.DataEnd,
-)
+_Record = TypeVar("_Record", bound=records.McapRecord)
 MESSAGE_HEAD: Final = np.dtype(
     [
         ("opcode", "u1"),
@@ -59,6 +42,7 @@ MESSAGE_HEAD: Final = np.dtype(
     ]
 )
 """A message record up to its payload."""
+_MESSAGE_COLUMNS: Final = ("channel", "log_time", "publish_time", "sequence")
 MESSAGE_CONTENT_SIZE: Final = 22
 """Bytes of a message record's content before its payload."""
 FIRST_PRIVATE_OPCODE: Final = 0x80
@@ -114,7 +98,7 @@ def decode_record(
     """
     stream = _Stream(BytesIO(body))
     try:
-        record: _Record = kind.read(stream)
+        record: _Record = kind.read(stream)  # type: ignore[attr-defined]  # the base alone has none
     except _MALFORMED:
         return None
     return record if len(body) - stream.count <= padding else None
@@ -175,6 +159,7 @@ class McapFormat:
     """How MCAP writes records; see `RecordFormat`."""
 
     message = int(Opcode.MESSAGE)
+    describing = frozenset({int(Opcode.SCHEMA), int(Opcode.CHANNEL)})
     record_start = re.compile(rb"(?s)(?=[\x01-\x0f].{4}\0{4})")
     """Every known opcode, with a length below 4 GiB."""
 
@@ -202,24 +187,24 @@ class McapFormat:
 
     def decode(self, records: Bytes, offset: Ints) -> Records:
         """See `RecordFormat.decode`."""
-        if not len(offset) or offset[0] < 0 or offset[-1] > len(records) - RECORD_HEAD.size:
-            return Records(0 * offset, offset, blank_messages(offset))
-        head = gather(records, offset, RECORD_HEAD.size).view(_HEAD)
-        # Lengths beyond the buffer stay too large, but become no negative numbers.
-        length = np.minimum(head["length"], np.uint64(len(records))).astype(np.int64)
-        end = offset + RECORD_HEAD.size + length
-        op = head["opcode"].astype(np.int64)
-        is_short = (op == Opcode.MESSAGE) & (length < MESSAGE_CONTENT_SIZE)
-        op[is_short | (end > len(records)) | ~_MAY_STAND_IN_CHUNK[op]] = 0
+        op, end = 0 * offset, offset.copy()
+        head = np.zeros(len(offset), MESSAGE_HEAD)
+        if len(offset) and offset[0] >= 0 and offset[-1] <= len(records) - RECORD_HEAD.size:
+            lengths = gather(records, offset, RECORD_HEAD.size).view(_HEAD)
+            # Lengths beyond the buffer stay too large, but become no negative numbers.
+            length = np.minimum(lengths["length"], np.uint64(len(records))).astype(np.int64)
+            end = offset + RECORD_HEAD.size + length
+            op = lengths["opcode"].astype(np.int64)
+            is_short = (op == Opcode.MESSAGE) & (length < MESSAGE_CONTENT_SIZE)
+            op[is_short | (end > len(records)) | ~_MAY_STAND_IN_CHUNK[op]] = 0
         is_message = op == Opcode.MESSAGE
-        if is_message.all():
-            return Records(op, offset, _messages(records, offset, end))
-        messages = blank_messages(offset)
-        messages.start[:], messages.end[:] = offset + RECORD_HEAD.size, end
-        found = _messages(records, offset[is_message], end[is_message])
-        for column in fields(found):
-            getattr(messages, column.name)[is_message] = getattr(found, column.name)
-        return Records(op, offset, messages)
+        if is_message.any():
+            head[is_message] = gather(records, offset[is_message], head.itemsize).view(head.dtype)
+        channel, log_time, publish_time, sequence = (
+            head[name].astype(np.int64) for name in _MESSAGE_COLUMNS
+        )
+        start = offset + np.where(is_message, head.itemsize, RECORD_HEAD.size)
+        return Records(channel, log_time, publish_time, sequence, start, end, op, offset)
 
     def sound(self, read: Read, offset: int, end: int) -> bool:
         """See `RecordFormat.sound`."""
@@ -288,17 +273,6 @@ def _content_size(read: Read, content: int, opcode: int) -> int:
     for _ in ("name", "media type"):
         size += 4 + int.from_bytes(read(content + size, 4), "little")
     return size + 8 + int.from_bytes(read(content + size, 8), "little") + 4
-
-
-def _messages(records: Bytes, offset: Ints, end: Ints) -> Messages:
-    """Return the messages whose records begin and end at some offsets."""
-    if not len(offset):
-        return no_messages()
-    head = gather(records, offset, MESSAGE_HEAD.itemsize).view(MESSAGE_HEAD)
-    names = ("channel", "log_time", "publish_time", "sequence")
-    channel, log_time, publish_time, sequence = (head[name].astype(np.int64) for name in names)
-    start = offset + MESSAGE_HEAD.itemsize
-    return Messages(channel, log_time, publish_time, sequence, start, end)
 
 
 def is_chunk(head: bytes, length: int) -> bool:

@@ -13,8 +13,6 @@ import numpy as np
 from mcap import records
 from mcap.opcode import Opcode
 
-from dogbot_logtool.reader.containers.chunked_log import Times
-from dogbot_logtool.reader.containers.descriptions import Descriptions
 from dogbot_logtool.reader.containers.log import (
     Channel,
     Chunk,
@@ -27,7 +25,6 @@ from dogbot_logtool.reader.containers.log import (
 from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, lost_messages
 from dogbot_logtool.reader.containers.mcap.records import (
     CHUNK_HEAD,
-    DESCRIBING,
     FIRST_PRIVATE_OPCODE,
     LARGEST_OPCODE,
     MESSAGE_CONTENT_SIZE,
@@ -44,15 +41,16 @@ from dogbot_logtool.reader.containers.mcap.summary import (
     indexed_chunk,
     read_footer,
 )
+from dogbot_logtool.reader.containers.record_log import (
+    IndexEntry,
+    RecordLog,
+    Times,
+    UnusableIndex,
+    open_records,
+)
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
 from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
 from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
-from dogbot_logtool.reader.containers.salvage.scan import (
-    IndexEntry,
-    ScannedLog,
-    UnusableIndex,
-    open_scanned,
-)
 from dogbot_logtool.reader.containers.source import ByteSource, in_groups
 
 _LARGEST_HEADER: Final = 1 << 20
@@ -69,18 +67,17 @@ _CHUNK_HEAD_SIZE: Final = RECORD_HEAD.size + CHUNK_HEAD.size + _LONGEST_NAME + 8
 _LENGTHS: Final = attrgetter("end", "data_offset", "data_size", "size", "compression")
 
 
-class McapLog(ScannedLog):
+class McapLog(RecordLog):
     """Finds chunks, bare messages, descriptions and extra records."""
 
     container = "MCAP"
     magic = MCAP_MAGIC
     copies_chunks = True
-    describing = DESCRIBING
 
     def __init__(self, source: ByteSource) -> None:
-        self._mcap_format = McapFormat(self._may_be_channel)
+        super().__init__(source, described)
+        self._format: McapFormat = McapFormat(self._may_be_channel)
         self._outside_channels: set[int] = set()
-        super().__init__(source, self._mcap_format, Descriptions(described))
         self._passed_from = FIRST_PRIVATE_OPCODE
         """Opcode from which on records are passed over; with an index, those of later versions,
         too."""
@@ -92,7 +89,7 @@ class McapLog(ScannedLog):
         """There is a footer, so that the recording was closed properly."""
 
     def use_index(self) -> None:
-        """See `ScannedLog.use_index`."""
+        """See `RecordLog.use_index`."""
         self._passed_from = LARGEST_OPCODE + 1
         footer = read_footer(self.source)
         if isinstance(footer, Loss):
@@ -167,7 +164,7 @@ class McapLog(ScannedLog):
 
     def _can_be_read(self, chunk: Chunk) -> bool:
         try:
-            self._parsed(chunk)
+            self._content(chunk)
         except ChunkDamage:
             return False
         return True
@@ -180,10 +177,10 @@ class McapLog(ScannedLog):
         if not self.chunks:
             return True
         try:
-            content, described = self._parsed(self.chunks[0])
+            content = self._content(self.chunks[0])
         except ChunkDamage:
             return True
-        differs = self.descriptions.compare(described, self.chunks[0].offset)
+        differs = self.descriptions.compare(content.described, self.chunks[0].offset)
         return not differs and counts_by_channel(content.messages).keys() <= self.channels.keys()
 
     def _step(self, offset: int) -> int | None:
@@ -204,7 +201,7 @@ class McapLog(ScannedLog):
             return None
         if opcode == Opcode.MESSAGE:
             return self._message(offset, content, end)
-        found = self._mcap_format.content(self.source.read, content, opcode, length)
+        found = self._format.content(self.source.read, content, opcode, length)
         return None if found is None else self._record(found, opcode, offset, end)
 
     def _message(self, offset: int, content: int, end: int) -> int | None:
@@ -294,7 +291,7 @@ class McapLog(ScannedLog):
         )
 
     def _checksum(self, chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]:
-        """See `ChunkedLog._checksum`; a chunk that the end of the file cuts off has none."""
+        """See `RecordLog._checksum`; a chunk that the end of the file cuts off has none."""
         head = bytes(stored[:_CHUNK_HEAD_SIZE])
         if len(head) < RECORD_HEAD.size + CHUNK_HEAD.size:
             raise ChunkDamage("it is cut off")
@@ -315,7 +312,7 @@ class McapLog(ScannedLog):
         return read_index(behind, _index_record, _INDEX_ENTRY, itemgetter("log_time"))
 
     def _own_times(self, chunk: Chunk) -> Times:
-        """See `ChunkedLog._own_times`: those of its header."""
+        """See `RecordLog._own_times`: those of its header."""
         try:
             own = self.chunk_at(chunk.offset)
         except ChunkDamage:
@@ -406,7 +403,7 @@ def _are_alike(own: Chunk, chunk: Chunk) -> bool:
     return (chunk.is_scanned or own_times == times) and _LENGTHS(own) == _LENGTHS(chunk)
 
 
-def open_log(source: ByteSource, distribution: str) -> ScannedLog:
+def open_log(source: ByteSource, distribution: str) -> RecordLog:
     """Open an MCAP file."""
     del distribution
-    return open_scanned(McapLog, source)
+    return open_records(McapLog, source)
