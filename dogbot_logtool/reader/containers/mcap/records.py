@@ -15,8 +15,9 @@ from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.arrays import Bytes, Ints
 from dogbot_logtool.reader.containers.descriptions import Description
-from dogbot_logtool.reader.containers.log import Channel, Extra, Schema
+from dogbot_logtool.reader.containers.log import Channel, Chunk, Extra, Schema
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
+from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
 from dogbot_logtool.reader.containers.salvage.records import Read, Records
 from dogbot_logtool.reader.decode.columns import gather
 
@@ -24,6 +25,10 @@ RECORD_HEAD: Final = struct.Struct("<BQ")
 """Opcode and length of the content, before every record."""
 CHUNK_HEAD: Final = struct.Struct("<QQQII")
 """Start time, end time, decompressed size, CRC, and length of the compression's name."""
+_LONGEST_NAME: Final = 16
+"""Bytes of the name of a compression."""
+CHUNK_HEAD_SIZE: Final = RECORD_HEAD.size + CHUNK_HEAD.size + _LONGEST_NAME + 8
+"""Bytes in which a chunk's header ends."""
 WHOLE_SMALL_RECORD: Final = 16 << 20
 """Larger records that describe something are not believed to be sound."""
 LARGEST_PADDING: Final = 64
@@ -212,13 +217,13 @@ class McapFormat:
 
     def _sound(self, read: Read, offset: int, end: int, more: int) -> bool:
         """Check a record and, as its own structure may say little, some that follow it."""
-        head = read(offset, min(RECORD_HEAD.size + 64, end - offset))
+        head = read(offset, min(CHUNK_HEAD_SIZE, end - offset))
         if len(head) < RECORD_HEAD.size:
             # The end of the file cuts it off, or it is the end of a chunk.
             return not head or 1 <= head[0] <= LARGEST_OPCODE or MCAP_MAGIC.startswith(head)
         opcode, length = RECORD_HEAD.unpack_from(head)
         if opcode == Opcode.CHUNK:
-            return is_chunk(head[RECORD_HEAD.size :], length)
+            return is_chunk(head)
         following = offset + RECORD_HEAD.size + length
         is_known = opcode in _KNOWN
         may_be_later = opcode > LARGEST_OPCODE and following < end
@@ -275,18 +280,46 @@ def _content_size(read: Read, content: int, opcode: int) -> int:
     return size + 8 + int.from_bytes(read(content + size, 8), "little") + 4
 
 
-def is_chunk(head: bytes, length: int) -> bool:
-    """Tell whether a chunk record's content begins here, by the agreement of its lengths.
+def chunk_at(offset: int, head: bytes) -> Chunk:
+    """Read a chunk record's own header, whose two lengths may disagree.
 
     Args:
+        offset: where the record begins.
         head: its first bytes.
-        length: of the content, as the record says.
+
+    Raises:
+        ChunkDamage: the header makes no sense.
     """
-    if len(head) < CHUNK_HEAD.size + 8:
+    name_start = RECORD_HEAD.size + CHUNK_HEAD.size
+    if len(head) < name_start + 8:
+        raise ChunkDamage("its header is cut off")
+    _, length = RECORD_HEAD.unpack_from(head)
+    start, end, size, crc, name_size = CHUNK_HEAD.unpack_from(head, RECORD_HEAD.size)
+    name = head[name_start : name_start + name_size]
+    data_start = name_start + name_size + 8
+    is_name = name_size <= _LONGEST_NAME and (not name or name.isalnum())
+    record_size = RECORD_HEAD.size + length
+    if not is_name or data_start > min(len(head), record_size):
+        raise ChunkDamage("its header is damaged")
+    (data_size,) = struct.unpack_from("<Q", head, data_start - 8)
+    return Chunk(
+        offset=offset,
+        data_offset=offset + data_start,
+        data_size=data_size,
+        end=offset + record_size,
+        index_end=offset + record_size,
+        compression=str(name, "utf-8", "replace"),
+        size=size,
+        crc=crc,
+        start_time=start,
+        end_time=end,
+    )
+
+
+def is_chunk(head: bytes) -> bool:
+    """Tell whether a chunk record begins here, by the agreement of its lengths."""
+    try:
+        chunk = chunk_at(0, head)
+    except ChunkDamage:
         return False
-    name_size = int(CHUNK_HEAD.unpack_from(head)[4])
-    start = CHUNK_HEAD.size + name_size + 8
-    if name_size > 16 or len(head) < start:
-        return False
-    (size,) = struct.unpack_from("<Q", head, start - 8)
-    return bool(start + size <= length)
+    return chunk.data_offset + chunk.data_size <= chunk.end
