@@ -35,9 +35,9 @@ def base_in(walk: Walk, within: Ints) -> Base | None:
     return base_motion(walk.track, walk.settings.forward_axis, within)
 
 
-def support_in(walk: Walk, within: Ints | None = None) -> Support | None:
+def support_in(walk: Walk) -> Support | None:
     """Return the support pattern; where one foot's state is not known, none is."""
-    return support(walk.records, within) if walk.contacts_known else None
+    return support(walk.records) if walk.contacts_known else None
 
 
 def stability_in(walk: Walk, within: Ints | None = None) -> Stability | None:
