@@ -19,10 +19,10 @@ from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.recording import read_recording
+from dogbot_logtool.robot.names import FootSet
 from dogbot_logtool.robot.robot_model.description import Model, without_legs
 from dogbot_logtool.robot.robot_model.legs_of_urdf import find_legs
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
-from dogbot_logtool.robot.score import FootCandidates
 from dogbot_logtool.robot.selection import Selection, select_topics
 
 _WORLD: Final = "odom"
@@ -201,7 +201,7 @@ def _of_contact(estimated: Estimate, topic: str, names: tuple[str, ...]) -> Iter
 
 def named_by_legs(
     log: Log, options: MeasureOptions, selection: Selection, legs: Sequence[Samples]
-) -> FootCandidates | None:
+) -> FootSet | None:
     """Name fields that may be feet by the legs that stand while they are loaded.
 
     Args:
