@@ -82,7 +82,7 @@ def _measured(walk: Walk) -> Walk:
     supported = support_in(walk)
     segments: tuple[Segment, ...] = ()
     if feet and not walk.feet_clocks_are_apart:
-        segments = find_segments(feet, walk.standing, supported)
+        segments = find_segments(feet, walk.standing, contacts_known=supported is not None)
     origin, end = _extent(records, walk.poses)
     placed_at = None
     if walk.contacts_known and not (walk.base_is_apart or walk.base_by_feet):

@@ -35,9 +35,9 @@ def base_in(walk: Walk, within: Ints) -> Base | None:
     return base_motion(walk.track, walk.settings.forward_axis, within)
 
 
-def support_in(walk: Walk, within: Ints | None = None) -> Support | None:
+def support_in(walk: Walk) -> Support | None:
     """Return the support pattern; where one foot's state is not known, none is."""
-    return support(walk.records, within) if walk.contacts_known else None
+    return support(walk.records) if walk.contacts_known else None
 
 
 def stability_in(walk: Walk, within: Ints | None = None) -> Stability | None:
@@ -103,7 +103,10 @@ def mask_walk(corrected: Corrected) -> Walk:
     touching = any(len(each.in_contact) for each in records)
     standing = standing_in(supported if touching else None, period_s, base, fallen)
     strides = any_strides(records, fallen, standing.without_steps)
-    delay = None if apart or settings.lacks_feet else _long_delay(records, base, period_s, strides)
+    # Joints that tell both forces and poses tell them at the same time.
+    by_joints = settings.base_from_legs and bool(settings.contact_from)
+    comparable = not (apart or settings.lacks_feet or by_joints)
+    delay = _long_delay(records, base, period_s, strides) if comparable else None
     apart = apart | {settings.odometry_topic} if delay else apart
     rise_m = height_drift_m(base, height, strides)
     placed_by_poses = any(path is not None for path in corrected.places)
