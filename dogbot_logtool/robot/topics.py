@@ -32,11 +32,6 @@ _SPAN_NS: Final = 5_000_000_000
 _MOST_CHUNKS: Final = 64
 
 
-def topic_words(name: str) -> frozenset[str]:
-    """Return the words of a topic's name, in small letters."""
-    return frozenset(re.findall(r"[a-z0-9]+", name.lower()))
-
-
 def message_count(log: Log, topic: str) -> int:
     """Return how many messages of a topic the index counts."""
     return sum(log.counts.get(channel.id, 0) for channel in log.channels_by_topic.get(topic, ()))

@@ -17,7 +17,7 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.part import Wanted
-from dogbot_logtool.robot.base_candidates import BASES
+from dogbot_logtool.robot.base import BASES
 from dogbot_logtool.robot.feet import planned_feet
 from dogbot_logtool.robot.measuring.foot_samples import decide_contacts, with_joined_sensors
 from dogbot_logtool.robot.measuring.side_topics import joint_channels, side_topics
