@@ -2,11 +2,12 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import permutations
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, median_of
+from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of, norms
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.estimated.estimate import Estimate, estimate, placed_by_legs
 from dogbot_logtool.core.estimated.ground import TOO_MUCH, WRONG_SIGN, joints_of_legs
@@ -14,13 +15,23 @@ from dogbot_logtool.core.frames.kinematics import Leg
 from dogbot_logtool.core.recording import JointTable, Recording
 from dogbot_logtool.core.rotations import multiply
 from dogbot_logtool.finding import Finding, found
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
+from dogbot_logtool.reader.recording import read_recording
+from dogbot_logtool.robot.names import FootSet
 from dogbot_logtool.robot.robot_model.description import Model, without_legs
 from dogbot_logtool.robot.robot_model.legs_of_urdf import find_legs
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
-from dogbot_logtool.robot.selection import Selection
+from dogbot_logtool.robot.selection import Selection, select_topics
 
 _WORLD: Final = "odom"
+MOST_FEET: Final = 6
+"""Feet whose every order is tried."""
+LIKELY: Final = 0.3
+"""Correlation of load and contact from which a field is a leg's foot."""
+CLEAR: Final = 0.15
+"""By which it must lead before that of any other leg."""
 
 
 def measured_by_legs(
@@ -183,3 +194,54 @@ def _of_contact(estimated: Estimate, topic: str, names: tuple[str, ...]) -> Iter
         yield found("JOINT_VALUES", "efforts", where="legs.absolute_work_j", why=why)
     if why.startswith(WRONG_SIGN):
         yield Finding("EFFORT_SIGN", why, "legs.positive_work_j", feet=names)
+
+
+def named_by_legs(
+    log: Log, options: MeasureOptions, selection: Selection, legs: Sequence[Samples]
+) -> FootSet | None:
+    """Name fields that may be feet by the legs that stand while they are loaded.
+
+    Args:
+        log: the log.
+        options: of the call.
+        selection: with the fields that may be feet, and the feet that legs tell.
+        legs: contacts of these feet.
+
+    Returns:
+        None where no fields may be feet, they have names, or no order of them fits the legs.
+    """
+    offered = next(iter(selection.possible_feet), None)
+    if offered is None or len(offered.feet) != len(legs) or len(legs) > MOST_FEET:
+        return None
+    if any(foot.leg_position for foot in offered.feet):
+        return None
+    chosen = select_topics(log, replace(options, foot=None, feet=offered.feet))
+    fields = read_recording(log, chosen.wanted(), 1).recording.feet
+    time = legs[0].log_time
+    loads = np.stack([_load_at(each, time) for each in fields])
+    down = np.stack([each.in_contact for each in legs])
+    # While all stand, or none, nothing is told apart.
+    steps = down.any(axis=0) & ~down.all(axis=0) & np.isfinite(loads).all(axis=0)
+    likeness = np.corrcoef(loads[:, steps], down[:, steps])[: len(fields), len(fields) :]
+    rows = range(len(legs))
+    order = max(permutations(rows), key=lambda order: likeness[rows, order].sum())
+    own = likeness[rows, order]
+    if not (own >= LIKELY).all():
+        return None
+    named = [selection.robot.feet[row] for row in order]
+    feet = tuple(
+        replace(field, name=leg.name, leg_position=leg.leg_position)
+        for field, leg in zip(offered.feet, named, strict=True)
+    )
+    reason = "each is loaded while the leg of its name stands, by the joints"
+    if (np.sort(likeness, axis=1)[:, -2] > own - CLEAR).any():
+        reason += "; some legs move too much alike to be told apart surely"
+    return replace(offered, feet=feet, marks=(*offered.marks, (0, reason)))
+
+
+def _load_at(samples: Samples, time: Ints) -> Floats:
+    known = np.flatnonzero(all_finite(samples.force))
+    if not len(known):
+        return np.full(len(time), np.nan)
+    load = norms(samples.force[known]) if samples.force.any() else samples.in_contact[known]
+    return np.asarray(np.interp(time - time[0], samples.log_time[known] - time[0], load))

@@ -23,6 +23,7 @@ from dogbot_logtool.robot.measuring.foot_samples import decide_contacts, with_jo
 from dogbot_logtool.robot.measuring.side_topics import joint_channels, side_topics
 from dogbot_logtool.robot.offers import nothing_to_do
 from dogbot_logtool.robot.recorded import time_limits
+from dogbot_logtool.robot.score import call_of, candidates_finding
 from dogbot_logtool.robot.selection import Selection, select_topics
 
 if TYPE_CHECKING:
@@ -193,12 +194,19 @@ def prepare(
     recording, selection, whole = with_joined_sensors(recording, selection)
     model = None
     if recording.joints:
-        from dogbot_logtool.robot.measuring.by_legs import measured_by_legs  # noqa: PLC0415
+        from dogbot_logtool.robot.measuring.by_legs import (  # noqa: PLC0415
+            measured_by_legs,
+            named_by_legs,
+        )
         from dogbot_logtool.robot.robot_model.description import read_model  # noqa: PLC0415
 
         found = read_model(log, options.urdf)
         model = found.robot
         recording, selection = measured_by_legs(recording, selection, found)
+        if named := named_by_legs(log, options, selection, recording.feet):
+            others = (each for each in selection.findings if each.code != "FEET_UNSURE")
+            offer = candidates_finding(log, [named], call_of(log, options, ""), "")
+            selection = replace(selection, findings=(*others, offer))
     # Up to the ends of a log that is read whole, silence is known.
     wanted = plan.wanted
     start, end = wanted.limits
