@@ -24,7 +24,7 @@ FOOT: Final = "front_right"
 TROT: Final = Walk(seconds=12.0)
 LEAVES: Final = float(TROT.liftoffs(1)[6])
 LANDS: Final = float(TROT.touchdowns(1)[TROT.touchdowns(1) > LEAVES][0])
-HALF: Final = (LEAVES + LANDS) / 2.0
+EARLY: Final = LEAVES + 0.4 * (LANDS - LEAVES)
 
 
 # fmt: off
@@ -32,12 +32,13 @@ def planned() -> Iterator[Case]:
     """One event of a walk, and what only looks like one."""
     slides = LANDS + 0.25
     jump, hush = world.jump(4.0, (1.0, 0.5, 0.0)), on(time.silent_between(3.0, 5.0), "back_left")
-    early = Event("early_contact", HALF, foot=FOOT, value=(LANDS - HALF, 0.02))
+    early = Event("early_contact", EARLY, foot=FOOT, value=(LANDS - EARLY, 0.02))
     jumps = Event("pose_jump", 4.0, code="POSE_JUMP", value=(1.25**0.5, 0.01))
     silent = Event("gap", 3.0, foot="back_left", value=(2.0, 0.012))
     steps = "touchdowns, lift-offs, stride length"
     rows: list[tuple[str, Disturbance, str, str, tuple[Event, ...]]] = [
-        ("a foot lands early and stays", planted.contact(FOOT, HALF), "", "touchdowns", (early,)),
+        ("a foot lands early and stays", planted.contact(FOOT, EARLY), "", "touchdowns, margin",
+         (early,)),
         ("a foot bounces as it leaves", planted.contact(FOOT, LEAVES + 0.03, LEAVES + 0.06), "",
          steps, ()),
         ("a foot bounces as it lands", planted.contact(FOOT, LANDS - 0.06, LANDS - 0.03), "",
@@ -53,6 +54,10 @@ def planned() -> Iterator[Case]:
         known = sensor.user_gives(set={"foot_rolling_m": rolling_m} if rolling_m else {})
         yield Case(f"slip of {metres * 1e3:g} mm, feet roll by {rolling_m} m", TROT,
                    (planted.slip(FOOT, slides, metres), known), skip="slip", events=(slip,))
+    slip = Event("slip", slides, 0.06, foot=FOOT, value=(0.05, 1e-3))
+    yield Case("slip of 50 mm of a foot that rolls", TROT,
+               (planted.rolling(0.03), planted.slip(FOOT, slides, 0.05)), skip="slip",
+               events=(slip,))
     for share in (0.3, 0.5, 0.6):
         at = LEAVES + share * (LANDS - LEAVES)
         trips = Event("stumble", at, foot=FOOT, duration_s=0.05, value=(share, 0.05))
