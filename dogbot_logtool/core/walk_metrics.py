@@ -16,7 +16,6 @@ from dogbot_logtool.core.gait.feet import foot_metrics
 from dogbot_logtool.core.gait.segments import Segment, no_gait
 from dogbot_logtool.core.gait.support import Support
 from dogbot_logtool.core.loads import WalkLoads, share_of, symmetry_index_percent
-from dogbot_logtool.core.masks import base_in, loads_in, stability_in, support_in
 from dogbot_logtool.core.nulls import null_because
 from dogbot_logtool.core.records import copied, unknown, void
 from dogbot_logtool.core.walk import Walk
@@ -172,11 +171,11 @@ def _segment(walk: Walk, segment: Segment) -> metrics.Segment:
     return metrics.Segment(
         start_s=(segment.start - walk.origin) / 1e9,
         end_s=(segment.end - walk.origin) / 1e9,
-        base=base_in(walk, within) or unknown(metrics.Base),
-        gait=_supported(walk, segment.gait, support_in(walk, within)),
+        base=walk.base_in(within) or unknown(metrics.Base),
+        gait=_supported(walk, segment.gait, walk.support_in(within)),
         feet=feet,
-        forces=_forces(walk, loads_in(walk, within), feet),
-        stability=stability_in(walk, within) or unknown(metrics.Stability),
+        forces=_forces(walk, walk.loads_in(within), feet),
+        stability=walk.stability_in(within) or unknown(metrics.Stability),
     )
 
 

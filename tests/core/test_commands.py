@@ -23,16 +23,16 @@ NONE = timespans.no_spans()
 
 
 def followed(
-    robot: Commanded, *, forward_axis: str = "+x", stepping: Ints | None = None
+    robot: Commanded, *, forward_rad: float = 0.0, stepping: Ints | None = None
 ) -> CommandTrack:
-    return follow(robot.base(), robot.commands(), robot.period_s, forward_axis, stepping)
+    return follow(robot.base(), robot.commands(), robot.period_s, forward_rad, stepping)
 
 
 def follow(
     base: BaseRecording,
     given: VectorRecording,
     period_s: float | None,
-    forward_axis: str = "+x",
+    forward_rad: float = 0.0,
     stepping: Ints | None = None,
 ) -> CommandTrack:
     clock = TimeSource.HEADER
@@ -47,7 +47,7 @@ def follow(
     walk = SimpleNamespace(
         corrected=SimpleNamespace(commands=commands),
         track=SimpleNamespace(history=poses),
-        settings=SimpleNamespace(forward_axis=forward_axis),
+        settings=SimpleNamespace(forward_rad=forward_rad),
         jumps=SimpleNamespace(spans=NONE),
         segments=(SimpleNamespace(strides=1, spans=steps),),
         period_s=period_s,
@@ -82,7 +82,7 @@ def test_commands_in_the_axes_of_the_base_are_turned() -> None:
     robot = Commanded(body_yaw_rad=-np.pi / 2.0)
     given = robot.commands()
     turned = replace(given, vector=given.vector[:, [1, 0, 2]] * [-1.0, 1.0, 1.0])
-    track = follow(robot.base(), turned, robot.period_s, "+y")
+    track = follow(robot.base(), turned, robot.period_s, np.pi / 2.0)
     assert track.axes == "body"
     commanded, measured, *_ = track.errors(0)
     # Gain 0.9, and some 0.17 s of delay.

@@ -10,7 +10,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, percentiles_of, rows_of_runs
 from dogbot_logtool.core.base.foot_path import FootPath, footfalls
 from dogbot_logtool.core.base.ground import MovingGround
-from dogbot_logtool.core.base.motion import FORWARD_ANGLES, stride_lengths
+from dogbot_logtool.core.base.motion import stride_lengths
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
 from dogbot_logtool.core.contact.stances import Cut, Stances
@@ -193,7 +193,7 @@ def foot_steps(
     )
     stances = replace(stances, figures=figures)
     strides, discarded = strides_of(stances, record.gaps, fallen)
-    heading = base.angles_at(stances.middle)[:, 2] + FORWARD_ANGLES[settings.forward_axis]
+    heading = base.angles_at(stances.middle)[:, 2] + settings.forward_rad
     spiked = figures.spikes > 0.0
     braking, propulsive = (
         np.where(spiked, np.nan, each) for each in fore_aft_impulses(record, heading)

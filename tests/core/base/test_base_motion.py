@@ -32,8 +32,8 @@ def track(odometry: Odometry, height_m: float = 0.3) -> BaseTrack:
     return BaseTrack(base, find_travel(base), height, (), timespans.no_spans())
 
 
-def motion(odometry: Odometry, forward_axis: str = "+x") -> Base:
-    result = base_motion(track(odometry), forward_axis)
+def motion(odometry: Odometry, forward_rad: float = 0.0) -> Base:
+    result = base_motion(track(odometry), forward_rad)
     assert result is not None
     return result
 
@@ -49,7 +49,7 @@ def with_gap() -> Odometry:
 def test_a_part_of_the_log_has_its_own_figures() -> None:
     odometry = circle()
     odometry.position[:, 2] += 0.1 * (odometry.stamp - START) / 1e9
-    part = base_motion(track(odometry), "+x", np.array([[START + 10**9, START + 2 * 10**9]]))
+    part = base_motion(track(odometry), 0.0, np.array([[START + 10**9, START + 2 * 10**9]]))
     assert part is not None
     assert part.duration_s == pytest.approx(1.0, abs=0.011)
     assert part.path_length_m == pytest.approx(0.5, abs=0.006)
@@ -73,7 +73,7 @@ def test_poses_that_cannot_be_used_are_counted_and_others_thinned() -> None:
     result = record(odometry)
     assert result.not_usable == 2
     assert len(result.time) == 401
-    assert base_motion(track(circle().pick(np.array([0]))), "+x") is None
+    assert base_motion(track(circle().pick(np.array([0]))), 0.0) is None
 
 
 def test_time_far_from_any_pose_is_told() -> None:

@@ -104,19 +104,19 @@ SWAYS: Knots = [(each / 2.0, 0.02 * (-1.0) ** each) for each in range(18)]
 
 
 @pytest.mark.parametrize(
-    ("name", "roll", "axis", "tips"),
+    ("name", "roll", "forward_rad", "tips"),
     [
-        ("tips as the log ends", [*SWAYS, (9.0, 0.02), (10.0, 0.4)], "+x", ("roll", 0.4)),
-        ("about its own axis", [(9.0, 0.0), (10.0, 0.4)], "+y", ("pitch", -0.4)),
-        ("still", [(0.0, 0.0)], "+x", None),
-        ("returns", [(8.5, 0.0), (9.0, 0.4), (9.5, 0.0)], "+x", None),
-        ("usual", [(1.0, 0.0), (1.5, 0.5), (2.0, 0.0), (9.0, 0.0), (10.0, 0.4)], "+x", None),
-        ("a ramp", [(8.5, 0.0), (9.3, 0.3)], "+x", None),
+        ("tips as the log ends", [*SWAYS, (9.0, 0.02), (10.0, 0.4)], 0.0, ("roll", 0.4)),
+        ("about its own axis", [(9.0, 0.0), (10.0, 0.4)], np.pi / 2.0, ("pitch", -0.4)),
+        ("still", [(0.0, 0.0)], 0.0, None),
+        ("returns", [(8.5, 0.0), (9.0, 0.4), (9.5, 0.0)], 0.0, None),
+        ("usual", [(1.0, 0.0), (1.5, 0.5), (2.0, 0.0), (9.0, 0.0), (10.0, 0.4)], 0.0, None),
+        ("a ramp", [(8.5, 0.0), (9.3, 0.3)], 0.0, None),
     ],
 )
 def test_tipping_leaves_the_usual_range_and_goes_on(
-    name: str, roll: Knots, axis: str, tips: tuple[str, float] | None
+    name: str, roll: Knots, forward_rad: float, tips: tuple[str, float] | None
 ) -> None:
-    found = find_tipping(base(STANDS, roll=roll), axis)
+    found = find_tipping(base(STANDS, roll=roll), forward_rad)
     assert (found and (found.angle, round(found.last_rad, 6))) == tips, name
     assert found is None or found.since / 1e9 == pytest.approx(9.0, abs=0.3)
