@@ -132,7 +132,9 @@ def mask_walk(corrected: Corrected) -> Walk:
     standing = standing_in(supported if touching else None, period_s, base, fallen)
     strides = any_strides(records, fallen, standing.without_steps)
     delay = None
-    if period_s and len(base.time) and not (apart or settings.lacks_feet):
+    # Joints that tell both forces and poses tell them at the same time.
+    by_joints = settings.base_from_legs and bool(settings.contact_from)
+    if period_s and len(base.time) and not (apart or settings.lacks_feet or by_joints):
         delay = long_delay(records, base, period_s, strides)
     apart = apart | {settings.odometry_topic} if delay else apart
     rise_m = height_drift_m(base, height, strides)
@@ -212,7 +214,7 @@ def _measured(walk: Walk) -> Walk:
     supported = walk.support_in()
     segments: tuple[Segment, ...] = ()
     if feet and not walk.feet_clocks_are_apart:
-        segments = find_segments(feet, walk.standing, supported)
+        segments = find_segments(feet, walk.standing, contacts_known=supported is not None)
     origin, end = _extent(records, walk.poses)
     placed_at = None
     if walk.contacts_known and not (walk.base_is_apart or walk.base_by_feet):

@@ -187,9 +187,9 @@ class Walk:
         """Return how the base moved in a part of the log, (w, 2) ns."""
         return base_motion(self.track, self.settings.forward_rad, within)
 
-    def support_in(self, within: Ints | None = None) -> Support | None:
+    def support_in(self) -> Support | None:
         """Return the support pattern; where one foot's state is not known, none is."""
-        return support(self.records, within) if self.contacts_known else None
+        return support(self.records) if self.contacts_known else None
 
     def stability_in(self, within: Ints | None = None) -> Stability | None:
         """Return the stability, where base and feet are on one clock and in one world."""

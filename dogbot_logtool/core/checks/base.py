@@ -58,7 +58,7 @@ def _feet_astray(walk: Walk, worlds: Worlds) -> tuple[str, ...]:
 def _travels_less(foot: FootSteps, share: float) -> bool:
     """Tell whether a foot's contact point travels by less than a share of the base's way."""
     travel = foot.stances.figures.contact_travel_m[foot.strides.stance]
-    displacement = foot.base_displacement_m * foot.strides.duty_factor
+    displacement = foot.of_strides["base_displacement_m"] * foot.strides.duty_factor
     known = np.isfinite(travel) & np.isfinite(displacement)
     return bool(known.any()) and float(median_of(travel[known])) < share * float(
         median_of(displacement[known])
