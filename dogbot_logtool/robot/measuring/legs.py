@@ -10,8 +10,7 @@ from dogbot_logtool.core.legs.swings import JointPair, LegChain, LegSettings
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.robot.leg_names import leg_of
-from dogbot_logtool.robot.names import name_feet
+from dogbot_logtool.robot.names import leg_of, name_feet
 from dogbot_logtool.robot.robot_model.skeleton import place_of_foot
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, left_out_text
 from dogbot_logtool.robot.selection import Selection
