@@ -88,8 +88,11 @@ def _estimated(
     if not selection.odometry:
         named = replace(named, world_frame=named.world_frame or _WORLD)
         findings = [each for each in findings if each.code != "NO_BASE"]
-        lean = "by the accelerometer" if estimated.tells_up else "taken as none"
-        findings.append(found("BASE_FROM_LEGS", say="joints", by=estimated.turns_from, lean=lean))
+        lean, within = "taken as none", "14 %"
+        if estimated.tells_up:
+            lean, within = "by the accelerometer", "6 %"
+        by = estimated.turns_from
+        findings.append(found("BASE_FROM_LEGS", say="joints", by=by, lean=lean, within=within))
     if lacks_feet:
         topic = joints.topic
         own = tuple(
@@ -214,6 +217,9 @@ def named_by_legs(
     if offered is None or len(offered.feet) != len(legs) or len(legs) > MOST_FEET:
         return None
     if any(foot.leg_position for foot in offered.feet):
+        return None
+    # Joints' own efforts, by which legs have told contacts, are no sensors of feet.
+    if offered.feet[0].topic == selection.robot.feet[0].topic:
         return None
     chosen = select_topics(log, replace(options, foot=None, feet=offered.feet))
     fields = read_recording(log, chosen.wanted(), 1).recording.feet
