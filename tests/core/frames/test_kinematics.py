@@ -54,7 +54,7 @@ def test_a_fixed_joint_stays_and_a_mimic_follows() -> None:
     fixed = Joint("f", "a", "b", "fixed", rotation=TURNED)
     mimic = Joint("m", "b", "c", "revolute", source="j", multiplier=-2.0, offset=0.5)
     assert (fixed.measured, mimic.measured) == ("f", "j")
-    shift, turn = link_poses([fixed, mimic], np.array([[np.nan, 0.4]]))
+    _, turn = link_poses([fixed, mimic], np.array([[np.nan, 0.4]]))
     np.testing.assert_allclose(matrix(turn[0, 0]), TURNED_MATRIX, atol=1e-12)
     expected = rodrigues((1.0, 0.0, 0.0), -2.0 * 0.4 + 0.5)
     np.testing.assert_allclose(matrix(turn[0, 1]), expected, atol=1e-12)
