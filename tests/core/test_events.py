@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dogbot_logtool.core.events.event import text_of, with_steps
 from dogbot_logtool.core.events.events import find_events
-from dogbot_logtool.core.events.log_messages import _message, event_messages, gait_states
 from dogbot_logtool.core.metrics import Event
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.walk import Walk as MeasuredWalk
+from dogbot_logtool.writer import described
 from tests.analysed import analysed
 from tests.truth import gaits, planted, scenes, time_faults, world_faults
 from tests.truth import sensor_faults as sensor
@@ -234,16 +235,16 @@ def test_a_base_outside_its_polygon_is_found_with_the_least_margin() -> None:
 
 def test_a_log_without_feet_has_neither_events_nor_gaits() -> None:
     stats = analysed(WalkSettings(feet=()))
-    assert (gait_states(stats), event_messages(stats)) == ((), ())
+    assert (stats.segments, with_steps(stats.metrics)) == ((), ())
 
 
 def test_a_log_panel_shows_each_fact_once() -> None:
     """The panel writes the source before the text."""
     slip = Event(1.0, 0.02, "slip", "right", 0.012, "m", None)
     gap = Event(1.0, 1.01, "gap", "left", 1.01, "s", None)
-    found = [_message(each, 3 * S) for each in (slip, gap)]
-    assert [(each.source, each.text) for each in found] == [
-        ("right", "slip, 0.012 m, for 0.020 s"),
-        ("left", "gap, 1.01 s"),
+    assert [text_of(each) for each in (slip, gap)] == [
+        "slip, 0.012 m, for 0.020 s",
+        "gap, 1.01 s",
     ]
-    assert (found[0].time, found[0].end) == (4 * S, 4_020_000_000)
+    ends = described.span(4 * S, slip).literal["end_time"]
+    assert ends == {"sec": 4, "nanosec": 20_000_000}
