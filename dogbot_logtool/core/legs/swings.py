@@ -39,16 +39,6 @@ class LegChain:
     else it is the frame's origin, perhaps the middle of a ball."""
 
 
-@dataclass(frozen=True, slots=True)
-class JointPair:
-    """Two joints that are alike, one on each side of the robot."""
-
-    name: str
-    left: str
-    """The joint's name; also `right`."""
-    right: str
-
-
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LegSettings:
     """Sources of a log's legs."""
@@ -63,7 +53,8 @@ class LegSettings:
     """Topics of joint states; the best first, whose states of a joint count."""
     foot_of_joint: Mapping[str, int] = field(default_factory=dict)
     """Index of the foot that a joint moves, by the joint's name."""
-    pairs: tuple[JointPair, ...] = ()
+    pairs: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    """Joints that are alike, left and right, by a name for both."""
     limits: Mapping[str, JointLimits] = field(default_factory=dict)
     """Limits by the robot description, by the joint's name."""
     lacking: tuple[str, ...] = ()
