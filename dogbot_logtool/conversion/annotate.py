@@ -9,15 +9,9 @@ import numpy as np
 
 from dogbot_logtool.conversion.scene import Scene
 from dogbot_logtool.core.arrays import AnyColumns, Ints, picked
-from dogbot_logtool.core.events.event import Level
-from dogbot_logtool.core.events.log_messages import (
-    EventMessage,
-    GaitState,
-    event_messages,
-    gait_states,
-    to_log_time,
-)
-from dogbot_logtool.core.scene.arrows import Arrows, force_arrows, pressure_arrows, removals
+from dogbot_logtool.core.events.event import STEPS, to_log_time, with_steps
+from dogbot_logtool.core.gait.segments import gait_changes
+from dogbot_logtool.core.scene.arrows import Arrows, force_arrows, pressure_arrows
 from dogbot_logtool.core.scene.feet import DrawnFoot
 from dogbot_logtool.core.scene.loads import foot_labels, foot_loads
 from dogbot_logtool.core.scene.support_scene import leg_lines, support_scene
@@ -86,7 +80,7 @@ def _annotations_between(scene: Scene, start: int, end: int) -> tuple[list[Drawn
     drawn: list[Drawn] = [within(each, each.log_time) for each in scene.others]
     for foot, own in () if scene.style.needs_contact_states else forced:
         arrows, skipped = _arrows(scene, foot, own)
-        drawn += arrows
+        drawn.append(arrows)
         counts += skipped
     drawn += [foot_loads(*each, scene.walk.settings.body_weight_n) for each in feet]
     drawn += [foot_labels(*each) for each in forced]
@@ -104,35 +98,37 @@ def _annotations_between(scene: Scene, start: int, end: int) -> tuple[list[Drawn
     return drawn, counts
 
 
-def _arrows(scene: Scene, foot: DrawnFoot, rows: slice) -> tuple[list[Arrows], Counter[str]]:
+def _arrows(scene: Scene, foot: DrawnFoot, rows: slice) -> tuple[Arrows, Counter[str]]:
     """Return the arrows of samples that touch, and the removals of all others."""
-    touching = foot.touching[rows]
-    samples = foot.samples.pick(rows.start + np.flatnonzero(touching))
+    samples = picked(foot.samples, rows)
     samples = replace(
         samples,
+        in_contact=samples.in_contact & foot.touching[rows],
         force=samples.force.astype(np.float64),
         normal=samples.normal.astype(np.float64),
     )
     made = force_arrows if scene.style.along_force else pressure_arrows
-    drawn, skipped = made(samples, scene.arrow_scale)
-    return [drawn, removals(foot.samples.pick(rows.start + np.flatnonzero(~touching)))], skipped
+    return made(samples, scene.arrow_scale)
 
 
 def _event_records(annotations: Annotations, scene: Scene) -> Iterator[MessageRecords]:
     """Yield the messages of `/gait`, `/events` and `/events/spans`."""
     made, channels, walk = annotations.encoding.message, annotations.channels, scene.walk
+    tracks = [foot.record.track for foot in walk.feet]
 
-    def log_time(happened: Sequence[EventMessage | GaitState]) -> Ints:
-        time = np.array([each.time for each in happened], np.int64)
-        return to_log_time(walk, time, scene.opening or 0, scene.end)
+    def log_time(times: Sequence[int]) -> Ints:
+        return to_log_time(tracks, np.array(times, np.int64), scene.opening or 0, scene.end)
 
-    events, gaits = event_messages(walk), gait_states(walk)
-    states = (made(described.gait(each)) for each in gaits)
-    yield of_payloads(channels[GAIT_TOPIC], states, log_time(gaits))
-    logged, event_time = (made(described.event(each)) for each in events), log_time(events)
+    gaits = gait_changes(walk.segments, walk.feet)
+    states = (made(described.gait(*each)) for each in gaits)
+    yield of_payloads(channels[GAIT_TOPIC], states, log_time([time for time, _ in gaits]))
+    onsets = ((walk.origin + round(each.onset_s * 1e9), each) for each in with_steps(walk.metrics))
+    events = list(onsets)
+    event_time = log_time([time for time, _ in events])
+    logged = (made(described.event(*each)) for each in events)
     yield of_payloads(channels[EVENTS_TOPIC], logged, event_time)
     if SPANS_TOPIC in channels:
         # A viewer's timeline shows what calls for a look; steps are in the log panel.
-        odd = [row for row, each in enumerate(events) if each.level is not Level.DEBUG]
-        spans = (made(described.span(events[row])) for row in odd)
+        odd = [row for row, (_, event) in enumerate(events) if event.type not in STEPS]
+        spans = (made(described.span(*events[row])) for row in odd)
         yield of_payloads(channels[SPANS_TOPIC], spans, event_time[odd])

@@ -5,31 +5,27 @@ feet is offered with the command that takes it.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import PurePath
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, norms, percentiles_of
+from dogbot_logtool.core.arrays import Flags, Floats, median_of, norms, percentiles_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import shell_joined, shell_quoted
 from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.robot.names import FootSet
-from dogbot_logtool.robot.words import MERITS, Part, words_of
+from dogbot_logtool.robot.names import FootSet, Mark
+from dogbot_logtool.robot.words import MERITS, Part, parts_of, texts_of, word_set
 
-Mark = tuple[int, str]
-"""Points, and the reason; empty: it need not be said."""
-_CONTACT: Final = "contact contacts grf stance touch touches ground"
-CONTACT_WORDS: Final = frozenset(_CONTACT.split())
-_FORCE: Final = (
+CONTACT_WORDS: Final = word_set("contact contacts grf stance touch touches ground")
+FORCE_WORDS: Final = word_set(
     "cell effort force forces fsr ft fz load loadcell loadcells loads pressure torque weight "
     "wrench wrenches"
 )
-FORCE_WORDS: Final = frozenset(_FORCE.split())
 _OTHER_PART: Final = 4
 """Points that a name costs which speaks of something else beside a foot."""
 _NEVER: Final = 20
@@ -63,70 +59,25 @@ _ALTERNATIVES: Final = 3
 """Sets of topics that are offered beside the most likely one."""
 
 
-@dataclass(frozen=True, slots=True)
-class FootCandidates:
-    """Fields that may be the feet of a robot."""
-
-    feet: tuple[Foot, ...]
-    type_name: str
-    marks: tuple[Mark, ...]
-    is_integer: bool
-    """Whether they are read as contacts, unless something else is said."""
-    is_numbered: bool
-    """Whether they are the elements of an array or bits, of which messages have fewer."""
-    is_contact: bool = False
-    """Whether the fields only tell contact, and no force."""
-
-    @property
-    def points(self) -> int:
-        """The sum of all marks."""
-        return sum(points for points, _ in self.marks)
-
-    @property
-    def reasons(self) -> str:
-        """What speaks for them, and against."""
-        return "; ".join(reason for _, reason in self.marks if reason)
-
-    @property
-    def fields(self) -> str:
-        """The feet and their fields, for people."""
-        return ", ".join(f"{foot.name} = {word_of(foot)}" for foot in self.feet)
-
-    @property
-    def words(self) -> tuple[str, ...]:
-        """The fields as ``--foot`` takes them."""
-        return tuple(map(word_of, self.feet))
-
-
-def word_of(foot: Foot) -> str:
-    """Return a foot's topic and field as ``--foot`` takes them."""
-    return f"{foot.topic}:{foot.field.path}" if foot.field else foot.topic
-
-
-def name_marks(names: Collection[str], type_name: str) -> Iterator[Mark]:
-    """Judge names of fields, with their topics, and of the type of their messages."""
-    words = [word for name in names for word in words_of(name)]
-    texts = {word.text for word in (*words, *words_of(type_name))}
-    if any(word.is_leg for word in words):
+def name_marks(names: Collection[str], type_name: str, rate_hz: float | None) -> Iterator[Mark]:
+    """Judge names of fields, with their topics, of the type of their messages, and their rate."""
+    parts, texts = parts_of(names), texts_of(*names, type_name)
+    if parts & {Part.FOOT, Part.LEG}:
         yield 2, "the names speak of feet or legs"
-    parts = {word.part for word in words}
     if Part.NOT_A_FOOT in parts:
         # Hands, wheels, tools ...
         yield (-_OTHER_PART if parts & {Part.FOOT, Part.LEG} else -_NEVER), ""
-    if not texts.isdisjoint(CONTACT_WORDS | FORCE_WORDS):
+    if texts & (CONTACT_WORDS | FORCE_WORDS):
         yield 1, "of contact or force"
     merit = min((MERITS.get(text, 0) for text in texts), default=0)
     if merit < -1:
         yield merit, "they are named as planned or set, not measured"
+    if rate_hz is not None:
+        points = 1 if rate_hz >= _FAST_HZ else -2 if rate_hz < _SLOW_HZ else 0
+        yield points, f"{rate_hz:.0f} messages a second"
 
 
-def rate_mark(rate_hz: float) -> Mark:
-    """Judge the messages a second."""
-    points = 1 if rate_hz >= _FAST_HZ else -2 if rate_hz < _SLOW_HZ else 0
-    return points, f"{rate_hz:.0f} messages a second"
-
-
-def with_content(named: FootCandidates, feet: Sequence[Samples]) -> FootCandidates | None:
+def with_content(named: FootSet, feet: Sequence[Samples]) -> FootSet | None:
     """Judge also by the values, which were read as forces; None: too few were seen.
 
     Args:
@@ -140,26 +91,24 @@ def with_content(named: FootCandidates, feet: Sequence[Samples]) -> FootCandidat
     are_states = bool((values <= _LARGEST_STATE).all() and (values == np.round(values)).all())
     low, high = percentiles_of(values, _TENTH, axis=0)
     down = values > 0.0 if are_states else values > low + _ON * (high - low)
-    marks = [_on_and_off(np.count_nonzero(np.diff(down, axis=0), axis=0)), _in_turns(down)]
-    if not are_states:
-        marks += [_together(values), _in_one_direction(signed)]
+    marks = [*_in_time(down), *(() if are_states else _of_loads(signed))]
+    if sum(points for points, _ in marks) <= 0:
+        marks.append((-_NEVER, "no foot reads so"))
     thresholds, is_contact = [0.0] * len(feet), are_states
     is_number = not are_states and not any(each.force[:, :2].any() for each in feet)
     low, high = percentiles_of(values, _ENDS, axis=0)
     if is_number and bool((signed > 0.0).all()) and bool((low > _NOT_UNLOADED * high).all()):
         thresholds, is_contact = (low + _ON * (high - low)).tolist(), True
         marks.append((0, "none reads near zero without load: they tell contact, not newtons"))
-    if sum(points for points, _ in marks) <= 0:
-        marks.append((-_NEVER, "no foot reads so"))
     marks.append((1 if len(feet) in _USUAL_FEET else -1, ""))
-    # It is said only where the type of the field would say something else.
-    kind = "" if is_contact == named.is_integer else "contact" if is_contact else "force"
-    told = tuple(
-        replace(foot, field=replace(foot.field, kind=kind, threshold=threshold))
-        for foot, threshold in zip(named.feet, thresholds, strict=False)
-        if foot.field
-    )
-    return replace(named, feet=told, marks=(*named.marks, *marks), is_contact=is_contact)
+    kind = "contact" if is_contact else "force"
+    told = []
+    for foot, threshold in zip(named.feet, thresholds, strict=False):
+        if foot.field:
+            # It is said only where the type of the field would say something else.
+            said = "" if kind == (foot.field.kind or "force") else kind
+            told.append(replace(foot, field=replace(foot.field, kind=said, threshold=threshold)))
+    return replace(named, feet=tuple(told), marks=(*named.marks, *marks))
 
 
 def _side_by_side(feet: Sequence[Samples]) -> Floats:
@@ -173,42 +122,40 @@ def _side_by_side(feet: Sequence[Samples]) -> Floats:
     return np.stack(columns, axis=1)
 
 
-def _on_and_off(changes: Ints) -> Mark:
-    stepping, total = int(np.count_nonzero(changes > 1)), len(changes)
-    if stepping == total:
-        return 2, f"all {total} go on and off, {int(np.min(changes))} times and more"
-    return (-1 if stepping else -3), f"only {stepping} of {total} go on and off"
-
-
-def _in_turns(down: Flags) -> Mark:
+def _in_time(down: Flags) -> Iterator[Mark]:
+    """Judge when feet are on, (n, feet): each on and off, and in turns."""
     feet = down.shape[1]
+    changes = np.count_nonzero(np.diff(down, axis=0), axis=0)
+    stepping = np.count_nonzero(changes > 1)
+    if stepping == feet:
+        yield 2, f"all {feet} go on and off, {changes.min()} times and more"
+    else:
+        yield (-1 if stepping else -3), f"only {stepping} of {feet} go on and off"
     alike = [(down[:, i] == down[:, k]).mean() for i in range(feet) for k in range(i)]
     some, every = float(down.any(axis=1).mean()), float(down.all(axis=1).mean())
     if not alike or min(alike) > _SAME:
-        return -2, "all are the same signal"
-    if some >= _FEWEST_DOWN and every < some:
-        return 2, f"in turns: at least one is on {some:.0%} of the time, all at once {every:.0%}"
-    return 0, f"at least one is on {some:.0%} of the time"
+        yield -2, "all are the same signal"
+    elif some >= _FEWEST_DOWN and every < some:
+        yield 2, f"in turns: at least one is on {some:.0%} of the time, all at once {every:.0%}"
+    else:
+        yield 0, f"at least one is on {some:.0%} of the time"
 
 
-def _together(values: Floats) -> Mark:
+def _of_loads(signed: Floats) -> Iterator[Mark]:
+    """Judge loads, (n, feet): together they are a weight, and the ground does not pull."""
+    values = np.abs(signed)
     total = values.sum(axis=1)
-    mean = float(total.mean())
-    if mean <= 0.0:
-        return 0, ""
-    spread = float(total.std()) / mean
-    own = float(median_of(values.std(axis=0) / np.maximum(values.mean(axis=0), 1e-12)))
-    if spread <= _STEADY and own >= _UNSTEADY * spread:
-        return 3, f"together they stay within {spread:.0%} of {mean:.4g}, as a weight does"
-    return 0, f"their sum varies by {spread:.0%}"
-
-
-def _in_one_direction(signed: Floats) -> Mark:
-    """The ground pushes and does not pull."""
+    if (mean := float(total.mean())) > 0.0:
+        spread = float(total.std()) / mean
+        own = float(median_of(values.std(axis=0) / np.maximum(values.mean(axis=0), 1e-12)))
+        if spread <= _STEADY and own >= _UNSTEADY * spread:
+            yield 3, f"together they stay within {spread:.0%} of {mean:.4g}, as a weight does"
+        else:
+            yield 0, f"their sum varies by {spread:.0%}"
     low, high = percentiles_of(signed, _TENTH, axis=0)
     smaller, larger = np.minimum(-low, high), np.maximum(-low, high)
-    both = (low < 0.0) & (high > 0.0) & (smaller > _BOTH_DIRECTIONS * larger)
-    return -_NEVER if both.any() else 0, ""
+    if ((low < 0.0) & (high > 0.0) & (smaller > _BOTH_DIRECTIONS * larger)).any():
+        yield -_NEVER, ""
 
 
 # --- offers --------------------------------------------------------------------------------------
@@ -237,10 +184,10 @@ def alternatives(sets: Sequence[FootSet]) -> str:
 
 def foot_options(feet: Iterable[Foot]) -> str:
     """Return the words for a shell that name some feet."""
-    return " ".join(f"--foot {foot.name}={shell_quoted(word_of(foot))}" for foot in feet)
+    return " ".join(f"--foot {foot.name}={shell_quoted(foot.word)}" for foot in feet)
 
 
-def candidates_finding(log: Log, sets: Sequence[FootCandidates], call: str, base: str) -> Finding:
+def candidates_finding(log: Log, sets: Sequence[FootSet], call: str, base: str) -> Finding:
     """Return which fields may be feet, why, and the command that measures with them.
 
     Args:
@@ -249,30 +196,31 @@ def candidates_finding(log: Log, sets: Sequence[FootCandidates], call: str, base
         call: a call of `stats` without the feet.
         base: poses that may be the base's, as ``--odom-topic`` takes them; empty: none.
     """
-    first = sets[0]
     told = "; or ".join(f"{o.fields} ({o.points} points: {o.reasons})" for o in sets[:3])
-    if any(foot.leg_position is None for foot in first.feet):
+    feet = sets[0].feet
+    if any(foot.leg_position is None for foot in feet):
         told += "; which leg each is, they do not say: put front_left, back_right ... for "
-        told += f"{first.feet[0].name} and the others, and gaits have names"
+        told += f"{feet[0].name} and the others, and gaits have names"
     file = f"{PurePath(log.words[0]).stem}.toml"
     chosen = ["--odom-topic", base] if base else []
     draft = shell_joined(["dogbot-logtool", "robots", "new", *log.words, *chosen, "-o", file])
     # What fields are, and of which foot, can only be said in a robot's file.
-    needs_file = any((foot.field and foot.field.kind) or foot.sensor_of for foot in first.feet)
-    fields = f"{call} {foot_options(first.feet)}"
-    say, command = ("draft", draft) if needs_file else ("fields", fields)
-    values = {"type": first.type_name, "told": told, "draft": draft, "call": command}
+    needs_file = any((foot.field and foot.field.kind) or foot.sensor_of for foot in feet)
+    say, command = ("draft", draft) if needs_file else ("fields", f"{call} {foot_options(feet)}")
+    values = {"type": sets[0].type_name, "told": told, "draft": draft, "call": command}
     return replace(found("FEET_UNSURE", "possible", say=say, **values), command=command)
 
 
 def call_of(log: Log, options: RobotOptions, base: str) -> str:
     """Return a call of `stats` with the user's options, and with a base that is offered."""
+    mass = None if options.mass is None else f"{options.mass:g}"
     words = ["dogbot-logtool", "stats", *log.words]
-    named = options.odom_topic or base
-    words += ["--robot", options.robot] if options.robot is not None else []
-    words += ["--odom-topic", named] if named else []
-    words += ["--mass", f"{options.mass:g}"] if options.mass is not None else []
-    for option, pairs in (("--foot", options.foot), ("--set", options.set)):
-        for name, text in (pairs or {}).items():
-            words += [option, f"{name}={text}"]
+    for option, value in (
+        ("--robot", options.robot),
+        ("--odom-topic", options.odom_topic or base or None),
+        ("--mass", mass),
+        *(("--foot", f"{name}={text}") for name, text in (options.foot or {}).items()),
+        *(("--set", f"{name}={text}") for name, text in (options.set or {}).items()),
+    ):
+        words += [option, value] if value is not None else []
     return shell_joined(words)

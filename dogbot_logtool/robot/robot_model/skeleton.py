@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, median_of
-from dogbot_logtool.core.base.ground import nearest_axis
+from dogbot_logtool.core.base.axes import nearest_axis
 from dogbot_logtool.core.frames.transforms import FrameTrack, chain_of_frames, lookup
 from dogbot_logtool.core.known_frames import KnownFrames, Point
 from dogbot_logtool.core.rotations import rotate
