@@ -90,8 +90,7 @@ def link_tracks(joints: Sequence[Joint], tracks: Mapping[str, JointTrack]) -> di
             rows = np.flatnonzero(first_at_each_tick(track.time, JOINT_RATE_HZ)) if moves else [0]
             position = track.position[rows].astype(np.float64)
             times = track.time[rows], track.log_time[rows]
-        poses = link_poses([joint], position[:, None])
-        at = poses.translation[:, 0], poses.rotation[:, 0]
+        at = (each[:, 0] for each in link_poses([joint], position[:, None]))
         found = frame_track(joint.parent, *times, *at, static=not moves)
         links |= {joint.child: found} if found else {}
     return links

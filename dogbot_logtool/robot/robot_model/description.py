@@ -129,8 +129,7 @@ class JointMotion:
         rows = np.flatnonzero(np.isfinite(own[:, moving]).all(axis=1))
         log_time = told.log_time[rows]
         stamp = header_time(told.stamp[rows], log_time)
-        poses = link_poses(self.joints, own[rows])
-        return LinkTransforms(log_time, stamp, poses.translation, poses.rotation)
+        return LinkTransforms(log_time, stamp, *link_poses(self.joints, own[rows]))
 
 
 def joint_motion(robot: RobotOfUrdf, walk: Walk) -> JointMotion | None:
