@@ -9,10 +9,10 @@ from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.robot_file import RobotEvidence, robot_file
+from dogbot_logtool.robot.names import FootSet
+from dogbot_logtool.robot.offers import nothing_to_do
 from dogbot_logtool.robot.recorded import open_recorded
-from dogbot_logtool.robot.score import FootCandidates
 from dogbot_logtool.robot.selection import select_topics
-from dogbot_logtool.robot.topics import nothing_to_do
 from dogbot_logtool.run.runner import OnProgress
 
 
@@ -21,7 +21,7 @@ class NewRobot:
     """A robot's file."""
 
     text: str
-    runners_up: tuple[FootCandidates, ...]
+    runners_up: tuple[FootSet, ...]
     """Other fields that may be the feet."""
     damage: Damage
 

@@ -59,17 +59,15 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     period = typical_period_s([foot.stances for foot in walk.feet])
     clocks = walk.corrected.joint_clocks
     apart = too_far_apart(clocks, period) & set(settings.joint_topics)
-    legs, stood = [], []
+    legs, stood, feet = [], [], []
     for row, path in enumerate(paths):
         reason = _no_swings(walk, settings, row, path, joints_apart=bool(apart))
-        leg, falls = _leg(walk, settings, row, path, reason)
+        leg, falls, swung = _leg(walk, settings, row, path, reason)
         own = [each for name, each in joints.items() if settings.foot_of_joint.get(name) == row]
-        legs.append(replace(leg, strides={**leg.strides, **_leg_work(walk.feet[row], own)}))
+        of_leg = swung | _leg_work(walk.feet[row], own)
+        feet.append(_with_frame(walk, settings.chains[row], walk.feet[row], of_leg, falls))
+        legs.append(leg)
         stood.append(falls)
-    legs = [
-        replace(leg, strides={**leg.strides, **_steps(walk, row, stood)})
-        for row, leg in enumerate(legs)
-    ]
     strides = walk.feet[walk.reference].strides if walk.feet else None
     working = [each for each in joints.values() if each.moves and each.has_effort]
     work = np.empty((2, 0))
@@ -94,11 +92,11 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     witness = walk.witness
     if witness is None and not walk.settings.base_from_legs:
         witness = by_legs(paths, walk.records, walk.corrected.base)
-    feet = tuple(
-        _with_frame(walk, settings.chains[row], foot, legs[row], stood[row])
-        for row, foot in enumerate(walk.feet)
-    )
-    return replace(walk, legs=figures, feet=feet, witness=witness)
+    feet = [
+        replace(foot, of_strides={**foot.of_strides, **_steps(walk, row, stood)})
+        for row, foot in enumerate(feet)
+    ]
+    return replace(walk, legs=figures, feet=tuple(feet), witness=witness)
 
 
 def _no_swings(
@@ -122,17 +120,17 @@ def _no_swings(
 
 def _leg(
     walk: Walk, settings: LegSettings, row: int, path: FootPath | None, reason: str
-) -> tuple[LegFoot, Footfalls | None]:
-    """Return the leg of a foot, and where that stands if its frame is at rest in stances."""
+) -> tuple[LegFoot, Footfalls | None, dict[str, Floats]]:
+    """Return the leg of a foot, and where that stands, and its swings, if its frame rests then."""
     foot, chain = walk.feet[row], settings.chains[row]
     leg = LegFoot(foot.name, chain.frames[0] if chain else "", reason, path)
     if path is None or reason:
-        return leg, None
+        return leg, None, {}
     world = path.in_world(walk.poses)
     stood = footfalls(world, foot.stances)
     travel = aggregate(stood.travel_m[foot.stances.whole])
     if travel is None:
-        return replace(leg, reason="no whole stance in which its leg is told"), None
+        return replace(leg, reason="no whole stance in which its leg is told"), None, {}
     interval_s = foot.record.median_interval_s or np.inf
     found, height = swings(world, stood, foot.strides, interval_s)
     length = aggregate(found["swing_length_m"])
@@ -141,9 +139,9 @@ def _leg(
             f"its frame moves by {travel.median * 1e3:.0f} mm in the middle of a stance: it is not "
             "the foot's, the odometry drifts, or the foot slips"
         )
-        return replace(leg, reason=reason, moves=True), None
+        return replace(leg, reason=reason, moves=True), None, {}
     slow = is_slow(world, interval_s)
-    return replace(leg, strides=found, height=height, is_slow=slow), stood
+    return replace(leg, height=height, is_slow=slow), stood, found
 
 
 def _leg_work(foot: FootSteps, joints: Sequence[JointTrack]) -> dict[str, Floats]:
@@ -155,20 +153,29 @@ def _leg_work(foot: FootSteps, joints: Sequence[JointTrack]) -> dict[str, Floats
 
 
 def _with_frame(
-    walk: Walk, chain: LegChain | None, foot: FootSteps, leg: LegFoot, stood: Footfalls | None
+    walk: Walk,
+    chain: LegChain | None,
+    foot: FootSteps,
+    of_leg: Mapping[str, Floats],
+    stood: Footfalls | None,
 ) -> FootSteps:
-    """Return a foot with the slips of its frame, and lengths where its sensor tells none."""
+    """Return a foot with what its leg tells: slips too, and lengths where its sensor has none."""
+    foot = replace(foot, of_strides={**foot.of_strides, **of_leg})
     if stood is None or chain is None:
         return foot
-    length = leg.strides["swing_length_m"]
+    length = of_leg["swing_length_m"]
     if foot.length_from == "base" and np.isfinite(length).any():
-        foot = replace(foot, length_m=length, length_from="foot_frame")
+        lengths = {**foot.of_strides, "stride_length_m": length}
+        foot = replace(foot, of_strides=lengths, length_from="foot_frame")
     # The middle of a ball rolls with it: less the rolling, if that is known.
     rolling = 0.0 if chain.touches else walk.settings.foot_rolling_m
     if rolling is None:
         return foot
-    slips = slip_m(stood.slip_m, rolling), slip_m(stood.largest_slip_m, rolling)
-    return replace(foot, slip_m=slips[0], slip_largest_m=slips[1], slip_from="foot_frame")
+    slips = {
+        "slip_m": slip_m(stood.slip_m, rolling),
+        "slip_largest_m": slip_m(stood.largest_slip_m, rolling),
+    }
+    return replace(foot, of_stances={**foot.of_stances, **slips}, slip_from="foot_frame")
 
 
 def _steps(walk: Walk, row: int, stood: Sequence[Footfalls | None]) -> dict[str, Floats]:
@@ -204,8 +211,8 @@ def _joints(
 def _asymmetry(settings: LegSettings, ranges: Mapping[str, float]) -> dict[str, float]:
     """Compare the usual ranges of joints that are alike, right against left."""
     indices = {
-        pair.name: symmetry_index_percent(ranges.get(pair.left), ranges.get(pair.right))
-        for pair in settings.pairs
+        name: symmetry_index_percent(ranges.get(left), ranges.get(right))
+        for name, (left, right) in settings.pairs.items()
     }
     return {name: index for name, index in indices.items() if index is not None}
 
@@ -215,7 +222,7 @@ def _cost(walk: Walk, absolute_j: Floats) -> float | None:
     weight = walk.loads.weight_n
     if weight is None or not walk.feet:
         return None
-    displacement = walk.feet[walk.reference].base_displacement_m
+    displacement = walk.feet[walk.reference].of_strides["base_displacement_m"]
     known = np.isfinite(absolute_j) & np.isfinite(displacement)
     total = float(displacement[known].sum())
     return float(absolute_j[known].sum()) / (weight * total) if total >= SHORTEST_PATH_M else None

@@ -1,6 +1,6 @@
 """Why metrics are null: the finding that voids one, or what the log lacks."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
 from typing import Final
 
@@ -8,44 +8,32 @@ import numpy as np
 
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.loads import vertical_is_known
-from dogbot_logtool.core.metrics import NEEDS, Segment, WalkMetrics
+from dogbot_logtool.core.metrics import NEEDS, WalkMetrics
 from dogbot_logtool.core.records import Field, KeyPath, values
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
 
-Lacks = frozenset[str]
-"""Names of what is missing."""
+Lacks = Mapping[str, bool]
+"""Whether each of `NEEDS` is missing."""
 
 
-def _lacking(walk: Walk) -> Callable[[KeyPath], Lacks]:
-    """Return a function that tells what is missing for the metric at a path."""
+def _lacking(walk: Walk) -> dict[KeyPath, Lacks]:
+    """Return what is missing, by the path of what it is missing for; ``()`` is the log."""
     log = _log(walk)
-    feet = {foot.name: log | _foot(walk, row) for row, foot in enumerate(walk.feet)}
-    legs = walk.legs
-    joints = {
-        name: {
-            **log,
-            "efforts": not legs.joints[name].has_effort,
-            "limits": not legs.joints[name].has_limits,
+    lacks: dict[KeyPath, Lacks] = {(): log}
+    for row, foot in enumerate(walk.feet):
+        own = log | _foot(walk, row)
+        lacks |= {("feet", foot.name): own, ("quality", "feet", foot.name): own}
+    tracks = walk.legs.joints if walk.legs else {}
+    for name, joint in walk.legs.metrics.joints.items() if walk.legs else ():
+        lacks["legs", "joints", name] = log | {
+            "efforts": not tracks[name].has_effort,
+            "limits": not tracks[name].has_limits,
             "strides": joint.position_over_stride is None,
         }
-        for name, joint in (legs.metrics.joints.items() if legs else ())
-        if legs
-    }
-    topics = {each.topic: {"stamps": each.zero_stamps is None} for each in walk.corrected.topics}
-
-    def lacks_at(path: KeyPath) -> Lacks:
-        missing: Mapping[str, bool] = log
-        match path:
-            case ("feet", name, *_) | ("quality", "feet", name, *_):
-                missing = feet[name]
-            case ("legs", "joints", name, *_):
-                missing = joints[name]
-            case ("quality", "topics", name, *_):
-                missing = topics[name]
-        return frozenset(need for need, is_missing in missing.items() if is_missing)
-
-    return lacks_at
+    for each in walk.corrected.topics:
+        lacks["quality", "topics", each.topic] = {"stamps": each.zero_stamps is None}
+    return lacks
 
 
 def _log(walk: Walk) -> dict[str, bool]:
@@ -116,24 +104,24 @@ def null_because(metrics: WalkMetrics, walk: Walk, findings: Sequence[Finding]) 
         walk: that they are made of.
         findings: what makes metrics doubtful.
     """
-    lacks_at, reasons, of_segments = _lacking(walk), {}, []
-    for path, value, field in values(metrics, _has_needs):
-        if value is not None:
-            continue
+    lacking, reasons = _lacking(walk), dict[str, str]()
+    nulls = [
+        (path, field) for path, value, field in values(metrics) if value is None and field.of.needs
+    ]
+    for path, field in sorted(nulls, key=lambda each: each[0][:2] == _SEGMENTS):
+        below, name = path, ".".join(path)
+        lacks = next(lacking[path[:size]] for size in (3, 2, 0) if path[:size] in lacking)
         if path[:2] == _SEGMENTS:
-            of_segments.append((path, field))
-        else:
-            reasons[".".join(path)] = _reason(path, field, lacks_at(path), findings)
-    for path, field in of_segments:
-        below = path[len(_SEGMENTS) + 1 :]
-        if ".".join(below) not in reasons:
+            # Of what the whole log lacks, it has the reason.
+            below = path[len(_SEGMENTS) + 1 :]
+            if ".".join(below) in reasons:
+                continue
             segment = metrics.gait.segments[int(path[len(_SEGMENTS)])]
-            reasons[".".join(path)] = _of_segment(segment, below, field, findings)
+            own = segment.feet[below[1]] if below[0] == "feet" else segment.gait
+            lacks = {"strides": not own.strides}
+        is_whole = below != path and below[-1] in _NOT_OF_SEGMENTS
+        reasons[name] = WHOLE_ONLY if is_whole else _reason(below, field, lacks, findings)
     return reasons
-
-
-def _has_needs(field: Field) -> bool:
-    return bool(field.of.needs)
 
 
 def _reason(path: KeyPath, field: Field, lacks: Lacks, findings: Sequence[Finding]) -> str:
@@ -143,18 +131,9 @@ def _reason(path: KeyPath, field: Field, lacks: Lacks, findings: Sequence[Findin
         if any(fnmatchcase(name, pattern) for pattern in each.voids):
             return each.code
     for need in field.of.needs:
-        if need in lacks:
+        if lacks.get(need):
             return NEEDS[need]
     for each in findings:
         if each.where and name.startswith(each.where):
             return each.code
     return DOES_NOT_APPLY
-
-
-def _of_segment(segment: Segment, below: KeyPath, field: Field, findings: Sequence[Finding]) -> str:
-    """Return why a metric is null in a segment only."""
-    if below[-1] in _NOT_OF_SEGMENTS:
-        return WHOLE_ONLY
-    own = segment.feet[below[1]] if below[0] == "feet" else segment.gait
-    lacks = Lacks() if own.strides else Lacks({"strides"})
-    return _reason(below, field, lacks, findings)

@@ -86,3 +86,8 @@ class Foot:
 
     sensor_of: str = toml_field(TEXT, "")
     """The foot that this is one of several sensors of; empty: it is a foot of its own."""
+
+    @property
+    def word(self) -> str:
+        """Its topic and field, as ``--foot`` takes them."""
+        return f"{self.topic}:{self.field.path}" if self.field else self.topic

@@ -125,22 +125,18 @@ def _strides_of(walk: Walk, row: int) -> Mapping[str, Floats]:
     foot = walk.feet[row]
     strides, stances = foot.strides, foot.stances.figures
     columns = {
+        **foot.of_strides,
         "start_s": (strides.touchdown - walk.origin) / 1e9,
         "stance_s": strides.stance_s,
-        "swing_s": strides.swing_s,
-        "duty_factor": strides.duty_factor,
         "length_m": foot.length_m,
         "peak_force_n": stances.peak_force_n[strides.stance],
         "vertical_impulse_ns": stances.vertical_impulse_ns[strides.stance],
-        "slip_m": foot.slip_m[strides.stance],
+        "slip_m": foot.of_stances["slip_m"][strides.stance],
     }
     unknown = np.full(len(strides.stance), np.nan)
-    of_leg = {} if walk.legs is None else walk.legs.feet[row].strides
-    for field in fields_of(Stride)[len(columns) :]:
-        found = of_leg.get(field.name, unknown)
-        # One NaN for all: tables are compared to the bit.
-        columns[field.name] = np.where(np.isnan(found), np.nan, found)
-    return columns
+    found = {each.name: columns.get(each.name, unknown) for each in fields_of(Stride)}
+    # One NaN for all: tables are compared to the bit.
+    return {name: np.where(np.isnan(each), np.nan, each) for name, each in found.items()}
 
 
 def stance_columns(walk: Walk) -> Columns:

@@ -16,20 +16,22 @@ One name alone misleads: ``rl_controller`` is no left hind leg and the ``front``
    A single best one that is clear is chosen. All others are offered to the user.
 """
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Final
+from typing import Final, NamedTuple
 
+from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.robot.leg_names import KINDS, Leg, foot_name, leg_position, sanitised
 from dogbot_logtool.robot.words import (
+    ENDS,
     LETTERS,
     MERITS,
     NEUTRAL,
-    ON_A_FOOT,
-    USABLE,
+    ROWS,
+    SIDES,
     Part,
     Word,
     words_of,
@@ -42,18 +44,27 @@ _MANY: Final = 3
 """Legs from which names that say no more than the leg are believed; a robot has four or six."""
 _NUMBERED: Final = 4
 """Legs from which numbers are believed; two may as well be two sensors of a foot."""
-Group = Mapping[str, Sequence[Word]]
+_USABLE: Final = -2
+"""Merit below which a topic tells no measured force: it is planned, or an error."""
+ORDER: Final = ("front", "middle", "back", "left", "right")
+"""Ends and sides, as legs are sorted by them."""
+Words = Sequence[Word]
+Group = Mapping[str, Words]
 """Words of names by topic."""
+Mark = tuple[int, str]
+"""Points for or against feet, and the reason; empty: it need not be said."""
 
 
 @dataclass(frozen=True, slots=True)
 class FootSet:
-    """Topics whose names differ only in the leg, or also in the place on each foot."""
+    """Topics or fields that may be the feet of a robot, and what their names tell."""
 
     feet: tuple[Foot, ...]
     """In the order front to back, left before right, or of their numbers."""
     kind: str
-    """``corners``, ``sides`` or ``numbers``; ``alone``: they are no siblings."""
+    """``corners``, ``sides`` or ``numbers``, as names differ; ``alone``: they are no siblings;
+    of fields also ``one word``, or ``elements`` of an array or bits, of which messages have fewer.
+    """
     part: Part = Part.UNKNOWN
     words: frozenset[str] = frozenset()
     """Words that describe the leg, without those that name it."""
@@ -61,11 +72,29 @@ class FootSet:
     """Whether the legs are named by two letters, of which ``lf`` may also be a left foot."""
     doubtful: bool = False
     """Whether the segment before the leg's names something that is no foot."""
+    type_name: str = ""
+    """Type of the messages, of fields."""
+    marks: tuple[Mark, ...] = ()
 
     @property
     def topics(self) -> frozenset[str]:
         """The topics."""
         return frozenset(foot.topic for foot in self.feet)
+
+    @property
+    def points(self) -> int:
+        """The sum of all marks."""
+        return sum(points for points, _ in self.marks)
+
+    @property
+    def reasons(self) -> str:
+        """What speaks for them, and against."""
+        return "; ".join(reason for _, reason in self.marks if reason)
+
+    @property
+    def fields(self) -> str:
+        """The feet and their fields, for people."""
+        return ", ".join(f"{foot.name} = {foot.word}" for foot in self.feet)
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -82,17 +111,13 @@ class FootSet:
     @property
     def rank(self) -> tuple[int, int]:
         """What sorts sets: the part of the leg, then how good its topics are."""
-        return -self.part, -self.merit
-
-    @property
-    def merit(self) -> int:
-        """How good what it tells is for telling a foot's contact."""
-        return sum(MERITS.get(word, 0) for word in self.words)
+        return -self.part, -sum(MERITS.get(word, 0) for word in self.words)
 
     @property
     def is_usable(self) -> bool:
         """Whether it tells of measured forces, and of no other part than a foot."""
-        return self.merit >= USABLE and self.part >= Part.UNKNOWN and not self.doubtful
+        part, demerit = self.rank
+        return demerit <= -_USABLE and part <= -Part.UNKNOWN and not self.doubtful
 
     def is_clear(self, *, contacts_only: bool) -> bool:
         """Tell whether it may be taken for the feet without asking.
@@ -100,18 +125,18 @@ class FootSet:
         Args:
             contacts_only: its messages tell of contacts, and of nothing else.
         """
-        is_leg = self.part >= Part.LEG
+        is_leg, count = self.part >= Part.LEG, len(self.feet)
         if not self.is_usable:
             return False
         if self.kind == "alone":
-            return len(self.feet) == 1 and contacts_only and bool(self.feet[0].leg_position)
+            return count == 1 and contacts_only and bool(self.feet[0].leg_position)
         if self.kind == "numbers":
-            return is_leg and len(self.feet) >= _NUMBERED
+            return is_leg and count >= _NUMBERED
         if self.kind == "sides":
             return is_leg or (contacts_only and self.words.isdisjoint({"bumper", "bumpers"}))
         ends = {foot.leg_position[0] for foot in self.feet if foot.leg_position}
         fronts = self.letters_only and ends == {"front"}
-        return len(self.feet) >= _MANY or ((is_leg or contacts_only) and not fronts)
+        return count >= _MANY or ((is_leg or contacts_only) and not fronts)
 
     def may_be_feet(self, *, contacts_only: bool) -> bool:
         """Tell whether it is worth offering: forces of any left and right thing are not."""
@@ -136,20 +161,18 @@ def name_feet(
         likely first.
     """
     names = {topic: words_of(topic) for topic in sorted(set(topics))[:_MOST_TOPICS]}
-    groups: dict[object, dict[str, Sequence[Word]]] = {}
+    groups: dict[object, dict[str, Words]] = {}
     for topic, words in names.items():
         template = tuple((word.segment, word.slot or word.text) for word in words)
         groups.setdefault(template, {})[topic] = words
     sets = [one for group in groups.values() for one in _sets(group, contacts_only=contacts_only)]
     possible = [one for one in sets if one.may_be_feet(contacts_only=contacts_only)]
-    in_sets = {topic for one in sets for topic in one.topics}
-    rest = {topic: words for topic, words in names.items() if topic not in in_sets}
     possible.sort(key=lambda one: (one.rank, -len(one.feet)))
-    ranked = [*possible, *_alone(rest, contacts_only=contacts_only)]
+    rest = names.keys() - {topic for one in sets for topic in one.topics}
+    ranked = [*possible, *_alone(sorted(rest), contacts_only=contacts_only)]
     clear = [one for one in ranked if one.is_clear(contacts_only=contacts_only)]
-    chosen = None
-    if clear and (len(clear) == 1 or clear[0].rank < clear[1].rank):
-        chosen = clear[0]
+    is_best = len(clear) == 1 or (clear and clear[0].rank < clear[1].rank)
+    chosen = clear[0] if is_best else None
     return chosen, tuple(one for one in ranked if one is not chosen)
 
 
@@ -162,21 +185,20 @@ def _sets(group: Group, *, contacts_only: bool) -> Iterator[FootSet]:
     kind, legs = _read_legs(group, differ)
     if not legs or _name_one_foot(next(iter(group.values())), differ):
         return
-    of_leg: dict[str, dict[str, Sequence[Word]]] = {}
+    of_leg: dict[str, dict[str, Words]] = {}
     for topic in sorted(group, key=lambda topic: legs[topic].order):
         of_leg.setdefault(legs[topic].name, {})[topic] = group[topic]
-    if len(of_leg) == len(group) > 1:
+    if len(of_leg) == len(group):
         yield _as_feet(group, legs, kind)
         return
     others = sorted({at for own in of_leg.values() for at in _that_differ(own.values())})
-    parts: dict[tuple[str, ...], dict[str, Sequence[Word]]] = {}
+    parts: dict[tuple[str, ...], dict[str, Words]] = {}
     for own in of_leg.values():
         for topic, words in own.items():
             parts.setdefault(tuple(words[at].text for at in others), {})[topic] = words
     is_grid = len(of_leg) > 1 and all(len(part) == len(of_leg) for part in parts.values())
     if kind != "numbers" and is_grid and _are_places(group, legs, others):
-        sensors = [part for _, part in sorted(parts.items())]
-        several = _as_feet(group, legs, kind, sensors)
+        several = _as_feet(group, legs, kind, [part for _, part in sorted(parts.items())])
         if several.is_clear(contacts_only=contacts_only):
             yield several
             return
@@ -184,38 +206,26 @@ def _sets(group: Group, *, contacts_only: bool) -> Iterator[FootSet]:
         yield from _sets(part, contacts_only=contacts_only)
 
 
-def _that_differ(names: Iterable[Sequence[Word]]) -> list[int]:
+def _that_differ(names: Iterable[Words]) -> list[int]:
     """Return which words of siblings differ."""
     columns = enumerate(zip(*names, strict=True))
     return [at for at, words in columns if len({word.text for word in words}) > 1]
 
 
-def _read_legs(group: Group, differ: Sequence[int]) -> tuple[str, dict[str, Leg]]:
-    """Return the leg of each name, all read in the same way, and its kind; none: no way fits."""
-    for kind, read in KINDS if differ else ():
-        legs = {topic: leg for topic, words in group.items() if (leg := read(words, differ))}
-        if len(legs) == len(group):
-            return kind, legs
-    return "", {}
-
-
-def _are_places(group: Group, legs: Mapping[str, Leg], others: Sequence[int]) -> bool:
+def _are_places(group: Group, legs: "Mapping[str, _Leg]", others: Sequence[int]) -> bool:
     """Tell whether the other words that differ are places on a foot.
 
     Words such as toe and heel may stand before the leg's, numbers, letters and ends only behind.
     """
     return all(
-        words[at].text in ON_A_FOOT and (at > legs[topic].slots[0] or words[at].part is not None)
+        words[at].slot and (at > legs[topic].slots[0] or words[at].part is not None)
         for topic, words in group.items()
         for at in others
     )
 
 
 def _as_feet(
-    group: Group,
-    legs: Mapping[str, Leg],
-    kind: str,
-    sensors: Sequence[Group] = (),
+    group: Group, legs: "Mapping[str, _Leg]", kind: str, sensors: Sequence[Group] = ()
 ) -> FootSet:
     """Return siblings as feet, or as the sensors of each foot; one's words stand for all."""
     topics = sorted(group, key=lambda topic: legs[topic].order)
@@ -231,10 +241,8 @@ def _as_feet(
         # The numbers in `foot_l1` may be those of the sensors of one foot.
         inside = {word.part for word in words if word.segment == first}
         doubtful = Part.FOOT in inside and Part.LEG not in inside
-    near_words = frozenset(word.text for word in near)
     feet = [Foot(legs[t].name, t, leg_position=legs[t].position) for t in topics]
     if sensors:
-        near_words -= ON_A_FOOT
         number = {topic: n for n, part in enumerate(sensors, start=1) for topic in part}
         feet = [replace(f, name=f"{f.name}_{number[f.topic]}", sensor_of=f.name) for f in feet]
         feet.sort(key=lambda foot: number[foot.topic])
@@ -242,56 +250,183 @@ def _as_feet(
         tuple(feet),
         kind,
         Part.FOOT if Part.FOOT in parts else min(parts, default=Part.UNKNOWN),
-        near_words,
+        frozenset(word.text for word in near if not (sensors and word.slot)),
         letters_only=all(words[at].text in LETTERS for at in slots),
         doubtful=doubtful,
     )
 
 
-def _name_one_foot(words: Sequence[Word], differ: Sequence[int]) -> bool:
+def _name_one_foot(words: Words, differ: Sequence[int]) -> bool:
     """Tell whether words in which siblings agree name one foot: they are its sensors.
 
     A segment in which none differs must say nothing else: ``left_leg_controller`` names no leg.
     """
     for segment in {word.segment for word in words}:
         inside = [at for at, word in enumerate(words) if word.segment == segment]
-        same = [at for at in inside if at not in differ]
+        agreed = [(at, words[at]) for at in inside if at not in differ]
         named = any(
-            b == a + 1
-            and (
-                (words[a].is_leg and words[b].is_position)
-                or (words[a].is_position and words[b].is_leg)
-            )
-            for a, b in pairwise(same)
+            b == a + 1 and ((x.is_leg and y.is_position) or (x.is_position and y.is_leg))
+            for (a, x), (b, y) in pairwise(agreed)
         )
-        agreed = [words[at] for at in same]
-        telling = all(w.is_leg or w.is_position or w.text in NEUTRAL for w in agreed)
-        if named and (len(same) < len(inside) or telling):
+        telling = all(w.is_leg or w.is_position or w.text in NEUTRAL for _, w in agreed)
+        if named and (len(agreed) < len(inside) or telling):
             return True
     return False
 
 
-# --- topics without siblings, and labels ---------------------------------------------------------
+# --- words that are read as a leg ----------------------------------------------------------------
 
 
-def _alone(names: Group, *, contacts_only: bool) -> Iterator[FootSet]:
+class _Leg(NamedTuple):
+    """A name, understood as that of a leg."""
+
+    name: str
+    order: tuple[int, int]
+    """Sorts legs front to back and left before right, or by number."""
+    slots: tuple[int, ...]
+    """The words that name it."""
+    position: LegPosition | None = None
+
+
+def _read_legs(group: Group, differ: Sequence[int]) -> tuple[str, dict[str, _Leg]]:
+    """Return the leg of each name, all read in the same way, and its kind; none: no way fits."""
+    for kind, read in (
+        ("corners", _corner),
+        ("numbers", _of_row),
+        ("numbers", _numbered),
+        ("sides", _side),
+    ):
+        legs = {topic: leg for topic, words in group.items() if (leg := read(words, differ))}
+        if len(legs) == len(group):
+            return kind, legs
+    return "", {}
+
+
+def _corner(words: Words, differ: Sequence[int]) -> _Leg | None:
+    """Read words as one of four or six legs: ``lf``, ``front_left``.
+
+    If all legs have the same end or the same side, its word may be that of a robot or a controller:
+    it is a leg's only beside the other one, as in ``front_left`` and ``front_right``.
+    """
+    halves = [at for at, word in enumerate(words) if word.text in ENDS or word.text in SIDES]
+    slots = [at for at in differ if at in halves or words[at].text in LETTERS]
+    texts = {words[at].text for at in slots}
+    if not slots:
+        return None
+    # The name of a sensor of one of two feet, as in `left_foot_front`; but `left_foot_fl` is clear.
+    is_before_leg = any(word.is_leg for word in words[slots[0] + 1 : slots[0] + 2])
+    if words[slots[0]].text in SIDES and is_before_leg and texts.isdisjoint(LETTERS):
+        return None
+    segments = {(at + step, words[at].segment) for at in slots for step in (-1, 1)}
+    beside = {at for at in halves if (at, words[at].segment) in segments}
+    for own in (slots, sorted(beside.union(slots))):
+        end, side = position = _end_and_side(words[at].text for at in own)
+        if end and side:
+            order = ORDER.index(end), ORDER.index(side)
+            return _Leg(f"{end}_{side}", order, tuple(own), position)
+    return None
+
+
+def _of_row(words: Words, differ: Sequence[int]) -> _Leg | None:
+    """Read words as one of two rows of numbered legs: ``l1``, ``left_leg_1``, ``leg1_l``, ``bl``.
+
+    Which end the numbers begin at is not known, so such a leg has no position.
+    """
+    rows = [(at, at, *ROWS[words[at].text]) for at in differ if words[at].text in ROWS]
+    sides = [at for at in differ if words[at].text in SIDES]
+    for at in differ if sides else ():
+        own, before = words[at], words[at - 1] if at else None
+        # The number of something else, as in `robot1_left_leg`.
+        is_other = before and before.segment == own.segment and not before.is_leg
+        for side in sides if own.slot == "number" else ():
+            between = [word.part for word in words[min(at, side) + 1 : max(at, side)]]
+            is_near = between in ([], [Part.LEG]) and own.segment == words[side].segment
+            if is_near and not (side > at and is_other):
+                rows.append((min(at, side), max(at, side), own.text, SIDES[words[side].text]))
+    for first, last, row, side_of in rows[:1]:
+        order = _number(row), ORDER.index(side_of)
+        return _Leg(f"{side_of}_{row}", order, tuple({first: 0, last: 0}))
+    return None
+
+
+def _numbered(words: Words, differ: Sequence[int]) -> _Leg | None:
+    """Read a word as the number of a leg, or its letter: ``leg_1``, ``leg/1``, ``leg_a``."""
+    if len(differ) != 1 or words[differ[0]].slot not in {"number", "row"}:
+        return None
+    word = words[differ[0]]
+    beside = [one for one in words if one.segment == word.segment and one is not word]
+    beside = beside or [one for one in words if one.segment == word.segment - 1][-1:]
+    parts = [one.text for one in beside if one.is_leg]
+    order = _number(word.text), len(word.text)
+    return _Leg(f"{parts[-1]}_{word.text}", order, tuple(differ)) if parts else None
+
+
+def _side(words: Words, differ: Sequence[int]) -> _Leg | None:
+    """Read a word as the side of one of two legs."""
+    for at in differ:
+        if side := SIDES.get(words[at].text):
+            return _Leg(side, (ORDER.index(side), 0), (at,))
+    return None
+
+
+def _number(text: str) -> int:
+    return int(text[:9]) if text.isdecimal() else ord(text) - ord("a")
+
+
+def _end_and_side(texts: Iterable[str]) -> LegPosition:
+    """Return the end and the side that words tell; each empty where they tell none, or several."""
+    told = [LETTERS.get(text) or (ENDS.get(text, ""), SIDES.get(text, "")) for text in texts]
+    ends, sides = {end for end, _ in told if end}, {side for _, side in told if side}
+    return (ends.pop() if len(ends) == 1 else ""), (sides.pop() if len(sides) == 1 else "")
+
+
+# --- single names, and labels --------------------------------------------------------------------
+
+
+def leg_of(name: str) -> LegPosition:
+    """Return the end and the side of the robot that a name tells; each empty where it does not."""
+    return _end_and_side(word.text for word in words_of(name))
+
+
+def leg_position(name: str) -> LegPosition | None:
+    """Return where a leg sits whose name is given, such as ``hind_left`` or ``LF_FOOT``.
+
+    None where the name does not tell, or tells several.
+    """
+    position = leg_of(name)
+    return position if all(position) else None
+
+
+def foot_name(label: str) -> str:
+    """Return a name for a foot that messages call by a label, such as ``LF_FOOT``."""
+    end, side = leg_of(label)
+    if side:
+        return f"{end}_{side}" if end else side
+    words = words_of(label)
+    numbered = {leg.name for at in range(len(words)) if (leg := _numbered(words, [at]))}
+    return numbered.pop() if len(numbered) == 1 else _sanitised(label)
+
+
+def _sanitised(name: str) -> str:
+    """Return a name of letters, digits and underscores."""
+    return re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_") or "foot"
+
+
+def _alone(topics: Iterable[str], *, contacts_only: bool) -> Iterator[FootSet]:
     """Yield topics without siblings that may be feet, as one set to offer."""
-    topics = {
-        topic: foot_name(topic)
-        for topic, words in names.items()
-        if _may_be_foot(words, contacts_only=contacts_only)
-    }
-    counts = Counter(topics.values())
+    names = {t: foot_name(t) for t in topics if _may_be_foot(t, contacts_only=contacts_only)}
+    counts = Counter(names.values())
     feet: dict[str, Foot] = {}
-    for topic, name in topics.items():
-        own = name if counts[name] == 1 else sanitised(topic)
+    for topic, name in names.items():
+        own = name if counts[name] == 1 else _sanitised(topic)
         feet[own] = Foot(own, topic, leg_position=leg_position(name))
     if feet:
         yield FootSet(tuple(feet.values())[:_MOST_LEGS], "alone")
 
 
-def _may_be_foot(words: Sequence[Word], *, contacts_only: bool) -> bool:
+def _may_be_foot(topic: str, *, contacts_only: bool) -> bool:
     """Tell whether a single topic may be a foot's."""
+    words = words_of(topic)
     parts = {word.part for word in words}
     if Part.FOOT in parts or Part.NOT_A_FOOT in parts:
         return Part.FOOT in parts

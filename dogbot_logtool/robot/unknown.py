@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Flags, Floats, median_of, norms, percentiles_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Channel, Log
@@ -22,20 +23,44 @@ from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.source import source_of
 from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.robot.leg_names import leg_position
-from dogbot_logtool.robot.names import name_feet
-from dogbot_logtool.robot.score import (
-    CONTACT_WORDS,
-    FORCE_WORDS,
-    FootCandidates,
-    name_marks,
-    rate_mark,
-    with_content,
-    word_of,
-)
+from dogbot_logtool.robot.names import FootSet, Mark, leg_position, name_feet
 from dogbot_logtool.robot.topics import first_messages, has_field, message_count
-from dogbot_logtool.robot.words import Word, texts_of, words_of
+from dogbot_logtool.robot.words import MERITS, Part, parts_of, texts_of, word_set, words_of
 
+CONTACT_WORDS: Final = word_set("contact contacts grf stance touch touches ground")
+FORCE_WORDS: Final = word_set(
+    "cell effort force forces fsr ft fz load loadcell loadcells loads pressure torque weight "
+    "wrench wrenches"
+)
+_OTHER_PART: Final = 4
+"""Points that a name costs which speaks of something else beside a foot."""
+_NEVER: Final = 20
+"""Points of what cannot be feet: nothing can outweigh it."""
+_SLOW_HZ, _FAST_HZ = 5.0, 20.0
+_USUAL_FEET: Final = (2, 4, 6, 8)
+_FEWEST: Final = 8
+"""Samples of a foot from which its values mean something; some are sent on change only."""
+_LARGEST_STATE: Final = 3.0
+"""Whole numbers up to this are states of a contact: open, closed, slipping."""
+_FEWEST_DOWN: Final = 0.8
+"""Share of the time in which at least one foot of a walking robot is down."""
+_SAME: Final = 0.98
+"""Share of the time from which two feet that agree are one signal."""
+_STEADY: Final = 0.25
+"""Largest spread of the sum of all loads, as a share of its mean."""
+_UNSTEADY: Final = 1.5
+"""Each foot's spread is at least so many times that of the sum."""
+_BOTH_DIRECTIONS: Final = 0.5
+"""Share of the larger that the smaller of push and pull is, from which a number is no load."""
+_NOT_UNLOADED: Final = 0.5
+"""Share of what each foot reads with load that it reads without, from which numbers are no forces:
+those of air pressure, or of a sensor that was never set to zero."""
+_TENTH: Final = (10.0, 90.0)
+"""Percentiles of what a foot reads without and with load."""
+_ENDS: Final = (2.0, 98.0)
+"""The same of feet that are hardly ever in the air."""
+_ON: Final = 0.2
+"""Share of the way between them from which it is on; with all feet down each bears little."""
 _ENOUGH: Final = 5
 """Points from which fields are offered as feet."""
 _MOST_SETS: Final = 40
@@ -46,26 +71,31 @@ _FEWEST_FEET, _MOST_FEET = 2, 8
 _MOST_CHANGES: Final = 0.2
 """Changes a sample from which a bit is no foot's: those of a number change with each message."""
 _BIT_WORDS: Final = CONTACT_WORDS | {"bits", "bitmask", "mask"}
-_OTHER_WORDS: Final = (
+_OTHER_WORDS: Final = word_set(
     "acc acceleration accel angle angular covariance current gain header height linear orientation "
     "pos pose position positions quat stamp temperature time torque twist vel velocity voltage"
 )
 """Words of fields that are no contact. So is an effort, unless the strings beside it name feet."""
-_OTHER: Final = frozenset(_OTHER_WORDS.split())
-_JOINT: Final = frozenset({"ankle", "drive", "hip", "joint", "knee", "motor", "servo"})
+_JOINT: Final = word_set("ankle drive hip joint knee motor servo")
 """Words of names that are a joint's, whose effort is no foot's force."""
 _DIFFER: Final = {"corners": "front and back, left and right", "sides": "left and right"}
+_LEGS: Final = frozenset({Part.FOOT, Part.LEG})
+_Kinds = Mapping[str, FieldType]
+"""The fields of a definition, by path."""
+_Named = tuple[FootSet, Collection[str]]
+"""Fields as feet, and their names."""
 
 
-def find_candidates(log: Log) -> list[FootCandidates]:
+def find_candidates(log: Log) -> list[FootSet]:
     """Find fields that may be feet, the most likely first."""
     named = sorted(_named_sets(log), key=lambda one: -one.points)[:_MOST_SETS]
     columns = _read_fields(log, named)
     judged = (with_content(one, _present(one, columns)) for one in named)
     likely = [one for one in judged if one is not None and one.points >= _ENOUGH]
-    kept: list[FootCandidates] = []
-    for one in sorted(likely, key=lambda one: (-one.points, one.is_contact)):
-        if not any(set(one.words) <= set(other.words) for other in kept):
+    kept: list[FootSet] = []
+    for one in sorted(likely, key=lambda one: -one.points):
+        words = {foot.word for foot in one.feet}
+        if not any(words <= {foot.word for foot in other.feet} for other in kept):
             kept.append(one)
     return kept
 
@@ -73,73 +103,50 @@ def find_candidates(log: Log) -> list[FootCandidates]:
 # By names
 
 
-def _named_sets(log: Log) -> Iterator[FootCandidates]:
+def _named_sets(log: Log) -> Iterator[FootSet]:
     """Yield sets of fields whose names do not speak against feet, scored by names and rate."""
     by_type: dict[str, dict[str, Channel]] = {}
     for channel in log.channels.values():
         if channel.type_name and source_of(channel, "feet") is None:
             by_type.setdefault(channel.type_name, {}).setdefault(channel.topic, channel)
     for type_name, channels in by_type.items():
-        named: dict[str, dict[str, Foot]] = {"vector": {}, "integer": {}, "number": {}}
-        rows: list[tuple[str, _Set]] = []
+        fields: dict[str, dict[str, Foot]] = {"vector": {}, "integer": {}, "number": {}}
+        rows: list[_Named] = []
         for topic, channel in sorted(channels.items()):
             try:
                 kinds = dict(every_field(definition_of(channel)))
             except DefinitionError:
                 continue
-            around = words_of(f"{topic} {type_name}")
-            for path, is_a, own in _readable(kinds):
-                if not _may_be_feet(is_a, (*around, *own), own):
-                    continue
+            for path, is_a in _likely_fields(kinds, f"{topic} {type_name}"):
                 labels = _labels_beside(log, channel, path, kinds)
-                named[is_a].update(_single_fields(topic, path, labels))
-                if not labels:
-                    rows += ((is_a, each) for each in _rows_of_fields(topic, path, is_a, kinds))
-        siblings = [(is_a, each) for is_a, fields in named.items() for each in _siblings(fields)]
-        for is_a, (feet, names, differ) in (*siblings, *rows):
-            marks = list(name_marks(names, type_name))
-            marks += [(1, f"they differ in {differ} only")] if differ else []
-            rate = _rate_hz(log, {foot.topic for foot in feet})
-            marks += [rate_mark(rate)] if rate is not None else []
-            yield FootCandidates(
-                tuple(feet), type_name, tuple(marks), is_a == "integer", is_numbered=not differ
-            )
+                fields[is_a] |= _single_fields(topic, path, is_a, labels)
+                rows += () if labels else _rows_of_fields(topic, path, is_a, kinds)
+        siblings = (each for own in fields.values() for each in _siblings(own))
+        for one, names in (*siblings, *rows):
+            marks = list(name_marks(names, type_name, _rate_hz(log, one.topics)))
+            if one.kind != "elements":
+                marks.append((1, f"they differ in {_DIFFER.get(one.kind, 'one word')} only"))
+            yield replace(one, type_name=type_name, marks=tuple(marks))
 
 
-_Set = tuple[Sequence[Foot], Sequence[str], str]
-"""Fields as feet, their names, and what these differ in; empty: they are told by their numbers."""
-
-
-def _field(name: str, topic: str, path: str) -> Foot:
-    return Foot(name, topic, leg_position=leg_position(name), field=FootField(path))
-
-
-def _readable(kinds: Mapping[str, FieldType]) -> Iterator[tuple[str, str, tuple[Word, ...]]]:
-    """Yield the fields whose names speak of nothing that is no foot: path, what it is, words.
+def _likely_fields(kinds: _Kinds, around: str) -> Iterator[tuple[str, str]]:
+    """Yield fields whose names, with their topic and type, may be of feet: path, and what it is.
 
     Of a vector, its components are no fields of their own.
     """
     for path, kind in kinds.items():
-        is_number = isinstance(kind, Primitive) and not is_vector(
-            kinds.get(path.rpartition(".")[0])
-        )
-        words = words_of(path)
-        if (is_number or is_vector(kind)) and _OTHER.isdisjoint(word.text for word in words):
-            integer = isinstance(kind, Primitive) and kind.dtype[0] in "iu"
-            yield path, "vector" if not is_number else "integer" if integer else "number", words
+        is_part = is_vector(kinds.get(path.rpartition(".")[0]))
+        own, texts = texts_of(path), texts_of(path, around)
+        if own & _OTHER_WORDS or is_part:
+            continue
+        if is_vector(kind) and texts & (FORCE_WORDS | {"grf"}) and "torque" not in own:
+            yield path, "vector"
+        is_told = texts & (CONTACT_WORDS | FORCE_WORDS) or parts_of([path, around]) & _LEGS
+        if isinstance(kind, Primitive) and is_told:
+            yield path, "integer" if kind.dtype[0] in "iu" else "number"
 
 
-def _may_be_feet(is_a: str, words: Sequence[Word], own: Sequence[Word]) -> bool:
-    """Tell whether the words of a field, its topic and type speak of forces or contacts."""
-    texts = {word.text for word in words}
-    if is_a == "vector":
-        return bool(texts & (FORCE_WORDS | {"grf"})) and "torque" not in {w.text for w in own}
-    return bool(texts & (CONTACT_WORDS | FORCE_WORDS)) or any(word.is_leg for word in words)
-
-
-def _labels_beside(
-    log: Log, channel: Channel, path: str, kinds: Mapping[str, FieldType]
-) -> tuple[str, ...]:
+def _labels_beside(log: Log, channel: Channel, path: str, kinds: _Kinds) -> tuple[str, ...]:
     """Return the strings beside the elements of an array, in them or in an array beside it.
 
     They are the same in all of the first messages, and each element has another one; else none.
@@ -166,55 +173,57 @@ def _labels_beside(
     return ()
 
 
-def _single_fields(topic: str, path: str, labels: Sequence[str]) -> Iterator[tuple[str, Foot]]:
-    """Yield a field, or the elements of an array that have strings beside them, by their names."""
+def _field(name: str, topic: str, path: str, is_a: str) -> Foot:
+    """Return a field as a foot; what integers are read as is said until their content tells."""
+    field = FootField(path, kind="contact" if is_a == "integer" else "")
+    return Foot(name, topic, leg_position=leg_position(name), field=field)
+
+
+def _single_fields(topic: str, path: str, is_a: str, labels: Sequence[str]) -> dict[str, Foot]:
+    """Return a field, or the elements of an array that have strings beside them, by their names."""
     is_effort = "effort" in texts_of(path)
+    paths: dict[str, str] = {}
     if "[]" not in path and not is_effort:
-        name = f"{topic}/{path.replace('.', '/')}"
-        yield name, _field(name, topic, path)
+        paths[f"{topic}/{path.replace('.', '/')}"] = path
     for number, label in enumerate(labels):
         # Most efforts are those of joints.
-        is_foot = any(word.is_leg for word in words_of(label)) and not texts_of(label) & _JOINT
+        is_foot = bool(parts_of([label]) & _LEGS) and not texts_of(label) & _JOINT
         if is_foot or not is_effort:
             name = f"{topic}/{label}/{path.replace('[]', '')}"
-            yield name, _field(name, topic, path.replace("[]", f"[{number}]"))
+            paths[name] = path.replace("[]", f"[{number}]")
+    return {name: _field(name, topic, each, is_a) for name, each in paths.items()}
 
 
-def _rows_of_fields(
-    topic: str, path: str, is_a: str, kinds: Mapping[str, FieldType]
-) -> Iterator[_Set]:
+def _rows_of_fields(topic: str, path: str, is_a: str, kinds: _Kinds) -> Iterator[_Named]:
     """Yield elements of an array, or bits of an integer; how many feet there are, messages tell."""
-    texts, name = texts_of(f"{topic} {path}"), f"{topic}/{path.replace('.', '/')}"
+    texts, name = texts_of(topic, path), f"{topic}/{path.replace('.', '/')}"
     array = kinds[path.partition("[]")[0]]
-    paths: list[list[str]] = []
+    rows: list[list[str]] = []
     if path.count("[]") == 1:
         # Numbers may be those of forces, or of forces and torques; the third is along z.
         for step in (1,) if is_a == "vector" else (1, 3, 6):
             size = array.length if isinstance(array, FixedArray) else (_MOST_FEET + 1) * step
             if size % step == 0 and _FEWEST_FEET <= size // step <= _MOST_FEET + 1:
                 numbers = range(2 if step > 1 else 0, size, step)
-                paths.append([path.replace("[]", f"[{number}]") for number in numbers])
+                rows.append([path.replace("[]", f"[{number}]") for number in numbers])
     elif "[]" not in path and is_a == "integer" and texts & _BIT_WORDS:
-        paths.append([f"{path}&{1 << bit}" for bit in range(_MOST_FEET)])
-    for row in paths if "effort" not in texts else ():
-        yield [_field(f"foot_{n}", topic, each) for n, each in enumerate(row)], [name], ""
+        rows.append([f"{path}&{1 << bit}" for bit in range(_MOST_FEET)])
+    for row in rows if "effort" not in texts else ():
+        feet = (_field(f"foot_{n}", topic, each, is_a) for n, each in enumerate(row))
+        yield FootSet(tuple(feet), "elements"), [name]
 
 
-def _siblings(fields: Mapping[str, Foot]) -> Iterator[_Set]:
+def _siblings(fields: Mapping[str, Foot]) -> Iterator[_Named]:
     """Yield fields of which each may be a foot: by their names' legs, else by any one word."""
     chosen, others = name_feet(fields, contacts_only=True)
-    sets = [found for found in (chosen, *others) if found and found.kind != "alone"]
+    sets = [one for one in (chosen, *others) if one and one.kind != "alone"]
     for one in sets:
-        feet = [
-            replace(
-                fields[n.topic],
-                name=n.name,
-                leg_position=n.leg_position or leg_position(n.name),
-                sensor_of=n.sensor_of,
-            )
-            for n in one.feet
-        ]
-        yield feet, [foot.topic for foot in one.feet], _DIFFER.get(one.kind, "one word")
+        feet = []
+        for foot in one.feet:
+            position = foot.leg_position or leg_position(foot.name)
+            own = fields[foot.topic]
+            feet.append(replace(foot, topic=own.topic, field=own.field, leg_position=position))
+        yield replace(one, feet=tuple(feet)), one.topics
     groups: dict[tuple[str, ...], dict[str, str]] = {}
     for name in sorted(fields)[:_MOST_NAMES]:
         words = [word.text for word in words_of(name)]
@@ -222,16 +231,17 @@ def _siblings(fields: Mapping[str, Foot]) -> Iterator[_Set]:
             key = (str(index), *words[:index], *words[index + 1 :])
             groups.setdefault(key, {})[word] = name
     for group in groups.values():
-        known = any(found.topics >= {*group.values()} for found in sets)
+        known = any(one.topics >= {*group.values()} for one in sets)
         if _FEWEST_FEET < len(group) <= _MOST_FEET and not known:
-            words = sorted(group, key=lambda word: (int(word) if word.isdigit() else 0, word))
-            names = {word: f"foot_{word}" if word.isdigit() else word for word in words}
-            feet = [replace(fields[group[w]], name=names[w]) for w in words]
-            feet = [replace(foot, leg_position=leg_position(foot.name)) for foot in feet]
-            yield feet, [group[w] for w in words], "one word"
+            feet = []
+            for word in sorted(group, key=lambda each: (int(each) if each.isdigit() else 0, each)):
+                name = f"foot_{word}" if word.isdigit() else word
+                position = leg_position(name)
+                feet.append(replace(fields[group[word]], name=name, leg_position=position))
+            yield FootSet(tuple(feet), "one word"), group.values()
 
 
-def _rate_hz(log: Log, topics: Collection[str]) -> float | None:
+def _rate_hz(log: Log, topics: frozenset[str]) -> float | None:
     """Return the messages a second of the slowest topic."""
     if log.start_time is None or log.end_time is None or log.end_time <= log.start_time:
         return None
@@ -242,12 +252,11 @@ def _rate_hz(log: Log, topics: Collection[str]) -> float | None:
 # By content
 
 
-def _read_fields(log: Log, sets: Sequence[FootCandidates]) -> Mapping[str, Samples]:
+def _read_fields(log: Log, sets: Sequence[FootSet]) -> Mapping[str, Samples]:
     """Read the fields of some sets as forces, by their names as ``--foot`` takes them."""
-    different = {word_of(foot): foot for one in sets for foot in one.feet}
     feet = [
         Foot(word, foot.topic, field=FootField(foot.field.path, "force"))
-        for word, foot in different.items()
+        for word, foot in {foot.word: foot for one in sets for foot in one.feet}.items()
         if foot.field
     ]
     of_channel: dict[int, tuple[int, ...]] = {}
@@ -261,17 +270,120 @@ def _read_fields(log: Log, sets: Sequence[FootCandidates]) -> Mapping[str, Sampl
     return {foot.name: samples for foot, samples in zip(feet, columns, strict=True)}
 
 
-def _present(named: FootCandidates, columns: Mapping[str, Samples]) -> list[Samples]:
+def _present(named: FootSet, columns: Mapping[str, Samples]) -> list[Samples]:
     """Return the samples of the first fields, those that all messages have; none: they differ."""
-    samples = [columns[word] for word in named.words]
-    count = len(samples)
-    if "&" in named.words[0]:
+    samples = [columns[foot.word] for foot in named.feet]
+    if named.kind != "elements":
+        return samples
+    if "&" in named.feet[0].word:
         changes = [np.count_nonzero(np.diff(each.in_contact)) for each in samples]
         count = max((bit + 1 for bit, number in enumerate(changes) if number), default=0)
         if max(changes) > _MOST_CHANGES * len(samples[0].in_contact):
             return []
-    elif named.is_numbered:
+    else:
         told = [len(each.log_time) for each in samples]
         count = sum(number > 0 for number in told)
         count = count if len(set(told[:count])) == 1 else 0
-    return samples[:count] if _FEWEST_FEET <= count <= _MOST_FEET or not named.is_numbered else []
+    return samples[:count] if _FEWEST_FEET <= count <= _MOST_FEET else []
+
+
+# --- the score ---
+
+
+def name_marks(names: Collection[str], type_name: str, rate_hz: float | None) -> Iterator[Mark]:
+    """Judge names of fields, with their topics, of the type of their messages, and their rate."""
+    parts, texts = parts_of(names), texts_of(*names, type_name)
+    if parts & {Part.FOOT, Part.LEG}:
+        yield 2, "the names speak of feet or legs"
+    if Part.NOT_A_FOOT in parts:
+        # Hands, wheels, tools ...
+        yield (-_OTHER_PART if parts & {Part.FOOT, Part.LEG} else -_NEVER), ""
+    if texts & (CONTACT_WORDS | FORCE_WORDS):
+        yield 1, "of contact or force"
+    merit = min((MERITS.get(text, 0) for text in texts), default=0)
+    if merit < -1:
+        yield merit, "they are named as planned or set, not measured"
+    if rate_hz is not None:
+        points = 1 if rate_hz >= _FAST_HZ else -2 if rate_hz < _SLOW_HZ else 0
+        yield points, f"{rate_hz:.0f} messages a second"
+
+
+def with_content(named: FootSet, feet: Sequence[Samples]) -> FootSet | None:
+    """Judge also by the values, which were read as forces; None: too few were seen.
+
+    Args:
+        named: fields, judged by their names.
+        feet: samples of the first fields by log time; messages do not have the others.
+    """
+    if min((len(each.log_time) for each in feet), default=0) < _FEWEST:
+        return None
+    signed = _side_by_side(feet)
+    values = np.abs(signed)
+    are_states = bool((values <= _LARGEST_STATE).all() and (values == np.round(values)).all())
+    low, high = percentiles_of(values, _TENTH, axis=0)
+    down = values > 0.0 if are_states else values > low + _ON * (high - low)
+    marks = [*_in_time(down), *(() if are_states else _of_loads(signed))]
+    if sum(points for points, _ in marks) <= 0:
+        marks.append((-_NEVER, "no foot reads so"))
+    thresholds, is_contact = [0.0] * len(feet), are_states
+    is_number = not are_states and not any(each.force[:, :2].any() for each in feet)
+    low, high = percentiles_of(values, _ENDS, axis=0)
+    if is_number and bool((signed > 0.0).all()) and bool((low > _NOT_UNLOADED * high).all()):
+        thresholds, is_contact = (low + _ON * (high - low)).tolist(), True
+        marks.append((0, "none reads near zero without load: they tell contact, not newtons"))
+    marks.append((1 if len(feet) in _USUAL_FEET else -1, ""))
+    kind = "contact" if is_contact else "force"
+    told = []
+    for foot, threshold in zip(named.feet, thresholds, strict=False):
+        if foot.field:
+            # It is said only where the type of the field would say something else.
+            said = "" if kind == (foot.field.kind or "force") else kind
+            told.append(replace(foot, field=replace(foot.field, kind=said, threshold=threshold)))
+    return replace(named, feet=tuple(told), marks=(*named.marks, *marks))
+
+
+def _side_by_side(feet: Sequence[Samples]) -> Floats:
+    """Return (n, feet) at the samples of all feet: numbers with their sign, or magnitudes."""
+    time = np.unique(np.concatenate([each.log_time for each in feet]))
+    columns = []
+    for each in feet:
+        before = np.searchsorted(each.log_time, time, side="right") - 1
+        column = norms(each.force) if each.force[:, :2].any() else each.force[:, 2]
+        columns.append(column[np.maximum(before, 0)])
+    return np.stack(columns, axis=1)
+
+
+def _in_time(down: Flags) -> Iterator[Mark]:
+    """Judge when feet are on, (n, feet): each on and off, and in turns."""
+    feet = down.shape[1]
+    changes = np.count_nonzero(np.diff(down, axis=0), axis=0)
+    stepping = np.count_nonzero(changes > 1)
+    if stepping == feet:
+        yield 2, f"all {feet} go on and off, {changes.min()} times and more"
+    else:
+        yield (-1 if stepping else -3), f"only {stepping} of {feet} go on and off"
+    alike = [(down[:, i] == down[:, k]).mean() for i in range(feet) for k in range(i)]
+    some, every = float(down.any(axis=1).mean()), float(down.all(axis=1).mean())
+    if not alike or min(alike) > _SAME:
+        yield -2, "all are the same signal"
+    elif some >= _FEWEST_DOWN and every < some:
+        yield 2, f"in turns: at least one is on {some:.0%} of the time, all at once {every:.0%}"
+    else:
+        yield 0, f"at least one is on {some:.0%} of the time"
+
+
+def _of_loads(signed: Floats) -> Iterator[Mark]:
+    """Judge loads, (n, feet): together they are a weight, and the ground does not pull."""
+    values = np.abs(signed)
+    total = values.sum(axis=1)
+    if (mean := float(total.mean())) > 0.0:
+        spread = float(total.std()) / mean
+        own = float(median_of(values.std(axis=0) / np.maximum(values.mean(axis=0), 1e-12)))
+        if spread <= _STEADY and own >= _UNSTEADY * spread:
+            yield 3, f"together they stay within {spread:.0%} of {mean:.4g}, as a weight does"
+        else:
+            yield 0, f"their sum varies by {spread:.0%}"
+    low, high = percentiles_of(signed, _TENTH, axis=0)
+    smaller, larger = np.minimum(-low, high), np.maximum(-low, high)
+    if ((low < 0.0) & (high > 0.0) & (smaller > _BOTH_DIRECTIONS * larger)).any():
+        yield -_NEVER, ""

@@ -121,6 +121,46 @@ def test_efforts_that_are_no_torques_give_no_forces(name: str, tmp_path: Path) -
         assert walk.stats["legs"]["positive_work_j"] is None
 
 
+def stuck(position: Floats, velocity: Floats, effort: Floats) -> tuple[Floats, ...]:
+    leg = np.arange(12) >= 9
+    return np.where(leg, position[:1], position), np.where(leg, 0.0, velocity), effort
+
+
+def noisy(position: Floats, velocity: Floats, effort: Floats) -> tuple[Floats, ...]:
+    noise = np.random.default_rng(1).normal(0.0, 0.02, position.shape)
+    return position + noise, velocity, effort
+
+
+@pytest.mark.parametrize(
+    ("change", "every", "why"),
+    [
+        (None, 20, "joint states come 12 times in a stride, too rarely"),
+        (stuck, 5, "RR_thigh_joint tells one position for 6 s while other legs move"),
+        (noisy, 1, "positions of joints are not exact enough"),
+    ],
+    ids=["rare", "stuck", "noisy"],
+)
+def test_joints_that_do_not_tell_surely_tell_nothing(
+    change: Change | None, every: int, why: str, tmp_path: Path
+) -> None:
+    walk = measured(tmp_path, robot("trot"), change, every=every)
+    assert why in codes(walk)["NO_FEET"]
+    assert walk.stats["base"]["forward_speed_mps"] is None
+
+
+@pytest.mark.parametrize("every", [5, 14])
+def test_a_gyroscope_in_degrees_does_not_move_a_robot_that_goes_straight(
+    every: int, tmp_path: Path
+) -> None:
+    walk = measured(tmp_path, robot("trot"), gyro=57.3, every=every)
+    assert walk.gait.name == "trot"
+    assert walk.stats["base"]["forward_speed_mps"] == pytest.approx(
+        robot("trot").speed_mps, rel=0.06
+    )
+    assert "the feet alone" in codes(walk)["BASE_FROM_LEGS"]
+    assert "warning" not in {each["severity"] for each in walk.stats["findings"]}
+
+
 @pytest.mark.parametrize("command", [(0.3, 0.0, 0.5), (0.0, 0.0, 0.8)])
 @pytest.mark.parametrize("gyro", [None, 0.0, -1.0, 57.3])
 def test_turns_are_told_by_the_feet_where_no_gyroscope_does(

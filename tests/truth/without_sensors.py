@@ -34,6 +34,7 @@ def write_log(
     with_urdf: bool = True,
     imu_frame: str = "base_link",
     gyro: float = 1.0,
+    every: int = 5,
     change: Any = None,
 ) -> Path:
     """Write what a robot without foot sensors and odometry records.
@@ -45,6 +46,7 @@ def write_log(
         with_urdf: whether there is a robot description.
         imu_frame: that of the base, or one that is turned by 90 degrees about its x axis.
         gyro: what a gyroscope reads for a turn rate of 1 rad/s.
+        every: rows of the walk, 500 a second, between messages.
         change: takes and returns position, velocity and effort.
     """
     back = inverse(walk.attitude)
@@ -57,7 +59,7 @@ def write_log(
         path,
         walk,
         by_transforms=False,
-        every=5,
+        every=every,
         described=with_urdf,
         sensors=False,
         imu=(imu_frame, np.concatenate(read, axis=1)) if with_imu else None,

@@ -4,8 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.gait.classes import CONSISTENT, IRREGULAR, TOLERANCE
-from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.leg_position import legs_in_order
 from dogbot_logtool.core.loads import LARGEST_FOOT_M
 from dogbot_logtool.core.walk import Walk
@@ -22,7 +23,7 @@ def no_class(walk: Walk) -> Iterator[Finding]:
         yield found("CLASS_UNKNOWN", where=where, say=say)
         return
     phases = main.gait.phase
-    if main.gait.name is None and not (main.moves_without_steps or main.is_lifted):
+    if main.gait.name is None and main.strides:
         missing = (name for name, phase in phases.items() if phase.mean is None)
         say, names = "phases", ", ".join(missing)
         if legs_in_order([foot.leg_position for foot in walk.feet]) is None:
@@ -55,14 +56,13 @@ def moves_without_steps(walk: Walk) -> Iterator[Finding]:
 
     Of feet whose unloaded level is not known, the contacts are refuted.
     """
-    moving = [segment for segment in walk.segments if segment.moves_without_steps]
-    if not moving:
+    if not len(walk.standing.moving):
         return
     unsure = [
         foot.name for row, foot in enumerate(walk.feet) if walk.settings.feet[row].level.reason
     ]
     cases = ("offset_unknown",) if unsure else ()
-    seconds, first = _lasting(walk, moving)
+    seconds, first = _lasting(walk, walk.standing.moving)
     yield found(
         "MOVES_WITHOUT_STEPS", *cases, where="gait.class", feet=unsure, seconds=seconds, first=first
     )
@@ -74,16 +74,14 @@ def lifted(walk: Walk) -> Iterator[Finding]:
         usable = foot.record.start is not None and not walk.settings.feet[row].rule.unusable
         if usable and not foot.is_dead and not len(foot.stances.touchdown):
             yield found("LIFTED", foot=foot.name)
-    spans = [segment for segment in walk.segments if segment.is_lifted]
-    if spans:
-        seconds, first = _lasting(walk, spans)
+    if len(walk.standing.lifted):
+        seconds, first = _lasting(walk, walk.standing.lifted)
         yield found("LIFTED", where="gait.segments", say="robot", seconds=seconds, first=first)
 
 
-def _lasting(walk: Walk, segments: list[Segment]) -> tuple[float, float]:
-    """Return how long segments last in all, and when the first begins, s."""
-    lasts = sum(segment.end - segment.start for segment in segments) / 1e9
-    return lasts, (segments[0].start - walk.origin) / 1e9
+def _lasting(walk: Walk, spans: Ints) -> tuple[float, float]:
+    """Return how long spans last in all, and when the first begins, s."""
+    return timespans.total(spans) / 1e9, int(spans[0, 0] - walk.origin) / 1e9
 
 
 def several_gaits(walk: Walk) -> Iterator[Finding]:

@@ -6,9 +6,17 @@ from typing import Final, Literal
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, median_of, nearest_rows
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Floats,
+    Ints,
+    all_finite,
+    flagged_runs,
+    median_of,
+    nearest_rows,
+)
 from dogbot_logtool.core.base.attitude import LONG_S, Inertial, by_attitude, inertial_at, level
-from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
+from dogbot_logtool.core.base.leg_odometry import LegOdometry, dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.contact.contact_rule import find_stances, rows_in_stances
 from dogbot_logtool.core.contact.contacts import Samples
@@ -16,13 +24,16 @@ from dogbot_logtool.core.corrections.clock import advancing
 from dogbot_logtool.core.estimated.ground import (
     FEWEST,
     SLOWEST_S,
+    Ground,
     LegJoints,
     effort_fault,
     ground_forces,
     loaded_feet,
     low_feet,
+    middles,
     resting_feet,
     slopes,
+    stuck_joint,
 )
 from dogbot_logtool.core.frames.kinematics import Leg, LegMotion, leg_motion
 from dogbot_logtool.core.recording import Recording
@@ -35,6 +46,11 @@ CONTRADICTS: Final = 0.5
 """Share of the mean turn rate by which a gyroscope's differs from that of the feet if it is wrong;
 not less than `LEAST_TURN_RADPS`."""
 LEAST_TURN_RADPS: Final = 0.1
+AGREES: Final = 0.15
+"""Share of the time in which standing feet agree on how the base moves, at least: it is 0.3 and
+more in all gaits of a physics engine."""
+FEWEST_IN_STRIDE: Final = 16
+"""Joint states in a stride, at least: with fewer, speeds may be off by a third."""
 _BY_FEET: Final = "the feet alone"
 TURNS_S: Final = 0.1
 """s before and after a time, over which turns by the feet are averaged."""
@@ -71,42 +87,38 @@ def estimate(
         joints: of these legs.
         mounting: (4,) x, y, z, w, of the inertial unit's frame in the base's.
         mass_kg: of the robot; None: not known, so that efforts tell no forces.
+
+    Raises:
+        ValueError: a sentence: why they tell nothing.
     """
     seconds, motions, rates = joints.seconds, [], []
     for leg in legs:
         positions = joints.position[:, joints.columns(leg.measured)]
         motions.append(leg_motion(leg, positions))
         rates.append(slopes(seconds, positions))
+    if stuck := stuck_joint(joints, legs):
+        raise ValueError(stuck)
     inertial, turns_from = _inertial(recording, joints, mounting)
-    points = np.stack([each.foot - each.leg.radius_m * inertial.up for each in motions], axis=1)
-    velocity = np.stack(
-        [
-            np.einsum("nik,nk->ni", motion.jacobian(points[:, foot])[0], rates[foot])
-            for foot, motion in enumerate(motions)
-        ],
-        axis=1,
-    )
-    low = low_feet(seconds, points, inertial.up)
-    by_feet = _turned_by_feet(joints.time, points, low, inertial)
-    turns = float(inertial.yaw_rate.mean()), float(by_feet.yaw_rate.mean())
+    feet = _resting(joints, motions, rates, inertial)
+    inertial, _ = _inertial(recording, joints, mounting, has_turns=False)
+    alone = _resting(joints, motions, rates, inertial, by_feet=True)
     if not turns_from:
-        turns_from = _BY_FEET
-    elif abs(turns[0] - turns[1]) > max(CONTRADICTS * max(map(abs, turns)), LEAST_TURN_RADPS):
-        says = f"{turns[0]:.2f} rad/s of {turns_from} contradict {turns[1]:.2f} of theirs"
-        turns_from = f"{_BY_FEET}, since {says}"
-    by_feet_alone = turns_from.startswith(_BY_FEET)
-    inertial = by_feet if by_feet_alone else inertial
-    ground = resting_feet(seconds, points, velocity, inertial.turn, inertial.up)
-    if by_feet_alone:
-        inertial = _turned_by_feet(joints.time, points, ground.resting, inertial)
-        ground = resting_feet(seconds, points, velocity, inertial.turn, inertial.up)
+        feet, turns_from = alone, _BY_FEET
+    elif why := _contradiction(feet, alone, turns_from):
+        feet, turns_from = alone, f"{_BY_FEET}, since {why}"
+    inertial, points, ground = feet.inertial, feet.points, feet.ground
     force, why = _forces(joints, motions, points, inertial, mass_kg)
     standing = ground.resting
     if force is not None:
         vertical = np.einsum("nfi,ni->nf", force, inertial.up)
         standing = loaded_feet(seconds, vertical, (mass_kg or 0.0) * GRAVITY_MPS2, ground)
     standing = np.stack([_debounced(joints.time, each) for each in standing.T], axis=1)
-    moved = leg_odometry(joints.time, points, ground.surely(standing), inertial.turn, velocity)
+    moved = feet.odometry(standing)
+    if why_not := _unsure(standing, moved):
+        raise ValueError(why_not)
+    if inertial.tells_up:
+        # An accelerometer bridges the ends of contacts better than feet do that land or leave.
+        moved = feet.odometry(middles(standing))
     yaw_rate = np.stack([0.0 * inertial.yaw_rate, 0.0 * inertial.yaw_rate, inertial.yaw_rate], 1)
     moved = replace(moved, turn_rate=(yaw_rate[1:] + yaw_rate[:-1]) / 2.0)
     own = inertial.felt - GRAVITY_MPS2 * inertial.up
@@ -139,8 +151,107 @@ def estimate(
     )
 
 
-def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tuple[Inertial, str]:
-    """Return how the base leans and turns, and by what: its inertial unit, else its poses."""
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class _Resting:
+    """Which feet rest on the ground, by how they and the base move."""
+
+    time: Ints
+    """(n,) ns."""
+    inertial: Inertial
+    points: Floats
+    """(n, f, 3) m, where feet may touch the ground, along the base's axes; also `velocity`, m/s."""
+    velocity: Floats
+    ground: Ground
+
+    def odometry(self, standing: Flags) -> LegOdometry:
+        """Return how the base moves by those of standing feet that agree."""
+        sure = standing & self.ground.agreeing
+        return leg_odometry(self.time, self.points, sure, self.inertial.turn, self.velocity)
+
+
+def _resting(
+    joints: LegJoints,
+    motions: Sequence[LegMotion],
+    rates: Sequence[Floats],
+    inertial: Inertial,
+    *,
+    by_feet: bool = False,
+) -> _Resting:
+    """Tell which feet rest.
+
+    Args:
+        joints: of all legs.
+        motions: of each leg.
+        rates: (n, k) rad/s or m/s, of the joints of each leg.
+        inertial: how the base leans and turns.
+        by_feet: whether it turns as the resting feet tell.
+    """
+    seconds, up = joints.seconds, inertial.up
+    points = np.stack([each.foot - each.leg.radius_m * up for each in motions], axis=1)
+    moved = [
+        np.einsum("nik,nk->ni", motion.jacobian(points[:, foot])[0], rates[foot])
+        for foot, motion in enumerate(motions)
+    ]
+    velocity = np.stack(moved, axis=1)
+    if by_feet:
+        inertial = _turned_by_feet(joints.time, points, low_feet(seconds, points, up), inertial)
+        ground = resting_feet(seconds, points, velocity, inertial.turn, up)
+        inertial = _turned_by_feet(joints.time, points, ground.resting, inertial)
+    ground = resting_feet(seconds, points, velocity, inertial.turn, up)
+    return _Resting(joints.time, inertial, points, velocity, ground)
+
+
+def _share_known(moved: LegOdometry) -> float:
+    """Return the share of intervals in which feet tell how the base moves."""
+    return float((moved.feet > 0).mean())
+
+
+def _unsure(standing: Flags, moved: LegOdometry) -> str:
+    """Say why feet do not tell surely when they stand and how the base moves; empty: they do.
+
+    Args:
+        standing: (n, f) which feet stand.
+        moved: how the base moves by them.
+    """
+    steps = np.concatenate([np.diff(flagged_runs(each)[:, 0]) for each in standing.T])
+    if len(steps) and (states := float(median_of(steps))) < FEWEST_IN_STRIDE:
+        return f"joint states come {states:.3g} times in a stride, too rarely"
+    if (agree := _share_known(moved)) < AGREES:
+        return (
+            f"standing feet agree on how the base moves in {agree:.0%} of the time only: positions "
+            "of joints are not exact enough, or not those of the robot description"
+        )
+    return ""
+
+
+def _contradiction(feet: _Resting, alone: _Resting, turns_from: str) -> str:
+    """Say how the turns that something tells contradict the feet; empty: they do not.
+
+    Args:
+        feet: with these turns.
+        alone: with turns by the feet.
+        turns_from: what tells the turns.
+    """
+    turns = [float(each.inertial.yaw_rate.mean()) for each in (feet, alone)]
+    if abs(turns[0] - turns[1]) > max(CONTRADICTS * max(map(abs, turns)), LEAST_TURN_RADPS):
+        return f"{turns[0]:.2f} rad/s of {turns_from} contradict {turns[1]:.2f} of theirs"
+    known = [_share_known(each.odometry(each.ground.resting)) for each in (feet, alone)]
+    if known[0] < AGREES <= known[1]:
+        return f"{turns_from} tells turns with which standing feet do not agree"
+    return ""
+
+
+def _inertial(
+    recording: Recording, joints: LegJoints, mounting: Floats, *, has_turns: bool = True
+) -> tuple[Inertial, str]:
+    """Return how the base leans and turns, and by what: its inertial unit, else its poses.
+
+    Args:
+        recording: the columns of a log.
+        joints: of the legs.
+        mounting: of the inertial unit, as in `estimate`.
+        has_turns: whether the base's turns are told; else it does not turn.
+    """
     readings = recording.accelerations
     if readings is not None:
         read, times = readings.samples, joints.clock.of(readings.samples)
@@ -151,13 +262,15 @@ def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tupl
         if len(rows) >= FEWEST:
             seconds = (times[rows] - joints.time[0]) / 1e9
             felt, turn = (rotate(mounting[None], e[rows]) for e in (read.vector, read.turn_rate))
+            turn *= has_turns
             return inertial_at(joints.seconds, seconds, felt, turn, GRAVITY_MPS2), "a gyroscope"
     angles = base_history(recording.base, joints.clock).angles_at(joints.time)
     known = np.flatnonzero(all_finite(angles))
     if len(known):
         row = np.arange(len(angles))
         filled = np.stack([np.interp(row, known, each[known]) for each in angles.T], axis=1)
-        return by_attitude(joints.seconds, filled, GRAVITY_MPS2), "its poses"
+        inertial = by_attitude(joints.seconds, filled, GRAVITY_MPS2)
+        return replace(inertial, turn=inertial.turn * has_turns), "its poses"
     return level(len(joints.time), GRAVITY_MPS2), ""
 
 

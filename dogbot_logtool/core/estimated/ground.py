@@ -32,7 +32,7 @@ from dogbot_logtool.core.corrections.clock import (
     check_stamps,
     first_at_each_tick,
 )
-from dogbot_logtool.core.frames.kinematics import LegMotion
+from dogbot_logtool.core.frames.kinematics import Leg, LegMotion
 from dogbot_logtool.core.recording import JointTable
 from dogbot_logtool.core.timespans import covers
 
@@ -127,6 +127,43 @@ def _interpolated(at: Ints, time: Ints, values: Floats) -> Floats:
     return np.asarray(np.interp(at - first, time[rows] - first, values[rows]))
 
 
+BLOCK_S: Final = 0.5
+"""s, spans in which joints are looked at whether they move."""
+STUCK: Final = 4
+"""Spans one after the other in which a joint that tells one position is stuck, at least."""
+MOVES_RAD: Final = 0.05
+"""rad, or m: a joint that goes further in such a span moves."""
+
+
+def stuck_joint(joints: LegJoints, legs: Sequence[Leg]) -> str:
+    """Say which joint tells one position for long while the other legs' joints of its place move.
+
+    Args:
+        joints: of all legs.
+        legs: of the robot.
+
+    Returns:
+        a sentence; empty: all move, or none.
+    """
+    blocks = (joints.seconds / BLOCK_S).astype(np.int64)
+    _, first = np.unique(blocks, return_index=True)
+    highest, lowest = (
+        extreme.reduceat(joints.position, first, axis=0) for extreme in (np.maximum, np.minimum)
+    )
+    ways = [(highest - lowest)[:, joints.columns(leg.measured)] for leg in legs]
+    for leg, own in zip(legs, ways, strict=True):
+        others = [way for way in ways if way is not own and way.shape == own.shape]
+        if not others:
+            continue
+        stuck = (own == 0.0) & (median_of(others, axis=0) > MOVES_RAD)
+        for name, column in zip(leg.measured, stuck.T, strict=True):
+            longest = int(np.diff(flagged_runs(column)).max(initial=0))
+            if longest >= STUCK:
+                seconds = longest * BLOCK_S
+                return f"{name} tells one position for {seconds:.3g} s while other legs move"
+    return ""
+
+
 SLOPE_S: Final = 0.02
 """s over which velocities are differences of positions."""
 GROUND_S: Final = 1.0
@@ -162,13 +199,6 @@ class Ground:
     """(n, f) whether each is slow against what all of them agree on."""
     fast: Flags
     """(n, f) whether each is so fast that it swings, whatever its leg's torques say."""
-
-    def surely(self, standing: Flags) -> Flags:
-        """(n, f) which feet surely rest, of those in contact.
-
-        Just after a touchdown and before a lift-off a foot does not.
-        """
-        return np.stack([_middles(column) for column in standing.T], axis=1) & self.agreeing
 
 
 def slopes(seconds: Floats, values: Floats) -> Floats:
@@ -257,12 +287,15 @@ def _common(seconds: Floats, implied: Floats, resting: Flags) -> Floats:
     return np.asarray((total[end] - total[begin]) / (end - begin)[:, None])
 
 
-def _middles(standing: Flags) -> Flags:
-    """(n,) the rows of contacts that are away from their ends."""
-    runs = flagged_runs(standing)
-    edge = np.ceil(EDGE * (runs[:, 1] - runs[:, 0])).astype(np.int64)
-    inner = runs + edge[:, None] * [1, -1]
-    return covers(inner[inner[:, 0] < inner[:, 1]], np.arange(len(standing)))
+def middles(standing: Flags) -> Flags:
+    """(n, f) which of the feet in contact are so not just after touchdown or before lift-off."""
+    inner = np.zeros_like(standing)
+    for foot, column in enumerate(standing.T):
+        runs = flagged_runs(column)
+        edge = np.ceil(EDGE * (runs[:, 1] - runs[:, 0])).astype(np.int64)
+        within = runs + edge[:, None] * [1, -1]
+        inner[:, foot] = covers(within[within[:, 0] < within[:, 1]], np.arange(len(column)))
+    return inner
 
 
 LOADED: Final = 0.4

@@ -124,13 +124,12 @@ def _spans(walk: Walk) -> Iterator[Event]:
 
 def _carried(walk: Walk) -> Iterator[Event]:
     """Yield when no foot is down, and the base is as high as while it stands, or higher."""
-    lifted = [each.spans for each in walk.segments if each.is_lifted]
     down = [foot.record.in_contact for foot in walk.feet if len(foot.record.in_contact)]
-    if not lifted or not down:
+    if not down:
         return
     time, z = walk.base_history.time, walk.base_history.position[:, 2]
     stands = timespans.covers(timespans.merge(np.concatenate(down)), time)
-    for start, end in timespans.merge(np.concatenate(lifted)).tolist():
+    for start, end in walk.standing.lifted.tolist():
         inside = (time >= start) & (time < end)
         near = (time >= start - BESIDE_NS) & (time < end + BESIDE_NS)
         beside = stands & near & ~inside

@@ -197,13 +197,13 @@ def leg_motion(leg: Leg, positions: Floats) -> LegMotion:
     """
     count, names = len(positions), leg.measured
     columns = [names.index(j.measured) if j.kind != "fixed" else 0 for j in leg.joints]
-    shift, turned = link_poses(leg.joints, positions[:, columns])
+    shifts, turns = link_poses(leg.joints, positions[:, columns])
     place, turn = np.zeros((count, 3)), np.tile(_UPRIGHT, (count, 1))
     origins, axes = np.empty((2, count, len(leg.joints), 3))
     centres = np.empty((count, len(leg.masses), 3))
     for row, joint in enumerate(leg.joints):
-        place = place + rotate(turn, shift[:, row])
-        turn = multiply(turn, turned[:, row])
+        place = place + rotate(turn, shifts[:, row])
+        turn = multiply(turn, turns[:, row])
         origins[:, row], axes[:, row] = place, rotate(turn, np.array([joint.axis]))
         for number, mass in enumerate(leg.masses):
             if mass.joint == row:

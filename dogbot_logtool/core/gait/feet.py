@@ -10,7 +10,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, percentiles_of, rows_of_runs
 from dogbot_logtool.core.base.foot_path import FootPath, footfalls
 from dogbot_logtool.core.base.ground import MovingGround
-from dogbot_logtool.core.base.motion import FORWARD_ANGLES, stride_lengths
+from dogbot_logtool.core.base.motion import stride_lengths
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
 from dogbot_logtool.core.contact.stances import Cut, Stances
@@ -19,12 +19,13 @@ from dogbot_logtool.core.gait.support import Standing
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.loads import has_lone_spikes, slip_m, vertical_impulse_ns
 from dogbot_logtool.core.metrics import Foot
-from dogbot_logtool.core.records import Curve, Numbers, Shape, unknown
+from dogbot_logtool.core.records import Curve, Numbers, Shape, fields_of, unknown
 from dogbot_logtool.core.settings import WalkSettings
 
-CYCLE_POINTS: Final = 51
-"""Points of a curve over a stride: 0, 2, ... 100 %."""
-QUARTILES: Final = (25.0, 50.0, 75.0)
+CYCLE: Final = np.linspace(0.0, 1.0, 51)
+"""The points of a curve over a stride, as shares of it."""
+STRAIGHT_RAD: Final = np.radians(10.0)
+"""The base turns by less in a straight stride."""
 FEWEST_STANCES: Final = 8
 """Stances of all feet from which it is told how far they push the robot on."""
 FIGURES: Final = (
@@ -40,73 +41,9 @@ FIGURES: Final = (
 """Metrics of a foot that are figures of its stances."""
 
 
-def cycle_curve(percent: Floats, values: Floats) -> Shape:
-    """Return the quartiles of curves, (n, points); None of none."""
-    if len(values) == 0:
-        return None
-    parts = (percent, *percentiles_of(values, QUARTILES, axis=0))
-    return Curve(*(tuple(each.tolist()) for each in parts))
-
-
-def stride_curve(foot: "FootSteps", strides: Strides, *, forward: bool) -> Shape:
-    """Return the usual force over a stride, straight from its samples; None where none is known.
-
-    Args:
-        foot: its steps.
-        strides: some of them.
-        forward: the force along the base's forward axis, not the vertical one.
-    """
-    track, phase = foot.record.track, np.linspace(0.0, 1.0, CYCLE_POINTS)
-    own = strides.stance[np.isfinite(foot.stances.figures.mean_vertical_force_n[strides.stance])]
-    begin, end = (foot.stances.touchdown[rows, None] for rows in (own, own + 1))
-    time = begin + (end - begin) * phase
-    columns = track.horizontal_force.T if forward else [track.vertical_force]
-    force = [np.interp(time, track.time, column) for column in columns if len(own)]
-    if not force:
-        return None
-    curves = force[0]
-    if forward:
-        heading = foot.heading[own, None]
-        curves = force[0] * np.cos(heading) + force[1] * np.sin(heading)
-    return cycle_curve(phase * 100.0, curves[np.isfinite(curves).all(axis=1)])
-
-
-def fore_aft_impulses(foot: FootHistory, heading: Floats) -> tuple[Floats, Floats]:
-    """Integrate the braking and the propulsive part of the force over each stance.
-
-    Each sample counts by its own sign.
-
-    Args:
-        foot: its history.
-        heading: (stances,) rad, of the robot's forward axis in the middle of each stance.
-
-    Returns:
-        (stances,) N s, at least 0, what slows the robot, and what drives it forward; NaN where
-        direction or heading is not known.
-    """
-    track, stances = foot.track, foot.stances
-    braking, propulsive = np.full((2, len(heading)), np.nan)
-    known = np.isfinite(heading) & np.isfinite(stances.figures.mean_vertical_force_n)
-    if not known.any():
-        return braking, propulsive
-    before = np.maximum(np.searchsorted(track.time, stances.touchdown[known]) - 1, 0)
-    # A foot that stopped to speak in a stance has no sample at its end.
-    behind = np.minimum(np.searchsorted(track.time, stances.liftoff[known]) + 1, len(track.time))
-    rows, stance, first = rows_of_runs(before, behind)
-    x, y = (column.take(rows) for column in track.horizontal_force.T)
-    cos, sin = np.cos(heading[known])[stance], np.sin(heading[known])[stance]
-    along = x * cos + y * sin
-    time = (track.time[rows] - track.time[0]) / 1e9
-    half_steps = np.diff(time, prepend=0.0) / 2.0
-    half_steps[first] = 0.0
-    for found, part in ((braking, np.maximum(-along, 0.0)), (propulsive, np.maximum(along, 0.0))):
-        found[known] = np.add.reduceat((part + np.roll(part, 1)) * half_steps, first)
-    return braking, propulsive
-
-
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FootSteps:
-    """Stances and strides of a foot over the whole log, and the forces in them."""
+    """Stances and strides of a foot over the whole log, and what is measured of each."""
 
     name: str
     topic: str
@@ -121,16 +58,13 @@ class FootSteps:
     """(t,) ns, touchdowns that were seen."""
     liftoff: Ints
     """(l,) ns, lift-offs that were seen."""
-    length_m: Floats
-    """(strides) m, from each place of the foot to its next one; NaN where not known."""
+    of_stances: Mapping[str, Floats]
+    """(stances,) each, by the name of the metric; NaN where not known."""
+    of_strides: Mapping[str, Floats]
+    """(strides,) each, likewise; also what is no metric of a foot: the work of its leg, and how far
+    the base goes."""
     length_from: str
-    """What lengths are measured by: ``points``, ``foot_frame``, or ``base``."""
-    base_displacement_m: Floats
-    """(strides) m, horizontal distance of the base over the stride; NaN where not known."""
-    slip_m: Floats
-    """(stances) m, net slip; NaN where not known."""
-    slip_largest_m: Floats
-    """(stances) m, the furthest that the foot slips from where it stood."""
+    """What stride lengths are measured by: ``points``, ``foot_frame``, or ``base``."""
     slip_from: str | None
     """What slips are measured by: ``points`` or ``foot_frame``; None: not known."""
     is_dead: bool
@@ -141,10 +75,11 @@ class FootSteps:
     """(stances,) which have lone spikes."""
     heading: Floats
     """(stances,) rad, of the base's forward axis in the middle of each stance; NaN: not known."""
-    braking_ns: Floats
-    """(stances,) N s, see `fore_aft_impulses`; also `propulsive_ns`. NaN where a spike may be as
-    large as all that brakes."""
-    propulsive_ns: Floats
+
+    @property
+    def length_m(self) -> Floats:
+        """(strides,) m, from each place of the foot to its next one; NaN where not known."""
+        return self.of_strides["stride_length_m"]
 
     @property
     def known(self) -> Ints:
@@ -184,29 +119,40 @@ def foot_steps(
     """
     foot, rolling_m = settings.feet[row], settings.foot_rolling_m
     stances = walked_stances(record.stances, fallen, standing.without_steps)
-    lone, figures = has_lone_spikes(stances), stances.figures
+    strides, discarded = strides_of(stances, record.gaps, fallen)
+    figures, lone = stances.figures, has_lone_spikes(stances)
+    calm_peak_n, calm_vertical_n = figures.calm_peak_n, figures.calm_peak_vertical_n
     figures = figures._replace(
-        peak_force_n=np.where(lone, figures.calm_peak_n, figures.peak_force_n),
-        peak_vertical_force_n=np.where(
-            lone, figures.calm_peak_vertical_n, figures.peak_vertical_force_n
-        ),
+        peak_force_n=np.where(lone, calm_peak_n, figures.peak_force_n),
+        peak_vertical_force_n=np.where(lone, calm_vertical_n, figures.peak_vertical_force_n),
     )
     stances = replace(stances, figures=figures)
-    strides, discarded = strides_of(stances, record.gaps, fallen)
-    heading = base.angles_at(stances.middle)[:, 2] + FORWARD_ANGLES[settings.forward_axis]
-    spiked = figures.spikes > 0.0
-    braking, propulsive = (
-        np.where(spiked, np.nan, each) for each in fore_aft_impulses(record, heading)
-    )
-    at, place = stances.middle, footfalls(path, stances).position if path else None
-    if place is None:
-        at, place = stance_places(record)
-    if ground is not None:
-        place = place - ground.displacement_at(at)
-    length, length_from = own_lengths(place, strides), "points"
+    heading = base.angles_at(stances.middle)[:, 2] + settings.forward_rad
+    # A spike may be as large as all that brakes.
+    spiked = np.where(figures.spikes > 0.0, np.nan, 0.0)
+    braking, propulsive = fore_aft_impulses(record, heading) + spiked
+    of_stances = {name: getattr(figures, name) for name in FIGURES} | {
+        "stance_s": stances.duration_s,
+        "slip_m": slip_m(figures.contact_travel_m, rolling_m),
+        "slip_largest_m": slip_m(figures.contact_reach_m, rolling_m),
+        "braking_impulse_ns": braking,
+        "propulsive_impulse_ns": propulsive,
+    }
+    travelled = stride_lengths(base, strides.touchdown, strides.end)
+    length, length_from = _own_lengths(record, path, ground, stances, strides), "points"
     if not np.isfinite(length).any():
-        length, length_from = straight_lengths(base, strides), "base"
-    slip = slip_m(figures.contact_travel_m, rolling_m)
+        # A stride in which the base hardly turns is as long for all of its feet.
+        turn = base.angles_at(strides.end)[:, 2] - base.angles_at(strides.touchdown)[:, 2]
+        is_straight = np.abs(turn) < STRAIGHT_RAD
+        length, length_from = np.where(is_straight, travelled, np.nan), "base"
+    of_strides = {
+        "swing_s": strides.swing_s,
+        "stride_period_s": strides.period_s,
+        "duty_factor": strides.duty_factor,
+        "stride_length_m": length,
+        "base_displacement_m": travelled,
+    }
+    slips = np.isfinite(of_stances["slip_m"][stances.whole]).any()
     # A sensor that is taken to read zero without load, on a robot that moves without steps.
     is_refuted = bool(foot.level.reason and len(standing.moving))
     return FootSteps(
@@ -219,39 +165,35 @@ def foot_steps(
         discarded=discarded,
         touchdown=_seen(stances.touchdown, record, Cut.LOG_START, stances),
         liftoff=_seen(stances.liftoff, record, Cut.LOG_END, stances),
-        length_m=length,
+        of_stances=of_stances,
+        of_strides=of_strides,
         length_from=length_from,
-        base_displacement_m=stride_lengths(base, strides.touchdown, strides.end),
-        slip_m=slip,
-        slip_largest_m=slip_m(figures.contact_reach_m, rolling_m),
-        slip_from="points" if np.isfinite(slip[stances.whole]).any() else None,
+        slip_from="points" if slips else None,
         is_dead=is_dead,
         contact_known=record.start is not None and not (is_dead or is_refuted),
         has_spikes=lone,
         heading=heading,
-        braking_ns=braking,
-        propulsive_ns=propulsive,
     )
 
 
-def own_lengths(place: Floats, strides: Strides) -> Floats:
-    """(strides,) m, horizontal distances from a foot's places, (stances, 3) m, to its next ones."""
+def _own_lengths(
+    record: FootHistory,
+    path: FootPath | None,
+    ground: MovingGround | None,
+    stances: Stances,
+    strides: Strides,
+) -> Floats:
+    """(strides,) m, horizontal distances from each place where a foot stands to its next one."""
+    if path is None:
+        at, place = stance_places(record)
+    else:
+        at, place = stances.middle, footfalls(path, stances).position
+    if ground is not None:
+        place = place - ground.displacement_at(at)
     if not len(strides.stance):
         return np.empty(0)
     displacement = place[strides.stance + 1] - place[strides.stance]
     return np.asarray(np.hypot(displacement[:, 0], displacement[:, 1]))
-
-
-STRAIGHT_RAD: Final = np.radians(10.0)
-"""A stride in which the base turns by less is as long for all of its feet."""
-
-
-def straight_lengths(base: BaseHistory, strides: Strides) -> Floats:
-    """(strides,) m, how far the base goes in each stride; NaN where it turns."""
-    turn = base.angles_at(strides.end)[:, 2] - base.angles_at(strides.touchdown)[:, 2]
-    length = stride_lengths(base, strides.touchdown, strides.end)
-    with np.errstate(invalid="ignore"):
-        return np.where(np.abs(turn) < STRAIGHT_RAD, length, np.nan)
 
 
 def _seen(time: Ints, record: FootHistory, unseen: Cut, stances: Stances) -> Ints:
@@ -263,10 +205,45 @@ def _seen(time: Ints, record: FootHistory, unseen: Cut, stances: Stances) -> Int
     return seen
 
 
+def fore_aft_impulses(foot: FootHistory, heading: Floats) -> Floats:
+    """Integrate the braking and the propulsive part of the force over each stance.
+
+    Each sample counts by its own sign.
+
+    Args:
+        foot: its history.
+        heading: (stances,) rad, of the robot's forward axis in the middle of each stance.
+
+    Returns:
+        (2, stances) N s, at least 0, what slows the robot, and what drives it forward; NaN where
+        direction or heading is not known.
+    """
+    track, stances = foot.track, foot.stances
+    impulses = np.full((2, len(heading)), np.nan)
+    known = np.isfinite(heading) & np.isfinite(stances.figures.mean_vertical_force_n)
+    if not known.any():
+        return impulses
+    before = np.maximum(np.searchsorted(track.time, stances.touchdown[known]) - 1, 0)
+    # A foot that stopped to speak in a stance has no sample at its end.
+    behind = np.minimum(np.searchsorted(track.time, stances.liftoff[known]) + 1, len(track.time))
+    rows, stance, first = rows_of_runs(before, behind)
+    x, y = (column.take(rows) for column in track.horizontal_force.T)
+    cos, sin = np.cos(heading[known])[stance], np.sin(heading[known])[stance]
+    along = x * cos + y * sin
+    time = (track.time[rows] - track.time[0]) / 1e9
+    half_steps = np.diff(time, prepend=0.0) / 2.0
+    half_steps[first] = 0.0
+    for found, part in zip(
+        impulses, (np.maximum(-along, 0.0), np.maximum(along, 0.0)), strict=True
+    ):
+        found[known] = np.add.reduceat((part + np.roll(part, 1)) * half_steps, first)
+    return impulses
+
+
 def foot_metrics(
     foot: FootSteps, weight_n: float | None, origin: int, within: Ints | None = None
 ) -> Foot:
-    """Return the metrics of a foot but for what its leg tells of its swings.
+    """Return the metrics of a foot.
 
     Args:
         foot: its steps.
@@ -275,35 +252,30 @@ def foot_metrics(
         within: (w, 2) ns, a part of the log; its stances and strides are those with their middle in
             it. None: all of it.
     """
-    stances, strides, whole = foot.stances, foot.strides, foot.stances.whole
-    lengths = foot.length_m
+    strides, whole = foot.strides, foot.stances.whole
+    inside = np.ones(len(strides.stance), np.bool_)
     if within is not None:
-        lengths = lengths[strides.rows_within(within)]
-        strides = strides.within(within)
-        whole = whole & timespans.covers(within, stances.middle)
+        inside = strides.rows_within(within)
+        strides, whole = (
+            strides.within(within),
+            whole & timespans.covers(within, foot.stances.middle),
+        )
     per_weight = np.nan if weight_n is None else 1.0 / weight_n
-    columns = {key: getattr(stances.figures, key) for key in FIGURES}
-    columns |= {
-        "stance_s": stances.duration_s,
-        "slip_m": foot.slip_m,
-        "slip_largest_m": foot.slip_largest_m,
-        "peak_force_bw": columns["peak_force_n"] * per_weight,
-        "peak_vertical_force_bw": columns["peak_vertical_force_n"] * per_weight,
-        "braking_impulse_ns": foot.braking_ns,
-        "propulsive_impulse_ns": foot.propulsive_ns,
+    in_weights = {
+        f"peak_{name}_bw": foot.of_stances[f"peak_{name}_n"] * per_weight
+        for name in ("force", "vertical_force")
     }
-    of_stances = {key: aggregate(values[whole]) for key, values in columns.items()}
-    length, slips = aggregate(lengths), of_stances["slip_m"] or foot.slip_from == "foot_frame"
+    columns = {**foot.of_stances, **in_weights}
+    found = {name: aggregate(values[whole]) for name, values in columns.items()}
+    found |= {name: aggregate(values[inside]) for name, values in foot.of_strides.items()}
+    length, slips = found["stride_length_m"], found["slip_m"] or foot.slip_from == "foot_frame"
+    names = {field.name for field in fields_of(Foot)}
     return replace(
         unknown(Foot),
-        **dict[str, Any](of_stances),
+        **dict[str, Any]({name: each for name, each in found.items() if name in names}),
         contact_fraction=foot.record.contact_fraction(within),
         strides=len(strides.stance),
-        swing_s=aggregate(strides.swing_s),
-        stride_period_s=aggregate(strides.period_s),
-        duty_factor=aggregate(strides.duty_factor),
         stride_frequency_hz=strides.frequency_hz,
-        stride_length_m=length,
         stride_length_from=None if length is None else foot.length_from,
         slip_from=foot.slip_from if slips else None,
         touchdown_s=_seconds(foot.touchdown, origin, within),
@@ -321,6 +293,36 @@ def _seconds(time: Ints, origin: int, within: Ints | None) -> Numbers:
     return tuple(each / 1e9 for each in (time - origin).tolist())
 
 
+def stride_curve(foot: FootSteps, strides: Strides, *, forward: bool) -> Shape:
+    """Return the usual force over a stride, straight from its samples; None where none is known.
+
+    Args:
+        foot: its steps.
+        strides: some of them.
+        forward: the force along the base's forward axis, not the vertical one.
+    """
+    track = foot.record.track
+    own = strides.stance[np.isfinite(foot.stances.figures.mean_vertical_force_n[strides.stance])]
+    if not len(own):
+        return None
+    begin, end = (foot.stances.touchdown[rows, None] for rows in (own, own + 1))
+    time = begin + (end - begin) * CYCLE
+    if not forward:
+        return cycle_curve(np.interp(time, track.time, track.vertical_force))
+    x, y = (np.interp(time, track.time, column) for column in track.horizontal_force.T)
+    heading = foot.heading[own, None]
+    return cycle_curve(x * np.cos(heading) + y * np.sin(heading))
+
+
+def cycle_curve(values: Floats) -> Shape:
+    """Return the quartiles of those curves, (n, points), that are known; None of none."""
+    known = values[np.isfinite(values).all(axis=1)]
+    if not len(known):
+        return None
+    parts = (100.0 * CYCLE, *percentiles_of(known, (25.0, 50.0, 75.0), axis=0))
+    return Curve(*(tuple(each.tolist()) for each in parts))
+
+
 def net_push(feet: Sequence[FootSteps]) -> float | None:
     """Return how far the feet push the robot on over whole stances, as a share of the weight.
 
@@ -334,7 +336,7 @@ def net_push(feet: Sequence[FootSteps]) -> float | None:
     """
     parts = [np.empty((2, 0))]
     for foot in feet:
-        pushed = foot.propulsive_ns - foot.braking_ns
+        pushed = foot.of_stances["propulsive_impulse_ns"] - foot.of_stances["braking_impulse_ns"]
         both = np.stack([pushed, foot.stances.figures.vertical_impulse_ns])
         parts.append(both[:, foot.stances.whole & np.isfinite(both).all(axis=0)])
     pushed, carried = np.concatenate(parts, axis=1)

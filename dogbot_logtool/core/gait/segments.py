@@ -2,14 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import (
-    CircularMean,
     Floats,
     Ints,
     circular_mean,
@@ -29,10 +28,10 @@ from dogbot_logtool.core.gait.classes import (
 )
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.gait.support import Standing, Support
+from dogbot_logtool.core.gait.support import Standing, Support, support
 from dogbot_logtool.core.leg_position import legs_in_order, quadruped
-from dogbot_logtool.core.metrics import Gait, LimbPhase, Phase
-from dogbot_logtool.core.records import unknown
+from dogbot_logtool.core.metrics import Gait, LimbPhase, Phase, SupportSet
+from dogbot_logtool.core.records import Number, unknown
 
 LASTING: Final = 2
 """Strides in a row that must agree before the gait counts as another one."""
@@ -52,16 +51,13 @@ _NONE: Final = -1
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Segment:
-    """A part of the log with one gait."""
+    """A part of the log with one gait, or without steps."""
 
     spans: Ints
     """(n, 2) ns, without strides of another kind in between, too few to be a gait."""
     gait: Gait
-    """But for its support."""
-    moves_without_steps: bool = False
-    """All feet are down and the base moves: no gait is claimed."""
-    is_lifted: bool = False
-    """No foot is down for longer than a leap takes: held in the air, or lying on its body."""
+    """Without steps and without a name where the robot moves all the same, or is held in the air:
+    no gait is claimed."""
 
     @property
     def start(self) -> int:
@@ -86,7 +82,7 @@ def reference_foot(feet: Sequence[FootSteps]) -> int:
 
 
 def find_segments(
-    feet: Sequence[FootSteps], standing: Standing, support: Support | None
+    feet: Sequence[FootSteps], standing: Standing, *, contacts_known: bool
 ) -> tuple[Segment, ...]:
     """Cut the time line into segments of one gait each.
 
@@ -98,7 +94,7 @@ def find_segments(
     Args:
         feet: steps of all feet.
         standing: spans that are no part of a stride.
-        support: which feet are down; None: it is never known of all feet at once.
+        contacts_known: whether the contacts of all feet are known, on one clock.
 
     Returns:
         segments in order of time, stands among them.
@@ -107,17 +103,22 @@ def find_segments(
     walked = picked(strides, ~timespans.touches(apart, strides.touchdown, strides.end))
     stood = np.searchsorted(apart[:, 0], walked.touchdown)
     fits, label = _labels(feet, walked)
-    found = []
+    none = replace(no_gait(feet), strides=0)
+    stand = replace(none, name=STAND, confidence=1.0, nearest_name=STAND, class_distance=0.0)
+    records = [foot.record for foot in feet]
+
+    def supported(gait: Gait, spans: Ints) -> Gait:
+        return with_support(gait, support(records, spans) if contacts_known else None, feet)
+
+    found = [Segment(span, supported(stand, span)) for span in standing.still[:, None]]
+    for others in (standing.moving, standing.lifted):
+        found += [Segment(span, supported(none, span)) for span in others[:, None]]
     for _, rows in rows_by_group(stood):
         own = picked(walked, rows)
         for parts in _runs(fits[rows], label[rows], own.end - own.touchdown):
-            spans = [(own.touchdown[begin], own.end[end - 1]) for begin, end in parts]
-            found.append(_segment(feet, support, np.array(spans, np.int64)))
-    none = replace(no_gait(feet), strides=0)
-    stand = replace(none, name=STAND, confidence=1.0, nearest_name=STAND, class_distance=0.0)
-    found += [Segment(span, stand) for span in standing.still[:, None]]
-    found += [Segment(span, none, moves_without_steps=True) for span in standing.moving[:, None]]
-    found += [Segment(span, none, is_lifted=True) for span in standing.lifted[:, None]]
+            ends = [(own.touchdown[begin], own.end[end - 1]) for begin, end in parts]
+            spans = np.array(ends, np.int64)
+            found.append(Segment(spans, _named(supported(_gait_of(feet, spans), spans), feet)))
     return tuple(sorted(found, key=lambda segment: segment.start))
 
 
@@ -126,9 +127,34 @@ def no_gait(feet: Sequence[FootSteps]) -> Gait:
     return replace(unknown(Gait), phase={foot.name: unknown(Phase) for foot in feet})
 
 
+def with_support(gait: Gait, known: Support | None, feet: Sequence[FootSteps]) -> Gait:
+    """Return a gait with the support in its time, where that is known."""
+    if known is None:
+        return gait
+    return replace(
+        gait,
+        flight_fraction=known.feet_down[0],
+        double_support_fraction=known.feet_down[2] if len(feet) == 2 else None,
+        support={str(number): share for number, share in enumerate(known.feet_down)},
+        support_sets=tuple(
+            SupportSet(tuple(feet[row].name for row in rows), share) for rows, share in known.sets
+        ),
+    )
+
+
 def main_segment(segments: Sequence[Segment]) -> Segment | None:
     """Return the longest segment; its class is the log's. None without segments."""
     return max(segments, key=lambda segment: segment.end - segment.start, default=None)
+
+
+def gait_changes(segments: Sequence[Segment], feet: Sequence[FootSteps]) -> list[tuple[int, Gait]]:
+    """Return each gait and the time, ns, from which on it is; unknown where a segment ends."""
+    changes = []
+    for segment, after in zip_longest(segments, segments[1:]):
+        changes.append((segment.start, segment.gait))
+        if after is None or after.start > segment.end:
+            changes.append((segment.end, no_gait(feet)))
+    return changes
 
 
 _Run = tuple[int, int]
@@ -205,44 +231,41 @@ def _alike(label: Ints, period: Ints, one: _Run, other: _Run) -> bool:
     return bool(label[one[0]] == label[other[0]]) and abs(usual - then) <= PERIOD_CHANGE * usual
 
 
-def _segment(feet: Sequence[FootSteps], support: Support | None, spans: Ints) -> Segment:
-    """Describe the gait in some spans, (n, 2) ns."""
-    positions = [foot.leg_position for foot in feet]
-    reference, within = reference_foot(feet), [foot.strides.within(spans) for foot in feet]
-    phases = _phases(feet, within[reference])
-    hind: Sequence[CircularMean | None] = [None] * len(feet)
-    for row, strides in enumerate(within):
-        if positions[row] == ("back", "left") and len(feet[row].strides.stance):
-            hind = _phases(feet, strides)
+def _gait_of(feet: Sequence[FootSteps], spans: Ints) -> Gait:
+    """Describe how the feet step in some spans, (n, 2) ns."""
+    within = [foot.strides.within(spans) for foot in feet]
+    reference, hind = within[reference_foot(feet)], None
+    for foot, strides in zip(feet, within, strict=True):
+        if foot.leg_position == ("back", "left") and len(foot.strides.stance):
+            hind = strides
     duty = [float(each.duty_factor.mean()) for each in within if len(each.stance)]
-    rows = zip(feet, phases, hind, strict=True)
-    gait = replace(
+    phases = {}
+    for foot in feet:
+        mean, consistency = _phase(foot, reference)
+        phases[foot.name] = Phase(mean, consistency, left_hind=_phase(foot, hind)[0])
+    return replace(
         unknown(Gait),
         duty_factor=float(np.mean(duty)) if duty else None,
-        stride_frequency_hz=within[reference].frequency_hz,
-        strides=len(within[reference].stance),
-        flight_fraction=support.flight_within(spans) if support else None,
-        phase={foot.name: _phase(own, of_hind) for foot, own, of_hind in rows},
+        stride_frequency_hz=reference.frequency_hz,
+        strides=len(reference.stance),
+        phase=phases,
     )
-    return Segment(spans, _named(gait, feet, phases))
 
 
-def _phases(feet: Sequence[FootSteps], strides: Strides) -> list[CircularMean | None]:
-    return [circular_mean(phases_in(strides, foot.touchdown)) for foot in feet]
+def _phase(foot: FootSteps, strides: Strides | None) -> tuple[Number, Number]:
+    """Return mean and consistency of a foot's phase in some strides."""
+    mean = None if strides is None else circular_mean(phases_in(strides, foot.touchdown))
+    return mean or (None, None)
 
 
-def _phase(own: CircularMean | None, hind: CircularMean | None) -> Phase:
-    mean, consistency = own or (None, None)
-    return Phase(mean, consistency, left_hind=hind[0] if hind else None)
-
-
-def _named(gait: Gait, feet: Sequence[FootSteps], phases: Sequence[CircularMean | None]) -> Gait:
+def _named(gait: Gait, feet: Sequence[FootSteps]) -> Gait:
     """Name a gait by the phases of its feet, where all of these are known."""
-    positions = [foot.leg_position for foot in feet]
-    known = [each for foot in legs_in_order(positions) or () if (each := phases[foot])]
-    if not known or len(known) < len(feet):
+    positions, phases = [foot.leg_position for foot in feet], [*gait.phase.values()]
+    ordered = [phases[row] for row in legs_in_order(positions) or ()]
+    means = [each.mean for each in ordered if each.mean is not None]
+    consistency = [each.consistency for each in ordered if each.consistency is not None]
+    if not means or len(means) < len(feet):
         return gait
-    means, consistency = [mean for mean, _ in known], [each for _, each in known]
     gait = classify(gait, means, consistency)
     if gait.class_distance is not None:
         fit = max(0.0, 1.0 - gait.class_distance / (2.0 * TOLERANCE))

@@ -34,18 +34,10 @@ class Support:
     """(feet + 1) fraction of that time with 0, 1, 2 ... feet in contact."""
     sets: tuple[tuple[tuple[int, ...], float], ...]
     """The most frequent sets of feet in contact, and their fractions, most frequent first."""
-    known: Ints
-    """(k, 2) ns, time known to all feet."""
     all_down: Ints
     """(n, 2) ns, spans with all feet in contact."""
     in_flight: Ints
     """(f, 2) ns, spans with no foot in contact."""
-
-    def flight_within(self, spans: Ints) -> float | None:
-        """Return the fraction of the known part of spans in flight; None without any."""
-        known = timespans.total(timespans.intersect([self.known, spans]))
-        flight = timespans.total(timespans.intersect([self.in_flight, spans]))
-        return flight / known if known else None
 
 
 def support(feet: Sequence[FootHistory], within: Ints | None = None) -> Support | None:
@@ -75,7 +67,6 @@ def support(feet: Sequence[FootHistory], within: Ints | None = None) -> Support 
             for each in order.tolist()
             if by_code[each] > 0.0
         ),
-        known=known,
         all_down=timespans.spans_where(edges, inside & (number == len(feet))),
         in_flight=timespans.spans_where(edges, inside & (number == 0)),
     )

@@ -1,7 +1,7 @@
 """Joints: their states as messages tell them, and what is measured of each over log and strides."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -13,7 +13,6 @@ from dogbot_logtool.core.arrays import (
     Integral,
     Ints,
     median_of,
-    percentiles_of,
 )
 from dogbot_logtool.core.base.foot_path import LONGEST_STEP_S, FootPath, silent_before, unbroken
 from dogbot_logtool.core.corrections.clock import (
@@ -23,11 +22,11 @@ from dogbot_logtool.core.corrections.clock import (
     check_stamps,
 )
 from dogbot_logtool.core.frames.transforms import FrameTrack
-from dogbot_logtool.core.gait.feet import CYCLE_POINTS, QUARTILES
+from dogbot_logtool.core.gait.feet import CYCLE, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.metrics import Joint, Legs
 from dogbot_logtool.core.recording import MOST_JOINTS, JointTable
-from dogbot_logtool.core.records import Curve, Shape
+from dogbot_logtool.core.records import Shape
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.legs.swings import LegSettings
@@ -246,8 +245,6 @@ class LegFoot:
     """Of the foot in the base's frame; None: not known."""
     moves: bool = False
     """The reason is that the frame is not at rest in stances."""
-    strides: Mapping[str, Floats] = field(default_factory=dict)
-    """(strides,) what is known of each stride of the foot, by the name of its metric."""
     height: Shape = None
     """m above the line between the footfalls, over the stride."""
     is_slow: bool = False
@@ -302,7 +299,7 @@ def summed_work(joints: Sequence[JointTrack], begin: Ints, end: Ints) -> Floats:
     return work
 
 
-def joint_curve(joint: JointTrack, strides: Strides) -> tuple[Curve, float] | None:
+def joint_curve(joint: JointTrack, strides: Strides) -> tuple[Shape, float] | None:
     """Return the usual motion of a joint over whole strides; None where none is known.
 
     Returns:
@@ -311,11 +308,8 @@ def joint_curve(joint: JointTrack, strides: Strides) -> tuple[Curve, float] | No
     whole = unbroken(joint.time, silent_before(joint.time), strides.touchdown, strides.end)
     if not joint.moves or not whole.any():
         return None
-    phase = np.linspace(0.0, 1.0, CYCLE_POINTS)
     start, period = strides.touchdown[whole], (strides.end - strides.touchdown)[whole]
-    time = (start - joint.time[0])[:, None] + period[:, None] * phase
+    time = (start - joint.time[0])[:, None] + period[:, None] * CYCLE
     since = (joint.time - joint.time[0]).astype(np.float64)
     position = np.interp(time, since, joint.position.astype(np.float64))
-    parts = 100.0 * phase, *percentiles_of(position, QUARTILES, axis=0)
-    usual_range = float(median_of(np.ptp(position, axis=1)))
-    return Curve(*(tuple(each.tolist()) for each in parts)), usual_range
+    return cycle_curve(position), float(median_of(np.ptp(position, axis=1)))

@@ -15,7 +15,7 @@ from dogbot_logtool.core.base.foot_path import SLOWEST_NS, Footfalls, FootPath, 
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.frames.kinematics import Joint, link_poses
 from dogbot_logtool.core.frames.transforms import FrameTrack, frame_track, lookup
-from dogbot_logtool.core.gait.feet import CYCLE_POINTS, cycle_curve
+from dogbot_logtool.core.gait.feet import CYCLE, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.joints import JointLimits, JointTrack
 from dogbot_logtool.core.records import Shape
@@ -39,16 +39,6 @@ class LegChain:
     else it is the frame's origin, perhaps the middle of a ball."""
 
 
-@dataclass(frozen=True, slots=True)
-class JointPair:
-    """Two joints that are alike, one on each side of the robot."""
-
-    name: str
-    left: str
-    """The joint's name; also `right`."""
-    right: str
-
-
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LegSettings:
     """Sources of a log's legs."""
@@ -63,7 +53,8 @@ class LegSettings:
     """Topics of joint states; the best first, whose states of a joint count."""
     foot_of_joint: Mapping[str, int] = field(default_factory=dict)
     """Index of the foot that a joint moves, by the joint's name."""
-    pairs: tuple[JointPair, ...] = ()
+    pairs: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    """Joints that are alike, left and right, by a name for both."""
     limits: Mapping[str, JointLimits] = field(default_factory=dict)
     """Limits by the robot description, by the joint's name."""
     lacking: tuple[str, ...] = ()
@@ -90,8 +81,8 @@ def link_tracks(joints: Sequence[Joint], tracks: Mapping[str, JointTrack]) -> di
             rows = np.flatnonzero(first_at_each_tick(track.time, JOINT_RATE_HZ)) if moves else [0]
             position = track.position[rows].astype(np.float64)
             times = track.time[rows], track.log_time[rows]
-        at = (each[:, 0] for each in link_poses([joint], position[:, None]))
-        found = frame_track(joint.parent, *times, *at, static=not moves)
+        shift, turn = link_poses([joint], position[:, None])
+        found = frame_track(joint.parent, *times, shift[:, 0], turn[:, 0], static=not moves)
         links |= {joint.child: found} if found else {}
     return links
 
@@ -145,9 +136,8 @@ def swings(
     before, after = stood.position[strides.stance], stood.position[strides.stance + 1]
     known = path.unbroken(strides.touchdown, strides.end)
     known &= np.isfinite(before).all(axis=1) & np.isfinite(after).all(axis=1)
-    phase = np.linspace(0.0, 1.0, CYCLE_POINTS)
     period = (strides.end - strides.touchdown)[:, None]
-    time = strides.touchdown[:, None] + np.rint(period * phase).astype(np.int64)
+    time = strides.touchdown[:, None] + np.rint(period * CYCLE).astype(np.int64)
     height = _above_line(path.at(time), before[:, None], after[:, None])
     displacement = after - before
     velocity = _approach(path, strides, contact_interval_s)
@@ -157,7 +147,7 @@ def swings(
         -velocity[:, 2],
         np.hypot(velocity[:, 0], velocity[:, 1]),
     )
-    return dict(zip(SWINGS, values, strict=True)), cycle_curve(100.0 * phase, height[known])
+    return dict(zip(SWINGS, values, strict=True)), cycle_curve(height[known])
 
 
 def is_slow(path: FootPath, contact_interval_s: float) -> bool:

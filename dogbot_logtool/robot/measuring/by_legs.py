@@ -19,10 +19,10 @@ from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.recording import read_recording
+from dogbot_logtool.robot.names import FootSet
 from dogbot_logtool.robot.robot_model.description import Model, without_legs
 from dogbot_logtool.robot.robot_model.legs_of_urdf import find_legs
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
-from dogbot_logtool.robot.score import FootCandidates
 from dogbot_logtool.robot.selection import Selection, select_topics
 
 _WORLD: Final = "odom"
@@ -88,8 +88,11 @@ def _estimated(
     if not selection.odometry:
         named = replace(named, world_frame=named.world_frame or _WORLD)
         findings = [each for each in findings if each.code != "NO_BASE"]
-        lean = "by the accelerometer" if estimated.tells_up else "taken as none"
-        findings.append(found("BASE_FROM_LEGS", say="joints", by=estimated.turns_from, lean=lean))
+        lean, within = "taken as none", "14 %"
+        if estimated.tells_up:
+            lean, within = "by the accelerometer", "6 %"
+        by = estimated.turns_from
+        findings.append(found("BASE_FROM_LEGS", say="joints", by=by, lean=lean, within=within))
     if lacks_feet:
         topic = joints.topic
         own = tuple(
@@ -198,7 +201,7 @@ def _of_contact(estimated: Estimate, topic: str, names: tuple[str, ...]) -> Iter
 
 def named_by_legs(
     log: Log, options: MeasureOptions, selection: Selection, legs: Sequence[Samples]
-) -> FootCandidates | None:
+) -> FootSet | None:
     """Name fields that may be feet by the legs that stand while they are loaded.
 
     Args:
@@ -214,6 +217,9 @@ def named_by_legs(
     if offered is None or len(offered.feet) != len(legs) or len(legs) > MOST_FEET:
         return None
     if any(foot.leg_position for foot in offered.feet):
+        return None
+    # Joints' own efforts, by which legs have told contacts, are no sensors of feet.
+    if offered.feet[0].topic == selection.robot.feet[0].topic:
         return None
     chosen = select_topics(log, replace(options, foot=None, feet=offered.feet))
     fields = read_recording(log, chosen.wanted(), 1).recording.feet

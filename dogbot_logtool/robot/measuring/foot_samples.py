@@ -22,10 +22,9 @@ from dogbot_logtool.core.recording import Recording, has_own_stamps
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.robot.leg_names import foot_name, leg_of, leg_position
-from dogbot_logtool.robot.score import word_of
+from dogbot_logtool.robot.names import foot_name, leg_of, leg_position
+from dogbot_logtool.robot.offers import not_calibrated
 from dogbot_logtool.robot.selection import Selection
-from dogbot_logtool.robot.topics import not_calibrated
 
 _LOAD_SHARE: Final = 0.2
 """Share of all feet's load from which a foot cannot be in the air."""
@@ -211,7 +210,7 @@ def with_joined_sensors(
     # A sensor that is silent while another one of its foot speaks has no gap.
     silenced = {foot.topic for foot in feet if silent} - {foot.topic for foot in joined}
     topics = {t: times for t, times in recording.topics.items() if t not in silenced}
-    told = (f"{n} = {' + '.join(word_of(feet[row]) for row in rows)}" for n, rows in groups.items())
+    told = (f"{n} = {' + '.join(feet[row].word for row in rows)}" for n, rows in groups.items())
     text = "; ".join(told)
     finding = Finding("TOPICS_CHOSEN", f"several sensors of one foot, by their {how}: {text}")
     return (

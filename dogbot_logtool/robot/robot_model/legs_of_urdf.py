@@ -7,12 +7,12 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.frames.kinematics import Joint, Leg, Mass, leg_motion
 from dogbot_logtool.core.leg_position import LegPosition, leg_names
 from dogbot_logtool.core.legs.joints import JointLimits
 from dogbot_logtool.core.rotations import multiply, rotate
-from dogbot_logtool.robot.leg_names import leg_of, leg_position
+from dogbot_logtool.core.settings import FORWARD_ANGLES
+from dogbot_logtool.robot.names import leg_of, leg_position
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, joints_below
 from dogbot_logtool.robot.words import SOLES, Part, words_of
 
