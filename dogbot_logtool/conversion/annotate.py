@@ -22,6 +22,7 @@ from dogbot_logtool.core.stability import NEAR_NS
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.recording import in_time_order
+from dogbot_logtool.robot.robot_model.description import moved_links
 from dogbot_logtool.writer.annotations import Drawn
 
 
@@ -119,12 +120,10 @@ def _transforms(
     if plan.writes_base:
         place = poses.position[:, None], poses.orientation[:, None]
         yield from_opening(TransformMessages(poses.log_time, poses.time, *place), opening)
-    motion, rate_hz = plan.description.motion, plan.options.tf_rate
-    if motion is None:
-        return
-    for table in recording.joints:
-        if table.topic == motion.topic:
-            links = motion.links(table)
+    joints, rate_hz = plan.description.joints, plan.options.tf_rate
+    for table in recording.joints if joints else ():
+        if table.topic == recording.joints[0].topic:
+            links = moved_links(joints, table)
             yield from_opening(picked(links, first_at_each_tick(links.stamp, rate_hz)), opening)
 
 
