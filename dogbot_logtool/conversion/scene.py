@@ -12,7 +12,7 @@ from dogbot_logtool.core.base.poses import Odometry, usable_poses
 from dogbot_logtool.core.checks.frames import transform_findings
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
-from dogbot_logtool.core.frames.kinematics import TransformMessages, from_opening
+from dogbot_logtool.core.frames.kinematics import Joint, TransformMessages, from_opening
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.known_frames import WorldFrames
 from dogbot_logtool.core.scene.arrows import Arrows, ArrowScale, arrow_scale
@@ -28,9 +28,8 @@ from dogbot_logtool.reader.recording import in_time_order
 from dogbot_logtool.robot.measuring.legs import sensor_points
 from dogbot_logtool.robot.recorded import time_limits
 from dogbot_logtool.robot.robot_model.description import (
-    JointMotion,
     RobotDescription,
-    joint_motion,
+    moved_links,
     robot_description,
 )
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
@@ -102,9 +101,12 @@ def make_scene(
     unsupported = no_support(selection)
     second = second_tf(selection, frames, options, left_out) if options.tf == "auto" else None
     writes_base = selection.has_base and options.tf != "never" and second is None
-    description = _description(log, selection, model, walk, options)
-    if unsupported:
-        description = replace(description, hips=None)
+    description = robot_description(log, selection, model, walk, options)
+    description = replace(
+        description,
+        hips=None if unsupported else description.hips,
+        joints=description.joints if options.tf != "never" else (),
+    )
     given = selection.robot.newtons_per_metre
     # A scale of the robot's file has colours of its own.
     estimated_n = settings.estimated_weight_n if given is None else None
@@ -114,8 +116,8 @@ def make_scene(
     end, begin = last if end is None else min(end, last), opening or 0
     poses = walk.recording.base.pick(usable_poses(walk.recording.base))
     poses = poses.pick(first_at_each_tick(poses.time, options.tf_rate))
-    pairs = description.motion.pairs if description.motion else ()
-    moved = [*([_base(poses)] if writes_base else []), *_links(description.motion, walk, options)]
+    pairs = [(joint.parent, joint.child) for joint in description.joints]
+    moved = [*([_base(poses)] if writes_base else []), *_links(description.joints, walk, options)]
     loads = [opening_load(foot, settings.body_weight_n, begin) for foot in feet]
     known_from = _known_from(feet, begin)
     return Scene(
@@ -155,20 +157,6 @@ def make_scene(
             *sample_findings,
         ),
     )
-
-
-def _description(
-    log: Log,
-    selection: Selection,
-    model: RobotOfUrdf | None,
-    walk: Walk,
-    options: ConvertOptions,
-) -> RobotDescription:
-    motion = joint_motion(model, walk) if model else None
-    described = robot_description(
-        log, selection, walk.frames, motion, options.urdf, copy=options.copy
-    )
-    return replace(described, motion=None) if options.tf == "never" else described
 
 
 def _profile(log: Log, options: ConvertOptions) -> Literal["ros1", "ros2"]:
@@ -239,10 +227,11 @@ def _base(poses: Odometry) -> TransformMessages:
 
 
 def _links(
-    motion: JointMotion | None, walk: Walk, options: ConvertOptions
+    joints: Sequence[Joint], walk: Walk, options: ConvertOptions
 ) -> Iterator[TransformMessages]:
     """Yield the transforms of the links that joint states move."""
-    for table in walk.recording.joints:
-        if motion is not None and table.topic == motion.topic:
-            links = motion.links(table)
+    tables = walk.recording.joints
+    for table in tables if joints else ():
+        if table.topic == tables[0].topic:
+            links = moved_links(joints, table)
             yield picked(links, first_at_each_tick(links.stamp, options.tf_rate))

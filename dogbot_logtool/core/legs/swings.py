@@ -81,9 +81,8 @@ def link_tracks(joints: Sequence[Joint], tracks: Mapping[str, JointTrack]) -> di
             rows = np.flatnonzero(first_at_each_tick(track.time, JOINT_RATE_HZ)) if moves else [0]
             position = track.position[rows].astype(np.float64)
             times = track.time[rows], track.log_time[rows]
-        poses = link_poses([joint], position[:, None])
-        at = poses.translation[:, 0], poses.rotation[:, 0]
-        found = frame_track(joint.parent, *times, *at, static=not moves)
+        shift, turn = link_poses([joint], position[:, None])
+        found = frame_track(joint.parent, *times, shift[:, 0], turn[:, 0], static=not moves)
         links |= {joint.child: found} if found else {}
     return links
 
