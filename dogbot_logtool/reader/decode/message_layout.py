@@ -9,7 +9,7 @@ encapsulation header) and in the strings' terminator.
 from collections.abc import Collection
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
@@ -17,13 +17,13 @@ from dogbot_logtool.reader.decode.definition import (
     FieldType,
     FixedArray,
     Primitive,
+    Serialisation,
     Struct,
     Text,
     VariableArray,
     smallest_size,
 )
 
-Serialisation = Literal["ros1", "cdr"]
 ELEMENT: Final = "value"
 """Name of the column that holds the elements of an array of numbers or strings."""
 _CDR_ORIGIN_ALIGNMENT: Final = 8

@@ -17,6 +17,7 @@ from dogbot_logtool.reader.containers.log import (
     Chunk,
     LoadedChunk,
     Log,
+    Messages,
     Schema,
     Span,
     counts_by_channel,
@@ -35,9 +36,7 @@ from dogbot_logtool.reader.containers.sqlite.tables import (
 )
 from dogbot_logtool.reader.containers.sqlite.tree import Damage
 from dogbot_logtool.reader.containers.zstd import unpacked
-from dogbot_logtool.reader.decode.definition import long_type_name
-from dogbot_logtool.reader.decode.known_definitions import known_definition
-from dogbot_logtool.reader.decode.message_table import Messages
+from dogbot_logtool.reader.decode.definition import known_definition, long_type_name
 
 _CHUNK_SIZE: Final = 1 << 20
 """Bytes of messages from which a chunk is full."""

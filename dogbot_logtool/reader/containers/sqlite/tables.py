@@ -8,6 +8,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints, distinct
+from dogbot_logtool.reader.containers.log import Messages
 from dogbot_logtool.reader.containers.sqlite.pages import Pages
 from dogbot_logtool.reader.containers.sqlite.tree import (
     LONGEST_VARINT,
@@ -21,7 +22,6 @@ from dogbot_logtool.reader.containers.sqlite.tree import (
     with_overflow,
 )
 from dogbot_logtool.reader.decode.columns import gather_bytes
-from dogbot_logtool.reader.decode.message_table import Messages
 
 _TEXT: Final = re.compile(r"'(?:[^']|'')*'")
 _COMMA: Final = re.compile(r",(?![^(]*\))")
