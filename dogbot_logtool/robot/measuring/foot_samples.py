@@ -119,32 +119,22 @@ def _with_levels(
     Returns:
         the selection, and the counts to take off each raw foot's.
     """
-    robot, reason = selection.robot, ""
-    offsets = dict.fromkeys(raw, 0.0)
-    thresholds = []
+    robot, offsets = selection.robot, dict.fromkeys(raw, 0.0)
     scaled = any(foot.newtons_per_count is not None for foot in robot.feet)
-    for row in raw if robot.contact_on_counts is None and not scaled else ():
-        level = _level(feet[row])
-        rule = contact_rule(level, None)
-        offset, loaded = float(level.offset_n[2]), level.loaded_n
-        down = float((feet[row].force[:, 2] - offset >= rule.on_n).mean()) if loaded else 0.0
-        why = level.reason
-        if not why and (loaded is None or rule.on_n > MOST_OF_LOAD * loaded):
-            why = "its counts hardly change"
-        elif not why and not _WALKING[0] <= down <= _WALKING[1]:
-            why = f"on the ground {down:.0%} of the time"
-        if why:
-            reason = f" (it cannot be estimated from the log; {robot.feet[row].name}: {why})"
-            break
-        offsets[row] = offset
-        thresholds.append(rule.on_n)
-    estimated = len(thresholds) == len(raw)
+    levels = {}
+    if robot.contact_on_counts is None and not scaled:
+        levels = {row: _contact_level(feet[row]) for row in raw}
+    wrong = [f"{robot.feet[row].name}: {why}" for row, (_, _, why) in levels.items() if why]
+    reason = f" (it cannot be estimated from the log; {wrong[0]})" if wrong else ""
+    estimated = bool(levels) and not wrong
     if estimated:
+        offsets |= {row: offset for row, (offset, _, _) in levels.items()}
         shifted = (
             replace(foot, offset=foot.offset + offsets.get(row, 0.0))
             for row, foot in enumerate(robot.feet)
         )
-        robot = replace(robot, feet=tuple(shifted), contact_on_counts=max(thresholds))
+        on_counts = max(on for _, on, _ in levels.values())
+        robot = replace(robot, feet=tuple(shifted), contact_on_counts=on_counts)
     findings = [each for each in selection.findings if "counts" not in each.cases]
     own = (each for each in selection.contacts if not {*raw}.isdisjoint(selection.feet_of[each.id]))
     unscaled = [robot.feet[row] for row in raw]
@@ -152,6 +142,23 @@ def _with_levels(
     types = dict.fromkeys(channel.type_name for channel in own)
     findings += (not_calibrated(robot, unscaled, name, say, reason) for name in types)
     return replace(selection, robot=robot, findings=tuple(findings)), offsets
+
+
+def _contact_level(samples: Samples) -> tuple[float, float, str]:
+    """Return what a raw sensor reads without load, and from which counts above it a foot touches.
+
+    Returns:
+        both, and why these say nothing; empty: they do.
+    """
+    level = _level(samples)
+    rule, offset, loaded = contact_rule(level, None), float(level.offset_n[2]), level.loaded_n
+    down = float((samples.force[:, 2] - offset >= rule.on_n).mean()) if loaded else 0.0
+    why = level.reason
+    if not why and (loaded is None or rule.on_n > MOST_OF_LOAD * loaded):
+        why = "its counts hardly change"
+    elif not why and not _WALKING[0] <= down <= _WALKING[1]:
+        why = f"on the ground {down:.0%} of the time"
+    return offset, rule.on_n, why
 
 
 def _level(samples: Samples) -> SensorLevel:
