@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints, concatenated, norms, percentiles_of
+from dogbot_logtool.core.arrays import Floats, concatenated, nearest_rows, norms, percentiles_of
 from dogbot_logtool.core.contact.contact_rule import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, without_contact
 from dogbot_logtool.core.corrections.clock import usual_interval_s
@@ -194,7 +194,8 @@ def with_joined_sensors(
     """
     feet = selection.robot.feet
     named = [foot.sensor_of for foot in feet]
-    frames = [_only(recording.links.get(row, frozenset())) for row in range(len(feet))]
+    links_of = [sorted(recording.links.get(row, ())) for row in range(len(feet))]
+    frames = [links[0] if len(links) == 1 else "" for links in links_of]
     groups, how = _groups(named), "names"
     if not groups and all(_is_of_leg(*each) for each in zip(feet, frames, strict=True)):
         groups, how = _groups([foot_name(frame) for frame in frames]), "frames"
@@ -213,7 +214,7 @@ def with_joined_sensors(
     samples, links = [], {}
     for number, rows in enumerate(groups.values()):
         samples.append(_joined([recording.feet[row] for row in rows], number, silent=silent))
-        links[number] = frozenset(each for row in rows for each in recording.links.get(row, ()))
+        links[number] = frozenset(each for row in rows for each in links_of[row])
     # A sensor that is silent while another one of its foot speaks has no gap.
     silenced = {foot.topic for foot in feet if silent} - {foot.topic for foot in joined}
     topics = {t: times for t, times in recording.topics.items() if t not in silenced}
@@ -225,10 +226,6 @@ def with_joined_sensors(
         replace(selection, robot=replace(selection.robot, feet=joined), feet_of=of),
         (finding,),
     )
-
-
-def _only(names: frozenset[str]) -> str:
-    return next(iter(names)) if len(names) == 1 else ""
 
 
 def _groups(owners: Sequence[str]) -> dict[str, list[int]]:
@@ -265,7 +262,7 @@ def _joined(sensors: Sequence[Samples], foot: int, *, silent: bool) -> Samples:
         apart = np.diff(time, prepend=time[:1] - round(interval_ns)) > interval_ns / 2.0
         most = concatenated(sensors).pick(order[apart])
     at = most.stamp if stamped else most.log_time
-    rows = [_nearest(time, at) for time in times]
+    rows = [nearest_rows(time, at) for time in times]
     parts = [each.pick(row) for each, row in zip(sensors, rows, strict=True)]
     pairs = zip(times, rows, strict=True)
     near = np.stack([np.abs(time[row] - at) <= NEAR * interval_ns for time, row in pairs])
@@ -285,11 +282,6 @@ def _joined(sensors: Sequence[Samples], foot: int, *, silent: bool) -> Samples:
         position=_mean([part.position for part in parts], weight),
         normal=normal / norms(normal)[:, None],
     )
-
-
-def _nearest(time: Ints, at: Ints) -> Ints:
-    """(n,) the row of the message that is nearest to each time; time: (m,) ns, hardly unsorted."""
-    return np.searchsorted((time[1:] + time[:-1]) // 2, at)
 
 
 def _mean(vectors: Sequence[Floats], weight: Floats) -> Floats:
