@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.base.motion import BaseTrack, base_motion, find_travel, stride_lengths
+from dogbot_logtool.core.base.motion import BaseTrack, base_motion, base_track, stride_lengths
 from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.metrics import Base
@@ -29,7 +29,7 @@ def record(odometry: Odometry) -> BaseHistory:
 def track(odometry: Odometry, height_m: float = 0.3) -> BaseTrack:
     base = record(odometry)
     height = np.full(len(base.time), height_m)
-    return BaseTrack(base, find_travel(base), height, (), timespans.no_spans())
+    return base_track(base, height, (), timespans.no_spans())
 
 
 def motion(odometry: Odometry, forward_rad: float = 0.0) -> Base:

@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.base.motion import find_travel, path_length_m, pose_noise_m
+from dogbot_logtool.core.base.motion import base_track, pose_noise_m
 from dogbot_logtool.core.base.poses import (
     BaseHistory,
     Odometry,
@@ -141,7 +142,8 @@ def test_noise_is_no_jump() -> None:
 
 
 def path_m(base: BaseHistory) -> float:
-    return path_length_m(base, find_travel(base), np.ones(len(base.time) - 1, np.bool_))
+    track = base_track(base, np.full(len(base.time), NAN), (), timespans.no_spans())
+    return track.path_length_m(np.ones(len(base.time) - 1, np.bool_))
 
 
 @pytest.mark.parametrize("noise_m", [0.0, 0.002, 0.01])
