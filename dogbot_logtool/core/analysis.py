@@ -17,7 +17,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.axes import with_forward_axis
 from dogbot_logtool.core.base.falls import fallen_spans, find_tipping
-from dogbot_logtool.core.base.ground import find_moving_ground, height_drift_m, height_over_feet
+from dogbot_logtool.core.base.ground import find_moving_ground, height_over_feet
 from dogbot_logtool.core.base.motion import base_motion, base_track
 from dogbot_logtool.core.base.poses import BaseHistory, find_jumps, without_jumps
 from dogbot_logtool.core.base.witness import feet_witness, find_frozen, without_frozen
@@ -137,7 +137,6 @@ def mask_walk(corrected: Corrected) -> Walk:
     if period_s and len(base.time) and not (apart or settings.lacks_feet or by_joints):
         delay = long_delay(records, base, period_s, strides)
     apart = apart | {settings.odometry_topic} if delay else apart
-    rise_m = height_drift_m(base, height, strides)
     placed_by_poses = any(path is not None for path in corrected.places)
     ground = find_moving_ground(records, base, placed_by_poses=placed_by_poses)
     walked = base if ground is None else ground.on_ground(base)
@@ -182,7 +181,6 @@ def mask_walk(corrected: Corrected) -> Walk:
         clocks_apart=apart,
         base_delay=delay,
         worlds=worlds,
-        rise_m=rise_m,
         loads=weighed,
     )
 

@@ -77,8 +77,6 @@ class Walk:
     """By how much the base comes after the forces that drive it; None: not known, or little."""
     worlds: Worlds | None
     """Position of the base among the feet; None without contact points."""
-    rise_m: float
-    """m, how far the base rises steadily over the contact points while it walks."""
     loads: WalkLoads
     """Of all feet over whole strides."""
 
