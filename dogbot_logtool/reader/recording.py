@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import zip_longest
-from typing import Any, Final, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar
 
 import numpy as np
 
@@ -27,6 +27,9 @@ from dogbot_logtool.reader.messages.gazebo import UNTIMED
 from dogbot_logtool.reader.messages.others import is_static
 from dogbot_logtool.reader.part import ONLY, Key, Numbers, Part, Wanted, read_part
 from dogbot_logtool.reader.workers import Start, in_order
+
+if TYPE_CHECKING:
+    from dogbot_logtool.core.scene.arrows import Arrows
 
 Table = TypeVar("Table")
 _NO_NUMBERS: Final = Numbers(np.empty(0, np.int64))
@@ -62,6 +65,10 @@ class ReadLog:
     """Messages by channel id."""
     malformed: Mapping[int, int]
     """Messages that could not be decoded, by channel id."""
+    arrows: "Arrows | None"
+    """Of contact states as they are recorded, by log time; None: there are none, or not wanted."""
+    without_arrows: Mapping[str, int]
+    """Messages with contact states that have none, by why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,9 +210,15 @@ class _Joined:
             foreign_states=counts["foreign_states", ONLY],
             out_of_order=sum(int((np.diff(each) < 0).sum()) for each in times.values()),
         )
-        number = {channel: len(own) for channel, own in times.items()}
-        malformed = {channel: n for (kind, channel), n in counts.items() if kind == "malformed"}
-        return ReadLog(recording, tuple(self._losses), number, malformed)
+        arrows: Arrows | None = self._take("arrows", ONLY, None)
+        return ReadLog(
+            recording,
+            tuple(self._losses),
+            {channel: len(own) for channel, own in times.items()},
+            {channel: n for (kind, channel), n in counts.items() if kind == "malformed"},
+            None if arrows is None else in_time_order(arrows),
+            {why: n for (kind, why), n in counts.items() if kind == "without_arrow"},
+        )
 
     def _all_feet(self) -> tuple[Samples, ...]:
         """Join contact samples; a foot whose newest physics step is too old has left the ground."""
