@@ -1,40 +1,51 @@
-"""Topics of a log by the names that users write, and what is said of those that cannot be read."""
+"""Topics of a log by the names that users write, and those that are used beside feet and base."""
 
 import re
-from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Container, Iterable, Iterator
 from itertools import islice
 from typing import Final
 
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
-from dogbot_logtool.finding import Finding, found
-from dogbot_logtool.io.printable import MOST, listed, printable
+from dogbot_logtool.finding import Finding
+from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import name_of
-from dogbot_logtool.reader.containers.log import Batch, Channel, Log, damage_of
+from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.paths import Columns
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.message_type import Part
-from dogbot_logtool.reader.messages.messages import SERIALISATIONS, DecodedMessages, decode_channels
-from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES, TRANSFORM_TYPES
+from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels
+from dogbot_logtool.reader.messages.others import JOINT_TYPES
 from dogbot_logtool.reader.messages.source import Source, source_of
+from dogbot_logtool.reader.messages.table import types_of
+from dogbot_logtool.reader.part import WantedVectors
 from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.robot.words import texts_of, word_set
 
 _COMPARED: Final = 2000
 """Topics that a wrong name is compared with."""
-_LIKELY_WORDS: Final = ("odom", "contact", "foot", "feet", "force", "wrench", "pose", "leg")
-"""Words in topics and types that may tell of the base or the feet."""
-_MOST_REASONS: Final = 3
-_NOT_USED: Final = "; not used"
 _SPAN_NS: Final = 5_000_000_000
 """ns of a log in which a robot has named all of its feet and frames."""
 _MOST_CHUNKS: Final = 64
-
-
-def topic_words(name: str) -> frozenset[str]:
-    """Return the words of a topic's name, in small letters."""
-    return frozenset(re.findall(r"[a-z0-9]+", name.lower()))
+_MEASURED: Final = word_set(
+    "odom odometry measured actual current feedback estimate estimated estimator state est meas "
+    "real gt truth groundtruth"
+)
+"""Words of topics whose twists are no commands."""
+_COMMANDS: Final = (
+    word_set("cmd"),
+    word_set("command commands commanded cmds"),
+    word_set("desired des target setpoint reference ref teleop joy"),
+)
+"""Words of topics whose twists are commands, the surest first."""
+_ELSEWHERE: Final = word_set(
+    "foot feet leg wrist hand arm head camera cam gripper phone 435 455 265 realsense zed lidar "
+    "livox ouster velodyne"
+)
+"""Words of topics of inertial units that are not the base's; numbers are those of cameras."""
+_NO_STATES: Final = ("command", "cmd", "desired", "target", "goal", "reference", "foot")
+"""Words in topics whose joint states are no positions of joints."""
+_MOST_CHANNELS: Final = 16
 
 
 def message_count(log: Log, topic: str) -> int:
@@ -64,8 +75,8 @@ def readable_topics(log: Log, part: Part) -> list[str]:
     return sorted(topic for topic in log.channels_by_topic if sources_of(log, topic, part))
 
 
-def first_batches(log: Log, channel: Channel) -> Iterator[Batch]:
-    """Yield the messages of a channel's first seconds, which tell names, wherever they stand."""
+def first_messages(log: Log, channel: Channel, columns: Columns) -> Iterator[DecodedMessages]:
+    """Decode the messages of a channel's first seconds, which tell names, wherever they stand."""
     end: int | None = None
     for chunk in islice(log.chunks_of({channel.id}), _MOST_CHUNKS):
         if end is not None and chunk.start_time is not None and chunk.start_time > end:
@@ -74,13 +85,7 @@ def first_batches(log: Log, channel: Channel) -> Iterator[Batch]:
         time = batch.messages.log_time[batch.messages.channel == channel.id]
         if len(time):
             end = int(time.min()) + _SPAN_NS if end is None else end
-            yield batch.cropped(None, end)
-
-
-def first_messages(log: Log, channel: Channel, columns: Columns) -> Iterator[DecodedMessages]:
-    """Decode the messages of a channel's first seconds."""
-    for batch in first_batches(log, channel):
-        yield from decode_channels(batch, [channel], columns)
+            yield from decode_channels(batch.cropped(None, end), [channel], columns)
 
 
 def has_field(channel: Channel, foot: Foot) -> bool:
@@ -147,152 +152,88 @@ def require_topic(
     raise CallError(f"{where}: the log has no topic {topic}{meant} {can_be_used}")
 
 
-def unreadable_findings(
-    log: Log, odometry: Sequence[Channel], contacts: Sequence[Channel]
-) -> Iterator[Finding]:
-    """Say which topics of types that could be used cannot be decoded, once for every reason.
-
-    It is an error where no odometry, or no foot, is left.
-
-    Args:
-        log: the log.
-        odometry: channels that are used.
-        contacts: channels that are used.
-    """
-    lost: dict[tuple[bool, str], set[str]] = {}
-    for channel in log.channels.values():
-        foot, source = source_of(channel, "feet"), source_of(channel, "base")
-        # Messages that can be about anything need not be about feet.
-        is_error = foot is not None and not foot.row.anything and not contacts
-        if channel.type_name in {ODOMETRY_TYPE, *TRANSFORM_TYPES}:
-            foot, is_error = source, channel.type_name == ODOMETRY_TYPE and not odometry
-        if foot is not None and foot.fault:
-            lost.setdefault((is_error, foot.fault), set()).add(channel.topic)
-    for (is_error, reason), topics in sorted(lost.items()):
-        yield _about(topics, reason + _NOT_USED, () if is_error else ("one_topic",))
-    others = {c.topic: c.message_encoding for c in log.channels.values() if not _is_read(c)}
-    if others and not (contacts or lost):
-        many, all_topics = len(others), len(log.channels_by_topic)
-        what = f"{many:,} of {all_topics:,} topics" if all_topics > 1 else "its topic"
-        text = (
-            f"{what} {'is' if many == 1 else 'are'} encoded as "
-            f"{listed(sorted({encoding or 'nothing' for encoding in others.values()}))}; only "
-            "ROS 1 messages, CDR and Foxglove's poses, transforms and joints are read"
-        )
-        yield Finding("UNREADABLE", text, cases=("not_needed",))
-
-
-def _is_read(channel: Channel) -> bool:
-    is_known = channel.message_encoding in SERIALISATIONS or channel.type_name in FOXGLOVE_TYPES
-    return is_known or is_readable(channel, "base")
-
-
 def is_planned(channel: Channel) -> bool:
     """Tell whether a channel's messages tell what was planned, not what was measured."""
     source = source_of(channel, "feet")
     return source is not None and source.row.is_planned(channel.topic)
 
 
-def contact_findings(feet_of: Mapping[Channel, tuple[int, ...]], robot: Robot) -> Iterator[Finding]:
-    """Say what contact messages do not tell."""
-    unscaled = [foot for foot in robot.feet if foot.newtons_per_count is None]
-    for channel in sorted(feet_of, key=lambda channel: channel.type_name):
-        name = channel.type_name
-        source = foot_source(channel, robot.feet_of(channel.topic))
-        if source is None:
-            continue
-        if not source.has_force:
-            yield found("NO_FORCE", say="type", type=name)
-        if source.row.unit == "counts" and unscaled:
-            yield not_calibrated(robot, unscaled, name)
-        if not source.has_header:
-            yield found("LOG_TIME_USED", "no_header", say="type", type=name)
-        if source.row.silent_in_swing:
-            yield found("SILENT_SWING", type=name)
-    for channel in filter(is_planned, feet_of):
-        yield found("PLANNED", topic=channel.topic)
+# --- beside feet and base -----------------------------------------------------------------------
 
 
-def not_calibrated(
-    robot: Robot, feet: Sequence[Foot], name: str, say: str = "unseen", reason: str = ""
-) -> Finding:
-    """Return a warning of what is missing while the counts of raw sensors have no scale.
-
-    Args:
-        robot: with the threshold of contact.
-        feet: those without a scale.
-        name: of the type of their messages.
-        say: where the threshold of contact is from, if there is none in the robot's file.
-        reason: why contact cannot be estimated.
-    """
-    names = tuple(foot.name for foot in feet)
-    counts = robot.contact_on_counts
-    finding = found(
-        "NO_FORCE",
-        "counts",
-        say="given" if counts is not None and say != "estimated" else say,
-        type=name,
-        names=", ".join(names),
-        counts=counts,
-        reason=reason,
-    )
-    return replace(finding, feet=names)
-
-
-def own_definition_findings(used: Iterable[Channel]) -> Iterator[Finding]:
-    """Say for which of the used channels this program's definition stands in for the log's."""
-    found: dict[str, set[str]] = {}
-    for channel in used:
-        for source in (source_of(channel, "feet"), source_of(channel, "base")):
-            if source and source.own_definition:
-                found.setdefault(source.own_definition, set()).add(channel.topic)
-    for because, topics in sorted(found.items()):
-        text = f"{because}; the one that comes with dogbot-logtool is used"
-        yield _about(topics, text, ("own_definition",))
-
-
-def _about(topics: Collection[str], text: str, cases: tuple[str, ...]) -> Finding:
-    named = sorted(topics)
-    where = named[0] if len(named) == 1 else ""
-    return Finding("UNREADABLE", f"{listed(named)}: {text}", where, cases=cases)
-
-
-def nothing_to_do(log: Log, findings: Sequence[Finding]) -> str:
-    """Return a sentence for a log that has nothing of use: why, or else what it does have.
-
-    Args:
-        log: the log.
-        findings: of the choice of its topics.
-    """
-    path = name_of(log.source.path)
-    offers = [
-        each
-        for each in findings
-        if each.code == "FEET_UNSURE" or (each.code == "NO_BASE" and "--odom-topic" in each.text)
+def joint_channels(log: Log) -> list[Channel]:
+    """Return the first channels of joints' measured states: best type, then shortest topic."""
+    found = [
+        channel
+        for channel in log.channels.values()
+        if is_readable(channel, "joints") and log.counts.get(channel.id, 1)
+        if not any(word in channel.topic.lower() for word in _NO_STATES)
     ]
-    for offer in sorted(offers, key=lambda each: each.code):
-        command = offer.command and f"\n  {offer.command}"
-        return f"{path}: nothing is surely the base or a foot; {offer.sentence}{command}"
-    unread = [each for each in findings if each.code == "UNREADABLE"]
-    reasons = [each.text for each in unread if "own_definition" not in each.cases]
-    if because := "; ".join(text.removesuffix(_NOT_USED) for text in reasons[:_MOST_REASONS]):
-        return f"{path}: has no odometry and no contact messages that can be read: {because}"
-    known = sorted({(c.topic, c.type_name) for c in log.channels.values()}, key=_unlikely)
-    lines = [
-        f"\n  {printable(topic)}  {printable(kind) or '(of no type)'}"
-        for topic, kind in known[:MOST]
-    ]
-    if len(known) > MOST:
-        lines.append(f"\n  and {len(known) - MOST:,} more; `dogbot-logtool info` lists them")
-    damage = f" It is damaged: {damage_of(log, log.losses).text}." if log.losses else ""
-    return (
-        f"{path}: has neither nav_msgs/Odometry nor contact messages such as "
-        "gazebo_msgs/ContactsState that can be used (--odom-topic and --foot name topics)."
-        f"{damage} It has:{''.join(lines) or ' nothing'}"
+    found.sort(key=lambda each: (JOINT_TYPES.index(each.type_name), len(each.topic), each.topic))
+    return found[:_MOST_CHANNELS]
+
+
+def side_topics(
+    log: Log, robot: Robot
+) -> tuple[WantedVectors | None, WantedVectors | None, tuple[Finding, ...]]:
+    """Choose the topics of velocity commands and of the base's inertial unit.
+
+    Returns:
+        velocity commands, accelerations, and which of several topics they are.
+
+    Raises:
+        CallError: the robot names a topic that the log does not have, or one of a wrong type.
+        LogError: the robot names a topic that cannot be decoded.
+    """
+    chosen: list[WantedVectors | None] = []
+    findings = []
+    parts: tuple[tuple[Part, str, str | None, str], ...] = (
+        ("commands", "command_topic", robot.command_topic, "velocity commands"),
+        ("accelerations", "imu_topic", robot.imu_topic, "the base's accelerations"),
     )
+    for part, option, asked, what in parts:
+        if asked is not None:
+            require_topic(log, option, asked, part)
+        topics = _ranked(log, part) if asked is None else [asked]
+        chosen.append(_wanted(log, topics[0], part) if topics else None)
+        if topics and asked is None:
+            text, others = f"{what} are taken from {topics[0]}, found by type and name", topics[1:]
+            text += f"; there are also {listed(others)} (--set {option} chooses)" if others else ""
+            findings.append(Finding("TOPICS_CHOSEN", text, topics[0]))
+    commands, accelerations = chosen
+    return commands, accelerations, tuple(findings)
 
 
-def _unlikely(topic: tuple[str, str]) -> tuple[bool, tuple[str, str]]:
-    """Return what sorts topics, given with their types: likely ones first, then by name."""
-    name = " ".join(topic).lower()
-    return not any(word in name for word in _LIKELY_WORDS), topic
+def _ranked(log: Log, part: Part) -> list[str]:
+    """Return the topics that may be meant, the best first.
+
+    Of equally good ones that of the better type comes first, then that with the most messages.
+    """
+    found = []
+    for topic in readable_topics(log, part):
+        rank = _command_rank(topic) if part == "commands" else _inertial_rank(topic)
+        if rank is not None:
+            kind = types_of(part).index(_wanted(log, topic, part).channels[0].type_name)
+            found.append((rank, kind, -message_count(log, topic), len(topic), topic))
+    return [topic for *_, topic in sorted(found)]
+
+
+def _command_rank(topic: str) -> int | None:
+    """Return how likely a topic's twists are commands, low first; None: they are none."""
+    words = texts_of(topic)
+    ranks = [row for row, sure in enumerate(_COMMANDS) if words & sure]
+    is_other = topic.rpartition("/")[2] != "cmd_vel"
+    return 2 * ranks[0] + is_other if ranks and not words & _MEASURED else None
+
+
+def _inertial_rank(topic: str) -> int | None:
+    """Return how likely a topic is of the base's inertial unit, low first; None: it is not."""
+    words = texts_of(topic)
+    return None if words & _ELSEWHERE else int("raw" in words)
+
+
+def _wanted(log: Log, topic: str, part: Part) -> WantedVectors:
+    """Return the channels of a topic that can be decoded, all of one type."""
+    readable = [each for each in log.channels_by_topic[topic] if is_readable(each, part)]
+    best = min((channel.type_name for channel in readable), key=types_of(part).index)
+    return WantedVectors(topic, tuple(c for c in readable if c.type_name == best), part)

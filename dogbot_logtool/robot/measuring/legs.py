@@ -6,7 +6,7 @@ from dogbot_logtool.core.frames.kinematics import Joint
 from dogbot_logtool.core.frames.transforms import chain_of_frames
 from dogbot_logtool.core.frames.wrench_frame import FramePoint
 from dogbot_logtool.core.known_frames import KnownFrames
-from dogbot_logtool.core.legs.swings import JointPair, LegChain, LegSettings
+from dogbot_logtool.core.legs.swings import LegChain, LegSettings
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.reader.foot import Foot
@@ -14,7 +14,7 @@ from dogbot_logtool.robot.names import leg_of, name_feet
 from dogbot_logtool.robot.robot_model.skeleton import place_of_foot
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, left_out_text
 from dogbot_logtool.robot.selection import Selection
-from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, SOLES, Part, texts_of, words_of
+from dogbot_logtool.robot.words import ENDS, SOLES, Part, parts_of, texts_of, words_of
 
 
 def find_legs(
@@ -138,7 +138,7 @@ def _feet_of_joints(
     for name in sorted(names - found.keys()):
         leg = leg_of(name)
         matching = [number for number, each in enumerate(legs) if _is_of(leg, each)]
-        if len(matching) == 1 and not any(w.part is Part.NOT_A_FOOT for w in words_of(name)):
+        if len(matching) == 1 and Part.NOT_A_FOOT not in parts_of([name]):
             found[name] = matching[0]
     return found
 
@@ -149,19 +149,19 @@ def _is_of(leg: tuple[str, str], foot: tuple[str, str]) -> bool:
     return bool(foot[1]) and leg[1] == foot[1] and (leg[0] == foot[0] or not (ends or leg[0]))
 
 
-def _pairs(feet: Sequence[Foot], foot_of: Mapping[str, int]) -> tuple[JointPair, ...]:
+def _pairs(feet: Sequence[Foot], foot_of: Mapping[str, int]) -> dict[str, tuple[str, str]]:
     """Return the joints of legs that are alike but for their side."""
     found: dict[str, dict[str, str]] = {}
     for joint, foot in sorted(foot_of.items()):
         end, side = feet[foot].leg_position or leg_of(feet[foot].name)
-        words = [w.text for w in words_of(joint) if w.text not in {*LETTERS, *ENDS, *SIDES}]
+        words = [w.text for w in words_of(joint) if not (w.is_position or w.text in ENDS)]
         end = end if end in {"front", "back"} or len(feet) > 2 else ""
         found.setdefault("_".join(filter(None, (end, *words))), {})[side] = joint
-    return tuple(
-        JointPair(name, sides["left"], sides["right"])
+    return {
+        name: (sides["left"], sides["right"])
         for name, sides in found.items()
         if sides.keys() >= {"left", "right"}
-    )
+    }
 
 
 def sensor_points(

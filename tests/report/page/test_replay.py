@@ -127,7 +127,9 @@ def test_without_frames_lines_lead_to_the_feet_and_unknown_feet_are_below_the_ba
 
 def test_a_long_log_is_thinned() -> None:
     stats = measured().walk
-    day = replace(stats, end=stats.origin + 86_400_000_000_000)
+    until = stats.poses.time.copy()
+    until[-1] = stats.origin + 86_400_000_000_000
+    day = replace(stats, poses=replace(stats.poses, time=until))
     time = frame_times(day, ())
     assert len(time) <= MOST_FRAMES
     assert (np.diff(time) > 0).all()
