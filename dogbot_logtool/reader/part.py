@@ -70,19 +70,11 @@ ONLY = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Numbers:
-    """A column of numbers."""
-
-    values: Ints
-    """(n,)."""
-
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Part:
     """What is in some neighbouring chunks."""
 
     columns: dict[Key, list[Any]] = field(default_factory=lambda: defaultdict(list))
-    """Tables by what they are of. `Samples` of ``feet`` and ``planned`` feet; `Numbers` of each
+    """Tables by what they are of. `Samples` of ``feet`` and ``planned`` feet; numbers of each
     foot's ``lags``, ns by which the newest physics step is older than the stamp (`UNTIMED`: not
     known), of ``steps``, ns between neighbouring physics steps of a message, and of ``times``, ns,
     log times of all messages of a channel in file order; `Odometry` of the ``base``;
@@ -107,7 +99,7 @@ def read_part(wanted: Wanted, log: Log, whole: Batch) -> Part:
     batch = whole.cropped(*wanted.limits)
     part = Part(losses=batch.losses)
     for channel, rows in rows_by_group(batch.messages.channel):
-        part.columns["times", channel].append(Numbers(batch.messages.log_time[rows]))
+        part.columns["times", channel].append(batch.messages.log_time[rows])
     base = _add_base(part, wanted, batch)
     contacts = read_contacts(batch, wanted.contacts, wanted.feet)
     for read in contacts:
@@ -149,12 +141,12 @@ def _add_contacts(part: Part, read: ReadContacts, feet: int) -> None:
     _add_samples(part, "feet", samples, feet)
     lag = np.full(len(samples.foot), UNTIMED) if pairs is None else pairs.lag
     for foot in range(feet):
-        part.columns["lags", foot].append(Numbers(lag[samples.foot == foot]))
+        part.columns["lags", foot].append(lag[samples.foot == foot])
     for foot, names in read.links.items():
         part.names["links", foot].update(names)
     part.counts["implausible", ONLY] += read.implausible
     if pairs is not None:
-        part.columns["steps", ONLY].append(Numbers(pairs.step))
+        part.columns["steps", ONLY].append(pairs.step)
         part.counts["untimed_messages", ONLY] += pairs.untimed_messages
         part.counts["foreign_states", ONLY] += pairs.foreign_states
     part.add_malformed(read.messages.malformed)

@@ -140,9 +140,6 @@ class RecordLog(Log):
         del chunk, stored
         return 0, ()
 
-    def _read_header(self) -> None:
-        """Read what stands at the file's beginning."""
-
     def _conclude(self) -> None:
         """Compare what was found with what the file says elsewhere."""
 
@@ -175,7 +172,6 @@ class RecordLog(Log):
         Args:
             problem: what is wrong with the index.
         """
-        self._read_header()
         if problem is not None:
             self._losses.add(problem)
         offset = len(self.magic)
