@@ -18,11 +18,20 @@ from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.oracles.annotated_file import read_written
 from tests.oracles.repacked import out_of_order, unpacked
+from tests.oracles.small_logs import first_seconds
 from tests.oracles.walks import Entry, Walk, write_bag, write_library_mcap, write_rosbag2
-from tests.paths import SAMPLE_LOGS
+from tests.paths import TROT
 
-TROT: Final = SAMPLE_LOGS / "dogbot_trot.bag"
-ROS1, ROS2 = unpacked(TROT, 1), unpacked(TROT, 2)
+Walked = tuple[Walk, list[Entry]]
+
+
+@cache
+def trot() -> Path:
+    return first_seconds(TROT, 4.0)
+
+
+def messages(ros: int) -> Walked:
+    return unpacked(trot(), ros)
 
 
 def figures(path: Path, jobs: int = 1) -> dict[str, Any]:
@@ -35,24 +44,24 @@ def figures(path: Path, jobs: int = 1) -> dict[str, Any]:
 
 @cache
 def expected() -> dict[str, Any]:
-    return figures(TROT)
+    return figures(trot())
 
 
-def disordered(ros: tuple[Walk, list[Entry]]) -> tuple[Walk, list[Entry]]:
-    walk, entries = ros
+def disordered(ros: int) -> Walked:
+    walk, entries = messages(ros)
     return walk, out_of_order(entries)
 
 
 WRITERS: Final[dict[str, Callable[[Path], Path]]] = {
-    "bag": lambda path: write_bag(path, *ROS1, 10_000),
-    "bag lz4": lambda path: write_bag(path, *ROS1, 768 << 10, "lz4"),
-    "bag bz2": lambda path: write_bag(path, *ROS1, 10_000_000, "bz2"),
-    "bag out of order": lambda path: write_bag(path, *disordered(ROS1), 20_000),
-    "mcap ros1": lambda path: write_library_mcap(path, *ROS1, 10_000),
-    "mcap ros2": lambda path: write_library_mcap(path, *ROS2, 10_000_000),
-    "mcap out of order": lambda path: write_library_mcap(path, *disordered(ROS2), 20_000),
-    "rosbag2 mcap": lambda path: write_rosbag2(path, *ROS2, StoragePlugin.MCAP),
-    "rosbag2 sqlite": lambda path: write_rosbag2(path, *ROS2, StoragePlugin.SQLITE3),
+    "bag": lambda path: write_bag(path, *messages(1), 10_000),
+    "bag lz4": lambda path: write_bag(path, *messages(1), 768 << 10, "lz4"),
+    "bag bz2": lambda path: write_bag(path, *messages(1), 10_000_000, "bz2"),
+    "bag out of order": lambda path: write_bag(path, *disordered(1), 20_000),
+    "mcap ros1": lambda path: write_library_mcap(path, *messages(1), 10_000),
+    "mcap ros2": lambda path: write_library_mcap(path, *messages(2), 10_000_000),
+    "mcap out of order": lambda path: write_library_mcap(path, *disordered(2), 20_000),
+    "rosbag2 mcap": lambda path: write_rosbag2(path, *messages(2), StoragePlugin.MCAP),
+    "rosbag2 sqlite": lambda path: write_rosbag2(path, *messages(2), StoragePlugin.SQLITE3),
 }
 
 
@@ -61,7 +70,7 @@ def test_any_number_of_processes_gives_the_same_figures(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, jobs: int
 ) -> None:
     monkeypatch.setattr("dogbot_logtool.reader.containers.log.BATCH_SIZE", 300_000)
-    log = write_library_mcap(tmp_path / "x.mcap", *ROS1, 100_000)
+    log = write_library_mcap(tmp_path / "x.mcap", *messages(1), 100_000)
     assert figures(log, jobs) == expected()
 
 
@@ -88,7 +97,7 @@ def annotations(
 @pytest.fixture(scope="module")
 def expected_annotations(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Annotation]]:
     folder = tmp_path_factory.mktemp("expected")
-    return {encoding: annotations(folder, TROT, encoding) for encoding in ENCODINGS}
+    return {encoding: annotations(folder, trot(), encoding) for encoding in ENCODINGS}
 
 
 @pytest.mark.parametrize(
@@ -114,7 +123,7 @@ def test_annotations_do_not_depend_on_where_spans_end(
     rows: int,
 ) -> None:
     monkeypatch.setattr("dogbot_logtool.conversion.annotated_log.SPAN_ROWS", rows)
-    assert annotations(tmp_path, TROT, "ros2") == expected_annotations["ros2"]
+    assert annotations(tmp_path, trot(), "ros2") == expected_annotations["ros2"]
 
 
 @pytest.mark.parametrize(
@@ -129,5 +138,5 @@ def test_any_workers_write_the_same_annotations(
 ) -> None:
     monkeypatch.setattr("dogbot_logtool.reader.containers.log.BATCH_SIZE", 300_000)
     monkeypatch.setattr("dogbot_logtool.conversion.annotated_log.SPAN_ROWS", 1000)
-    log = write_library_mcap(tmp_path / "x.mcap", *ROS1, 100_000)
+    log = write_library_mcap(tmp_path / "x.mcap", *messages(1), 100_000)
     assert annotations(tmp_path, log, "foxglove", jobs, start) == expected_annotations["foxglove"]

@@ -14,7 +14,7 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.frames.kinematics import TransformMessages, from_opening
 from dogbot_logtool.core.recording import Recording
-from dogbot_logtool.core.scene.arrows import Arrows, force_arrows, pressure_arrows, removals
+from dogbot_logtool.core.scene.arrows import Arrows, force_arrows, pressure_arrows
 from dogbot_logtool.core.scene.feet import DrawnFoot, drawn_foot
 from dogbot_logtool.core.scene.loads import foot_labels, foot_loads, opening_load, silences
 from dogbot_logtool.core.scene.support_scene import leg_lines, support_scene
@@ -22,6 +22,7 @@ from dogbot_logtool.core.stability import NEAR_NS
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.recording import in_time_order
+from dogbot_logtool.robot.robot_model.description import moved_links
 from dogbot_logtool.writer.annotations import Drawn
 
 
@@ -119,12 +120,10 @@ def _transforms(
     if plan.writes_base:
         place = poses.position[:, None], poses.orientation[:, None]
         yield from_opening(TransformMessages(poses.log_time, poses.time, *place), opening)
-    motion, rate_hz = plan.description.motion, plan.options.tf_rate
-    if motion is None:
-        return
-    for table in recording.joints:
-        if table.topic == motion.topic:
-            links = motion.links(table)
+    joints, rate_hz = plan.description.joints, plan.options.tf_rate
+    for table in recording.joints if joints else ():
+        if table.topic == recording.joints[0].topic:
+            links = moved_links(joints, table)
             yield from_opening(picked(links, first_at_each_tick(links.stamp, rate_hz)), opening)
 
 
@@ -149,7 +148,7 @@ def annotations_between(scene: Scene, start: int, end: int) -> tuple[list[Drawn]
     drawn: list[Drawn] = [within(each, each.log_time) for each in scene.others]
     for foot, own in () if plan.style.needs_contact_states else forced:
         arrows, skipped = _arrows(plan, foot, own)
-        drawn += arrows
+        drawn.append(arrows)
         counts += skipped
     drawn += [foot_loads(*each, scene.walk.settings.body_weight_n) for each in feet]
     drawn += [foot_labels(*each) for each in forced]
@@ -166,17 +165,14 @@ def annotations_between(scene: Scene, start: int, end: int) -> tuple[list[Drawn]
     return drawn, counts
 
 
-def _arrows(
-    plan: ConversionPlan, foot: DrawnFoot, rows: slice
-) -> tuple[list[Arrows], Counter[str]]:
+def _arrows(plan: ConversionPlan, foot: DrawnFoot, rows: slice) -> tuple[Arrows, Counter[str]]:
     """Return the arrows of samples that touch, and the removals of all others."""
-    touching = foot.touching[rows]
-    samples = foot.samples.pick(rows.start + np.flatnonzero(touching))
+    samples = picked(foot.samples, rows)
     samples = replace(
         samples,
+        in_contact=samples.in_contact & foot.touching[rows],
         force=samples.force.astype(np.float64),
         normal=samples.normal.astype(np.float64),
     )
     made = force_arrows if plan.style.along_force else pressure_arrows
-    drawn, skipped = made(samples, plan.arrow_scale)
-    return [drawn, removals(foot.samples.pick(rows.start + np.flatnonzero(~touching)))], skipped
+    return made(samples, plan.arrow_scale)

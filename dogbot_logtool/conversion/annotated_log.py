@@ -21,14 +21,8 @@ from dogbot_logtool.conversion.annotate import Scene, annotations_between
 from dogbot_logtool.conversion.copying import CopiedSpan, as_it_stands
 from dogbot_logtool.conversion.plan import ConversionPlan
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.events.event import Level
-from dogbot_logtool.core.events.log_messages import (
-    EventMessage,
-    GaitState,
-    event_messages,
-    gait_states,
-    to_log_time,
-)
+from dogbot_logtool.core.events.event import STEPS, to_log_time, with_steps
+from dogbot_logtool.core.gait.segments import gait_changes
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import printable
@@ -219,20 +213,25 @@ def annotate_span(
 def event_records(annotations: Annotations, scene: Scene) -> Iterator[MessageRecords]:
     """Yield the messages of `/gait`, `/events` and `/events/spans`."""
     made, channels, walk = annotations.encoding.message, annotations.channels, scene.walk
+    tracks = [foot.record.track for foot in walk.feet]
 
-    def log_time(happened: Sequence[EventMessage | GaitState]) -> Ints:
-        time = np.array([each.time for each in happened], np.int64)
-        return to_log_time(walk, time, scene.plan.opening or 0, scene.plan.end)
+    def log_time(times: Sequence[int]) -> Ints:
+        return to_log_time(
+            tracks, np.array(times, np.int64), scene.plan.opening or 0, scene.plan.end
+        )
 
-    events, gaits = event_messages(walk), gait_states(walk)
-    states = (made(described.gait(each)) for each in gaits)
-    yield of_payloads(channels[GAIT_TOPIC], states, log_time(gaits))
-    logged, event_time = (made(described.event(each)) for each in events), log_time(events)
+    gaits = gait_changes(walk.segments, walk.feet)
+    states = (made(described.gait(*each)) for each in gaits)
+    yield of_payloads(channels[GAIT_TOPIC], states, log_time([time for time, _ in gaits]))
+    onsets = ((walk.origin + round(each.onset_s * 1e9), each) for each in with_steps(walk.metrics))
+    events = list(onsets)
+    event_time = log_time([time for time, _ in events])
+    logged = (made(described.event(*each)) for each in events)
     yield of_payloads(channels[EVENTS_TOPIC], logged, event_time)
     if SPANS_TOPIC in channels:
         # A viewer's timeline shows what calls for a look; steps are in the log panel.
-        odd = [row for row, each in enumerate(events) if each.level is not Level.DEBUG]
-        spans = (made(described.span(events[row])) for row in odd)
+        odd = [row for row, (_, event) in enumerate(events) if event.type not in STEPS]
+        spans = (made(described.span(*events[row])) for row in odd)
         yield of_payloads(channels[SPANS_TOPIC], spans, event_time[odd])
 
 

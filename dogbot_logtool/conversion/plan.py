@@ -14,11 +14,7 @@ from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.robot.measuring.legs import sensor_points
 from dogbot_logtool.robot.recorded import time_limits
-from dogbot_logtool.robot.robot_model.description import (
-    RobotDescription,
-    joint_motion,
-    robot_description,
-)
+from dogbot_logtool.robot.robot_model.description import RobotDescription, robot_description
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.writer.annotations import WantedAnnotations
@@ -80,15 +76,14 @@ def make_plan(
     placed = frames.follow(links, sensor_points(selection, frames, settings))
     unsupported = no_support(selection)
     second = second_tf(selection, frames, options, left_out) if options.tf == "auto" else None
-    motion = joint_motion(model, walk) if model else None
-    description = robot_description(log, selection, frames, motion, options.urdf, copy=options.copy)
+    description = robot_description(log, selection, model, walk, options)
     description = replace(
         description,
         hips=None if unsupported else description.hips,
-        motion=description.motion if options.tf != "never" else None,
+        joints=description.joints if options.tf != "never" else (),
     )
     writes_base = selection.has_base and options.tf != "never" and second is None
-    pairs = description.motion.pairs if description.motion else ()
+    pairs = [(joint.parent, joint.child) for joint in description.joints]
     profile = encoding_named(options.encoding).profile or (options.copy and log.profile)
     # A scale of the robot's file has colours of its own.
     colour_n = weight_n if given is None else settings.body_weight_n

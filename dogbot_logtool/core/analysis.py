@@ -11,14 +11,28 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from dogbot_logtool.core.base.falls import find_tipping
-from dogbot_logtool.core.base.poses import BaseHistory
+import numpy as np
+
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Floats
+from dogbot_logtool.core.base.axes import with_forward_axis
+from dogbot_logtool.core.base.falls import fallen_spans, find_tipping
+from dogbot_logtool.core.base.ground import find_moving_ground, height_drift_m, height_over_feet
+from dogbot_logtool.core.base.motion import BaseTrack, base_motion, find_travel
+from dogbot_logtool.core.base.poses import BaseHistory, find_jumps, without_jumps
+from dogbot_logtool.core.base.witness import feet_witness, find_frozen, without_frozen
 from dogbot_logtool.core.checks.engine import consequence, findings_of
+from dogbot_logtool.core.consistency import placed_poses, without_stopped
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected, correct
+from dogbot_logtool.core.corrections.clock import too_far_apart
+from dogbot_logtool.core.gait.feet import foot_steps
 from dogbot_logtool.core.gait.segments import Segment, find_segments, main_segment, reference_foot
+from dogbot_logtool.core.gait.strides import any_strides, typical_period_s
+from dogbot_logtool.core.gait.support import standing_in, support
+from dogbot_logtool.core.heave import long_delay
 from dogbot_logtool.core.leg_position import quadruped
-from dogbot_logtool.core.masks import loads_in, mask_walk, stability_in, support_in
+from dogbot_logtool.core.loads import dead_feet, is_stuck, loads_of
 from dogbot_logtool.core.metrics import Log
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
@@ -76,10 +90,128 @@ def judge(walk: Walk, log: Log, known: Iterable[Finding] = ()) -> Walk:
     return replace(walk, findings=tuple(findings), metrics=metrics_of(walk, log, findings))
 
 
+def mask_walk(corrected: Corrected) -> Walk:
+    """Find jumps, falls, stands, dead sensors, clocks and worlds that cannot be compared.
+
+    What is measured with these masks is not in the result yet.
+    """
+    settings = corrected.settings
+    period_s = typical_period_s([each.stances for each in corrected.feet])
+    # Feet of bipeds are named by their side only.
+    positions = [foot.leg_position or ("", foot.name) for foot in settings.feet]
+    witness = feet_witness(corrected.feet, corrected.places, positions, corrected.base)
+    frozen = find_frozen(corrected.base, corrected.feet, witness, period_s)
+    recorded = without_frozen(corrected.base, frozen.spans) if frozen else corrected.base
+    stand_in = None
+    if witness is not None and corrected.leaning_rad is None:
+        stand_in = witness.stand_in(recorded, settings.forward_rad)
+    if stand_in is not None:
+        recorded, settings = stand_in, replace(settings, base_from_legs=True)
+    jumps = find_jumps(recorded)
+    base = without_jumps(recorded, jumps)
+    telling = [
+        foot.without_force() if is_stuck(foot, corrected.feet) else foot for foot in corrected.feet
+    ]
+    records = without_stopped(telling, base)
+    placed, worlds = placed_poses(records, recorded, base)
+    height = _steadiest_height(records, placed, base)
+    fallen = fallen_spans(recorded, records, height, jumps.spans)
+    weighed = loads_of(
+        records,
+        settings.body_weight_n,
+        any_strides(records, fallen, timespans.no_spans()),
+        lacks_feet=settings.lacks_feet,
+    )
+    dead = tuple(dead_feet(records, weighed))
+    period_s = typical_period_s([each.stances for each in records])
+    apart = too_far_apart(corrected.clocks, period_s)
+    unsupported = any(dead) or settings.lacks_feet or any(f.topic in apart for f in settings.feet)
+    supported = None if unsupported else support(records)
+    # Sensors that never report a contact say nothing of where the feet are.
+    touching = any(len(each.in_contact) for each in records)
+    standing = standing_in(supported if touching else None, period_s, base, fallen)
+    strides = any_strides(records, fallen, standing.without_steps)
+    delay = None
+    # Joints that tell both forces and poses tell them at the same time.
+    by_joints = settings.base_from_legs and bool(settings.contact_from)
+    if period_s and len(base.time) and not (apart or settings.lacks_feet or by_joints):
+        delay = long_delay(records, base, period_s, strides)
+    apart = apart | {settings.odometry_topic} if delay else apart
+    rise_m = height_drift_m(base, height, strides)
+    placed_by_poses = any(path is not None for path in corrected.places)
+    ground = find_moving_ground(records, base, placed_by_poses=placed_by_poses)
+    walked = base if ground is None else ground.on_ground(base)
+    track = BaseTrack(walked, find_travel(walked), height, records, standing.still)
+    guessed = settings.forward_axis
+    motion = base_motion(track, settings.forward_rad)
+    in_one_world = stand_in is None and (worlds is None or worlds.agree)
+    settings = with_forward_axis(settings, track, motion, in_one_world=in_one_world)
+    if settings.forward_axis != guessed:
+        motion = base_motion(track, settings.forward_rad)
+    feet = tuple(
+        foot_steps(
+            settings,
+            row,
+            record,
+            base,
+            fallen,
+            standing,
+            path=None if path is None else path.in_world(base),
+            ground=ground,
+            is_dead=dead[row],
+        )
+        for row, (record, path) in enumerate(zip(records, corrected.places, strict=True))
+    )
+    return Walk(
+        corrected=corrected,
+        settings=settings,
+        base_history=recorded,
+        records=records,
+        poses=base,
+        jumps=jumps,
+        frozen=frozen,
+        base_by_feet=stand_in is not None,
+        witness=witness,
+        ground=ground,
+        placed_poses=placed,
+        track=track,
+        base=motion,
+        fallen=fallen,
+        standing=standing,
+        feet=feet,
+        clocks_apart=apart,
+        base_delay=delay,
+        worlds=worlds,
+        rise_m=rise_m,
+        vertical_known=weighed.share_of == "vertical_impulse",
+        loads=weighed,
+    )
+
+
+def _steadiest_height(
+    records: Sequence[FootHistory], placed: BaseHistory, without: BaseHistory
+) -> Floats:
+    """(n,) m, over the feet: z may be reset in poses of which x and y jump with the feet, or not.
+
+    Args:
+        records: of all feet.
+        placed: poses among the contact points.
+        without: poses without jumps.
+    """
+    height = height_over_feet(placed, records)
+    if placed is without:
+        return height
+    other = height_over_feet(without, records)
+    known = np.isfinite(height) & np.isfinite(other)
+    if not known.any():
+        return height if np.isfinite(height).any() else other
+    return other if np.std(other[known]) < np.std(height[known]) else height
+
+
 def _measured(walk: Walk) -> Walk:
     """Measure a walk of which the masks are known."""
     settings, records, feet = walk.settings, walk.records, walk.feet
-    supported = support_in(walk)
+    supported = walk.support_in()
     segments: tuple[Segment, ...] = ()
     if feet and not walk.feet_clocks_are_apart:
         segments = find_segments(feet, walk.standing, contacts_known=supported is not None)
@@ -87,20 +219,20 @@ def _measured(walk: Walk) -> Walk:
     placed_at = None
     if walk.contacts_known and not (walk.base_is_apart or walk.base_by_feet):
         offset_m = settings.com_offset_m or (0.0, 0.0, 0.0)
-        placed_at = instants(records, walk.placed_poses, settings.forward_axis, offset_m)
+        placed_at = instants(records, walk.placed_poses, settings.forward_rad, offset_m)
     walk = replace(
         walk,
         origin=origin,
         end=end,
         reference=reference_foot(feet),
         corners=quadruped([foot.leg_position for foot in settings.feet]),
-        tipping=find_tipping(walk.base_history, settings.forward_axis),
+        tipping=find_tipping(walk.base_history, settings.forward_rad),
         segments=segments,
         main=main_segment(segments),
         support=supported,
         instants=placed_at,
     )
-    walk = replace(walk, loads=loads_in(walk), stability=stability_in(walk))
+    walk = replace(walk, loads=walk.loads_in(), stability=walk.stability_in())
     # Modules of what few logs hold are loaded for those that do.
     if walk.corrected.commands is not None:
         from dogbot_logtool.core.commands import follow_commands  # noqa: PLC0415

@@ -11,7 +11,6 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Integral, Ints
-from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.compared import AXES, TRACKING_HZ, CommandTrack
 from dogbot_logtool.core.rotations import along_heading
@@ -54,7 +53,7 @@ def follow_commands(walk: Walk) -> CommandTrack | None:
         None without commands or poses.
     """
     history, base = walk.corrected.commands, walk.track.history
-    forward_axis = walk.settings.forward_axis
+    forward_rad = walk.settings.forward_rad
     if history is None or len(base.time) < 2 or not len(history.time):
         return None
     # In segments with strides the robot steps.
@@ -65,13 +64,13 @@ def follow_commands(walk: Walk) -> CommandTrack | None:
     until = np.append(history.time[1:], history.time[-1:] + timeout)
     held = np.stack([history.time, np.minimum(until, history.time + timeout)], axis=1)
     holds = timespans.merge(held)
-    displacement, known = _base_displacement(base, forward_axis, walk.jumps.spans)
+    displacement, known = _base_displacement(base, forward_rad, walk.jumps.spans)
     both = timespans.intersect([known, holds])
     time = timespans.ticks(both, round(1e9 / TRACKING_HZ))
     half = window // 2
     time = time[timespans.hold_window(both, time, half, half)]
     measured = displacement.mean(time, window)
-    axes, velocity = _in_axes(history, held, time, window, measured, forward_axis)
+    axes, velocity = _in_axes(history, held, time, window, measured, forward_rad)
     command = _command(held, velocity)
     longest = timespans.hold_window(holds, time, half + max(_DELAYS_NS), half)
     opposed = []
@@ -104,13 +103,13 @@ def follow_commands(walk: Walk) -> CommandTrack | None:
     )
 
 
-def _base_displacement(base: BaseHistory, forward_axis: str, jumps: Ints) -> tuple[Integral, Ints]:
+def _base_displacement(base: BaseHistory, forward_rad: float, jumps: Ints) -> tuple[Integral, Ints]:
     """Add up the steps from pose to pose along axes that turn with the robot (yaw only).
 
     Returns:
         The way as in `AXES`, and the time in which it is known, (k, 2) ns.
     """
-    steps = base.steps(FORWARD_ANGLES[forward_axis])
+    steps = base.steps(forward_rad)
     total = np.concatenate([np.zeros((1, 3)), np.cumsum(steps.T, axis=0)])
     sparse = np.flatnonzero(np.diff(base.time) > SPARSE_NS)
     broken = np.stack([base.time[sparse], base.time[sparse + 1]], axis=1)
@@ -133,19 +132,18 @@ def _in_axes(
     time: Ints,
     window_ns: int,
     measured: Floats,
-    forward_axis: str,
+    forward_rad: float,
 ) -> tuple[str | None, Floats]:
     """Tell by the smaller error whose axes the commands are in, where that makes a difference.
 
     Returns:
         The axes, see `CommandTrack`, and (n, 3) velocities in the robot's own.
     """
-    turn_rad = FORWARD_ANGLES[forward_axis]
     if not _WORLD_FRAMES.isdisjoint(name.strip("/") for name in history.frames):
         return None, history.vector
-    if turn_rad == 0.0:
+    if forward_rad == 0.0:
         return "forward", history.vector
-    forward, left = along_heading(history.vector, np.full(len(history.time), turn_rad))
+    forward, left = along_heading(history.vector, np.full(len(history.time), forward_rad))
     turned = np.stack([forward, left, history.vector[:, 2]], axis=1)
     readings = {"forward": history.vector, "body": turned}
     means = {key: _command(held, each).mean(time, window_ns) for key, each in readings.items()}

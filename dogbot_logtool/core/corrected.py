@@ -8,7 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.base.axes import leaning_walk_rad
+from dogbot_logtool.core.base.falls import leaning_walk_rad
 from dogbot_logtool.core.base.foot_path import FootPath, path_in_base, path_of
 from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history
 from dogbot_logtool.core.contact.contacts import Samples, with_swings
@@ -90,10 +90,10 @@ def correct(recording: Recording, settings: WalkSettings) -> Corrected:
     clocks = clock_differences(offsets, named)
     base_check = _check(settings.odometry_topic or "the odometry", recording.base)
     checks = [*map(_check, named, recording.feet), base_check]
-    clock = choose_clock(checks, clocks, settings.time_source)
-    if clock.reason:
-        settings = replace(settings, time_source=clock.source, time_source_reason=clock.reason)
-    on_stamps = clock.source is TimeSource.HEADER
+    source, reason, breaks = choose_clock(checks, clocks, settings.time_source)
+    if reason:
+        settings = replace(settings, time_source=source, time_source_reason=reason)
+    on_stamps = source is TimeSource.HEADER
     recording, settings = _without_filters(recording, settings)
     settings = with_sensors(settings, recording.feet)
     frames = known_frames(recording, settings)
@@ -103,15 +103,15 @@ def correct(recording: Recording, settings: WalkSettings) -> Corrected:
         foot_history(
             without_bad_stamps(own, _check(foot.topic, own)) if on_stamps else own,
             foot.rule,
-            clock.source,
+            source,
             force_in_world=settings.force_in_world,
             has_force=foot.has_force,
-            breaks=clock.breaks,
+            breaks=breaks,
         )
         for foot, own in zip(settings.feet, samples, strict=True)
     )
     poses = without_bad_stamps(recording.base, base_check) if on_stamps else recording.base
-    base = base_history(poses, clock.source, clock.breaks)
+    base = base_history(poses, source, breaks)
     leaning = leaning_walk_rad(base, feet)
     behind = offsets.get(settings.odometry_topic)
     return Corrected(

@@ -211,8 +211,8 @@ def _joints(
 def _asymmetry(settings: LegSettings, ranges: Mapping[str, float]) -> dict[str, float]:
     """Compare the usual ranges of joints that are alike, right against left."""
     indices = {
-        pair.name: symmetry_index_percent(ranges.get(pair.left), ranges.get(pair.right))
-        for pair in settings.pairs
+        name: symmetry_index_percent(ranges.get(left), ranges.get(right))
+        for name, (left, right) in settings.pairs.items()
     }
     return {name: index for name, index in indices.items() if index is not None}
 

@@ -105,7 +105,9 @@ def null_because(metrics: WalkMetrics, walk: Walk, findings: Sequence[Finding]) 
         findings: what makes metrics doubtful.
     """
     lacking, reasons = _lacking(walk), dict[str, str]()
-    nulls = [(path, field) for path, value, field in values(metrics, _has_needs) if value is None]
+    nulls = [
+        (path, field) for path, value, field in values(metrics) if value is None and field.of.needs
+    ]
     for path, field in sorted(nulls, key=lambda each: each[0][:2] == _SEGMENTS):
         below, name = path, ".".join(path)
         lacks = next(lacking[path[:size]] for size in (3, 2, 0) if path[:size] in lacking)
@@ -120,10 +122,6 @@ def null_because(metrics: WalkMetrics, walk: Walk, findings: Sequence[Finding]) 
         is_whole = below != path and below[-1] in _NOT_OF_SEGMENTS
         reasons[name] = WHOLE_ONLY if is_whole else _reason(below, field, lacks, findings)
     return reasons
-
-
-def _has_needs(field: Field) -> bool:
-    return bool(field.of.needs)
 
 
 def _reason(path: KeyPath, field: Field, lacks: Lacks, findings: Sequence[Finding]) -> str:

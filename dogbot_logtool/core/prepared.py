@@ -14,9 +14,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import AnyColumns, Flags, Floats, Ints, all_finite
+from dogbot_logtool.core.arrays import AnyColumns, Flags, Floats, all_finite
 from dogbot_logtool.core.base.poses import Odometry
-from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource, advancing, clock_at
 from dogbot_logtool.core.frames.transforms import lookup, track_of
 from dogbot_logtool.core.recording import Recording, has_own_stamps
@@ -54,13 +53,15 @@ def on_one_clock(recording: Recording, topic: str) -> tuple[Recording, tuple[Fin
     speed = float(stamp[-1] - stamp[0]) / float(log_time[-1] - log_time[0])
     if abs(speed - 1.0) <= SAME_SPEED:
         return recording, ()
+
+    def stamped_alike(columns: AnyColumns) -> AnyColumns:
+        own: Any = columns
+        return replace(own, stamp=clock_at(own.log_time, log_time, stamp))  # type: ignore[no-any-return]
+
     if base_is_stamped:
-        changed = replace(
-            recording, feet=tuple(_stamped(each, log_time, stamp) for each in recording.feet)
-        )
+        changed = replace(recording, feet=tuple(stamped_alike(each) for each in recording.feet))
     else:
-        own = clock_at(base.log_time, log_time, stamp)
-        changed = replace(recording, base=replace(base, stamp=own))
+        changed = replace(recording, base=stamped_alike(base))
     others, stamped_ones = ("feet", "odometry")[:: 1 if base_is_stamped else -1]
     finding = found(
         "CLOCK_OFFSET",
@@ -72,10 +73,6 @@ def on_one_clock(recording: Recording, topic: str) -> tuple[Recording, tuple[Fin
         speed=speed,
     )
     return changed, (finding,)
-
-
-def _stamped(samples: Samples, log_time: Ints, stamp: Ints) -> Samples:
-    return replace(samples, stamp=clock_at(samples.log_time, log_time, stamp))
 
 
 _SENSORS: Final = frozenset(

@@ -11,7 +11,7 @@ what a log must hold for it.
 
 import ast
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from fnmatch import fnmatchcase
 from functools import cache
@@ -150,54 +150,20 @@ KeyPath = tuple[str, ...]
 """Names of fields, keys and places in lists that lead to a value."""
 
 
-def every(_field: Field) -> bool:
-    """Choose all fields."""
-    return True
-
-
-def values(
-    record: Any,  # noqa: ANN401
-    chosen: Callable[[Field], bool] = every,
-    path: KeyPath = (),
-) -> Iterator[tuple[KeyPath, Any, Field]]:
-    """Yield path, value and field of the metrics that a record holds.
-
-    Args:
-        record: any record.
-        chosen: which fields; it is asked once for each type of records.
-        path: of the record.
-    """
-    kind: Any = type(record)
-    for field, leads_on in _fields_to(kind, chosen):
+def values(record: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any, Field]]:  # noqa: ANN401
+    """Yield path, value and field of the metrics that a record holds."""
+    for field in fields_of(type(record)):
         value, here = getattr(record, field.name), (*path, field.name)
-        for key, each in _items(field, value):
-            if leads_on and each is not None:
-                yield from values(each, chosen, (*here, *key))
-            elif not leads_on or chosen(field):
-                yield (*here, *key), each, field
-
-
-@cache
-def _fields_to(
-    record: Any,  # noqa: ANN401
-    chosen: Callable[[Field], bool],
-) -> tuple[tuple[Field, bool], ...]:
-    """List the fields that are chosen, or lead to such: with whether they hold records."""
-    found = [(field, is_record(field.inner)) for field in fields_of(record)]
-    return tuple(
-        (field, leads_on)
-        for field, leads_on in found
-        if chosen(field) or (leads_on and _fields_to(field.inner, chosen))
-    )
-
-
-def _items(field: Field, value: Any) -> Iterator[tuple[KeyPath, Any]]:  # noqa: ANN401
-    if field.kind == "map" and value is not None:
-        yield from (((name,), each) for name, each in value.items())
-    elif field.kind == "records" and value is not None:
-        yield from (((str(number),), each) for number, each in enumerate(value))
-    else:
-        yield (), value
+        items = [(here, value)]
+        if field.kind == "map" and value is not None:
+            items = [((*here, name), each) for name, each in value.items()]
+        elif field.kind == "records" and value is not None:
+            items = [((*here, str(number)), each) for number, each in enumerate(value)]
+        for key, each in items:
+            if is_record(type(each)):
+                yield from values(each, key)
+            else:
+                yield key, each, field
 
 
 def void(record: R, patterns: Sequence[str], prefix: str = "") -> R:

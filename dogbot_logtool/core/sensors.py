@@ -16,12 +16,13 @@ from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of, norm
 from dogbot_logtool.core.contact.contact_rule import HEAVILY_FILTERED, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import usual_interval_s
-from dogbot_logtool.core.corrections.modes import CONSTANT, two_modes
+from dogbot_logtool.core.corrections.modes import ALTERNATE, CONSTANT, PLAIN_OFFSET, two_modes
 from dogbot_logtool.core.corrections.sensor import (
     SURE,
     UNSURE,
+    Candidates,
     SensorLevel,
-    estimate_level,
+    estimate_levels,
     level_of,
     load_axis,
     run_numbers,
@@ -55,9 +56,19 @@ def with_sensors(settings: WalkSettings, feet: Sequence[Samples]) -> WalkSetting
     weight = settings.body_weight_n
     # A mass that is only guessed from the topics tells nothing of levels.
     trusted = None if settings.mass_is_assumed else weight
-    pairs = zip(settings.feet, feet, strict=True)
-    alone = [_level(foot, samples, takes=settings.takes_offsets) for foot, samples in pairs]
-    levels = weighed_levels(turned_levels(alone, trusted), trusted)
+
+    def levels_of(plain_offset: float) -> Levels:
+        pairs = zip(settings.feet, feet, strict=True)
+        takes = settings.takes_offsets
+        return chosen_levels([_levels(*each, plain_offset, takes=takes) for each in pairs], trusted)
+
+    levels = levels_of(PLAIN_OFFSET)
+    if trusted is not None and any(level.reason == ALTERNATE for level in levels):
+        # The lower of two alternating loads is none where only so all add up to the weight.
+        plain = levels_of(np.inf)
+        sums = weight_of_levels(plain), _recorded_n(plain)
+        miss, recorded_miss = (_miss(each, trusted) for each in sums)
+        levels = plain if miss <= WORSE and recorded_miss > 2.0 * WORSE else levels
     estimated = weight_of_levels(levels) if weight is None else None
     found = []
     for foot, level in zip(settings.feet, levels, strict=True):
@@ -77,46 +88,41 @@ def _is_stuck(level: SensorLevel) -> bool:
     return level.reason == CONSTANT and bool(level.loaded_n)
 
 
-def _level(foot: FootSettings, samples: Samples, *, takes: bool) -> SensorLevel:
+def _levels(
+    foot: FootSettings, samples: Samples, plain_offset: float, *, takes: bool
+) -> Candidates:
     """Estimate a foot's level, or take the one that is given.
 
     Args:
         foot: what is known of it.
         samples: as recorded.
+        plain_offset: see `estimate_levels`.
         takes: offsets that are not given are estimated.
     """
-    if foot.offset_n is None and (level := _zero(foot, samples)) is not None:
-        return level
-    if foot.offset_n is None and takes:
-        level = estimate_level(samples.log_time, samples.force)
-        if level.zero_in_swing or level.reason:
-            return level
-        return follow_level(samples.log_time, samples.force, level)
+    time, force = samples.log_time, samples.force
+    if foot.offset_n is None:
+        zero = SensorLevel(zero_in_swing=True, interval_s=usual_interval_s(time))
+        if foot.silent_in_swing:
+            # Its samples are those in contact only, and their mean is no mean over strides.
+            pressed = force[all_finite(force)]
+            level = zero_level(time, np.concatenate([np.zeros((len(pressed) + 3, 3)), pressed]))
+            return (replace(level or zero, mean_n=None),)
+        if not foot.has_force:
+            return (zero,)
+        likely, *others = estimate_levels(time, force, plain_offset)
+        if foot.lists_contacts and not likely.zero_in_swing and likely.mean_n is not None:
+            # A foot that is down throughout: its messages would say if it were not.
+            magnitude = norms(force)
+            mean = float(median_of(magnitude[np.isfinite(magnitude)]))
+            return (replace(zero, loaded_n=mean, mean_n=mean),)
+        if likely.zero_in_swing or (takes and likely.reason):
+            return (likely, *others)
+        if takes:
+            return (follow_level(time, force, likely), *others)
     offset = np.array([foot.offset_n or (0.0, 0.0, 0.0)])
-    rest = estimate_level(samples.log_time, samples.force - offset)
+    rest = estimate_levels(time, force - offset)[0]
     knots = np.zeros(1, np.int64)
-    return replace(rest, knots=knots, offset=offset, origin=foot.offset_from, reason="")
-
-
-def _zero(foot: FootSettings, samples: Samples) -> SensorLevel | None:
-    """Return the level of a foot whose sensor reads zero in swing; None: it does not."""
-    force = samples.force[all_finite(samples.force)]
-    interval_s = usual_interval_s(samples.log_time)
-    zero = SensorLevel(zero_in_swing=True)
-    if foot.silent_in_swing:
-        # Its samples are those in contact only, and their mean is no mean over strides.
-        level = zero_level(np.concatenate([np.zeros((len(force) + 3, 3)), force]), interval_s)
-        return replace(level or zero, mean_n=None)
-    if not foot.has_force:
-        return replace(zero, interval_s=interval_s)
-    if not len(force):
-        return None
-    level = zero_level(force, interval_s)
-    if level is None and foot.lists_contacts:
-        # A foot that is down throughout: its messages would say if it were not.
-        mean = float(median_of(norms(force)))
-        return replace(zero, loaded_n=mean, mean_n=mean, interval_s=interval_s)
-    return level
+    return (replace(rest, knots=knots, offset=offset, origin=foot.offset_from, reason=""),)
 
 
 def _without_forces(samples: Samples) -> bool:
@@ -162,43 +168,71 @@ def weight_of_levels(levels: Sequence[SensorLevel]) -> float | None:
     return total if known and len(known) == len(levels) and total > 0.0 else None
 
 
-def turned_levels(levels: Sequence[SensorLevel], weight_n: float | None) -> Levels:
-    """Decide which way loads turn what sensors read: alike on all feet, and to the weight.
+def chosen_levels(feet: Sequence[Candidates], weight_n: float | None) -> Levels:
+    """Decide which way loads turn what sensors read, alike on all feet, and which offsets hold.
+
+    Offsets that are only estimated are kept if they do not worsen the sum of all loads against the
+    weight. Where swings and stances are beyond doubt, so are the offsets: the mass is wrong then.
 
     Args:
-        levels: of all feet, each as its own samples show it.
+        feet: levels of each foot, as its own samples show them.
         weight_n: N, the robot's; None: not known.
     """
-    raises = sum(x.lead if x.raises else -x.lead for x in levels if x.opposite) >= 0.0
-    likely = tuple(
-        _opposite(level) if level.raises is not raises and level.lead < SURE else level
-        for level in levels
+    leads = [abs(each[0].fit - each[-1].fit) if len(each) > 1 else np.inf for each in feet]
+    votes = [x if each[0].raises else -x for each, x in zip(feet, leads, strict=True) if x < np.inf]
+    raises = sum(votes) >= 0.0
+    alike = [
+        _swapped(each, lead) if lead < SURE and each[0].raises is not raises else each
+        for each, lead in zip(feet, leads, strict=True)
+    ]
+    levels = _fitting(alike, leads, weight_n)
+    total, recorded_n = weight_of_levels(levels), _recorded_n(levels)
+    if weight_n is None or total is None:
+        return levels
+    if _miss(total, weight_n) <= _miss(recorded_n, weight_n) + WORSE:
+        return levels
+    if total < weight_n and any(level.limit_n is not None for level in levels):
+        # What a sensor cuts off is missing.
+        return levels
+    why = f"taking it off would make the loads add up to {total / weight_n:.2f} of the weight"
+    return tuple(
+        _without_offset(level, why)
+        if level.origin == "estimated" and not level.zero_in_swing and lead < SURE
+        else level
+        for level, lead in zip(levels, leads, strict=True)
     )
-    if all(level.opposite is None for level in likely):
+
+
+def _fitting(feet: Sequence[Candidates], leads: Sequence[float], weight_n: float | None) -> Levels:
+    """Choose between the levels of each foot by which add up to the weight, N.
+
+    Args:
+        feet: levels of each, the likely one first.
+        leads: how much better that fits than the other.
+        weight_n: N, the robot's; None: not known.
+    """
+    pairs = list(zip(feet, leads, strict=True))
+    likely, others = (tuple(each[row] for each in feet) for row in (0, -1))
+    unsure = [lead for each, lead in pairs if len(each) > 1]
+    if not unsure:
         return likely
-    others = (level.opposite and (level.opposite.alternative or level.opposite) for level in likely)
-    turned = tuple(other or level for other, level in zip(others, likely, strict=True))
-    miss, other_miss = (_miss(weight_of_levels(each), weight_n) for each in (likely, turned))
-    sure = all(level.lead >= SURE for level in likely if level.opposite)
-    if other_miss <= WORSE and miss > (FAR if sure else WORSE):
-        return tuple(_opposite(level) for level in likely)
+    miss, other_miss = (_miss(weight_of_levels(each), weight_n) for each in (likely, others))
+    if other_miss <= WORSE and miss > (FAR if min(unsure) >= SURE else WORSE):
+        return tuple(_swapped(*pair)[0] for pair in pairs)
     if miss <= WORSE < other_miss:
         return likely
     needed = SURE if miss > 2.0 * WORSE else UNSURE
     return tuple(
-        _without_offset(level, TURNED) if level.opposite and level.lead < needed else level
-        for level in likely
+        _without_offset(each[0], TURNED) if len(each) > 1 and lead < needed else each[0]
+        for each, lead in pairs
     )
 
 
-def _opposite(level: SensorLevel) -> SensorLevel:
-    """Turn a level; one that is too clear for that, or not clear then, is not known."""
-    other = level.opposite
-    if other is None:
-        return level
-    if other.reason or level.lead >= SURE:
-        return _without_offset(level, TURNED)
-    return replace(other, opposite=replace(level, opposite=None))
+def _swapped(levels: Candidates, lead: float) -> Candidates:
+    """Turn levels round; one that is too clear for that, or not clear then, is not known."""
+    if len(levels) > 1 and (levels[1].reason or lead >= SURE):
+        return (_without_offset(levels[0], TURNED),)
+    return levels[::-1]
 
 
 def _miss(total: float | None, weight_n: float | None) -> float:
@@ -207,36 +241,6 @@ def _miss(total: float | None, weight_n: float | None) -> float:
     NaN, which is neither more nor less than anything, where that is not known.
     """
     return np.nan if total is None or weight_n is None else abs(total / weight_n - 1.0)
-
-
-def weighed_levels(levels: Levels, weight_n: float | None) -> Levels:
-    """Take the lower of two alternating loads for none where only so all add up to the weight.
-
-    Offsets that are only estimated are kept if they do not worsen that sum. Where swings and
-    stances are beyond doubt, so are the offsets: the mass is wrong then.
-    """
-    if weight_n is None:
-        return levels
-    others = tuple(level.alternative or level for level in levels)
-    if any(level.alternative for level in levels):
-        after = _miss(weight_of_levels(others), weight_n)
-        if after <= WORSE and _miss(_recorded_n(others), weight_n) > 2.0 * WORSE:
-            levels = others
-    estimated = [
-        level.origin == "estimated" and not level.zero_in_swing and level.lead < SURE
-        for level in levels
-    ]
-    total = weight_of_levels(levels)
-    if total is None or _miss(total, weight_n) <= _miss(_recorded_n(levels), weight_n) + WORSE:
-        return levels
-    if total < weight_n and any(level.limit_n is not None for level in levels):
-        # What a sensor cuts off is missing.
-        return levels
-    why = f"taking it off would make the loads add up to {total / weight_n:.2f} of the weight"
-    return tuple(
-        _without_offset(level, why) if one else level
-        for level, one in zip(levels, estimated, strict=True)
-    )
 
 
 def _recorded_n(levels: Levels) -> float:
@@ -256,8 +260,7 @@ def _without_offset(level: SensorLevel, why: str) -> SensorLevel:
         loaded_n=None,
         origin="default",
         reason=why,
-        refuted=why,
-        opposite=None,
+        refuted=True,
     )
 
 
@@ -330,8 +333,7 @@ def follow_level(log_time: Ints, force: Floats, level: SensorLevel) -> SensorLev
         raises=level.raises,
         drift_n_per_min=None if bends else found.drift_n_per_min,
         moved_n=float(np.ptp(moves)),
-        lead=level.lead,
-        opposite=level.opposite,
+        fit=level.fit,
     )
 
 

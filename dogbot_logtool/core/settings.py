@@ -1,6 +1,7 @@
 """Settings of the figures: thresholds, mass, frames, clock."""
 
 from dataclasses import dataclass, field
+from math import pi
 from typing import Final
 
 from dogbot_logtool.core.contact.contact_rule import ContactRule, Thresholds, contact_rule
@@ -10,6 +11,8 @@ from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.leg_position import LegPosition, are_some_of
 
+FORWARD_ANGLES: Final = {"+x": 0.0, "+y": pi / 2.0, "-x": pi, "-y": -pi / 2.0}
+"""rad from the body's x axis to the axis that points forward."""
 GRAVITY_MPS2: Final = 9.81
 """Standard in simulators (Gazebo's default world has 9.8)."""
 
@@ -116,6 +119,11 @@ class WalkSettings:
     def clock(self) -> TimeSource:
         """The clock that is measured on."""
         return self.time_source or TimeSource.HEADER
+
+    @property
+    def forward_rad(self) -> float:
+        """From the body's x axis to the axis that points forward."""
+        return FORWARD_ANGLES[self.forward_axis]
 
     @property
     def body_weight_n(self) -> float | None:

@@ -8,7 +8,6 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, nearest_rows
-from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import POINT_RATE_HZ
@@ -178,7 +177,7 @@ def stability(
 def instants(
     feet: Sequence[FootHistory],
     base: BaseHistory,
-    forward_axis: str,
+    forward_rad: float,
     com_offset_m: Sequence[float],
 ) -> Instants | None:
     """Place base and feet at the first foot's samples; None where they have no time in common.
@@ -186,7 +185,7 @@ def instants(
     Args:
         feet: records of all feet.
         base: poses.
-        forward_axis: the body's axis that points forward.
+        forward_rad: from the body's x axis to the axis that points forward.
         com_offset_m: m, the centre of mass from the base's frame, in its axes.
     """
     if not feet or not len(base.time):
@@ -197,7 +196,7 @@ def instants(
     sampled = feet[0].track.time[timespans.covers(known, feet[0].track.time)]
     time = sampled[first_at_each_tick(sampled, POINT_RATE_HZ)]
     chunk = max(_CHUNK_NUMBERS // len(feet) ** 2, 1)
-    offset, forward_rad = np.array(com_offset_m, np.float64), FORWARD_ANGLES[forward_axis]
+    offset = np.array(com_offset_m, np.float64)
     parts = [
         _at(time[start : start + chunk], feet, base, forward_rad, offset)
         for start in range(0, len(time), chunk)

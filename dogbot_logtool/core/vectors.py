@@ -83,9 +83,9 @@ def vector_history(
     if len(kept.log_time):
         kept = _averaged(kept)
     time = kept.stamp if by_stamps else kept.log_time
-    if clock is TimeSource.HEADER and not by_stamps and base is not None and len(base.window):
-        middle = base.window * WINDOW_NS + WINDOW_NS // 2
-        time = clock_at(time, middle, middle - base.least_ns)
+    if clock is TimeSource.HEADER and not by_stamps and base is not None and len(base[0]):
+        middle = base[0] * WINDOW_NS + WINDOW_NS // 2
+        time = clock_at(time, middle, middle - base[1])
     goes_on = advancing(time)
     return VectorHistory(
         topic=topic,

@@ -3,10 +3,12 @@
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.falls import Tipping
 from dogbot_logtool.core.base.ground import MovingGround
-from dogbot_logtool.core.base.motion import BaseTrack
+from dogbot_logtool.core.base.motion import BaseTrack, base_motion
 from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps
 from dogbot_logtool.core.base.witness import Frozen, Witness
 from dogbot_logtool.core.consistency import Worlds
@@ -15,19 +17,19 @@ from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.gait.strides import typical_period_s
-from dogbot_logtool.core.gait.support import Standing, Support
+from dogbot_logtool.core.gait.support import Standing, Support, support
+from dogbot_logtool.core.heave import Delay
 from dogbot_logtool.core.known_frames import KnownFrames
-from dogbot_logtool.core.loads import WalkLoads
+from dogbot_logtool.core.loads import WalkLoads, loads_of
 from dogbot_logtool.core.metrics import Base, Stability, WalkMetrics
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.records import unknown
 from dogbot_logtool.core.settings import WalkSettings
-from dogbot_logtool.core.stability import Instants
+from dogbot_logtool.core.stability import Instants, stability
 from dogbot_logtool.finding import Finding
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.compared import CommandTrack, ImuComparison
-    from dogbot_logtool.core.heave import Delay
     from dogbot_logtool.core.legs.joints import LegFigures
     from dogbot_logtool.core.planned import PlannedFoot
 
@@ -71,7 +73,7 @@ class Walk:
     """Steps of each foot."""
     clocks_apart: frozenset[str]
     """Topics whose clocks are too far from the others' for figures of both."""
-    base_delay: "Delay | None"
+    base_delay: Delay | None
     """By how much the base comes after the forces that drive it; None: not known, or little."""
     worlds: Worlds | None
     """Position of the base among the feet; None without contact points."""
@@ -178,3 +180,34 @@ class Walk:
     def seconds(self, time: Ints) -> list[float]:
         """Return times as seconds since the origin, to the nanosecond."""
         return [each / 1e9 for each in (time - self.origin).tolist()]
+
+    def base_in(self, within: Ints) -> Base | None:
+        """Return how the base moved in a part of the log, (w, 2) ns."""
+        return base_motion(self.track, self.settings.forward_rad, within)
+
+    def support_in(self) -> Support | None:
+        """Return the support pattern; where one foot's state is not known, none is."""
+        return support(self.records) if self.contacts_known else None
+
+    def stability_in(self, within: Ints | None = None) -> Stability | None:
+        """Return the stability, where base and feet are on one clock and in one world."""
+        if self.instants is None:
+            return None
+        height_known = bool(np.isfinite(self.track.height_m).any())
+        vertical_known = self.vertical_known
+        return stability(
+            self.instants, within, vertical_known=vertical_known, height_known=height_known
+        )
+
+    def loads_in(self, within: Ints | None = None) -> WalkLoads:
+        """Return the loads of all feet over whole strides of the first foot that has any."""
+        own = [foot.strides for foot in self.feet if len(foot.strides.stance)]
+        strides = [each if within is None else each.within(within) for each in own[:1]]
+        return loads_of(
+            self.records,
+            self.settings.body_weight_n,
+            strides[0].spans if strides else None,
+            within,
+            mass_is_assumed=self.settings.mass_is_assumed,
+            lacks_feet=self.settings.lacks_feet,
+        )

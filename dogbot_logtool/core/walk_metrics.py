@@ -15,7 +15,6 @@ from dogbot_logtool.core.events.events import find_events
 from dogbot_logtool.core.gait.feet import foot_metrics
 from dogbot_logtool.core.gait.segments import no_gait, with_support
 from dogbot_logtool.core.loads import WalkLoads, share_of, symmetry_index_percent
-from dogbot_logtool.core.masks import base_in, loads_in, stability_in
 from dogbot_logtool.core.nulls import null_because
 from dogbot_logtool.core.records import copied, fields_of, unknown, void
 from dogbot_logtool.core.walk import Walk
@@ -82,8 +81,8 @@ def _of_span(walk: Walk, within: Ints | None = None) -> dict[str, Any]:
         for foot in walk.feet
     }
     if within is not None:
-        base, loads = base_in(walk, within), loads_in(walk, within)
-        stability = stability_in(walk, within)
+        base, loads = walk.base_in(within), walk.loads_in(within)
+        stability = walk.stability_in(within)
     else:
         for row, (name, foot) in enumerate(feet.items()):
             plan = walk.planned[row] if walk.planned else None

@@ -84,17 +84,13 @@ def stats_json(measured: Measurement, *, detail: bool = True) -> Json:
 
 def _without_detail(walk: WalkMetrics) -> WalkMetrics:
     """Return metrics without reasons of detail."""
-    detailed = {".".join(path) for path, _, _ in values(walk, _is_detail)}
+    detailed = {".".join(path) for path, _, field in values(walk) if field.is_detail}
     return replace(
         walk,
         null_because={
             path: reason for path, reason in walk.null_because.items() if path not in detailed
         },
     )
-
-
-def _is_detail(field: Field) -> bool:
-    return field.is_detail
 
 
 _SKIPPED: Final = ("not_finite", "no_position", "no_direction", "overflow")

@@ -18,8 +18,8 @@ from dogbot_logtool.reader.messages.message_type import is_named_as_planned
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.robot.names import ORDER, FootSet, label_names, leg_position, name_feet
+from dogbot_logtool.robot.offers import alternatives, foot_options
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.score import alternatives, foot_options
 from dogbot_logtool.robot.topics import (
     first_messages,
     is_planned,

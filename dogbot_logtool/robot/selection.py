@@ -20,6 +20,14 @@ from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.robot.base import choose_base
 from dogbot_logtool.robot.feet import assign_feet, channels_of_feet, check_topics, find_feet
 from dogbot_logtool.robot.names import FootSet
+from dogbot_logtool.robot.offers import (
+    call_of,
+    candidates_finding,
+    contact_findings,
+    own_definition_findings,
+    topics_finding,
+    unreadable_findings,
+)
 from dogbot_logtool.robot.robot import (
     GENERIC,
     Robot,
@@ -28,16 +36,12 @@ from dogbot_logtool.robot.robot import (
     robot_toml,
     with_settings,
 )
-from dogbot_logtool.robot.score import call_of, candidates_finding, topics_finding
 from dogbot_logtool.robot.topics import (
-    contact_findings,
     has_field,
     is_readable,
-    own_definition_findings,
     readable_topics,
     sources_of,
     split_topic,
-    unreadable_findings,
 )
 from dogbot_logtool.robot.unknown import find_candidates
 

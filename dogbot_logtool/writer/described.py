@@ -5,9 +5,11 @@ Slots have the names of the columns that are drawn.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import nan
 from typing import Final
 
-from dogbot_logtool.core.events.log_messages import EventMessage, GaitState
+from dogbot_logtool.core.events.event import LEVELS, WARNING, text_of
+from dogbot_logtool.core.metrics import Event, Gait
 from dogbot_logtool.writer.template import Literal, Of, Slot
 
 TF: Final = "tf2_msgs/msg/TFMessage"
@@ -93,27 +95,34 @@ def text(data: str) -> Described:
     return Described(STRING, {"data": data})
 
 
-def gait(state: GaitState) -> Described:
-    """Describe the gait from a time on."""
-    names = "gait", "stride_frequency_hz", "duty_factor", "phases"
-    values = {name: getattr(state, name) for name in names}
-    return Described(GAIT, {"stamp": time(state.time), **values})
+def gait(since: int, now: Gait) -> Described:
+    """Describe the gait from a time, ns, on; a number that is not known is NaN."""
+    means = (phase.mean for phase in now.phase.values())
+    rate, duty, *phases = (
+        nan if each is None else each for each in (now.stride_frequency_hz, now.duty_factor, *means)
+    )
+    numbers = {"stride_frequency_hz": rate, "duty_factor": duty, "phases": tuple(phases)}
+    return Described(GAIT, {"stamp": time(since), "gait": now.name or "unknown", **numbers})
 
 
-def event(happened: EventMessage) -> Described:
-    """Describe an event for log panels."""
+def event(onset: int, happened: Event) -> Described:
+    """Describe an event that begins at a time, ns, for log panels."""
     literal = {
-        "stamp": time(happened.time),
-        "level": 10 * happened.level,
-        "name": happened.source,
-        "msg": happened.text,
+        "stamp": time(onset),
+        "level": 10 * LEVELS.get(happened.type, WARNING),
+        "name": happened.foot or "robot",
+        "msg": text_of(happened),
         "file": _SOURCE,
     }
     return Described(LOG, literal)
 
 
-def span(happened: EventMessage) -> Described:
-    """Describe an event from its begin to its end."""
-    details = [{"key": key, "value": value} for key, value in happened.details.items()]
-    times = {"start_time": time(happened.time), "end_time": time(happened.end)}
+def span(onset: int, happened: Event) -> Described:
+    """Describe an event from its begin, ns, to its end."""
+    value = "" if happened.value is None else f"{happened.value:.9g}"
+    texts = {"type": happened.type, "foot": happened.foot, "value": value}
+    texts |= {"unit": happened.unit, "code": happened.code}
+    details = [{"key": key, "value": text} for key, text in texts.items() if text]
+    end = onset + round(happened.duration_s * 1e9)
+    times = {"start_time": time(onset), "end_time": time(end)}
     return Described(SPAN, {**times, "metadata": details})

@@ -1,6 +1,8 @@
 """Tables of a walk, against messages decoded one by one, and against the truth of sample logs."""
 
 import json
+import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,6 +12,7 @@ import dogbot_logtool as dl
 from tests.measured import walk_of
 from tests.oracles.conversion import sample_of
 from tests.oracles.recorded import ODOMETRY, contact_topic, decoded_log
+from tests.oracles.ros1_logs import mixed_contacts, write_bag
 from tests.paths import TROT, TROUBLED, WALK
 
 FOOT = "front_left"
@@ -43,6 +46,19 @@ def test_samples_are_what_was_recorded(walk: dl.Walk, foot: str) -> None:
         pytest.approx(places)
     )
     assert np.isnan(samples["point_x_m"][~touching]).all()
+
+
+def test_states_of_a_message_are_reduced_as_by_hand(tmp_path: Path) -> None:
+    log = write_bag(tmp_path / "log.bag", mixed_contacts())
+    found = dl.read(log, robot="dogbot").feet[FOOT]
+    nowhere = (math.nan,) * 3
+    for row, each in enumerate(decoded_log(log)[contact_topic(FOOT)]):
+        expected = sample_of(each.message, FOOT)
+        told = found.in_contact[row], found.in_world[row]
+        assert told == (expected.in_contact, expected.in_world)
+        for name in ("force", "position", "normal"):
+            wanted = getattr(expected, name) or nowhere
+            assert getattr(found, name)[row] == pytest.approx(wanted, rel=1e-6, nan_ok=True)
 
 
 def test_states_of_samples_follow_the_stances(walk: dl.Walk) -> None:

@@ -17,11 +17,8 @@ import pytest
 from dogbot_logtool.io import storage
 from tests import forked_cli
 from tests.oracles.small_logs import first_seconds
-from tests.paths import ROOT, SAMPLE_LOGS, WALK
+from tests.paths import ROOT, TROT, TROUBLED, WALK
 
-TROT, TROUBLED = (
-    first_seconds(SAMPLE_LOGS / f"dogbot_{name}.bag") for name in ("trot", "troubled")
-)
 LACKING = """
 import io, os, signal, sys, types
 for name in ("fork", "forkpty", "pread", "preadv", "fchown", "fchmod", "O_TMPFILE", "O_NONBLOCK",
@@ -132,7 +129,7 @@ def made(folder: Path, *words: object, code: int = 0, again: bool = False) -> di
 @pytest.fixture
 def logs(tmp_path: Path) -> Path:
     """A folder with two short logs and one of several batches."""
-    for log in (TROT, TROUBLED, WALK):
+    for log in (first_seconds(TROT), first_seconds(TROUBLED), WALK):
         shutil.copy(log, tmp_path / log.name)
     return tmp_path
 

@@ -19,8 +19,11 @@ from tests.oracles.small_logs import first_seconds
 from tests.paths import TROT, TROUBLED, WALK
 from tests.shell import Outcome, Shell
 
-SHORT = first_seconds(TROT, 4.0)
 TROTS = '[[rule]]\nfigure = "gait.name"\nequals = "trot"\nname = "it trots"\n'
+
+
+def short() -> Path:
+    return first_seconds(TROT, 4.0)
 
 
 def counts_of(path: Path) -> dict[str, int]:
@@ -77,13 +80,13 @@ def test_a_figure_is_the_same_for_any_jobs(shell: Shell) -> None:
 def test_check_ends_with_1_where_a_rule_is_broken_or_a_metric_unknown(shell: Shell) -> None:
     (shell.folder / "limits.toml").write_text(TROTS)
     check = ("check", "--limits", "limits.toml")
-    good = shell(*check, SHORT)
-    assert good == Outcome(0, f"GOOD     {SHORT}: 1 GOOD\n", "")
+    good = shell(*check, short())
+    assert good == Outcome(0, f"GOOD     {short()}: 1 GOOD\n", "")
     assert shell(*check, TROUBLED).code == 1
     (shell.folder / "lenient.toml").write_text(f'{TROTS}null = "pass"\n')
     assert shell("check", "--limits", "lenient.toml", TROUBLED).code == 0
     (shell.folder / "odd.bag").write_bytes(b"nothing")
-    words = (SHORT, WALK, "odd.bag", "--json", "--junit", "checked.xml", "--jobs", 1)
+    words = (short(), WALK, "odd.bag", "--json", "--junit", "checked.xml", "--jobs", 1)
     done = shell(*check, *words)
     assert done.code == 1
     assert [each.get("status") for each in done.json] == ["GOOD", "FAIL", None]
@@ -94,20 +97,20 @@ def test_check_ends_with_1_where_a_rule_is_broken_or_a_metric_unknown(shell: She
 
 
 def test_suggested_limits_pass_the_run_and_fail_another(shell: Shell) -> None:
-    (shell.folder / "limits.toml").write_text(shell("check", "--suggest", SHORT).out)
-    assert shell("check", "--limits", "limits.toml", SHORT).code == 0
+    (shell.folder / "limits.toml").write_text(shell("check", "--suggest", short()).out)
+    assert shell("check", "--limits", "limits.toml", short()).code == 0
     assert shell("check", "--limits", "limits.toml", WALK).code == 1
 
 
 def test_a_baseline_is_another_run(shell: Shell) -> None:
-    (shell.folder / "yesterday.json").write_text(shell("stats", "--json", SHORT).out)
+    (shell.folder / "yesterday.json").write_text(shell("stats", "--json", short()).out)
     limits = '[[rule]]\nfigure = "feet.*.duty_factor.median"\nbaseline = { by_percent = 5 }'
     (shell.folder / "limits.toml").write_text(limits)
     words = ("check", "--limits", "limits.toml")
-    assert shell(*words, SHORT, "--baseline", "yesterday.json").code == 0
+    assert shell(*words, short(), "--baseline", "yesterday.json").code == 0
     assert shell(*words, WALK, "--baseline", "yesterday.json").code == 1
-    assert "need --baseline" in shell(*words, SHORT).err
-    assert "stats LOG --json > FILE.json" in shell(*words, SHORT, "--baseline", TROT).err
+    assert "need --baseline" in shell(*words, short()).err
+    assert "stats LOG --json > FILE.json" in shell(*words, short(), "--baseline", TROT).err
 
 
 def test_tables_are_those_of_python_to_the_bit(shell: Shell) -> None:

@@ -17,8 +17,6 @@ from tests.shell import Shell
 MOST_MB: Final = 1000
 YEARS_NS: Final = 56 * 365 * 86400 * 10**9
 CONTACTS: Final = "gazebo_msgs/msg/ContactsState"
-WALK, ENTRIES = unpacked(TROT, 2)
-TOUCHES: Final = [each for each in ENTRIES if each.kind == CONTACTS]
 
 
 def run(folder: Path, *words: str) -> Ended:
@@ -38,16 +36,21 @@ def full_disk() -> Iterator[None]:
     resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
+def entries(kind: str = "") -> list[Entry]:
+    """The messages of the trot, or those of a type."""
+    return [each for each in unpacked(TROT, 2)[1] if kind in each.kind]
+
+
 def write(folder: Path, entries: Sequence[Entry]) -> Path:
-    return write_library_mcap(folder / "log.mcap", WALK, entries, 1_000_000)
+    return write_library_mcap(folder / "log.mcap", unpacked(TROT, 2)[0], entries, 1_000_000)
 
 
 def set_right() -> list[Entry]:
     """The clock of the recorder, which begins in 1970, is set right in the middle."""
-    half = len(ENTRIES) // 2
-    return ENTRIES[:half] + [
-        each._replace(log_time=each.log_time + YEARS_NS) for each in ENTRIES[half:]
-    ]
+    rows = entries()
+    half = len(rows) // 2
+    late = [each._replace(log_time=each.log_time + YEARS_NS) for each in rows[half:]]
+    return rows[:half] + late
 
 
 @pytest.mark.parametrize(
@@ -70,12 +73,12 @@ def test_a_clock_that_is_set_right_by_56_years_costs_nothing(tmp_path: Path, wor
 
 def many_states(states: int) -> list[Entry]:
     """A few messages of a foot, each with many contact states."""
-    of_foot = [each for each in ENTRIES if each.topic == TOUCHES[0].topic]
-    read: list[Any] = [WALK.store.deserialize_cdr(each.data, CONTACTS) for each in of_foot]
+    walk, touches = unpacked(TROT, 2)[0], entries(CONTACTS)
+    read: Iterator[Any] = (walk.store.deserialize_cdr(each.data, CONTACTS) for each in touches)
     full = next(message for message in read if message.states)
     full.states = [full.states[0]] * states
-    data, start = WALK.bytes_of(CONTACTS, full), ENTRIES[0].log_time
-    return [Entry(of_foot[0].topic, CONTACTS, start + 10_000_000 * n, data) for n in range(6)]
+    data, first = walk.bytes_of(CONTACTS, full), touches[0]
+    return [first._replace(log_time=first.log_time + 10_000_000 * n, data=data) for n in range(6)]
 
 
 @pytest.mark.parametrize("words", ["stats {log}", "convert {log} -o out.mcap"])
@@ -88,7 +91,7 @@ def test_thousands_of_contact_states_in_a_message_are_read_in_linear_time(
 
 
 def test_a_figure_of_one_message_says_what_the_log_lacks(tmp_path: Path) -> None:
-    log = write(tmp_path, TOUCHES[:1])
+    log = write(tmp_path, entries(CONTACTS)[:1])
     done = run(tmp_path, "stats", str(log), "--figure", "figure.svg")
     assert done.returncode == 1, done.stderr
     assert "--window" not in done.stderr

@@ -13,7 +13,6 @@ from tests.oracles.small_logs import first_seconds
 from tests.paths import ROOT, TROT, WALK
 from tests.shell import Shell
 
-SHORT = first_seconds(TROT)
 HEAVY = {"numpy", "rosbags", "rich", "mcap", "google.protobuf", "lz4", "zstandard"}
 SLOW = {"numpy.ma", "multiprocessing", "concurrent.futures", "asyncio", "jinja2"}
 WRITER = {"mcap", "dogbot_logtool.writer.template"}
@@ -28,11 +27,11 @@ DISTRIBUTIONS = {f"rosbags.typesys.stores.{each}" for each in ("ros1_noetic", "r
         (["stats", "--help"], HEAVY | SLOW),
         (["convert"], HEAVY | SLOW),
         (
-            ["stats", str(SHORT), "--json", "--jobs", "1"],
+            ["stats", "SHORT", "--json", "--jobs", "1"],
             SLOW | WRITER | DISTRIBUTIONS | {"rich", "tempfile"},
         ),
         (
-            ["convert", str(SHORT), "-o", "out.mcap", "-q", "--jobs", "1"],
+            ["convert", "SHORT", "-o", "out.mcap", "-q", "--jobs", "1"],
             SLOW | DISTRIBUTIONS | {"rich"},
         ),
     ],
@@ -40,8 +39,9 @@ DISTRIBUTIONS = {f"rosbags.typesys.stores.{each}" for each in ("ros1_noetic", "r
 def test_a_call_loads_only_what_it_needs(
     tmp_path: Path, words: list[str], unneeded: set[str]
 ) -> None:
+    call = [str(first_seconds(TROT)) if word == "SHORT" else word for word in words]
     done = subprocess.run(  # noqa: S603 - this program
-        [sys.executable, "-X", "importtime", "-m", "dogbot_logtool", *words],
+        [sys.executable, "-X", "importtime", "-m", "dogbot_logtool", *call],
         cwd=tmp_path,
         capture_output=True,
         text=True,

@@ -1,5 +1,7 @@
 """Conversion of logs in which something is missing or broken."""
 
+import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -16,13 +18,22 @@ from tests.oracles.recorded import (
     DESCRIPTION,
     FEET,
     ODOMETRY,
+    ODOMETRY_TYPE,
     TF_TYPE,
     S,
     arrow_topic,
     contact_topic,
     load_topic,
 )
-from tests.oracles.ros1_logs import small_walk, transform, write_bag, write_ros1_mcap
+from tests.oracles.ros1_logs import (
+    contact,
+    contacts,
+    odometry,
+    small_walk,
+    transform,
+    write_bag,
+    write_ros1_mcap,
+)
 from tests.oracles.walks import Entry
 
 
@@ -84,6 +95,37 @@ def test_a_malformed_message_costs_one_message(tmp_path: Path, kind: str) -> Non
     provenance = written.metadata[-1].metadata
     assert provenance["lost_messages"] == "1"
     assert contact_topic("front_left") in provenance["damage"]
+
+
+@pytest.mark.parametrize(
+    ("times_ms", "end_ms", "unknown_ms"),
+    [
+        ([10, 20, 30, 200, 210], 215, [40]),
+        (range(0, 1000, 10), 1000, []),
+        ([0, 10, 20], 500, [30]),
+        ([300, 310], 320, [0]),
+        (range(0, 4000, 200), 4500, []),
+        (range(0, 4000, 200), 6000, [4000]),
+    ],
+)
+def test_a_load_is_unknown_from_when_the_next_message_is_due(
+    tmp_path: Path, times_ms: Sequence[int], end_ms: int, unknown_ms: list[int]
+) -> None:
+    """It is known from the log's first time on if the first message is near to that."""
+    state, start = contact((0.0, 0.0, 50.0)), 10 * S
+    topics = [(ODOMETRY, ODOMETRY_TYPE, [0, end_ms])]
+    topics.append((contact_topic("front_left"), CONTACTS_TYPE, [*times_ms]))
+    entries = [
+        Entry(topic, kind, time, odometry(time) if topic == ODOMETRY else contacts(time, state))
+        for topic, kind, times in topics
+        for time in (start + 1_000_000 * each for each in times)
+    ]
+    _, written = done(write_bag(tmp_path / "log.bag", sorted(entries, key=lambda e: e.log_time)))
+    loads = written_loads(written, "front_left", "foxglove")
+    unknown = [load for load in loads if load.state == "unknown"]
+    assert all(math.isnan(load.force) for load in unknown)
+    assert [(load.log_time - start) // 1_000_000 for load in unknown] == unknown_ms
+    assert loads[0].log_time == start
 
 
 def test_transforms_that_cannot_be_decoded_are_counted(tmp_path: Path) -> None:

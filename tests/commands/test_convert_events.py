@@ -29,6 +29,16 @@ def troubled_events() -> list[dict[str, Any]]:
     return [{**each, "log_time": origin + round(each["onset_s"] * 1e9)} for each in found]
 
 
+def log_line(event: dict[str, Any]) -> str:
+    """What a log panel shows behind the source: each fact once."""
+    parts = [event["type"].replace("_", " ")]
+    if event["value"] is not None:
+        parts.append(f"{event['value']:.3g} {event['unit']}")
+    if event["duration_s"] and event["unit"] != "s":
+        parts.append(f"for {event['duration_s']:.3f} s")
+    return ", ".join([*parts, *filter(None, [event["code"]])])
+
+
 @pytest.mark.parametrize(
     ("encoding", "text", "warning"),
     [("foxglove", "message", 3), ("ros1", "msg", 4), ("ros2", "msg", 30)],
@@ -39,7 +49,7 @@ def test_every_event_is_a_log_message_at_its_log_time(
     found = messages_of(folder, TROUBLED, encoding, "/events")
     for (log_time, message), event in zip(found, troubled_events(), strict=True):
         assert log_time == event["log_time"]
-        assert getattr(message, text).startswith(event["type"].replace("_", " "))
+        assert getattr(message, text) == log_line(event)
         assert message.name == (event["foot"] or "robot")
         assert (message.level >= warning) is (event["type"] not in STEPS)
 

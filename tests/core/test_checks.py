@@ -3,8 +3,8 @@
 import ast
 import sys
 from collections.abc import Iterator
-from dataclasses import replace
 from fnmatch import fnmatchcase
+from pathlib import Path
 from string import Formatter
 from typing import Any, get_args, get_type_hints
 
@@ -14,70 +14,61 @@ import pytest
 from dogbot_logtool.core.base.comparison import Comparison
 from dogbot_logtool.core.base.falls import Tipping
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.checks.engine import findings_of, questions_of, void_columns
+from dogbot_logtool.core.checks.engine import void_columns
 from dogbot_logtool.core.compared import ForceComparison, ImuComparison
 from dogbot_logtool.core.consistency import Worlds
-from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import ClockDifference
 from dogbot_logtool.core.heave import Delay
 from dogbot_logtool.core.loads import WalkLoads
-from dogbot_logtool.core.metrics import Base, Check, Gait, Stride, WalkMetrics
+from dogbot_logtool.core.metrics import Base, Gait, Stride, WalkMetrics
 from dogbot_logtool.core.planned import PlannedFoot
 from dogbot_logtool.core.quality import TopicQuality
 from dogbot_logtool.core.records import fields_of, metric_paths
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.vectors import VectorHistory
-from dogbot_logtool.core.walk import Walk as MeasuredWalk
 from dogbot_logtool.finding import Finding, FindingKind, Severity, finding_kinds, found
-from tests.analysed import analysed
 from tests.paths import ROOT
-from tests.truth import core_columns, scenes, walking
+from tests.truth import scenes
+from tests.truth.outcome import outcome
+from tests.truth.recording import Disturbance, disturbed
 from tests.truth.sequences import then
-
-WALK = walking.Walk(seconds=16.0).recorded()
-SETTINGS = core_columns.stats_settings(WALK)
-
-
-def feet() -> list[Samples]:
-    return [core_columns.foot_samples(WALK, foot) for foot in range(4)]
+from tests.truth.time_faults import late_clock
+from tests.truth.walking import Walk
 
 
-def measure(samples: list[Samples]) -> MeasuredWalk:
-    return analysed(SETTINGS, samples, core_columns.odometry(WALK))
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("logs")
 
 
-def checks(stats: MeasuredWalk) -> tuple[Check, ...]:
-    return questions_of(stats, findings_of(stats))
+def checks(folder: Path, *faults: Disturbance, seconds: float = 16.0) -> dict[str, dict[str, Any]]:
+    """What is checked of a walk, by name."""
+    found = outcome(disturbed(Walk(seconds=seconds).recorded(), *faults), folder)
+    return {check["name"]: check for check in found.json["quality"]["checks"]}
 
 
-def test_a_sound_walk_passes_every_check() -> None:
-    found = {check.name: check.outcome for check in checks(measure(feet()))}
+def test_a_sound_walk_passes_every_check(folder: Path) -> None:
+    found = {name: check["outcome"] for name, check in checks(folder).items()}
     for name in ("the legs move as the feet step", "nothing contradicts the accelerometer"):
         assert found.pop(name) == "does not apply"
     assert set(found.values()) == {"passed"}
 
 
-def test_a_failed_check_names_its_finding() -> None:
-    stats = measure([replace(each, stamp=each.stamp + 200_000_000) for each in feet()])
-    (failed,) = [check for check in checks(stats) if check.outcome == "failed"]
-    assert failed.name == "all topics have one clock"
-    assert "/odom" in (failed.reason or "")
+def test_a_failed_check_names_its_finding(folder: Path) -> None:
+    found = checks(folder, late_clock(0.2)).values()
+    (failed,) = [check for check in found if check["outcome"] == "failed"]
+    assert failed["name"] == "all topics have one clock"
+    assert "/odom" in failed["reason"]
 
 
-def test_too_short_a_log_leaves_clocks_unchecked() -> None:
-    short = [each.pick(each.stamp < each.stamp[0] + 400_000_000) for each in feet()]
-    made = {check.name: check.outcome for check in checks(measure(short))}
-    assert made["all topics have one clock"] == "not made"
+def test_too_short_a_log_leaves_clocks_unchecked(folder: Path) -> None:
+    assert checks(folder, seconds=0.4)["all topics have one clock"]["outcome"] == "not made"
 
 
-def test_an_empty_log_is_measured_without_complaint() -> None:
-    stats = analysed(SETTINGS)
-    assert stats.main is None
-    assert {"NO_MESSAGES", "CLASS_UNKNOWN"} <= {each.code for each in findings_of(stats)}
-
-
-def test_every_warning_about_metrics_says_which_checks_fail_and_every_check_can_fail() -> None:
+def test_every_warning_about_metrics_says_which_checks_fail_and_every_check_can_fail(
+    folder: Path,
+) -> None:
     of_pictures = {"Frames and transforms", "Arrows and support"}
     failing = set()
     for code, kind in finding_kinds().items():
@@ -85,13 +76,12 @@ def test_every_warning_about_metrics_says_which_checks_fail_and_every_check_can_
         assert (kind.fails is not None) or not is_about_metrics, code
         failing |= {*(kind.fails or ())}
         failing |= {name for case in kind.cases.values() for name in case.fails or ()}
-    assert failing == {check.name for check in checks(measure(feet()))}
+    assert failing == checks(folder).keys()
 
 
-def test_the_weight_that_the_belly_of_a_robot_takes_is_no_load_taken_off() -> None:
-    walk, sits = walking.Walk(seconds=12.0).recorded(250.0), scenes.sitting_down().recorded(250.0)
-    found = findings_of(core_columns.measure(then(walk, sits)))
-    assert "PAYLOAD" not in {each.code for each in found}
+def test_the_weight_that_the_belly_of_a_robot_takes_is_no_load_taken_off(folder: Path) -> None:
+    walk, sits = Walk(seconds=12.0).recorded(250.0), scenes.sitting_down().recorded(250.0)
+    assert not outcome(then(walk, sits), folder).says("PAYLOAD")
 
 
 PATHS = [

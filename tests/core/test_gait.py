@@ -54,41 +54,6 @@ def test_textbook_gaits(phases: tuple[float, ...], name: str, sequence: str | No
     assert (gait.name, gait.sequence) == (name, sequence)
 
 
-GAITS = (
-    (0.0, 0.5, 0.5, 0.0),
-    (0.0, 0.5, 0.03, 0.52),
-    (0.0, 0.5, 0.75, 0.25),
-    (0.0, 0.48, 0.27, 0.74),
-    (0.5, 0.5, 0.0, 0.0),
-    (0.45, 0.6, 0.0, 0.0),
-    (0.5, 0.65, 0.0, 0.15),
-    (0.5, 0.65, 0.15, 0.0),
-    (0.65, 0.33, 0.33, 0.0),
-    (0.0, 0.03, 0.01, 0.98),
-    (0.0, 0.3, 0.1, 0.7),
-)
-
-
-@pytest.mark.parametrize("phases", GAITS)
-def test_a_gait_and_its_mirror_image_are_one_class(phases: tuple[float, ...]) -> None:
-    front_left, front_right, back_left, back_right = phases
-    one = classify(phases, SURE, 0.4)
-    mirrored = classify((front_right, front_left, back_right, back_left), SURE, 0.4)
-    assert (one.name, one.sequence, one.nearest_name) == (
-        mirrored.name,
-        mirrored.sequence,
-        mirrored.nearest_name,
-    )
-    assert one.class_distance == pytest.approx(mirrored.class_distance)
-
-
-@pytest.mark.parametrize("phases", GAITS)
-@pytest.mark.parametrize("reference", range(4))
-def test_any_foot_may_be_the_reference(phases: tuple[float, ...], reference: int) -> None:
-    shifted = (np.array(phases) - phases[reference]) % 1.0
-    assert classify(shifted.tolist(), SURE, 0.6) == classify(phases, SURE, 0.6)
-
-
 def test_an_amble_has_no_flight() -> None:
     single_foot = (0.0, 0.5, 0.75, 0.25)
     assert classify(single_foot, SURE, 0.4, 0.0).name == "amble"

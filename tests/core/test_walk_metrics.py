@@ -1,6 +1,5 @@
 """The records of metrics, what is made of them, and why some are null."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -28,15 +27,11 @@ from dogbot_logtool.core.records import (
     values,
     void,
 )
-from dogbot_logtool.core.settings import WalkSettings
-from dogbot_logtool.core.walk import Walk as MeasuredWalk
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import schema
-from tests.analysed import analysed
 from tests.measured import LogFacts, measured, measurement_of
 from tests.paths import TROT, TROUBLED
-from tests.truth import core_columns
+from tests.truth.outcome import outcome
 from tests.truth.walking import Walk
 
 SUFFIXES = {
@@ -127,14 +122,6 @@ def test_what_matches_a_pattern_becomes_null_in_the_log_and_in_its_segments() ->
         assert part.feet["right"] == walk().feet["right"]
 
 
-def straight(seconds: float = 12.0) -> MeasuredWalk:
-    return core_columns.measure(Walk(seconds=seconds).recorded())
-
-
-def metrics(walk: MeasuredWalk, findings: Sequence[Finding] = ()) -> WalkMetrics:
-    return measurement_of(walk, LogFacts(findings=findings)).metrics
-
-
 def nulls(walk: WalkMetrics) -> set[str]:
     """Paths of the metrics that are null though a log may have them."""
     found = [(path, field) for path, value, field in values(walk) if value is None]
@@ -142,20 +129,18 @@ def nulls(walk: WalkMetrics) -> set[str]:
 
 
 @pytest.mark.parametrize("seconds", [3.0, 10.0])
-def test_few_strides_are_little_confidence(seconds: float) -> None:
-    gait = metrics(straight(seconds)).gait
+def test_few_strides_are_little_confidence(tmp_path: Path, seconds: float) -> None:
+    gait = outcome(Walk(seconds=seconds).recorded(), tmp_path).json["gait"]
 
-    assert gait.name == "trot"
-    assert gait.class_distance is not None
-    assert gait.strides
-    least = min(phase.consistency or 0.0 for phase in gait.phase.values())
-    fit = (1.0 - gait.class_distance / 0.2) * least
-    assert gait.confidence == pytest.approx(fit * min(1.0, gait.strides / 3))
+    assert gait["name"] == "trot"
+    least = min(phase["consistency"] or 0.0 for phase in gait["phase"].values())
+    fit = (1.0 - gait["class_distance"] / 0.2) * least
+    assert gait["confidence"] == pytest.approx(fit * min(1.0, gait["strides"] / 3))
 
 
 def test_a_finding_voids_metrics_of_the_log_and_of_its_segments() -> None:
     doubt = Finding("DEAD", "it is dead", "feet.front_left", feet=("front_left",))
-    walk = metrics(straight(), [doubt])
+    walk = measurement_of(measured(TROT).walk, LogFacts(findings=[doubt])).metrics
 
     for feet in (walk.feet, *(each.feet for each in walk.gait.segments)):
         assert feet["front_left"].stance_s is None
@@ -166,7 +151,7 @@ def test_a_finding_voids_metrics_of_the_log_and_of_its_segments() -> None:
 
 @pytest.mark.parametrize("log", [TROT, TROUBLED], ids=lambda path: path.stem)
 def test_every_null_has_a_reason(log: Path) -> None:
-    walk = measured(log, MeasureOptions()).metrics
+    walk = measured(log).metrics
     of_whole = {path for path in nulls(walk) if not path.startswith("gait.segments.")}
 
     assert of_whole == {p for p in walk.null_because if not p.startswith("gait.segments.")}
@@ -175,8 +160,8 @@ def test_every_null_has_a_reason(log: Path) -> None:
         assert path in walk.null_because or below in walk.null_because
 
 
-def test_reasons_are_what_the_log_lacks() -> None:
-    because = metrics(straight()).null_because
+def test_reasons_are_what_the_log_lacks(tmp_path: Path) -> None:
+    because = outcome(Walk(seconds=12.0).recorded(), tmp_path).json["null_because"]
 
     assert because["legs.absolute_work_j"] == NEEDS["joints"]
     assert because["feet.front_left.clearance_m"] == NEEDS["foot frame"]
@@ -185,10 +170,3 @@ def test_reasons_are_what_the_log_lacks() -> None:
     assert because["imu.tilt_rad"] == NEEDS["imu"]
     assert because["gait.double_support_fraction"] == NEEDS["two feet"]
     assert because["gait.sequence"] == "does not apply"
-
-
-def test_of_a_log_without_feet_that_is_the_reason() -> None:
-    because = metrics(analysed(WalkSettings(()))).null_because
-
-    assert {because["gait.name"], because["forces.load_share.fore"]} == {NEEDS["feet"]}
-    assert because["base.path_length_m"] == NEEDS["base"]

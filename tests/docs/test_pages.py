@@ -41,7 +41,7 @@ def test_every_metric_is_measured_of_some_log(tmp_path: Path) -> None:
     log = write_log(commanded_walk(robot, robot.commands()), tmp_path / "commanded.mcap")
     documents.append(figures(log))
     walk = Walk(gait=WALK, seconds=12.0).recorded(200.0, 100.0)
-    sensed = with_imu(pushed(walk, (0.6, 0.3, 0.0), 5.0))
+    sensed = with_imu()(pushed((0.6, 0.3, 0.0), 5.0)(walk))
     log = write_log(sensed, tmp_path / "sensed.mcap")
     documents.append(dl.measure(log, mass=20.0, set={"wrench_frame": "world"}).stats)
     goldens = SAMPLE_LOGS.glob("golden/*.stats.json")

@@ -138,6 +138,31 @@ def odd_contacts() -> Iterator[Entry]:
         yield Entry(topic, CONTACTS_TYPE, time, contacts(time, *states))
 
 
+def mixed_contacts() -> Iterator[Entry]:
+    """Yield messages of several states: of either side or of others, of two physics steps."""
+    rng, topic = np.random.default_rng(11), contact_topic("front_left")
+    for number in range(400):
+        time = START + number * 10_000_000
+        states = [_mixed(rng, time) for _ in range(rng.integers(4))]
+        yield Entry(topic, CONTACTS_TYPE, time, contacts(time, *states))
+
+
+def _mixed(rng: np.random.Generator, time: int) -> dict[str, Any]:
+    points = rng.uniform(-5.0, 5.0, (rng.integers(4), 3))
+    count = len(points) if rng.random() < 0.7 else rng.integers(5)
+    forces = rng.normal(0.0, 90.0, (count, 3)) * (rng.random() < 0.8)
+    foot = "front_left" if rng.random() < 0.8 else "back_left"
+    info = f"my geom:a   other geom:b         time:{time / S - rng.integers(2):.9f}\n"
+    state = contact(tuple(rng.normal(0.0, 90.0, 3)), foot, tuple(map(tuple, points)), info)
+    if rng.random() < 0.3:
+        swapped = state["collision2_name"], state["collision1_name"]
+        state |= dict(zip(("collision1_name", "collision2_name"), swapped, strict=True))
+    if rng.random() < 0.1:
+        state["total_wrench"] = [(np.nan, 0.0, np.inf)]
+    normals = rng.normal(0.0, 1.0, (rng.integers(4), 3))
+    return {**state, "wrenches": [[force] for force in forces], "contact_normals": list(normals)}
+
+
 BASE: Final = (1.0, 2.0, 0.5)
 """m, place of the standing robot's base in the world; it is not turned."""
 FEET: Final = {

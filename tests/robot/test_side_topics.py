@@ -94,7 +94,7 @@ def test_tracking_is_null_where_the_odometry_loses_its_way(tmp_path: Path) -> No
 
 
 def sensed_walk(**changes: Any) -> Recording:
-    return with_imu(Walk(gait=WALK, seconds=10.0).recorded(200.0, 100.0), **changes)
+    return with_imu(**changes)(Walk(gait=WALK, seconds=10.0).recorded(200.0, 100.0))
 
 
 def warnings_of(stats: Any) -> list[str]:

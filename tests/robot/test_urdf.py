@@ -224,7 +224,7 @@ def test_circles_and_second_parents_are_left_out() -> None:
 )
 def test_the_nose_is_at_the_front(axis: str, x: int, y: int) -> None:
     shape = RobotShape(axis, {}, 0.5, 0.5)
-    text = primitive_urdf(Robot("r & <co>", mass_kg=12.0), Skeleton("base", {}, ()), shape)
+    text = primitive_urdf(Robot("r & <co>", mass_kg=12.0), Skeleton("base", {}, {}), shape)
     robot = ET.fromstring(text)  # noqa: S314
     body, nose = robot.findall("link/visual")
     place = [float(number) for number in nose.find("origin").get("xyz").split()]  # type: ignore[union-attr]

@@ -4,8 +4,10 @@ from itertools import chain
 
 from tests.truth import (
     base_cases,
+    event_cases,
     foot_cases,
     gait_cases,
+    imu_cases,
     other_cases,
     pose_cases,
     sensor_cases,
@@ -45,6 +47,11 @@ def groups() -> dict[str, tuple[Case, ...]]:
         "No steps": other_cases.no_steps,
         "No foot on the ground": other_cases.in_the_air,
         "A walk, and then": other_cases.sequences,
+        "Changes of the gait": event_cases.gait_changes,
+        "Events": event_cases.planned,
+        "Falls, and what looks like one": event_cases.falls,
+        "Accelerometers": imu_cases.sound,
+        "Accelerometers at fault": imu_cases.odd,
     }
     return {name: tuple(cases()) for name, cases in subjects.items()}
 

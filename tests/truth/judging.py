@@ -1,8 +1,8 @@
 """Is a result right, or null with its cause named? Every figure against the truth."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final, Literal, Protocol
+from typing import Any, Final, Literal, Protocol
 
 import numpy as np
 
@@ -39,6 +39,34 @@ class Tolerance:
     """Of the stride length."""
 
 
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happens in a log beside steps."""
+
+    type: str
+    onset_s: float
+    within_s: float = 0.02
+    """Of the onset and of the duration."""
+    foot: str | None = None
+    code: str | None = None
+    """None: any."""
+    duration_s: float | None = None
+    value: tuple[float, float] | None = None
+    """And how far it may be off."""
+
+    def is_told_by(self, event: Mapping[str, Any]) -> bool:
+        """Tell whether an event of the JSON is this one."""
+        size, within = self.value or (event["value"], 0.0)
+        lasts_s = event["duration_s"] if self.duration_s is None else self.duration_s
+        return (
+            (event["type"], event["foot"]) == (self.type, self.foot)
+            and self.code in {None, event["code"]}
+            and abs(event["onset_s"] - self.onset_s) <= self.within_s
+            and abs(event["duration_s"] - lasts_s) <= self.within_s
+            and (self.value is None or abs(event["value"] - size) <= within)
+        )
+
+
 class Recordable(Protocol):
     """A walk, a scene, or several of them."""
 
@@ -68,11 +96,18 @@ class Case:
     judged."""
     shifted: bool = False
     """Whether the feet's clock is another one: times of events may differ by a constant."""
+    events: tuple[Event, ...] | None = None
+    """Beside steps and falls; None: without faults there are none, else they are not judged."""
 
     @property
     def excuse(self) -> str:
         """Pattern of the findings that excuse nulls."""
         return self.says if self.cause is None else self.cause
+
+    @property
+    def happens(self) -> tuple[Event, ...] | None:
+        """Events that must be found, and no others; None: any may be."""
+        return () if self.events is None and not self.faults else self.events
 
     @property
     def skipped(self) -> frozenset[str]:
@@ -99,6 +134,11 @@ class Judged:
     why: str = ""
 
 
+STEPS: Final = {"touchdown", "lift_off"}
+SENSOR_FAULTS: Final = {"STUCK", "DEAD", "STOPPED", "SATURATED", "SPIKES"}
+"""Findings of which events tell, too."""
+FALL_S: Final = 0.1
+FALLS: Final = "the robot falls"
 SILENCE: Final = r"GAPS|SILEN"
 """Pattern of findings that name silences, in which events are not known."""
 HIDDEN: Final = 0.1
@@ -119,6 +159,7 @@ def judge(case: Case, recording: Recording, found: Outcome) -> list[Judged]:
     """Judge all figures of a case."""
     recording = _measured_feet(recording, found)
     judged = [*_gait(case, recording.truth, found), *_verdict(case, recording.truth, found)]
+    judged += _odd_events(case, recording.truth, found)
     walks = recording.truth.feet[0].stride_period_s is not None
     judged += _walk(case, recording, found) if walks else _no_steps(recording, found)
     judged += _whole(case, recording, found)
@@ -178,13 +219,38 @@ def _verdict(case: Case, truth: Truth, found: Outcome) -> Iterator[Judged]:
         yield Judged("finding", case.says, ", ".join(said) or f"none of [{codes}]", status)
     if not case.says and not case.excuse:
         yield Judged("verdict", "OK", f"{found.quality} [{codes}]", _right(found.quality == "OK"))
-    fell = bool(found.says("the robot falls"))
-    if truth.falls_s or fell:
-        falls = bool(truth.falls_s)
-        yield Judged("fall", str(falls), str(fell), _right(fell == falls))
+    fell = [each["onset_s"] for each in found.figure("events") if each["type"] == "fall"]
+    near = all(abs(a - b) <= FALL_S for a, b in zip(fell, truth.falls_s, strict=False))
+    is_right = near and len(fell) == len(truth.falls_s) and bool(fell) == bool(found.says(FALLS))
+    yield Judged("fall", _joined(truth.falls_s), _joined(fell), _right(is_right))
     if truth.falls_s:
         reported = "fall" in found.headline.lower() or "fell" in found.headline.lower()
         yield Judged("headline", "fall", found.headline, _right(reported))
+
+
+def _odd_events(case: Case, truth: Truth, found: Outcome) -> Iterator[Judged]:
+    """Judge what happens beside steps and falls, but for feet that a seam moves at once."""
+    events: list[Any] = [each for each in found.figure("events") if each["type"] not in STEPS]
+    faulty = {each["code"] for each in events if each["type"] == "sensor_fault"}
+    named = {each["code"] for each in found.findings()} & SENSOR_FAULTS
+    yield Judged(
+        "faulty sensors", _joined(sorted(named)), _joined(sorted(faulty)), _right(named == faulty)
+    )
+    if case.happens is None:
+        return
+
+    unjudged = {"fall", "sensor_fault", *(["margin_below_zero"] if truth.leaves_polygon else [])}
+
+    def is_odd(event: Mapping[str, Any]) -> bool:
+        moved = any(abs(event["onset_s"] - seam) < 0.02 for seam in truth.seams_s)
+        return event["type"] not in unjudged and not (event["foot"] and moved)
+
+    odd = list(filter(is_odd, events))
+    pairs = zip(case.happens, odd, strict=False)
+    is_right = len(odd) == len(case.happens) and all(a.is_told_by(b) for a, b in pairs)
+    told = [f"{each['type']} of {each['foot']} at {each['onset_s']:.3f} s" for each in odd]
+    true = [f"{each.type} of {each.foot} at {each.onset_s:.3f} s" for each in case.happens]
+    yield Judged("events", _joined(true), _joined(told), _right(is_right))
 
 
 def _no_steps(recording: Recording, found: Outcome) -> Iterator[Judged]:
@@ -248,6 +314,8 @@ def _whole(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]
         ("slope", "base.slope_rad", abs(truth.slope_rad), 0.01),
         ("pitch", "base.pitch_rad.mean", truth.pitch_rad, 0.01),
         ("climb", "base.climb_m", truth.climb_m, 0.05),
+        ("accelerometer", "imu.accelerometer_mps2", truth.felt_mps2, 0.1),
+        ("forces over it", "imu.forces_over_accelerometer", truth.felt_mps2 and 1.0, 0.01),
     )  # fmt: skip
     for name, key, true, allowed in wanted:
         if true is None or ("margin" in name and recording.kind in {"wrench", "spot"}):

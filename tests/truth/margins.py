@@ -3,27 +3,24 @@
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
 from tests.truth.recording import Flags, Floats
 
 Point = tuple[float, float]
 
 
-def mean_margin(feet: Floats, down: Flags, body: Floats) -> float | None:
-    """Return the mean margin over the times with three feet down; None without any.
+def margins(feet: Floats, down: Flags, body: Floats) -> list[float]:
+    """Return the margins at the times with three feet down.
 
     Args:
         feet: (n, feet, 2) m.
         down: (n, feet).
         body: (n, 2) m.
     """
-    found = [
+    return [
         margin(hull([tuple(point) for point in standing[is_down].tolist()]), tuple(at.tolist()))
         for standing, is_down, at in zip(feet, down, body, strict=True)
         if is_down.sum() >= 3
     ]
-    return float(np.mean(found)) if found else None
 
 
 def hull(points: Sequence[Point]) -> list[Point]:

@@ -83,8 +83,8 @@ def _foot_topics(recording: Recording) -> Mapping[str, str] | None:
 def outcome(recording: Recording, folder: Path) -> Outcome:
     """Write a recording into a log, and measure that."""
     path = write_log(recording, folder / "log.mcap")
-    mass_kg = recording.given.get("mass_kg", recording.robot.mass_kg)
-    found = measured_log(path, MeasureOptions(mass=mass_kg, foot=_foot_topics(recording)))
+    options = {"mass": recording.robot.mass_kg, "foot": _foot_topics(recording)}
+    found = measured_log(path, MeasureOptions(**{**options, **recording.given}))
     path.unlink()
     return found
 

@@ -100,6 +100,12 @@ def rarely(base: BaseRecording, rate_hz: float) -> BaseRecording:
 
 
 @of_base
+def silent(base: BaseRecording, from_s: float, until_s: float = np.inf) -> BaseRecording:
+    """Let no messages come for a while."""
+    return base.pick((base.time < from_s) | (base.time >= until_s))
+
+
+@of_base
 def scaled(base: BaseRecording, factor: float, *, with_twist: bool = True) -> BaseRecording:
     """Let positions be in another unit, the twist too unless it is a sensor of its own."""
     velocity = base.velocity * (factor if with_twist else 1.0)

@@ -72,10 +72,15 @@ class Truth:
     impulse_over_weight: float | None = 1.0
     static_margin_m: float | None = None
     """Mean, of the base's ground projection, while three feet are down."""
+    leaves_polygon: bool = False
+    """Whether the base's projection is outside of three feet that are down, at some time."""
     energy_margin_m: float | None = None
     """Where it does not change."""
+    felt_mps2: float | None = None
+    """Mean of an accelerometer along the vertical, over whole strides."""
     falls_s: tuple[float, ...] = ()
-    carried_s: tuple[tuple[float, float], ...] = ()
+    seams_s: tuple[float, ...] = ()
+    """Where feet stand elsewhere at once, as recordings were joined."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,7 +192,7 @@ class Recording:
     statics: tuple[tuple[str, tuple[float, ...]], ...] = ()
     """Frames that sit on the base: name, translation and quaternion, as one static transform."""
     given: dict[str, Any] = field(default_factory=dict)
-    """What the user says of it, where that is not the truth: ``mass_kg``."""
+    """Options that the user gives; without ``mass`` the truth."""
 
     def kind_of(self, foot: int) -> SensorKind:
         """Return the kind of a foot's sensor."""

@@ -46,6 +46,12 @@ def through(*knots: tuple[float, float]) -> Curve:
     return curve
 
 
+def linear(knots: Knots) -> Curve:
+    """Return a curve that goes straight from knot to knot."""
+    at, values = (np.array(column, np.float64) for column in zip(*knots, strict=True))
+    return lambda time: np.interp(time, at, values)
+
+
 HEIGHT: Final = constant(0.45)
 NONE: Final = constant(0.0)
 QUARTER: Final = constant(0.25)
@@ -166,7 +172,6 @@ def carried() -> Scene:
         impulse_over_weight=None,
         static_margin_m=None,
         energy_margin_m=None,
-        carried_s=((2.0, 6.0),),
     )
     # While it stands again, its feet are where it was put down.
     return Scene(truth, height=height, forward=forward, loads=(load,) * 4, rolls=True)

@@ -1,10 +1,12 @@
 """What the base's accelerometer reads: the sum of the feet's forces over the mass."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from tests.truth.recording import (
+    Disturbance,
     Floats,
     FootRecording,
     Recording,
@@ -15,38 +17,58 @@ from tests.truth.recording import (
 )
 from tests.truth.robots import GRAVITY_MPS2
 
+G = GRAVITY_MPS2
 STRAIGHT = np.array([0.0, 0.0, 0.0, 1.0])
 
 
 def with_imu(
-    recording: Recording,
     *,
     mounting: Floats = STRAIGHT,
     unit_mps2: float = 1.0,
     without_mps2: float = 0.0,
     noise_mps2: float = 0.0,
     frame: str = "base_link",
-    late_s: float = 0.0,
-) -> Recording:
+) -> Disturbance:
     """Add the inertial unit of a robot whose feet feel all that moves it.
 
+    Forces must be in the world, at the times of the base's poses or more often.
+
     Args:
-        recording: with forces in the world, at the times of the base's poses or more often.
         mounting: (4,) the unit's frame in the base's.
         unit_mps2: what it reads as 1.
         without_mps2: gravity that it takes out.
         noise_mps2: standard deviation of white noise on each axis.
         frame: in its headers.
-        late_s: by how much its readings come late.
     """
-    base = recording.base
-    world = acceleration(recording, base.time - late_s)
-    world[:, 2] -= without_mps2
-    seat = np.tile(mounting, (len(base.time), 1))
-    sensed = turned(inverse(product(base.orientation, seat)), world) / unit_mps2
-    sensed = sensed + np.random.default_rng(1).normal(0.0, noise_mps2, sensed.shape)
-    imu = vector_messages("/imu/data", "imu", base.time, sensed, frame)
-    return replace(recording, beside=(*recording.beside, imu))
+
+    def change(recording: Recording) -> Recording:
+        base = recording.base
+        world = acceleration(recording, base.time)
+        world[:, 2] -= without_mps2
+        seat = np.tile(mounting, (len(base.time), 1))
+        sensed = turned(inverse(product(base.orientation, seat)), world) / unit_mps2
+        sensed = sensed + np.random.default_rng(1).normal(0.0, noise_mps2, sensed.shape)
+        imu = vector_messages("/imu/data", "imu", base.time, sensed, frame)
+        truth = replace(recording.truth, felt_mps2=G)
+        return replace(recording, beside=(*recording.beside, imu), truth=truth)
+
+    return change
+
+
+def mounted(mounting: Floats) -> Disturbance:
+    """Let a static transform tell the mounting."""
+    statics = (("imu_link", (0.0, 0.0, 0.0, *mounting.tolist())),)
+    return lambda recording: replace(recording, statics=statics)
+
+
+def reading(vectors: Callable[[Floats], Floats]) -> Disturbance:
+    """Let the unit read something else."""
+
+    def change(recording: Recording) -> Recording:
+        (imu,) = recording.beside
+        return replace(recording, beside=(replace(imu, vector=vectors(imu.vector)),))
+
+    return change
 
 
 def acceleration(recording: Recording, time: Floats) -> Floats:
@@ -58,29 +80,27 @@ def acceleration(recording: Recording, time: Floats) -> Floats:
     return total / recording.robot.mass_kg
 
 
-def pushed(
-    recording: Recording, size_mps2: tuple[float, float, float], period_s: float
-) -> Recording:
+def pushed(size_mps2: tuple[float, float, float], period_s: float) -> Disturbance:
     """Let a robot accelerate to and fro as a sine, by forces of its feet.
 
     The base goes where that brings it; each foot bears its share of the load.
     """
     size, turn = np.array(size_mps2), 2.0 * np.pi / period_s
-    mass = recording.robot.mass_kg
 
-    def change(_: int, foot: FootRecording) -> FootRecording:
-        total = acceleration(recording, foot.time)[:, 2] * mass
-        share = np.divide(
-            foot.force[:, 2], total, out=np.zeros_like(total), where=total > 1e-6 * mass
-        )
-        extra = mass * np.outer(np.sin(turn * foot.time), size)
-        return replace(foot, force=foot.force + share[:, None] * extra)
+    def change(recording: Recording) -> Recording:
+        mass, base = recording.robot.mass_kg, recording.base
 
-    base = recording.base
-    way = np.outer(base.time / turn - np.sin(turn * base.time) / turn**2, size)
-    moved = replace(base, position=base.position + way)
-    # Feet do not say where they are: they would have to go with the base.
-    return replace(recording.each_foot(change), base=moved, kind="wrench")
+        def push(_: int, foot: FootRecording) -> FootRecording:
+            total = acceleration(recording, foot.time)[:, 2] * mass
+            none = np.zeros_like(total)
+            share = np.divide(foot.force[:, 2], total, out=none, where=total > 1e-6 * mass)
+            extra = mass * np.outer(np.sin(turn * foot.time), size)
+            return replace(foot, force=foot.force + share[:, None] * extra)
 
+        way = np.outer(base.time / turn - np.sin(turn * base.time) / turn**2, size)
+        speed = np.outer(1.0 - np.cos(turn * base.time), size) / turn
+        moved = replace(base, position=base.position + way, velocity=base.velocity + speed)
+        # Feet do not say where they are: they would have to go with the base.
+        return replace(recording.each_foot(push), base=moved, kind="wrench")
 
-G = GRAVITY_MPS2
+    return change

@@ -164,7 +164,7 @@ def masses_and_units() -> Iterator[Case]:
             # Of force sensors only the magnitude is known, which says less of the weight.
             seen = kind == "bumpers" or abs(percent) > 25
             yield Case(f"mass {percent:+d} % wrong, {kind}", TROT,
-                       (*more, sensor.wrong_mass(20.0 * (1.0 + percent / 100.0))),
+                       (*more, sensor.user_gives(mass=20.0 * (1.0 + percent / 100.0))),
                        weight if seen else "", "mass|weight", skip="impulse")
         for unit, factor in (("pounds", 0.2248), ("counts", 37.0)):
             yield Case(f"{kind} read {unit}", TROT, (*more, sensor.scaled(factor)), weight)
@@ -186,7 +186,7 @@ def swinging_legs() -> Iterator[Case]:
                 f"biped of 80 kg, wobble 100 N, offset {newtons:+g} N"
                 f"{'' if kilograms else ', mass not given'}", tall,
                 (FORCE, sensor.wobble(100.0), sensor.noise(3.0), sensor.offset(newtons),
-                 sensor.wrong_mass(kilograms)),
+                 sensor.user_gives(mass=kilograms)),
                 says if kilograms else "mass", f"{LEVEL}|mass", COARSE)
     for name, gait, robot, wobble, newtons in (
         ("hexapod of 2 kg, wobble 8 %, offset -2 N", gaits.TETRAPOD, hexapod(), 1.6, -2.0),
@@ -215,8 +215,8 @@ def contradictory() -> Iterator[Case]:
                (FORCE, sensor.noise(2.0), sensor.saturated(500.0)), cause="SATURATED|IMPULSE",
                tolerance=COARSE, skip="verdict, peak force, load share")
     yield Case("offset -60 N, biped of 80 kg, mass -20 % wrong", tall,
-               (FORCE, sensor.noise(2.0), sensor.offset(-60.0), sensor.wrong_mass(64.0)), "mass",
-               None, COARSE, "impulse")
+               (FORCE, sensor.noise(2.0), sensor.offset(-60.0), sensor.user_gives(mass=64.0)),
+               "mass", None, COARSE, "impulse")
     quick = Walk(gait=gaits.WAVE, robot=hexapod(), period_s=0.6, speed_mps=0.1)
     for name, faults, rate_hz in (("bumpers", (), 100.0),
                                   ("force sensors, 50 Hz", (FORCE, sensor.noise(0.05)), 50.0)):

@@ -5,6 +5,7 @@ A sensor's own faults come after its frame: `in_link_frame` first, then `offset`
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -148,6 +149,12 @@ def stiff_legs(_: int, foot: FootRecording) -> FootRecording:
     return replace(foot, link=np.tile([0.0, 0.0, 0.0, 1.0], (len(foot.time), 1)))
 
 
+@of_feet
+def leaning(_: int, foot: FootRecording, rotation: Floats) -> FootRecording:
+    """Let all forces be turned."""
+    return replace(foot, force=turned(np.tile(rotation, (len(foot.time), 1)), foot.force))
+
+
 def without_tf(recording: Recording) -> Recording:
     """Leave out the transforms."""
     return replace(recording, has_tf=False)
@@ -223,9 +230,9 @@ def clipped(_: int, foot: FootRecording) -> FootRecording:
     return replace(foot, force=np.maximum(foot.force * UP, 0.0))
 
 
-def wrong_mass(mass_kg: float | None) -> Disturbance:
-    """Let the user give another mass, or none."""
-    return lambda recording: replace(recording, given={**recording.given, "mass_kg": mass_kg})
+def user_gives(**options: Any) -> Disturbance:
+    """Let the user give another mass, or none, or set a field of the robot's file."""
+    return lambda recording: replace(recording, given={**recording.given, **options})
 
 
 def _attitude_at(recording: Recording, time: Floats) -> Floats:

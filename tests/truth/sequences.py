@@ -104,6 +104,5 @@ def _joined_truths(
         froude=None,
         climb_m=None,
         falls_s=first.falls_s + tuple(each + later for each in second.falls_s),
-        carried_s=first.carried_s
-        + tuple((start + later, end + later) for start, end in second.carried_s),
+        seams_s=(*first.seams_s, later),
     )

@@ -12,6 +12,9 @@ from tests.truth.cases import all_cases
 from tests.truth.judging import Case, faults, judge
 from tests.truth.outcome import outcome
 from tests.truth.pose_cases import WAYS
+from tests.truth.pose_faults import silent
+from tests.truth.sensor_faults import as_force_sensors
+from tests.truth.walking import Walk
 
 VARIANT = re.compile(r", mirrored$| from mid-cycle$")
 """Ends of names of gaits that are also there as they are."""
@@ -69,6 +72,16 @@ def test_the_feet_stand_in_for_poses(name: str, tmp_path: Path) -> None:
     speed = found.figure("base.forward_speed_mps")
     assert speed == pytest.approx(recording.truth.forward_speed_mps, abs=0.01)
     assert found.figure("base.roll_rad") is None
+
+
+def test_a_gap_of_poses_counts_neither_as_path_nor_as_time(tmp_path: Path) -> None:
+    recording = silent(3.0, 4.0)(Walk().recorded(200.0, 100.0))
+    found = outcome(recording, tmp_path)
+    assert found.figure("base.duration_s") == pytest.approx(7.0, abs=0.02)
+    assert found.figure("base.path_length_m") == pytest.approx(3.5, abs=0.02)
+    assert found.says("front_left is in contact for 0.5 s further than 0.1 s from odometry")
+    foot = outcome(as_force_sensors(recording), tmp_path).json["feet"]["front_left"]
+    assert 5 < foot["stride_length_m"]["n"] < foot["strides"]
 
 
 def test_the_json_has_every_figure_that_there_is_truth_for(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tests.truth.gaits import TROT, Gait
-from tests.truth.margins import mean_margin
+from tests.truth.margins import margins
 from tests.truth.recording import (
     Floats,
     FootRecording,
@@ -211,6 +211,7 @@ class Walk:
 
     def truth(self) -> Truth:
         """Return what is true of the walk."""
+        found = self._margins_m()
         return Truth(
             gait_class=self.gait.name,
             sequence=self.gait.sequence,
@@ -226,18 +227,17 @@ class Walk:
             pitch_rad=-self.slope_rad,
             climb_m=self.speed_mps * self.seconds * float(np.sin(self.slope_rad)),
             support=self.gait.support(),
-            static_margin_m=self._static_margin_m(),
+            static_margin_m=float(np.mean(found)) if found else None,
+            leaves_polygon=min(found, default=0.0) < 0.0,
         )
 
-    def _static_margin_m(self) -> float | None:
-        """Return the mean margin of the base's ground projection."""
-        if len(self.robot.feet) < 3:
-            return None
+    def _margins_m(self) -> list[float]:
+        """Return the margins of the base's ground projection."""
         time = sample_times(self.seconds, MARGIN_HZ)
         feet = range(len(self.robot.feet))
         soles = np.stack([self.sole(foot, time)[:, :2] for foot in feet], axis=1)
         down = np.stack([self.cycles(foot, time) % 1.0 < self.gait.duty for foot in feet], axis=1)
-        return mean_margin(soles, down, self.base(time)[:, :2])
+        return margins(soles, down, self.base(time)[:, :2])
 
     def _foot_truth(self, foot: int) -> FootTruth:
         duty, phases = self.gait.duty, self.gait.phases

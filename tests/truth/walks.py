@@ -5,11 +5,11 @@ from typing import Final
 from tests.truth import gaits
 from tests.truth.judging import Tolerance
 from tests.truth.robots import biped, hexapod, quadruped
-from tests.truth.sensor_faults import as_force_sensors, noise, wrong_mass
+from tests.truth.sensor_faults import as_force_sensors, noise, user_gives
 from tests.truth.walking import Walk
 
 FORCE: Final = as_force_sensors
-NO_MASS: Final = wrong_mass(None)
+NO_MASS: Final = user_gives(mass=None)
 """The user gives no mass."""
 SENSED: Final = FORCE, noise(1.0)
 QUIET: Final = FORCE, noise(0.5)

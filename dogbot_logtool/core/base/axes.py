@@ -1,4 +1,4 @@
-"""Which way is forward, and which way is up."""
+"""Which way is forward, and which side is left."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -6,17 +6,21 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, median_of
-from dogbot_logtool.core.base.falls import TILT_RAD, UPRIGHT_RAD, tilt_rad
-from dogbot_logtool.core.base.ground import axis_by_legs, nearest_axis
-from dogbot_logtool.core.base.motion import FORWARD_ANGLES, BaseTrack
+from dogbot_logtool.core.arrays import Floats
+from dogbot_logtool.core.base.ground import seen_from_base
+from dogbot_logtool.core.base.motion import BaseTrack
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.metrics import Base
-from dogbot_logtool.core.settings import WalkSettings
+from dogbot_logtool.core.settings import FORWARD_ANGLES, WalkSettings
 
 STRAIGHT: Final = 0.9
 """Net way over path of a base that goes straight."""
+SIDES_APART_M: Final = 0.02
+"""m by which a left foot must be to the right of the right one for that to be said."""
+CLEARLY: Final = 2.0
+"""Times by which one direction exceeds the other where the forward axis is clear."""
 WALKED_M: Final = 0.5
 """m, way to a side from which its direction means something."""
 
@@ -76,60 +80,75 @@ def axis_by_motion(motion: Base | None, forward_axis: str) -> str | None:
     return nearest_axis(along + aside)
 
 
-STEEP_RAD: Final = np.radians(45.0)
-"""No legged robot walks with its back so steep."""
-FEWEST_STRIDES: Final = 3
-"""Strides of a foot, while the base leans so far."""
-TOPPLES_NS: Final = 1_000_000_000
-"""From upright to lying, a robot falls in less."""
-ALIKE: Final = 0.8
-"""Least ratio of periods, and of duty factors, of strides that are the same walk."""
-
-
-def leaning_walk_rad(base: BaseHistory, feet: Sequence[FootHistory]) -> float | None:
-    """Return how far the base leans at most while the robot walks on as it does upright, rad.
-
-    A robot that fell may move its legs, but does not carry itself on them as before. One that walks
-    on has poses whose z axis is not up: those of motion capture with y up, say.
+def axis_by_legs(
+    base: BaseHistory, feet: Sequence[FootHistory], positions: Sequence[LegPosition | None]
+) -> str | None:
+    """Return the body's axis that points from the hind feet to the fore feet.
 
     Args:
         base: poses.
         feet: histories of all feet.
+        positions: of each foot on the body.
 
     Returns:
-        None where it does not lean, or hardly any foot walks on.
+        ``+x`` and so on; None where contact points and positions do not tell.
     """
-    if not len(base.time):
+    places = _usual_places(base, feet, positions)
+    ends = [
+        [place for (end, _), (_, place) in places.items() if end == name]
+        for name in ("front", "back")
+    ]
+    if not all(ends):
         return None
-    tilt = tilt_rad(base.angles)
-    if not (tilt > STEEP_RAD).any() or _topples(base, tilt):
+    front, back = (np.mean(each, axis=0) for each in ends)
+    return nearest_axis(front - back)
+
+
+def swapped_pairs(
+    base: BaseHistory,
+    feet: Sequence[FootHistory],
+    positions: Sequence[LegPosition | None],
+    forward_rad: float,
+) -> tuple[tuple[tuple[int, int], ...], int]:
+    """Return the pairs of which the left foot touches to the right of the right one.
+
+    Args:
+        base: poses.
+        feet: histories of all feet.
+        positions: of each foot on the body.
+        forward_rad: from the body's x axis to the axis that points forward.
+
+    Returns:
+        left and right foot of those pairs, and how many pairs contact points tell of.
+    """
+    places = _usual_places(base, feet, positions)
+    left_axis = np.array([-np.sin(forward_rad), np.cos(forward_rad)])
+    pairs = [
+        (row, places[end, "right"][0], float((usual - places[end, "right"][1]) @ left_axis))
+        for (end, side), (row, usual) in places.items()
+        if side == "left" and (end, "right") in places
+    ]
+    swapped = tuple((left, right) for left, right, apart in pairs if apart < -SIDES_APART_M)
+    return swapped, len(pairs)
+
+
+def _usual_places(
+    base: BaseHistory, feet: Sequence[FootHistory], positions: Sequence[LegPosition | None]
+) -> dict[LegPosition, tuple[int, Floats]]:
+    """Return each foot and its contact points' mean, (2,) m along the body's x and y."""
+    seen = [seen_from_base(foot, base)[1] for foot in feet]
+    return {
+        position: (row, place.mean(axis=0))
+        for row, (place, position) in enumerate(zip(seen, positions, strict=True))
+        if position is not None and len(place)
+    }
+
+
+def nearest_axis(direction: Floats) -> str | None:
+    """Return the axis that a (2,) direction in the body clearly follows; None: it does not."""
+    x, y = direction.tolist()
+    if max(abs(x), abs(y)) <= CLEARLY * min(abs(x), abs(y)):
         return None
-    leaning = [_walks_on(foot, base, tilt) for foot in feet if len(foot.stances.touchdown)]
-    if not leaning or 2 * sum(leaning) <= len(leaning):
-        return None
-    return float(tilt.max())
-
-
-def _topples(base: BaseHistory, tilt: Floats) -> bool:
-    """Tell whether the base leans all at once, as in a fall; a turn on the spot is slower."""
-    lies = np.flatnonzero(tilt > TILT_RAD)
-    stood = np.flatnonzero(tilt[: lies[0]] < UPRIGHT_RAD) if len(lies) else lies
-    return len(stood) > 0 and bool(base.time[lies[0]] - base.time[stood[-1]] < TOPPLES_NS)
-
-
-def _walks_on(foot: FootHistory, base: BaseHistory, tilt: Floats) -> bool:
-    """Tell whether a foot's strides with a leaning base are like those with an upright one."""
-    down, up = foot.stances.touchdown, foot.stances.liftoff
-    if len(down) <= FEWEST_STRIDES:
-        return False
-    at = np.interp((down - base.time[0]).astype(np.float64), base.time - base.time[0], tilt)
-    period, stance = np.diff(down).astype(np.float64), (up - down)[:-1].astype(np.float64)
-    leans = (at[:-1] > STEEP_RAD) & (at[1:] > STEEP_RAD)
-    if leans.sum() < FEWEST_STRIDES:
-        return False
-    upright = (at[:-1] < STEEP_RAD) & (at[1:] < STEEP_RAD)
-    if not upright.any():
-        return True
-    duty = stance / period
-    ratios = [median_of(each[leans]) / median_of(each[upright]) for each in (period, duty)]
-    return all(ALIKE <= ratio <= 1.0 / ALIKE for ratio in ratios)
+    if abs(x) > abs(y):
+        return "+x" if x > 0.0 else "-x"
+    return "+y" if y > 0.0 else "-y"

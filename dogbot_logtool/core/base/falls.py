@@ -1,4 +1,4 @@
-"""Did the robot fall, or tip over as the recording ends?"""
+"""Did the robot fall, tip over as the recording ends, or do its poses only seem to lean?"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ SWAYS_RAD: Final = 0.1
 """rad more than its usual lean: the same."""
 STANDING_PERCENT: Final = 90.0
 """Quantile of the height while feet are loaded that is the standing height."""
-LASTING_S: Final = 0.3
+LASTING_NS: Final = 300_000_000
 """A fall lasts; a single wrong pose does not make one."""
 SLOWEST_FALL: Final = 4.0
 """Times the duration of a free fall from which a descent is sitting down."""
@@ -35,29 +35,13 @@ SLOWEST_UPRIGHT_FALL: Final = 2.0
 """The same of a base that keeps upright: legs that give way all at once."""
 LEANS_RAD: Final = 0.25
 """A base that leans less on its way down, and when it is down, keeps upright."""
-TOPPLES_S: Final = 3.0
-"""s, from upright to lying on a side, at most; what is slower is laid down."""
-LOADED_S: Final = 0.5
-"""s before a fall in which a foot must be loaded: a robot that is carried does not fall."""
+TOPPLES_NS: Final = 3_000_000_000
+"""From upright to lying on a side, at most; what is slower is laid down."""
+LOADED_NS: Final = 500_000_000
+"""Time before a fall in which a foot must be loaded: a robot that is carried does not fall."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class _Posture:
-    """Columns known at each pose."""
-
-    time: Ints
-    """(n,) ns."""
-    tilt: Floats
-    """(n,) rad."""
-    lies: Flags
-    """(n,)."""
-    stands: Flags
-    """(n,) upright and high, as far as that is known."""
-    usual: Flags
-    """(n,) as upright and high as it usually stands."""
-    standing_height_m: float | None
-
-
+@np.errstate(invalid="ignore")
 def fallen_spans(
     base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats, jumps: Ints
 ) -> Ints:
@@ -76,13 +60,31 @@ def fallen_spans(
     Returns:
         (f, 2) ns, from the beginning of the descent until it lies no more.
     """
-    if len(base.time) < 2:
+    time, tilt = base.time, tilt_rad(base.angles)
+    if len(time) < 2 or not (tilt < UPRIGHT_RAD).any():
         return timespans.no_spans()
-    posture = _posture(base, feet, height_m)
-    lying = timespans.spans_where(base.time, posture.lies[:-1])
-    lying = lying[lying[:, 1] - lying[:, 0] >= LASTING_S * 1e9]
-    onsets = [_fell_since(int(start), posture, feet, jumps) for start in lying[:, 0]]
-    falls = [(since, end) for since, end in zip(onsets, lying[:, 1], strict=True) if since]
+    usual_m = _standing_height_m(base, feet, height_m)
+    stands = _stands(tilt, height_m / usual_m)
+    sways = (tilt >= median_of(tilt[tilt < UPRIGHT_RAD]) + SWAYS_RAD) | (height_m < SWAYS * usual_m)
+    lies = (tilt > TILT_RAD) | (height_m < LYING * usual_m)
+    free_fall_ns = 1e9 * np.sqrt(2.0 * (STANDING - LYING) * usual_m / GRAVITY_MPS2)
+    falls = []
+    for start, end in timespans.spans_where(time, lies[:-1]).tolist():
+        row, settled = np.searchsorted(time, [start, start + LASTING_NS + 1]).tolist()
+        stood = np.flatnonzero(stands[:row])
+        if end - start < LASTING_NS or not len(stood):
+            continue
+        since, topples = int(time[stood[-1]]), tilt[row] > TILT_RAD
+        leans = (tilt[stood[-1] : settled] > LEANS_RAD).any()
+        slowest = SLOWEST_FALL if leans else SLOWEST_UPRIGHT_FALL
+        # Of a height that is not known no descent is fast.
+        is_fast = start - since <= (TOPPLES_NS if topples else slowest * free_fall_ns)
+        descent = np.array([[since, start]], np.int64)
+        jumped = timespans.touches(descent, jumps[:, 0] + 1, jumps[:, 1] - 1).any()
+        if is_fast and (topples or not jumped) and _are_loaded(feet, since - LOADED_NS, start):
+            steady = time[: stood[-1] + 1][~sways[: stood[-1] + 1]]
+            began = int(steady[-1]) if len(steady) else since
+            falls.append((began if since - began <= TOPPLES_NS else since, end))
     return timespans.merge(np.array(falls, np.int64).reshape(-1, 2))
 
 
@@ -96,20 +98,13 @@ def down_spans(base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats)
     """
     if len(base.time) < 2:
         return timespans.no_spans()
-    return timespans.spans_where(base.time, ~_posture(base, feet, height_m).stands[:-1])
+    share = height_m / _standing_height_m(base, feet, height_m)
+    return timespans.spans_where(base.time, ~_stands(tilt_rad(base.angles), share)[:-1])
 
 
-def _posture(base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats) -> _Posture:
-    tilt = tilt_rad(base.angles)
-    usual = _standing_height_m(base, feet, height_m)
-    lies, stands = tilt > TILT_RAD, tilt < UPRIGHT_RAD
-    as_usual = tilt < median_of(tilt[stands]) + SWAYS_RAD if stands.any() else stands
-    if usual is not None:
-        with np.errstate(invalid="ignore"):
-            lies = lies | (height_m < LYING * usual)
-            stands = stands & ~(height_m < STANDING * usual)
-            as_usual = as_usual & ~(height_m < SWAYS * usual)
-    return _Posture(base.time, tilt, lies, stands, as_usual, usual)
+def _stands(tilt: Floats, share: Floats) -> Flags:
+    """(n,) whether it is upright, and as high over its feet as a robot that stands, if known."""
+    return np.asarray((tilt < UPRIGHT_RAD) & ~(share < STANDING))
 
 
 def tilt_rad(angles: Floats) -> Floats:
@@ -118,53 +113,18 @@ def tilt_rad(angles: Floats) -> Floats:
     return np.asarray(np.arccos(np.clip(up, -1.0, 1.0)))
 
 
-def _standing_height_m(
-    base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats
-) -> float | None:
-    """Return the height at which the robot stands: high, and with a loaded foot."""
-    loaded = np.zeros(len(base.time), np.bool_)
-    for foot in feet:
-        loaded |= timespans.covers(foot.in_contact, base.time)
-    known = height_m[loaded & np.isfinite(height_m)]
-    return float(percentiles_of(known, STANDING_PERCENT)) if len(known) else None
+def _standing_height_m(base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats) -> float:
+    """Return the height at which the robot stands, high and with a loaded foot; NaN: not known."""
+    loaded = timespans.merge(np.concatenate([timespans.no_spans(), *(f.in_contact for f in feet)]))
+    known = height_m[timespans.covers(loaded, base.time) & np.isfinite(height_m)]
+    return float(percentiles_of(known, STANDING_PERCENT)) if len(known) else np.nan
 
 
-def _fell_since(
-    start: int, posture: _Posture, feet: Sequence[FootHistory], jumps: Ints
-) -> int | None:
-    """Return when the fall into the lying that begins at `start` began, ns; None: it is none."""
-    row = int(np.searchsorted(posture.time, start))
-    stood = np.flatnonzero(posture.stands[:row])
-    if len(stood) == 0:
-        return None
-    since = int(posture.time[stood[-1]])
-    down = int(np.searchsorted(posture.time, start + round(LASTING_S * 1e9), side="right"))
-    leans = bool((posture.tilt[stood[-1] : down] > LEANS_RAD).any())
-    slowest = SLOWEST_FALL if leans else SLOWEST_UPRIGHT_FALL
-    topples = bool(posture.tilt[row] > TILT_RAD)
-    longest = TOPPLES_S if topples else slowest * _free_fall_s(posture.standing_height_m)
-    if start - since > longest * 1e9:
-        return None
-    descent = np.array([[since, start]], np.int64)
-    jumped = timespans.touches(descent, jumps[:, 0] + 1, jumps[:, 1] - 1).any()
-    if (jumped and not topples) or not _loaded_before(feet, since, start):
-        return None
-    usual = np.flatnonzero(posture.usual[: stood[-1] + 1])
-    began = int(posture.time[usual[-1]]) if len(usual) else since
-    return began if since - began <= TOPPLES_S * 1e9 else since
-
-
-def _free_fall_s(height_m: float | None) -> float:
-    """Return how long a free fall from standing to lying takes, s."""
-    drop = (STANDING - LYING) * (height_m or 0.0)
-    return float(np.sqrt(2.0 * drop / GRAVITY_MPS2))
-
-
-def _loaded_before(feet: Sequence[FootHistory], since: int, start: int) -> bool:
-    """Tell whether a foot was loaded shortly before a descent or in it; yes where not known."""
-    before = np.array([[since - round(LOADED_S * 1e9), start]], np.int64)
-    known = [foot for foot in feet if timespans.total(timespans.intersect([foot.known, before]))]
-    loaded = [timespans.total(timespans.intersect([foot.in_contact, before])) for foot in known]
+def _are_loaded(feet: Sequence[FootHistory], start: int, end: int) -> bool:
+    """Tell whether a foot is loaded between two times, ns; yes where that is not known."""
+    span = np.array([[start, end]], np.int64)
+    known = [foot for foot in feet if timespans.total(timespans.intersect([foot.known, span]))]
+    loaded = [timespans.total(timespans.intersect([foot.in_contact, span])) for foot in known]
     return not known or any(loaded)
 
 
@@ -191,14 +151,14 @@ class Tipping:
     """rad, at the end of the recording."""
 
 
-def find_tipping(base: BaseHistory, forward_axis: str) -> Tipping | None:
+def find_tipping(base: BaseHistory, forward_rad: float) -> Tipping | None:
     """Return how the robot tips at the end of the recording; None: it does not.
 
     An angle counts that leaves the range of all the time before, and is still growing at the end.
     """
     if len(base.time) < 3 or base.time[-1] - base.time[0] < (LAST_S + USUAL_S) * 1e9:
         return None
-    angles = zip(("roll", "pitch"), roll_and_pitch(base.angles, forward_axis), strict=True)
+    angles = zip(("roll", "pitch"), roll_and_pitch(base.angles, forward_rad), strict=True)
     found = [each for name, values in angles if (each := _tips(base, name, values))]
     return max(found, key=lambda each: abs(each.last_rad), default=None)
 
@@ -215,3 +175,62 @@ def _tips(base: BaseHistory, name: str, angle: Floats) -> Tipping | None:
     if beyond[-1] - beyond[earlier] < _RISES_RAD:
         return None
     return Tipping(int(base.time[first]), name, float(angle[-1]))
+
+
+STEEP_RAD: Final = np.radians(45.0)
+"""No legged robot walks with its back so steep."""
+FEWEST_STRIDES: Final = 3
+"""Strides of a foot, while the base leans so far."""
+UPSETS_NS: Final = 1_000_000_000
+"""From upright to lying, a robot falls in less."""
+ALIKE: Final = 0.8
+"""Least ratio of periods, and of duty factors, of strides that are the same walk."""
+
+
+def leaning_walk_rad(base: BaseHistory, feet: Sequence[FootHistory]) -> float | None:
+    """Return how far the base leans at most while the robot walks on as it does upright, rad.
+
+    A robot that fell may move its legs, but does not carry itself on them as before. One that walks
+    on has poses whose z axis is not up: those of motion capture with y up, say.
+
+    Args:
+        base: poses.
+        feet: histories of all feet.
+
+    Returns:
+        None where it does not lean, or hardly any foot walks on.
+    """
+    if not len(base.time):
+        return None
+    tilt = tilt_rad(base.angles)
+    if not (tilt > STEEP_RAD).any() or _topples(base, tilt):
+        return None
+    leaning = [_walks_on(foot, base, tilt) for foot in feet if len(foot.stances.touchdown)]
+    if not leaning or 2 * sum(leaning) <= len(leaning):
+        return None
+    return float(tilt.max())
+
+
+def _topples(base: BaseHistory, tilt: Floats) -> bool:
+    """Tell whether the base leans all at once, as in a fall; a turn on the spot is slower."""
+    lies = np.flatnonzero(tilt > TILT_RAD)
+    stood = np.flatnonzero(tilt[: lies[0]] < UPRIGHT_RAD) if len(lies) else lies
+    return len(stood) > 0 and bool(base.time[lies[0]] - base.time[stood[-1]] < UPSETS_NS)
+
+
+def _walks_on(foot: FootHistory, base: BaseHistory, tilt: Floats) -> bool:
+    """Tell whether a foot's strides with a leaning base are like those with an upright one."""
+    down, up = foot.stances.touchdown, foot.stances.liftoff
+    if len(down) <= FEWEST_STRIDES:
+        return False
+    at = np.interp((down - base.time[0]).astype(np.float64), base.time - base.time[0], tilt)
+    period, stance = np.diff(down).astype(np.float64), (up - down)[:-1].astype(np.float64)
+    leans = (at[:-1] > STEEP_RAD) & (at[1:] > STEEP_RAD)
+    if leans.sum() < FEWEST_STRIDES:
+        return False
+    upright = (at[:-1] < STEEP_RAD) & (at[1:] < STEEP_RAD)
+    if not upright.any():
+        return True
+    duty = stance / period
+    ratios = [median_of(each[leans]) / median_of(each[upright]) for each in (period, duty)]
+    return all(ALIKE <= ratio <= 1.0 / ALIKE for ratio in ratios)

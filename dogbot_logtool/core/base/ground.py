@@ -10,7 +10,6 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.rotations import along_heading
 
 LOWEST_M: Final = 1e-3
@@ -22,8 +21,6 @@ FURTHEST: Final = 1.5
 FLAT: Final = 0.1
 """Share of their extent by which points may deviate from a plane."""
 FEWEST_POINTS: Final = 3
-SIDES_APART_M: Final = 0.02
-"""m by which a left foot must be to the right of the right one for that to be said."""
 RISES: Final = 0.2
 """Share of its height by which a base that rises steadily over its feet does not do it itself."""
 STEADY: Final = 0.9
@@ -31,8 +28,6 @@ STEADY: Final = 0.9
 FEWEST_STRIDES: Final = 4
 STEEPEST: Final = 0.5
 """Cosine of the steepest plane that is taken for ground."""
-CLEARLY: Final = 2.0
-"""Times by which one direction exceeds the other where the forward axis is clear."""
 
 
 def height_over_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
@@ -159,70 +154,6 @@ def _standing_points(foot: FootHistory, within: Ints | None) -> Floats:
     return np.asarray(point[row[hit]])
 
 
-def axis_by_legs(
-    base: BaseHistory, feet: Sequence[FootHistory], positions: Sequence[LegPosition | None]
-) -> str | None:
-    """Return the body's axis that points from the hind feet to the fore feet.
-
-    Args:
-        base: poses.
-        feet: histories of all feet.
-        positions: of each foot on the body.
-
-    Returns:
-        ``+x`` and so on; None where contact points and positions do not tell.
-    """
-    places = _usual_places(base, feet, positions)
-    ends = [
-        [place for (end, _), (_, place) in places.items() if end == name]
-        for name in ("front", "back")
-    ]
-    if not all(ends):
-        return None
-    front, back = (np.mean(each, axis=0) for each in ends)
-    return nearest_axis(front - back)
-
-
-def swapped_pairs(
-    base: BaseHistory,
-    feet: Sequence[FootHistory],
-    positions: Sequence[LegPosition | None],
-    forward_rad: float,
-) -> tuple[tuple[tuple[int, int], ...], int]:
-    """Return the pairs of which the left foot touches to the right of the right one.
-
-    Args:
-        base: poses.
-        feet: histories of all feet.
-        positions: of each foot on the body.
-        forward_rad: from the body's x axis to the axis that points forward.
-
-    Returns:
-        left and right foot of those pairs, and how many pairs contact points tell of.
-    """
-    places = _usual_places(base, feet, positions)
-    left_axis = np.array([-np.sin(forward_rad), np.cos(forward_rad)])
-    pairs = [
-        (row, places[end, "right"][0], float((usual - places[end, "right"][1]) @ left_axis))
-        for (end, side), (row, usual) in places.items()
-        if side == "left" and (end, "right") in places
-    ]
-    swapped = tuple((left, right) for left, right, apart in pairs if apart < -SIDES_APART_M)
-    return swapped, len(pairs)
-
-
-def _usual_places(
-    base: BaseHistory, feet: Sequence[FootHistory], positions: Sequence[LegPosition | None]
-) -> dict[LegPosition, tuple[int, Floats]]:
-    """Return each foot and its contact points' mean, (2,) m along the body's x and y."""
-    seen = [seen_from_base(foot, base)[1] for foot in feet]
-    return {
-        position: (row, place.mean(axis=0))
-        for row, (place, position) in enumerate(zip(seen, positions, strict=True))
-        if position is not None and len(place)
-    }
-
-
 def seen_from_base(foot: FootHistory, base: BaseHistory) -> tuple[Ints, Floats]:
     """Return when and where a foot touches, as far as that is known.
 
@@ -234,16 +165,6 @@ def seen_from_base(foot: FootHistory, base: BaseHistory) -> tuple[Ints, Floats]:
     place = np.stack(along_heading(away, base.angles_at(time)[:, 2]), axis=1)
     known = all_finite(away) & all_finite(place)
     return time[known], place[known]
-
-
-def nearest_axis(direction: Floats) -> str | None:
-    """Return the axis that a (2,) direction in the body clearly follows; None: it does not."""
-    x, y = direction.tolist()
-    if max(abs(x), abs(y)) <= CLEARLY * min(abs(x), abs(y)):
-        return None
-    if abs(x) > abs(y):
-        return "+x" if x > 0.0 else "-x"
-    return "+y" if y > 0.0 else "-y"
 
 
 FEWEST_STANCES: Final = 6

@@ -139,10 +139,6 @@ def _path_length(path: Floats, travel: Travel) -> float:
     return length * (len(path) - 1) / ((blocks - 1) * size) if blocks > 1 else 0.0
 
 
-FORWARD_ANGLES: Final = {"+x": 0.0, "+y": np.pi / 2.0, "-x": np.pi, "-y": -np.pi / 2.0}
-"""rad from the body's x axis to the axis that points forward."""
-
-
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class BaseTrack:
     """The poses that the base's motion is measured on."""
@@ -157,12 +153,12 @@ class BaseTrack:
     """(s, 2) ns, time in which the robot stands."""
 
 
-def base_motion(track: BaseTrack, forward_axis: str, within: Ints | None = None) -> Base | None:
+def base_motion(track: BaseTrack, forward_rad: float, within: Ints | None = None) -> Base | None:
     """Measure the motion of the base; None without two poses.
 
     Args:
         track: poses, and what the feet say of them.
-        forward_axis: the body's axis that points forward, ``+x`` and so on.
+        forward_rad: from the body's x axis to the axis that points forward.
         within: (w, 2) ns, a part of the log; None: all of it.
     """
     base = track.history
@@ -175,14 +171,14 @@ def base_motion(track: BaseTrack, forward_axis: str, within: Ints | None = None)
     first, last = int(rows[0]), int(rows[-1])
     moves = inside[:-1] & inside[1:] & ~np.isin(base.time[:-1], base.gaps[:, 0])
     duration = float(np.diff(base.time)[moves].sum() / 1e9)
-    travelled = (float(each[moves].sum()) for each in base.steps(FORWARD_ANGLES[forward_axis]))
+    travelled = (float(each[moves].sum()) for each in base.steps(forward_rad))
     forward_speed, left_speed, yaw_rate = (
         each / duration if duration > 0.0 else None for each in travelled
     )
     walked = moves & ~timespans.covers(track.standing, base.time[:-1])
     path = path_length_m(base, track.travel, walked)
     height = aggregate(track.height_m[rows])
-    roll, pitch = roll_and_pitch(base.angles[rows], forward_axis)
+    roll, pitch = roll_and_pitch(base.angles[rows], forward_rad)
     net = base.position[last] - base.position[first]
     return Base(
         duration_s=duration,
@@ -201,22 +197,21 @@ def base_motion(track: BaseTrack, forward_axis: str, within: Ints | None = None)
     )
 
 
-def roll_and_pitch(angles: Floats, forward_axis: str) -> tuple[Floats, Floats]:
+def roll_and_pitch(angles: Floats, forward_rad: float) -> tuple[Floats, Floats]:
     """Return roll and pitch about the robot's own forward axis and the axis to its left.
 
     Args:
         angles: (n, 3) rad, roll, pitch, yaw of the body's x, y, z axes (REP-103).
-        forward_axis: the body's axis that points forward.
+        forward_rad: from the body's x axis to the axis that points forward.
 
     Returns:
         (n,) rad each.
     """
-    turn = FORWARD_ANGLES[forward_axis]
     roll, pitch = angles[:, 0], angles[:, 1]
     # Heights of the ends of the body's unit vectors.
     x, y, z = -np.sin(pitch), np.cos(pitch) * np.sin(roll), np.cos(pitch) * np.cos(roll)
-    forward = np.cos(turn) * x + np.sin(turn) * y
-    left = np.cos(turn) * y - np.sin(turn) * x
+    forward = np.cos(forward_rad) * x + np.sin(forward_rad) * y
+    left = np.cos(forward_rad) * y - np.sin(forward_rad) * x
     return np.arctan2(left, z), -np.arcsin(np.clip(forward, -1.0, 1.0))
 
 

@@ -16,7 +16,6 @@ from dogbot_logtool.core.arrays import (
     header_time,
     median_of,
     median_of_known,
-    norms,
     picked,
 )
 from dogbot_logtool.core.corrections.clock import TimeSource, advancing, first_at_each_tick
@@ -337,54 +336,49 @@ def find_jumps(base: BaseHistory) -> PoseJumps:
     explains, and more than a change of speed between two poses may be; a turn, by more than the
     other turns around do.
     """
-    step, turn = np.diff(base.position, axis=0), np.diff(base.angles[:, 2])
     seconds = np.diff(base.time) / 1e9
-    in_gap = np.isin(base.time[:-1], base.gaps[:, 0])
-    size, turned = np.zeros_like(step), np.zeros_like(turn)
-    far = np.flatnonzero((norms(step) > SMALLEST_JUMP_M) & ~in_gap)
-    for rows in np.split(far, range(_CHUNK, len(far), _CHUNK)):
-        unusual, third = _unusual(step, seconds, in_gap, rows)
-        change = np.minimum(GRAVITY_MPS2 * seconds[rows] ** 2 / 2.0, COARSE_M)
-        limit = np.maximum(np.maximum(SMALLEST_JUMP_M, change), UNUSUAL * third)
-        # What falls goes down by itself.
-        sinks = np.minimum(unusual[:, 2] + FALLS_AT_MPS * seconds[rows], 0.0)
-        jumps = unusual.copy()
-        jumps[:, 2] = np.where(unusual[:, 2] < 0.0, sinks, unusual[:, 2])
-        size[rows] = np.where((norms(jumps) > limit)[:, None], unusual, 0.0)
-    turning = np.flatnonzero((np.abs(turn) > SMALLEST_TURN_RAD) & ~in_gap)
-    for rows in np.split(turning, range(_CHUNK, len(turning), _CHUNK)):
-        unusual, third = _unusual(turn[:, None], seconds, in_gap, rows)
-        limit = np.maximum(SMALLEST_TURN_RAD, UNUSUAL * third)
-        turned[rows] = np.where(np.abs(unusual[:, 0]) > limit, unusual[:, 0], 0.0)
-    found = np.flatnonzero(size.any(axis=1) | (np.abs(turned) > SMALLEST_STEP_RAD))
+    change = np.minimum(GRAVITY_MPS2 * seconds**2 / 2.0, COARSE_M)
+    size = _jumps(base, np.diff(base.position, axis=0), SMALLEST_JUMP_M, change)
+    turn = _jumps(base, np.diff(base.angles[:, 2:], axis=0), SMALLEST_TURN_RAD, 0.0 * change)[:, 0]
+    found = np.flatnonzero(size.any(axis=1) | (np.abs(turn) > SMALLEST_STEP_RAD))
     spans = np.stack([base.time[found], base.time[found + 1]], axis=1)
-    return PoseJumps(found, spans, size[found], turned[found])
+    return PoseJumps(found, spans, size[found], turn[found])
 
 
-def _unusual(step: Floats, seconds: Floats, in_gap: Flags, rows: Ints) -> tuple[Floats, Floats]:
-    """Compare steps with those around them.
+def _jumps(base: BaseHistory, step: Floats, smallest: float, change: Floats) -> Floats:
+    """Return the part of each step that is a jump.
 
     Args:
-        step: (n, k) from each pose to the next.
-        seconds: (n,) s, that each takes.
-        in_gap: (n,) whether a silence lies between.
-        rows: (c,) those that are compared.
+        base: n + 1 poses.
+        step: (n, k) from each pose to the next; a third column points upwards.
+        smallest: what smaller steps are none.
+        change: (n,) by which the base may change its step itself.
 
     Returns:
-        (c, k) what the usual velocity around does not explain, zero where too few are known; and
-        (c,) the third largest deviation from that velocity over as long a time.
+        (n, k) what the usual velocity around does not explain; zeros of steps that are no jumps.
     """
-    around = rows[:, None] + _AROUND
-    outside = (around < 0) | (around >= len(step))
-    around = np.clip(around, 0, len(step) - 1)
-    velocity = step[around] / seconds[around][:, :, None]
-    velocity[outside | in_gap[around]] = np.nan
-    few = np.isfinite(velocity[:, :, 0]).sum(axis=1) < _FEWEST
-    velocity[few] = 0.0
-    usual, duration = median_of_known(velocity, axis=1), seconds[rows][:, None]
-    deviation = np.nan_to_num(np.linalg.norm(velocity - usual[:, None, :], axis=2)) * duration
-    unusual: Floats = np.where(few[:, None], 0.0, step[rows] - usual * duration)
-    return unusual, np.sort(deviation, axis=1)[:, -3]
+    in_gap, seconds = np.isin(base.time[:-1], base.gaps[:, 0]), np.diff(base.time) / 1e9
+    found = np.zeros_like(step)
+    far = np.flatnonzero((np.linalg.norm(step, axis=1) > smallest) & ~in_gap)
+    for chunk in np.split(far, range(_CHUNK, len(far), _CHUNK)):
+        around = chunk[:, None] + _AROUND
+        outside = (around < 0) | (around >= len(step))
+        around = np.clip(around, 0, len(step) - 1)
+        velocity = step[around] / seconds[around][:, :, None]
+        velocity[outside | in_gap[around]] = np.nan
+        known = np.isfinite(velocity[:, :, 0]).sum(axis=1) >= _FEWEST
+        rows, velocity = chunk[known], velocity[known]
+        usual, duration = median_of_known(velocity, axis=1), seconds[rows][:, None]
+        unusual = step[rows] - usual * duration
+        deviation = np.nan_to_num(np.linalg.norm(velocity - usual[:, None], axis=2)) * duration
+        limit = UNUSUAL * np.sort(deviation, axis=1)[:, -3]
+        limit = np.maximum(np.maximum(smallest, change[rows]), limit)
+        # What falls goes down by itself.
+        jump, down = unusual.copy(), unusual[:, 2:]
+        sinks = np.minimum(down + FALLS_AT_MPS * duration, 0.0)
+        jump[:, 2:] = np.where(down < 0.0, sinks, down)
+        found[rows] = np.where((np.linalg.norm(jump, axis=1) > limit)[:, None], unusual, 0.0)
+    return found
 
 
 def without_jumps(base: BaseHistory, jumps: PoseJumps) -> BaseHistory:

@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of, norms, percentiles_of
 from dogbot_logtool.core.base.attitude import turns_and_up
-from dogbot_logtool.core.base.axes import WALKED_M, displacements_m, has_heading
+from dogbot_logtool.core.base.axes import WALKED_M, displacements_m, has_heading, swapped_pairs
 from dogbot_logtool.core.base.comparison import (
     Comparison,
     compare,
@@ -17,8 +17,6 @@ from dogbot_logtool.core.base.comparison import (
     stride_windows,
     turn_only,
 )
-from dogbot_logtool.core.base.ground import swapped_pairs
-from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.consistency import Worlds
 from dogbot_logtool.core.gait.feet import FootSteps
@@ -126,7 +124,7 @@ def sides_swapped(walk: Walk) -> Iterator[Finding]:
     apart |= walk.base is not None and not has_heading(walk.base)
     poses = walk.poses.without_poses() if apart else walk.placed_poses
     positions = [foot.leg_position for foot in walk.settings.feet]
-    forward_rad = FORWARD_ANGLES[walk.settings.forward_axis]
+    forward_rad = walk.settings.forward_rad
     swapped, pairs = swapped_pairs(poses, walk.records, positions, forward_rad)
     if swapped and len(swapped) == pairs:
         yield found("SIDES_SWAPPED", where="base.yaw_change_rad")
@@ -264,7 +262,7 @@ def _comparisons(walk: Walk, windows: Ints) -> Iterator[Comparison]:
     """Yield comparisons of the poses, the surest first."""
     if not len(windows):
         return
-    forward_rad, feet = FORWARD_ANGLES[walk.settings.forward_axis], walk.witness
+    forward_rad, feet = walk.settings.forward_rad, walk.witness
     own, found = motion_in(walk.poses, windows, forward_rad), []
     may_be_odd = walk.ground is None and not walk.base_by_feet
     if feet is not None and may_be_odd:

@@ -129,7 +129,7 @@ def contact_rule(
 def _why_unusable(level: SensorLevel, on_n: float, off_n: float) -> str:
     """Say why a sensor cannot tell contact with some thresholds, N; empty where it can."""
     if level.refuted:
-        return level.refuted
+        return level.reason
     loaded, lightest = level.loaded_n, level.lightest_n
     if loaded is None:
         return ""

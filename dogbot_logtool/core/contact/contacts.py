@@ -8,7 +8,7 @@ drop-out, unless it is no longer than the flight of every stride.
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -240,25 +240,9 @@ _LONGER_FLIGHT: Final = 1.5
 """A flight is no longer than the usual one by this factor."""
 
 
-class _Silences(NamedTuple):
-    """How the silences of one foot are to be understood, ns."""
-
-    interval: int
-    """Between messages in contact."""
-    strides: int = 0
-    """Silences that are swings nearly always; the rest is known with enough of them."""
-    swing: int = 0
-    """Half the usual swing."""
-
-    @property
-    def cut_swing(self) -> int:
-        """Silence that is a swing and no lost message, where the log's start or end cuts it."""
-        return round(MISSED_INTERVALS * self.interval)
-
-    @property
-    def long(self) -> int:
-        """Silence that is a swing nearly always."""
-        return round(_LONG_INTERVALS * self.interval)
+Usual = tuple[int, Ints]
+"""The usual interval between messages of a foot in contact, ns, and its silences that are swings
+nearly always, (k,) ns; none, if they are too few to tell anything."""
 
 
 def with_swings(
@@ -308,30 +292,27 @@ def _clock_of_silences(feet: Sequence[Samples]) -> TimeSource:
     return TimeSource.HEADER
 
 
-def _usual(time: Ints) -> _Silences:
-    """Learn how long the swings and stances of a foot usually are, from its times, (n,) ns."""
+def _usual(time: Ints) -> Usual:
+    """Learn how long the intervals and swings of a foot usually are, from its times, (n,) ns."""
     step = np.diff(time)
     known = step[step > 0]
-    silences = _Silences(int(median_of(known)) if len(known) else _USUAL_INTERVAL_NS)
-    long = step[(step > silences.long) & (step <= LONGEST_SWING_NS)]
-    if len(long) < _FEWEST_SILENCES:
-        return silences
-    return silences._replace(
-        strides=len(long), swing=round(_PART_OF_SWING * float(median_of(long)))
-    )
+    interval = int(median_of(known)) if len(known) else _USUAL_INTERVAL_NS
+    long = step[(step > _LONG_INTERVALS * interval) & (step <= LONGEST_SWING_NS)]
+    return interval, long if len(long) >= _FEWEST_SILENCES else long[:0]
 
 
-def _dropouts(times: Sequence[Ints], usual: Mapping[int, _Silences]) -> Ints:
+def _dropouts(times: Sequence[Ints], usual: Mapping[int, Usual]) -> Ints:
     """(d, 2) ns: the last message of any foot before each drop-out of all, and the next.
 
     A drop-out lasts longer than any flight; none is known where a foot's swings are not.
     """
-    if not all(each.strides for each in usual.values()):
+    intervals, strides = zip(*((each, len(swings)) for each, swings in usual.values()), strict=True)
+    if not all(strides):
         return np.empty((0, 2), np.int64)
     together = np.diff(np.sort(np.concatenate([times[foot] for foot in usual])))
-    longest = float(max(*(each.long for each in usual.values()), SILENCE_NS))
+    longest = max(_LONG_INTERVALS * max(intervals), float(SILENCE_NS))
     flights = together[(together > longest) & (together <= LONGEST_SWING_NS)]
-    if len(flights) >= _PART_OF_STRIDES * median_of([each.strides for each in usual.values()]):
+    if len(flights) >= _PART_OF_STRIDES * median_of(strides):
         longest = max(_LONGER_FLIGHT * float(median_of(flights)), longest)
     every = np.sort(np.concatenate(times))
     last = np.flatnonzero(np.diff(every) > round(longest))
@@ -341,13 +322,13 @@ def _dropouts(times: Sequence[Ints], usual: Mapping[int, _Silences]) -> Ints:
 def _swinging(
     samples: Samples,
     clock: TimeSource,
-    usual: _Silences,
+    usual: Usual,
     dropouts: Ints,
     log_start: int | None,
     log_end: int | None,
 ) -> Samples:
     """Insert the swings of a foot, of which there are n samples; arguments as in `with_swings`."""
-    interval, on_stamps = usual.interval, clock is TimeSource.HEADER
+    (interval, swings), on_stamps = usual, clock is TimeSource.HEADER
     times = np.stack([samples.log_time, samples.stamp])
     # The log's ends may cut a swing: the foot is silent from one interval before the log starts.
     # Where messages come in bursts it is not known when that is on the clock of their stamps, and
@@ -363,9 +344,12 @@ def _swinging(
     known = np.searchsorted(dropouts[:, 1], time[1:], side="right") <= since
     # After the foot's last message, no other comes on any clock but the log's.
     known[-1] = since[-1] == len(dropouts)
-    shortest = min(usual.swing, round(_SURE_INTERVALS * interval))
-    lasts_from = np.full(len(step), max(usual.cut_swing, shortest))
-    lasts_from[[0, -1]] = usual.cut_swing
+    # The log's start or end may cut a swing; a shorter silence is a lost message even there.
+    lasts_from = np.full(len(step), round(MISSED_INTERVALS * interval))
+    if len(swings):
+        usual_swing = round(_PART_OF_SWING * float(median_of(swings)))
+        shortest = min(usual_swing, round(_SURE_INTERVALS * interval))
+        lasts_from[1:-1] = np.maximum(lasts_from[1:-1], shortest)
     swing = known & (step > lasts_from) & (step <= LONGEST_SWING_NS)
     swing &= (steps[1] >= 0) & (steps[1] <= 2 * LONGEST_SWING_NS)
     spacing = max(interval, _SPACING_NS)

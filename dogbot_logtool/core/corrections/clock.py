@@ -287,14 +287,9 @@ CLOCK_SHARE_OF_STRIDE: Final = 0.05
 LONGEST_DELAY_S: Final = 0.06
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class OffsetTrack:
-    """How far a topic's stamps lie behind log time, over the log."""
-
-    window: Ints
-    """(w,) number of each half second of log time with messages, ascending."""
-    least_ns: Ints
-    """(w,) ns, the smallest log time minus stamp in it: the shortest delay."""
+OffsetTrack = tuple[Ints, Ints]
+"""How far a topic's stamps lie behind log time: (w,) number of each half second of log time with
+messages, ascending, and (w,) ns, the smallest log time minus stamp in it: the shortest delay."""
 
 
 def offset_track(log_time: Ints, stamp: Ints) -> OffsetTrack:
@@ -305,7 +300,7 @@ def offset_track(log_time: Ints, stamp: Ints) -> OffsetTrack:
         stamp: (n,) ns.
     """
     if not len(log_time):
-        return OffsetTrack(log_time, stamp)
+        return log_time, stamp
     window, offset = log_time // WINDOW_NS, log_time - stamp
     # Messages nearly always stand in the order of their windows: few runs are left to sort.
     first = np.flatnonzero(np.diff(window, prepend=window[0] - 1))
@@ -313,7 +308,7 @@ def offset_track(log_time: Ints, stamp: Ints) -> OffsetTrack:
     order = np.lexsort((least, window))
     window, least = window[order], least[order]
     lowest = np.flatnonzero(np.diff(window, prepend=window[0] - 1))
-    return OffsetTrack(window[lowest], least[lowest])
+    return window[lowest], least[lowest]
 
 
 def clock_at(at: Ints, log_time: Ints, stamp: Ints) -> Ints:
@@ -367,11 +362,11 @@ def clock_differences(
     """
     if len(tracks) < 2:
         return ()
-    windows = distinct(np.concatenate([track.window for track in tracks.values()]))
-    origin = min(int(track.least_ns.min(initial=0)) for track in tracks.values())
+    windows = distinct(np.concatenate([window for window, _ in tracks.values()]))
+    origin = min(int(least_ns.min(initial=0)) for _, least_ns in tracks.values())
     offset = np.full((len(tracks), len(windows)), np.nan)
-    for row, track in enumerate(tracks.values()):
-        offset[row, np.searchsorted(windows, track.window)] = (track.least_ns - origin) / 1e9
+    for row, (window, least_ns) in enumerate(tracks.values()):
+        offset[row, np.searchsorted(windows, window)] = (least_ns - origin) / 1e9
     chosen = [row for row, topic in enumerate(tracks) if topic in feet] or list(range(len(tracks)))
     behind = offset - _lower_median(offset[chosen])
     found = (
@@ -412,15 +407,13 @@ def why_clocks_cannot_be_joined(differences: Sequence[ClockDifference]) -> str:
     if not far:
         return ""
     worst = max(far, key=lambda each: each.most_s)
-    topics = ", ".join(each.topic for each in far)
-    text = f"header stamps of {topics} are {_apart(worst)} those of the other topics"
+    topics, way = (
+        ", ".join(each.topic for each in far),
+        "behind" if worst.behind_s > 0.0 else "ahead of",
+    )
+    text = f"header stamps of {topics} are {worst.most_s:.2f} s {way} those of the other topics"
     mixed = worst.most_s > 1e6
     return f"{text} (wall time and simulation time are mixed)" if mixed else text
-
-
-def _apart(difference: ClockDifference) -> str:
-    where = "behind" if difference.behind_s > 0.0 else "ahead of"
-    return f"{difference.most_s:.2f} s {where}"
 
 
 def too_far_apart(clocks: Sequence[ClockDifference], period_s: float | None) -> frozenset[str]:
@@ -429,29 +422,24 @@ def too_far_apart(clocks: Sequence[ClockDifference], period_s: float | None) -> 
     return frozenset(each.topic for each in clocks if each.is_apart and each.most_s > least)
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LogClock:
-    """The clock of all feet and the base, since phases and support compare them with each other."""
-
-    source: TimeSource
-    reason: str
-    """Why it is log time although no option asks for it; empty where it is not."""
-    breaks: Ints
-    """(b, 2) ns, spans in which the clock of the stamps was set: nothing is measured across them.
-    Empty on header stamps, whose own steps show."""
-
-
 def choose_clock(
     checks: Sequence[StampCheck],
     differences: Sequence[ClockDifference],
     given: TimeSource | None,
-) -> LogClock:
+) -> tuple[TimeSource, str, Ints]:
     """Choose header stamps, unless they cannot be used.
+
+    It is the clock of all feet and the base, since phases and support compare them with each other.
 
     Args:
         checks: stamps of the feet and of the base.
         differences: how far the clocks of their topics are from each other.
         given: the clock that is decided on already; None: none is.
+
+    Returns:
+        the clock; why it is log time although no option asks for it, empty where it is not; and
+        (b, 2) ns, spans in which the clock of the stamps was set, that nothing is measured across:
+        none on header stamps, whose own steps show.
     """
     reason = ""
     if given is None:
@@ -459,4 +447,4 @@ def choose_clock(
     source = TimeSource.LOG if reason else given or TimeSource.HEADER
     spans = [(step.before, step.after) for check in checks for step in check.steps]
     breaks = np.array(spans if source is TimeSource.LOG else [], np.int64).reshape(-1, 2)
-    return LogClock(source, reason, timespans.merge(breaks))
+    return source, reason, timespans.merge(breaks)

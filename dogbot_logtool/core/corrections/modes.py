@@ -42,8 +42,6 @@ NOISY: Final = "swing and stance differ by little more than the noise"
 _CUT_OFF: Final = 0.2
 """Part of a visit at either end that is on the way between the modes, and not used."""
 MIDDLE_SHARE: Final = 1.0 - 2.0 * _CUT_OFF
-_UNCLEAR: Final = 100.0
-"""Subtracted from the score of modes that are not clear, so that clear ones win."""
 _FEWEST_ROWS: Final = 3
 """Samples in a visit; shorter ones are brushes and flicker."""
 _ROUNDS: Final = 5
@@ -81,12 +79,9 @@ class Modes:
     """Why they are not clear; empty: they are."""
 
     @property
-    def score(self) -> float:
-        """The fit, less for modes that are not clear.
-
-        The only swing of a log may be one, so that it competes with what else may be.
-        """
-        return self.fit - (_UNCLEAR if self.reason not in {"", ONCE} else 0.0)
+    def rank(self) -> tuple[bool, float]:
+        """Clear modes before others, then by fit; the only swing of a log may be one."""
+        return self.reason in {"", ONCE}, self.fit
 
 
 def two_modes(values: Floats, runs: Ints, *, raises: bool) -> Modes:
@@ -115,12 +110,27 @@ def two_modes(values: Floats, runs: Ints, *, raises: bool) -> Modes:
     return Modes(swings, stances, _visits(low_rows, runs), raises, swing, stance, width)
 
 
-def judged(modes: Modes, other_width: float) -> Modes:
+def both_ways(
+    values: Floats, runs: Ints, plain_offset: float = PLAIN_OFFSET
+) -> tuple[Modes, Modes]:
+    """Find swing and stance if load raises the forces along its axis, and if it lowers them.
+
+    Args:
+        values: (n,) N.
+        runs: (n,) numbers; samples with the same one have no silence between them.
+        plain_offset: offset up to which modes that are equally wide are clear, as `PLAIN_OFFSET`.
+    """
+    up, down = (two_modes(sign * values, runs, raises=sign > 0.0) for sign in (1.0, -1.0))
+    return _judged(up, down.width, plain_offset), _judged(down, up.width, plain_offset)
+
+
+def _judged(modes: Modes, other_width: float, plain_offset: float) -> Modes:
     """Decide whether two modes are swing and stance, and how well they look like it.
 
     Args:
         modes: what may be swing and stance.
         other_width: N, of the narrow mode if swing were stance and stance were swing.
+        plain_offset: as in `both_ways`.
     """
     if modes.reason:
         return modes
@@ -134,7 +144,7 @@ def judged(modes: Modes, other_width: float) -> Modes:
     fit = width_fit + float(np.clip(np.log2(nearer_zero), -3.0, 3.0)) + 0.5 * modes.raises
     # Weight cannot pull, so that a level on the other side of zero than the load is unloaded.
     pulls = swing < -modes.width and stance > 0.0
-    plain = swing <= PLAIN_OFFSET * distance and (modes.raises or stance > 0.0)
+    plain = swing <= plain_offset * distance and (modes.raises or stance > 0.0)
     reason = ""
     if len(modes.swings) < FEWEST_VISITS and not pulls:
         reason = ONCE

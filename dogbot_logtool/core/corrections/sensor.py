@@ -26,15 +26,13 @@ from dogbot_logtool.core.arrays import (
 )
 from dogbot_logtool.core.corrections.clock import usual_interval_s
 from dogbot_logtool.core.corrections.modes import (
-    ALTERNATE,
     MIDDLE_SHARE,
     NOISY,
     ONCE,
-    WIDE,
+    PLAIN_OFFSET,
     Modes,
-    judged,
+    both_ways,
     strays,
-    two_modes,
     visit_medians,
     visit_quantiles,
 )
@@ -124,18 +122,15 @@ class SensorLevel:
     """Whether single samples are zero under load, as where messages are lost on a sensor's bus."""
     reason: str = ""
     """Why the level could not be estimated; empty where it is known."""
-    alternative: "SensorLevel | None" = None
-    """The level if the lower of two loads were none, where that is not clear."""
     lightest_n: float | None = None
     """N, magnitude that the lightest samples stay below; only where the level is not known."""
     raises: bool = True
     """Whether load raises what the sensor reads."""
-    lead: float = np.inf
-    """How much better that fits than that load lowers it, or the other way round."""
-    opposite: "SensorLevel | None" = None
-    """The level if load turned it the other way, known or not."""
-    refuted: str = ""
-    """Why nothing is known although swings and stances are seen; zero cannot be assumed either."""
+    fit: float = 0.0
+    """How well it fits that what is taken for swing and stance are these."""
+    refuted: bool = False
+    """Whether nothing is known although swings and stances are seen; zero cannot be assumed
+    either."""
 
     @property
     def offset_n(self) -> Floats:
@@ -153,46 +148,48 @@ class SensorLevel:
         return np.stack([np.interp(since, knots, part) for part in self.offset.T], axis=1)
 
 
-def estimate_level(log_time: Ints, force: Floats) -> SensorLevel:
+Candidates = tuple[SensorLevel, ...]
+"""Levels that a foot's own samples allow: the likely one; then, where that is not sure, the one if
+load turned it the other way, known or not."""
+
+
+def estimate_levels(
+    log_time: Ints, force: Floats, plain_offset: float = PLAIN_OFFSET
+) -> Candidates:
     """Estimate offset, noise and drift of one foot's sensor from its own samples.
 
     Args:
         log_time: (n,) ns, ascending; there may be gaps.
         force: (n, 3) N, as recorded; rows that are not finite are left out.
+        plain_offset: see `both_ways`.
     """
     finite = all_finite(force)
     log_time, force = log_time[finite], force[finite]
-    interval_s = usual_interval_s(log_time)
+    if len(force) and (zero := zero_level(log_time, force)):
+        return (zero,)
     if len(force) < FEWEST_SAMPLES:
-        return _unknown("too few samples", interval_s, force)
-    zero = zero_level(force, interval_s)
-    if zero is not None:
-        return zero
+        return (_unknown("too few samples", log_time, force),)
     axis, runs = load_axis(force), run_numbers(log_time)
-    along = without_spikes(force @ axis)
-    up, down = two_modes(along, runs, raises=True), two_modes(-along, runs, raises=False)
-    both = judged(up, down.width), judged(down, up.width)
-    likely, other = sorted(both, key=lambda modes: -modes.score)
-    level, opposite = (_judged_level(modes, log_time, force, axis) for modes in (likely, other))
-    if level.reason:
-        return level
-    lead = likely.fit - other.fit
-    if not opposite.reason and (level.limit_n is None) != (opposite.limit_n is None):
+    both = both_ways(without_spikes(force @ axis), runs, plain_offset)
+    first, second = sorted(both, key=lambda modes: modes.rank, reverse=True)
+    likely, other = (_known_level(modes, log_time, force, axis) for modes in (first, second))
+    if likely.reason:
+        return (likely,)
+    if not other.reason and (likely.limit_n is None) != (other.limit_n is None):
         # What is cut off at a limit does not vary there: that says nothing of swing.
-        lead -= 2.0 * likely.width_fit
-    if opposite.reason and lead < (SURE if opposite.reason == ONCE else UNSURE):
-        return replace(opposite, alternative=None)
-    if lead < 0.0:
-        level, opposite, lead = opposite, level, -lead
-    return replace(level, lead=lead, opposite=replace(opposite, lead=lead))
+        likely = replace(likely, fit=likely.fit - 2.0 * first.width_fit)
+    lead = likely.fit - other.fit
+    if other.reason and lead < (SURE if other.reason == ONCE else UNSURE):
+        return (other,)
+    return (other, likely) if lead < 0.0 else (likely, other)
 
 
-def zero_level(force: Floats, interval_s: float | None) -> SensorLevel | None:
+def zero_level(log_time: Ints, force: Floats) -> SensorLevel | None:
     """Return the level of a sensor that reads exactly zero in swing; None: it does not.
 
     Args:
+        log_time: (n,) ns.
         force: (n, 3) N, finite.
-        interval_s: s, the usual sampling interval.
     """
     magnitude = norms(force)
     if not _rests_at_zero(force, magnitude):
@@ -205,7 +202,7 @@ def zero_level(force: Floats, interval_s: float | None) -> SensorLevel | None:
         loaded_n=loaded,
         limit_n=_limit_n(force, np.zeros(3), loaded) if loaded else None,
         mean_n=float(magnitude.mean()),
-        interval_s=interval_s,
+        interval_s=usual_interval_s(log_time),
         origin="estimated",
     )
 
@@ -235,20 +232,12 @@ def _rests_at_zero(force: Floats, magnitude: Floats) -> bool:
     at_zero, visits = (
         np.count_nonzero(np.bincount(visit[_in_runs(each)])) for each in (zero, light)
     )
-    if at_zero == visits == 1 and _has_swings(magnitude[~zero]):
-        return False
+    if at_zero == visits == 1:
+        # Loads with a clear swing mode of their own are those of a sensor that sticks or creeps.
+        loads = magnitude[~zero]
+        if not both_ways(loads, np.zeros(len(loads), np.int64))[0].reason:
+            return False
     return bool(2 * at_zero >= visits)
-
-
-def _has_swings(magnitude: Floats) -> bool:
-    """Tell whether loads have a clear swing mode of their own, as where a sensor sticks or creeps.
-
-    Args:
-        magnitude: (n,) N, without the zeros before a first load.
-    """
-    runs = np.zeros(len(magnitude), np.int64)
-    width = two_modes(-magnitude, runs, raises=False).width
-    return not judged(two_modes(magnitude, runs, raises=True), width).reason
 
 
 def _in_runs(flags: Flags) -> Flags:
@@ -260,24 +249,24 @@ def _in_runs(flags: Flags) -> Flags:
     return within
 
 
-def _judged_level(modes: Modes, log_time: Ints, force: Floats, axis: Floats) -> SensorLevel:
+def _known_level(modes: Modes, log_time: Ints, force: Floats, axis: Floats) -> SensorLevel:
     """Return the level that modes stand for, or why it is not known; see `level_of`."""
-    if modes.reason not in {"", ALTERNATE, ONCE, WIDE}:
-        return _unknown(modes.reason, usual_interval_s(log_time), force)
-    level = level_of(modes, log_time, force, axis)
-    noisy = (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0)
-    reason = modes.reason or (NOISY if noisy else "")
-    if not reason:
-        return level
-    unknown = _unknown(reason, level.interval_s, force)
-    if reason == ONCE:
-        return replace(unknown, wobble_n=level.wobble_n)
-    return replace(unknown, alternative=level)
+    reason, wobble_n = modes.reason, 0.0
+    if reason in {"", ONCE}:
+        level = level_of(modes, log_time, force, axis)
+        if reason == ONCE:
+            wobble_n = level.wobble_n
+        elif (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0):
+            reason = NOISY
+        else:
+            return level
+    unknown = _unknown(reason, log_time, force)
+    return replace(unknown, wobble_n=wobble_n, raises=modes.raises, fit=modes.fit)
 
 
-def _unknown(reason: str, interval_s: float | None, force: Floats) -> SensorLevel:
+def _unknown(reason: str, log_time: Ints, force: Floats) -> SensorLevel:
     """Return the level of a sensor that does not show it; its noise shows between samples."""
-    level = SensorLevel(interval_s=interval_s, reason=reason)
+    level = SensorLevel(interval_s=usual_interval_s(log_time), reason=reason)
     if not len(force):
         return level
     usual = float(percentiles_of(norms(force), 75.0))
@@ -309,7 +298,7 @@ def level_of(modes: Modes, log_time: Ints, force: Floats, axis: Floats) -> Senso
     long = modes.rest[np.diff(modes.rest)[:, 0] >= _LONG_ROWS]
     wobble = percentiles_of(norms(strays(force, long)[0]), _STRAYS) if len(long) else 0.0
     swing_s = median_of(log_time[last] - log_time[first]) / (MIDDLE_SHARE * 1e9)
-    level = SensorLevel(middle, _rolling_median(levels, AROUND))
+    level = SensorLevel(middle, _rolling_median(levels, AROUND), raises=modes.raises, fit=modes.fit)
     load = (force - level.offset_at(log_time)) @ towards
     loaded = float(median_of(visit_quantiles(load, modes.stances, 0.5)))
     # Messages that are lost read zero between loaded ones.
@@ -324,7 +313,6 @@ def level_of(modes: Modes, log_time: Ints, force: Floats, axis: Floats) -> Senso
         interval_s=usual_interval_s(log_time),
         swing_s=float(swing_s),
         origin="estimated",
-        raises=modes.raises,
         loaded_n=loaded,
         mean_n=float(load.mean()),
         mean_recorded_n=float(np.linalg.norm(force.mean(axis=0))),

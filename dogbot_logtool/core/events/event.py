@@ -1,10 +1,16 @@
-"""Types of events, their order, and how much each matters."""
+"""Types of events, their order, how much each matters, and events in words."""
 
-from collections.abc import Iterable
-from enum import IntEnum, StrEnum
-from typing import Final
+from collections.abc import Iterable, Mapping, Sequence
+from enum import StrEnum
+from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.metrics import Event, Foot, WalkMetrics
+
+if TYPE_CHECKING:
+    from dogbot_logtool.core.contact.stances import FootTrack
 
 
 class EventType(StrEnum):
@@ -68,14 +74,46 @@ def _steps(name: str, foot: Foot) -> Iterable[Event]:
         yield from (Event(time, 0.0, kind.value, name, None, None, None) for time in times or ())
 
 
-UNKNOWN: Final = "unknown"
-"""The gait between segments."""
+WARNING: Final = 3
+"""How much most events matter, as log panels filter them."""
+LEVELS: Final[Mapping[str, int]] = {
+    EventType.FALL: 4,
+    EventType.GAIT_CHANGE: 2,
+    **dict.fromkeys(STEPS, 1),
+}
+"""The same of the others: an error, information, and steps that are for looking closely only."""
 
 
-class Level(IntEnum):
-    """How much an event matters, as log panels filter it; `DEBUG`: touchdowns and lift-offs."""
+def text_of(event: Event) -> str:
+    """Return an event in words; log panels show its foot beside them."""
+    code, is_change = event.code or "", event.type == EventType.GAIT_CHANGE
+    parts = [
+        event.type.replace("_", " "),
+        code.replace(">", " to ") if is_change else "",
+        "" if event.value is None else f"{event.value:.3g} {event.unit}",
+        f"for {event.duration_s:.3f} s" if event.duration_s and event.unit != "s" else "",
+        "" if is_change else code,
+    ]
+    return ", ".join(filter(None, parts))
 
-    DEBUG = 1
-    INFO = 2
-    WARNING = 3
-    ERROR = 4
+
+def to_log_time(tracks: Sequence["FootTrack"], time: Ints, start: int, end: int) -> Ints:
+    """Return when times on the clock that was measured on were recorded.
+
+    As long after as the sample around it of the foot that has the most.
+
+    Args:
+        tracks: of all feet.
+        time: (n,) ns, ascending.
+        start: ns, log time of its first message.
+        end: ns, of its last.
+
+    Returns:
+        (n,) ns, ascending, within the log.
+    """
+    track = max(tracks, key=lambda each: len(each.row), default=None)
+    if track is not None and len(track.row):
+        row = np.minimum(np.searchsorted(track.time, time), len(track.time) - 1)
+        time = time + (track.log_time - track.time)[row]
+    recorded: Ints = np.maximum.accumulate(np.clip(time, start, end))
+    return recorded

@@ -45,16 +45,6 @@ class Joint:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LinkPoses:
-    """Poses of links in their parents at n times."""
-
-    translation: Floats
-    """(n, joints, 3) m."""
-    rotation: Floats
-    """(n, joints, 4) unit quaternion x, y, z, w."""
-
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class TransformMessages:
     """Poses of k frames in their parents, as n messages to write."""
 
@@ -94,12 +84,15 @@ def from_opening(transforms: AnyTransforms, opening: int) -> AnyTransforms:
     return concatenated([opened, transforms])
 
 
-def link_poses(joints: Sequence[Joint], positions: Floats) -> LinkPoses:
+def link_poses(joints: Sequence[Joint], positions: Floats) -> tuple[Floats, Floats]:
     """Return the pose of each joint's child in its parent.
 
     Args:
         joints: of a robot.
         positions: (n, joints) rad or m, of the joints that are `measured`; not used of fixed ones.
+
+    Returns:
+        (n, joints, 3) m, and (n, joints, 4) unit quaternions x, y, z, w.
     """
     count = len(positions)
     translation = np.empty((count, len(joints), 3))
@@ -114,7 +107,7 @@ def link_poses(joints: Sequence[Joint], positions: Floats) -> LinkPoses:
             half = np.outer(np.sin(moved / 2.0), joint.axis)
             turn = np.column_stack([half, np.cos(moved / 2.0)])
             rotation[:, column] = multiply(origin, turn)
-    return LinkPoses(translation, rotation)
+    return translation, rotation
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,13 +197,13 @@ def leg_motion(leg: Leg, positions: Floats) -> LegMotion:
     """
     count, names = len(positions), leg.measured
     columns = [names.index(j.measured) if j.kind != "fixed" else 0 for j in leg.joints]
-    poses = link_poses(leg.joints, positions[:, columns])
+    shifts, turns = link_poses(leg.joints, positions[:, columns])
     place, turn = np.zeros((count, 3)), np.tile(_UPRIGHT, (count, 1))
     origins, axes = np.empty((2, count, len(leg.joints), 3))
     centres = np.empty((count, len(leg.masses), 3))
     for row, joint in enumerate(leg.joints):
-        place = place + rotate(turn, poses.translation[:, row])
-        turn = multiply(turn, poses.rotation[:, row])
+        place = place + rotate(turn, shifts[:, row])
+        turn = multiply(turn, turns[:, row])
         origins[:, row], axes[:, row] = place, rotate(turn, np.array([joint.axis]))
         for number, mass in enumerate(leg.masses):
             if mass.joint == row:

@@ -10,7 +10,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, percentiles_of, rows_of_runs
 from dogbot_logtool.core.base.foot_path import FootPath, footfalls
 from dogbot_logtool.core.base.ground import MovingGround
-from dogbot_logtool.core.base.motion import FORWARD_ANGLES, stride_lengths
+from dogbot_logtool.core.base.motion import stride_lengths
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
 from dogbot_logtool.core.contact.stances import Cut, Stances
@@ -127,7 +127,7 @@ def foot_steps(
         peak_vertical_force_n=np.where(lone, calm_vertical_n, figures.peak_vertical_force_n),
     )
     stances = replace(stances, figures=figures)
-    heading = base.angles_at(stances.middle)[:, 2] + FORWARD_ANGLES[settings.forward_axis]
+    heading = base.angles_at(stances.middle)[:, 2] + settings.forward_rad
     # A spike may be as large as all that brakes.
     spiked = np.where(figures.spikes > 0.0, np.nan, 0.0)
     braking, propulsive = fore_aft_impulses(record, heading) + spiked

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 from typing import Final
 
 import numpy as np
@@ -145,6 +145,16 @@ def with_support(gait: Gait, known: Support | None, feet: Sequence[FootSteps]) -
 def main_segment(segments: Sequence[Segment]) -> Segment | None:
     """Return the longest segment; its class is the log's. None without segments."""
     return max(segments, key=lambda segment: segment.end - segment.start, default=None)
+
+
+def gait_changes(segments: Sequence[Segment], feet: Sequence[FootSteps]) -> list[tuple[int, Gait]]:
+    """Return each gait and the time, ns, from which on it is; unknown where a segment ends."""
+    changes = []
+    for segment, after in zip_longest(segments, segments[1:]):
+        changes.append((segment.start, segment.gait))
+        if after is None or after.start > segment.end:
+            changes.append((segment.end, no_gait(feet)))
+    return changes
 
 
 _Run = tuple[int, int]

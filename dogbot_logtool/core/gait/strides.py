@@ -1,6 +1,6 @@
 """Strides: from each touchdown of a foot to its next one."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -11,14 +11,6 @@ from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, picked
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import LONGEST_STANCE_S, Cut, Stances
 
-REASONS: Final[Mapping[int, str]] = {
-    Cut.LOG_START: "log_start",
-    Cut.LOG_END: "log_end",
-    Cut.GAP: "gap",
-    Cut.STANDING: "standing",
-    Cut.FALL: "fall",
-}
-"""Names of what cuts a stride, for reports."""
 LONG_FOR_FOOT: Final = 3.0
 """Times a foot's median stance from which a long stance is no step."""
 
@@ -115,7 +107,7 @@ def strides_of(stances: Stances, gaps: Ints, fallen: Ints) -> tuple[Strides, dic
     for spans, reason in ((gaps, Cut.GAP), (fallen, Cut.FALL)):
         cut[:-1][timespans.touches(spans, begin, end) & (cut[:-1] == Cut.WHOLE)] = reason
     row = np.flatnonzero(cut == Cut.WHOLE)
-    counts = {name: int((cut == reason).sum()) for reason, name in REASONS.items()}
+    counts = {reason.name.lower(): int((cut == reason).sum()) for reason in Cut if reason}
     strides = Strides(row, begin[row], stances.liftoff[row], end[row])
     return strides, {name: count for name, count in counts.items() if count}
 

@@ -39,16 +39,6 @@ class LegChain:
     else it is the frame's origin, perhaps the middle of a ball."""
 
 
-@dataclass(frozen=True, slots=True)
-class JointPair:
-    """Two joints that are alike, one on each side of the robot."""
-
-    name: str
-    left: str
-    """The joint's name; also `right`."""
-    right: str
-
-
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LegSettings:
     """Sources of a log's legs."""
@@ -63,7 +53,8 @@ class LegSettings:
     """Topics of joint states; the best first, whose states of a joint count."""
     foot_of_joint: Mapping[str, int] = field(default_factory=dict)
     """Index of the foot that a joint moves, by the joint's name."""
-    pairs: tuple[JointPair, ...] = ()
+    pairs: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    """Joints that are alike, left and right, by a name for both."""
     limits: Mapping[str, JointLimits] = field(default_factory=dict)
     """Limits by the robot description, by the joint's name."""
     lacking: tuple[str, ...] = ()
@@ -90,9 +81,8 @@ def link_tracks(joints: Sequence[Joint], tracks: Mapping[str, JointTrack]) -> di
             rows = np.flatnonzero(first_at_each_tick(track.time, JOINT_RATE_HZ)) if moves else [0]
             position = track.position[rows].astype(np.float64)
             times = track.time[rows], track.log_time[rows]
-        poses = link_poses([joint], position[:, None])
-        at = poses.translation[:, 0], poses.rotation[:, 0]
-        found = frame_track(joint.parent, *times, *at, static=not moves)
+        shift, turn = link_poses([joint], position[:, None])
+        found = frame_track(joint.parent, *times, shift[:, 0], turn[:, 0], static=not moves)
         links |= {joint.child: found} if found else {}
     return links
 

@@ -136,14 +136,6 @@ class Arrows:
     """(n, 4) red, green, blue, alpha in [0, 1]."""
 
 
-def removals(samples: Samples) -> Arrows:
-    """Return the removal of the arrows of samples without contact."""
-    visible, unused = np.zeros(len(samples.log_time), np.bool_), np.empty((0, 4))
-    times = samples.foot, samples.log_time, samples.time
-    colour = unused.astype(np.float32)
-    return Arrows(*times, visible, unused[:, :3], unused, unused[:, 0], colour)
-
-
 def classic_arrows(contacts: Contacts) -> tuple[Arrows, Counter[str]]:
     """Compute the markers of `arrows_rviz.py`.
 
@@ -248,14 +240,17 @@ def _arrows(
         "no_position": touching & finite & ~has_position,
         "no_direction": touching & finite & has_position & ~has_direction,
     }
+    visible = touching & finite & has_position & has_direction & (length > 0.0)
+    colour = np.zeros((len(visible), 4), np.float32)
+    colour[visible] = wavelength_to_rgba(np.clip(wavelength[visible], SHORTEST_NM, LONGEST_NM))
     arrows = Arrows(
         foot=samples.foot,
         log_time=samples.log_time,
         stamp=samples.time,
-        visible=touching & finite & has_position & has_direction & (length > 0.0),
+        visible=visible,
         position=samples.position,
         orientation=orientation,
         length=np.minimum(length, LONGEST_M),
-        colour=wavelength_to_rgba(np.clip(wavelength, SHORTEST_NM, LONGEST_NM)),
+        colour=colour,
     )
     return arrows, Counter({why: int(rows.sum()) for why, rows in skipped.items()})

@@ -1,7 +1,5 @@
 """The bytes of a log that lies in a store, read by range: only what is asked for is fetched."""
 
-import shutil
-import tempfile
 from bisect import bisect_right
 from collections.abc import Sequence
 from functools import lru_cache
@@ -10,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io import storage
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.source import ByteSource, copied
 
 if TYPE_CHECKING:
     from upath import UPath
@@ -101,20 +99,8 @@ class RemoteSource(ByteSource):
         Raises:
             LogError: there is no room.
         """
-        room = shutil.disk_usage(tempfile.gettempdir()).free
-        if self.size > room:
-            raise LogError(
-                f"{storage.name_of(self.path)}: is not read by parts, so that all its {self.size} "
-                f"bytes are needed on a disk; {tempfile.gettempdir()} has room for {room} (TMPDIR "
-                "names another)"
-            )
-        with storage.scratch_folder() as folder:
-            with (folder / "copy").open("wb") as file:
-                for start in range(0, self.size, _PIECE):
-                    file.write(self._fetch([(start, min(start + _PIECE, self.size))])[0])
-            copy = ByteSource(folder / "copy")
-        copy.path = self.path
-        return copy
+        runs = [(start, min(start + _PIECE, self.size)) for start in range(0, self.size, _PIECE)]
+        return copied(self.path, self.size, ((run[0], self._fetch([run])[0]) for run in runs))
 
     def close(self) -> None:
         """Forget what was read."""

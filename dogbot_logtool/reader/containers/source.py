@@ -3,7 +3,7 @@
 import errno
 import os
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -106,3 +106,34 @@ def in_groups(source: ByteSource, ranges: Sequence[tuple[int, int]]) -> Iterator
     """Yield what `read` gives for each of many (offset, size), fetching some at once."""
     for start in range(0, len(ranges), _AT_ONCE):
         yield from source.read_many(ranges[start : start + _AT_ONCE])
+
+
+def copied(path: Location, size: int, pieces: Iterable[tuple[int, bytes]]) -> ByteSource:
+    """Return a copy of a file on the disk, without a name, which is gone when it is closed.
+
+    Args:
+        path: its name for users.
+        size: of the copy.
+        pieces: offsets and bytes; later ones replace earlier ones.
+
+    Raises:
+        LogError: there is no room.
+    """
+    import shutil  # noqa: PLC0415 - few logs need a copy
+    import tempfile  # noqa: PLC0415
+
+    room = shutil.disk_usage(tempfile.gettempdir()).free
+    if size > room:
+        raise LogError(
+            f"{storage.name_of(path)}: is not read by parts, so that all its {size} "
+            f"bytes are needed on a disk; {tempfile.gettempdir()} has room for {room} (TMPDIR "
+            "names another)"
+        )
+    with storage.scratch_folder() as folder:
+        with (folder / "copy").open("wb") as file:
+            for offset, data in pieces:
+                file.seek(offset)
+                file.write(data)
+        copy = ByteSource(folder / "copy")
+    copy.path = path
+    return copy

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +30,7 @@ class Messages:
     def __len__(self) -> int:
         return len(self.channel)
 
-    def pick(self, rows: Flags | Ints | slice) -> "Messages":
+    def pick(self, rows: Flags | Ints | slice) -> Self:
         """Return the chosen rows."""
         return picked(self, rows)
 

@@ -6,7 +6,6 @@ from typing import Any, Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, distinct
-from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.page.chart import (
@@ -94,7 +93,7 @@ def _markers(point: Floats, at: Floats, name: str, **look: Any) -> Trace:  # noq
 def _headings(walk: Walk) -> Trace:
     base = walk.base_history
     rows = thinned(len(base.time), HEADINGS)
-    heading = np.degrees(base.angles[rows, 2] + FORWARD_ANGLES[walk.settings.forward_axis])
+    heading = np.degrees(base.angles[rows, 2] + walk.settings.forward_rad)
     marker = {
         "symbol": "arrow-wide",
         "angleref": "up",

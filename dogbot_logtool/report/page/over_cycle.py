@@ -119,10 +119,10 @@ def _band(walk: Walk, foot: int, curve: Curve, scale: float, unit: str) -> tuple
 def _joints(legs: LegFigures) -> dict[str, dict[str, Curve]]:
     """Return the curves of each kind of joint, by foot: joints of different legs that are alike."""
     kinds = {}
-    for pair in legs.settings.pairs:
-        end, _, rest = pair.name.partition("_")
-        kind = rest if end in _ENDS and rest else pair.name
-        kinds[pair.left] = kinds[pair.right] = kind.removesuffix("_joint").replace("_", " ")
+    for name, pair in legs.settings.pairs.items():
+        end, _, rest = name.partition("_")
+        kind = rest if end in _ENDS and rest else name
+        kinds[pair[0]] = kinds[pair[1]] = kind.removesuffix("_joint").replace("_", " ")
     found: dict[str, dict[str, Curve]] = {}
     for name, joint in legs.metrics.joints.items():
         if joint.position_over_stride is not None and joint.foot is not None:

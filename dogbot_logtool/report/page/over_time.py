@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints
 from dogbot_logtool.core.base.ground import height_over_feet
-from dogbot_logtool.core.base.motion import FORWARD_ANGLES, roll_and_pitch
+from dogbot_logtool.core.base.motion import roll_and_pitch
 from dogbot_logtool.core.events.event import EventType
 from dogbot_logtool.core.metrics import Event
 from dogbot_logtool.core.rotations import along_heading
@@ -125,7 +125,7 @@ def _motion_rows(walk: Walk) -> Iterator[Row]:
     if feet and not walk.base_clock_is_apart:
         height = height_over_feet(base, feet)
         yield from _row("height (m)", [curve("height over the feet", height, "%{y:.3f} m")], 0.02)
-    roll, pitch = np.degrees(roll_and_pitch(base.angles, walk.settings.forward_axis))
+    roll, pitch = np.degrees(roll_and_pitch(base.angles, walk.settings.forward_rad))
     lines = (
         curve("roll", roll, "%{y:.1f} deg"),
         curve("pitch", pitch, "%{y:.1f} deg", _OTHER),
@@ -139,7 +139,7 @@ def _speed(walk: Walk) -> Floats:
     first = np.maximum(base.time - beside, base.time[0])
     last = np.minimum(base.time + beside, base.time[-1])
     step = base.position_at(last)[:, :2] - base.position_at(first)[:, :2]
-    heading = base.angles[:, 2] + FORWARD_ANGLES[walk.settings.forward_axis]
+    heading = base.angles[:, 2] + walk.settings.forward_rad
     forward, _ = along_heading(step, heading)
     speed: Floats = forward / ((last - first) / 1e9)
     breaks = timespans.merge(np.concatenate([walk.jumps.spans, base.gaps]))

@@ -7,7 +7,6 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, distinct, median_of
-from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.leg_position import LegPosition
@@ -117,7 +116,7 @@ def replay(
         "time": packed(seconds(walk, time), FINE),
         "position": packed((position - origin).ravel(), FINE),
         "angles": packed(angles.ravel(), FINE),
-        "forward": FORWARD_ANGLES[walk.settings.forward_axis],
+        "forward": walk.settings.forward_rad,
         "ground": ground,
         "height": max(height, 0.05),
         "newtons_per_metre": _newtons_per_metre(walk, height),

@@ -17,14 +17,14 @@ from dogbot_logtool.core.arrays import Floats, Ints, concatenated, norms, percen
 from dogbot_logtool.core.contact.contact_rule import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, without_contact
 from dogbot_logtool.core.corrections.clock import usual_interval_s
-from dogbot_logtool.core.corrections.sensor import SensorLevel, estimate_level
+from dogbot_logtool.core.corrections.sensor import SensorLevel, estimate_levels
 from dogbot_logtool.core.recording import Recording, has_own_stamps
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.robot.names import foot_name, leg_of, leg_position
+from dogbot_logtool.robot.offers import not_calibrated
 from dogbot_logtool.robot.selection import Selection
-from dogbot_logtool.robot.topics import not_calibrated
 
 _LOAD_SHARE: Final = 0.2
 """Share of all feet's load from which a foot cannot be in the air."""
@@ -34,8 +34,8 @@ _DOUBTFUL: Final = 0.05
 """Share of contradicted flags from which it is said."""
 _BLUR: Final = 0.02
 """Share of a sensor's range by which its counts are blurred; a walk's loads vary by far more."""
-_UNLOADED: Final = 0.25
-"""Share of the counts under load up to which the lower of two levels is that of a foot in the air;
+_UNLOADED: Final = 1.0 / 3.0
+"""Share of the distance between two levels up to which the lower is that of a foot in the air;
 weight that is shifted in a stand leaves more on each foot."""
 _WALKING: Final = (0.1, 0.95)
 """Share of the time in which a walking robot's foot is on the ground."""
@@ -157,17 +157,11 @@ def _with_levels(
 def _level(samples: Samples) -> SensorLevel:
     """Return the level of a sensor that load raises, from its counts."""
     force = samples.force.astype(float)
-    if not len(force):
-        return estimate_level(samples.log_time, force)
-    # A mode that is a count or two narrower than the other must not pass for the unloaded one.
-    low, high = percentiles_of(force[:, 2], [5.0, 95.0])
-    force[:, 2] += np.random.default_rng(0).normal(0.0, _BLUR * (high - low), len(force))
-    level = estimate_level(samples.log_time, force)
-    light = level.alternative
-    if light is None or light.loaded_n is None:
-        return level
-    offset = float(light.offset_n[2])
-    return light if 0.0 <= offset <= _UNLOADED * (offset + light.loaded_n) else level
+    if len(force):
+        # A mode that is a count or two narrower than the other must not pass for the unloaded one.
+        low, high = percentiles_of(force[:, 2], [5.0, 95.0])
+        force[:, 2] += np.random.default_rng(0).normal(0.0, _BLUR * (high - low), len(force))
+    return estimate_levels(samples.log_time, force, _UNLOADED)[0]
 
 
 def _counted(samples: Samples, offset: float, on_counts: float | None) -> Samples:

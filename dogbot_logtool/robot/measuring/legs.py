@@ -6,7 +6,7 @@ from dogbot_logtool.core.frames.kinematics import Joint
 from dogbot_logtool.core.frames.transforms import chain_of_frames
 from dogbot_logtool.core.frames.wrench_frame import FramePoint
 from dogbot_logtool.core.known_frames import KnownFrames
-from dogbot_logtool.core.legs.swings import JointPair, LegChain, LegSettings
+from dogbot_logtool.core.legs.swings import LegChain, LegSettings
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.reader.foot import Foot
@@ -149,7 +149,7 @@ def _is_of(leg: tuple[str, str], foot: tuple[str, str]) -> bool:
     return bool(foot[1]) and leg[1] == foot[1] and (leg[0] == foot[0] or not (ends or leg[0]))
 
 
-def _pairs(feet: Sequence[Foot], foot_of: Mapping[str, int]) -> tuple[JointPair, ...]:
+def _pairs(feet: Sequence[Foot], foot_of: Mapping[str, int]) -> dict[str, tuple[str, str]]:
     """Return the joints of legs that are alike but for their side."""
     found: dict[str, dict[str, str]] = {}
     for joint, foot in sorted(foot_of.items()):
@@ -157,11 +157,11 @@ def _pairs(feet: Sequence[Foot], foot_of: Mapping[str, int]) -> tuple[JointPair,
         words = [w.text for w in words_of(joint) if w.text not in {*LETTERS, *ENDS, *SIDES}]
         end = end if end in {"front", "back"} or len(feet) > 2 else ""
         found.setdefault("_".join(filter(None, (end, *words))), {})[side] = joint
-    return tuple(
-        JointPair(name, sides["left"], sides["right"])
+    return {
+        name: (sides["left"], sides["right"])
         for name, sides in found.items()
         if sides.keys() >= {"left", "right"}
-    )
+    }
 
 
 def sensor_points(

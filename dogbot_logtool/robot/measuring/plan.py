@@ -17,14 +17,13 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.part import Wanted
-from dogbot_logtool.robot.base_candidates import BASES
+from dogbot_logtool.robot.base import BASES
 from dogbot_logtool.robot.feet import planned_feet
 from dogbot_logtool.robot.measuring.foot_samples import decide_contacts, with_joined_sensors
 from dogbot_logtool.robot.measuring.side_topics import joint_channels, side_topics
+from dogbot_logtool.robot.offers import call_of, candidates_finding, nothing_to_do
 from dogbot_logtool.robot.recorded import time_limits
-from dogbot_logtool.robot.score import call_of, candidates_finding
 from dogbot_logtool.robot.selection import Selection, select_topics
-from dogbot_logtool.robot.topics import nothing_to_do
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.legs.swings import LegSettings

@@ -1,6 +1,6 @@
 """A robot's description: the log's own, the user's file, or one of primitives; its moving links."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -9,13 +9,13 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, header_time
 from dogbot_logtool.core.frames.kinematics import Joint, LinkTransforms, link_poses
-from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.recording import JointTable
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.errors import CallError, DefinitionError
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import shell_joined
 from dogbot_logtool.io.storage import content
+from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.paths import path_of
 from dogbot_logtool.reader.messages.messages import definition_of
@@ -105,51 +105,6 @@ def read_model(log: Log, urdf: Path | None) -> Model:
 
 
 @dataclass(frozen=True, slots=True)
-class JointMotion:
-    """How joint states move the links of a robot description, where no transforms do."""
-
-    topic: str
-    joints: tuple[Joint, ...]
-    left_out: int
-    """Joints of the description that make no tree of links."""
-
-    @property
-    def pairs(self) -> tuple[tuple[str, str], ...]:
-        """Parent and child of each joint."""
-        return tuple((joint.parent, joint.child) for joint in self.joints)
-
-    def links(self, table: JointTable) -> LinkTransforms:
-        """Return the links of joint states; those that lack a joint are left out."""
-        told = table.samples
-        own = np.full((len(told.log_time), len(self.joints)), np.nan)
-        for column, joint in enumerate(self.joints):
-            if joint.measured in table.names:
-                own[:, column] = told.position[:, table.names.index(joint.measured)]
-        moving = np.array([joint.kind != "fixed" for joint in self.joints])
-        rows = np.flatnonzero(np.isfinite(own[:, moving]).all(axis=1))
-        log_time = told.log_time[rows]
-        stamp = header_time(told.stamp[rows], log_time)
-        poses = link_poses(self.joints, own[rows])
-        return LinkTransforms(log_time, stamp, poses.translation, poses.rotation)
-
-
-def joint_motion(robot: RobotOfUrdf, walk: Walk) -> JointMotion | None:
-    """Return how joint states move the links; None: they do not, or transforms do already."""
-    table = next(iter(walk.recording.joints), None)
-    placed = {*walk.frames.parents, walk.frames.base}
-    kept = tuple(
-        joint
-        for joint in robot.joints
-        if joint.child not in placed
-        and table is not None
-        and (joint.kind == "fixed" or joint.measured in table.names)
-    )
-    if table is None or all(joint.kind == "fixed" for joint in kept):
-        return None
-    return JointMotion(table.topic, kept, robot.left_out)
-
-
-@dataclass(frozen=True, slots=True)
 class RobotDescription:
     """The content of `/robot_description`."""
 
@@ -159,58 +114,73 @@ class RobotDescription:
     hips: Floats | None = None
     """(feet, 3) m, base frame: where lines to standing feet begin, NaN where not known; None: the
     legs move by transforms, or no foot has a leg position."""
-    motion: JointMotion | None = None
-    """How joint states move its links; None: they do not."""
+    joints: tuple[Joint, ...] = ()
+    """Those by which joint states move its links, where no transforms do."""
     height_m: float = 1.0
     """Height of the base above the feet."""
 
 
 def robot_description(
-    log: Log,
-    selection: Selection,
-    frames: KnownFrames,
-    motion: JointMotion | None,
-    urdf: Path | None,
-    *,
-    copy: bool,
+    log: Log, selection: Selection, model: RobotOfUrdf | None, walk: Walk, options: ConvertOptions
 ) -> RobotDescription:
     """Choose the robot description.
 
     Args:
         log: its own description stays as it is.
         selection: the robot's feet.
-        frames: the log's frames.
-        motion: how joint states move links; None: they do not.
-        urdf: the user's file; None: not given.
-        copy: whether the log's messages are in the output.
+        model: the robot's description, where joint states move it.
+        walk: what was measured.
+        options: with the user's file, and whether the log's messages are in the output.
 
     Raises:
         CallError: the user's file is no URDF.
     """
-    given = None if urdf is None else read_urdf(urdf)
-    shape, feet = robot_shape(selection, frames), selection.robot.feet
-    bones = skeleton(selection, frames, frames.base)
+    urdf = None if options.urdf is None else read_urdf(options.urdf)
+    frames = walk.frames
+    shape, bones = robot_shape(selection, frames), skeleton(selection, frames)
+    joints = _moved_joints(model, walk) if model else ()
     hips = None
-    if shape.hips and not (bones.legs or motion):
-        nowhere = (np.nan,) * 3
-        hips = np.array([shape.hips.get(foot, nowhere) for foot in range(len(feet))])
-    own = sorted({channel.topic for channel in description_channels(log)}) if copy else []
-    told = list(_moved(motion, frames.base)) if motion else []
-    if own:
-        told = [found("ROBOT_DESCRIPTION", say="own", topics=", ".join(own)), *told]
-    elif given is None:
-        given = primitive_urdf(selection.robot, bones, shape)
-    return RobotDescription(None if own else given, tuple(told), hips, motion, shape.height_m)
+    if shape.hips and not (bones.legs or joints):
+        feet, nowhere = range(len(selection.robot.feet)), (np.nan,) * 3
+        hips = np.array([shape.hips.get(foot, nowhere) for foot in feet])
+    own = sorted({channel.topic for channel in description_channels(log)}) if options.copy else []
+    told = [found("ROBOT_DESCRIPTION", say="own", topics=", ".join(own))] if own else []
+    if model and joints:
+        left_out = f"; {left_out_text(model.left_out)}" if model.left_out else ""
+        moving, topic = sum(each.kind != "fixed" for each in joints), walk.recording.joints[0].topic
+        moved = {"topic": topic, "joints": f"{moving}", "left_out": left_out}
+        told.append(found("ROBOT_DESCRIPTION", say="moved", **moved))
+        if frames.base not in {link for joint in joints for link in (joint.parent, joint.child)}:
+            told.append(found("ROBOT_DESCRIPTION", say="no_base", base=frames.base))
+    if not own and urdf is None:
+        urdf = primitive_urdf(selection.robot, bones, shape)
+    return RobotDescription(None if own else urdf, tuple(told), hips, joints, shape.height_m)
 
 
-def _moved(motion: JointMotion, base_frame: str) -> Iterator[Finding]:
-    """Yield findings about links that joint states move."""
-    moving = sum(joint.kind != "fixed" for joint in motion.joints)
-    left_out = f"; {left_out_text(motion.left_out)}" if motion.left_out else ""
-    topic = motion.topic
-    yield found("ROBOT_DESCRIPTION", say="moved", topic=topic, joints=moving, left_out=left_out)
-    if base_frame not in {link for pair in motion.pairs for link in pair}:
-        yield found("ROBOT_DESCRIPTION", say="no_base", base=base_frame)
+def _moved_joints(model: RobotOfUrdf, walk: Walk) -> tuple[Joint, ...]:
+    """Return the joints by which joint states move links; none: they do not, or transforms do."""
+    placed = {*walk.frames.parents, walk.frames.base}
+    told = next((table.names for table in walk.recording.joints), ())
+    kept = tuple(
+        joint
+        for joint in model.joints
+        if joint.child not in placed and (joint.kind == "fixed" or joint.measured in told)
+    )
+    return kept if any(joint.kind != "fixed" for joint in kept) else ()
+
+
+def moved_links(joints: Sequence[Joint], table: JointTable) -> LinkTransforms:
+    """Return the links of joint states; those that lack a joint are left out."""
+    told = table.samples
+    own = np.full((len(told.log_time), len(joints)), np.nan)
+    for column, joint in enumerate(joints):
+        if joint.measured in table.names:
+            own[:, column] = told.position[:, table.names.index(joint.measured)]
+    moving = np.array([joint.kind != "fixed" for joint in joints])
+    rows = np.flatnonzero(np.isfinite(own[:, moving]).all(axis=1))
+    log_time = told.log_time[rows]
+    poses = link_poses(joints, own[rows])
+    return LinkTransforms(log_time, header_time(told.stamp[rows], log_time), *poses)
 
 
 def without_legs(reason: str, call: str) -> Finding:

@@ -7,11 +7,11 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.frames.kinematics import Joint, Leg, Mass, leg_motion
 from dogbot_logtool.core.leg_position import LegPosition, leg_names
 from dogbot_logtool.core.legs.joints import JointLimits
 from dogbot_logtool.core.rotations import multiply, rotate
+from dogbot_logtool.core.settings import FORWARD_ANGLES
 from dogbot_logtool.robot.names import leg_of, leg_position
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, joints_below
 from dogbot_logtool.robot.words import SOLES, Part, words_of
@@ -122,7 +122,9 @@ def _end(
         moving = [row for row, joint in enumerate(leg.joints) if joint.kind != "fixed"]
         place, origins = motion.foot[0], motion.origins[0]
         length = sum(np.linalg.norm(np.diff(origins[moving[0] :], axis=0), axis=1))
-        reach = float(np.linalg.norm(place - origins[moving[-1]]))
+        # A joint that slides takes the foot away from those that turn.
+        turning = [row for row in moving if leg.joints[row].kind == "revolute"] or moving
+        reach = float(np.linalg.norm(place - origins[turning[-1]]))
         at_joint = reach <= _REACH * (length + reach)
         turns = at_joint and leg.joints[moving[-1]].name in robot.continuous
         is_joint = at_joint and len(moving) < _ANKLED

@@ -12,22 +12,21 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from dogbot_logtool.core.known_frames import Point
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.rotations import roll_pitch_yaw
-from dogbot_logtool.core.scene.foot_style import colour_parts
+from dogbot_logtool.core.scene.foot_style import colour_parts, foot_colour
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.robot_model.skeleton import RobotShape, Skeleton, body_size_m
 
-_AXES: Final = {"+x": (1, 0), "-x": (-1, 0), "+y": (0, 1), "-y": (0, -1)}
+_AXES: Final = {"+x": (1, 0, 0), "-x": (-1, 0, 0), "+y": (0, 1, 0), "-y": (0, -1, 0)}
+_ORIGIN: Final = (0.0, 0.0, 0.0)
 _FEWEST_HIPS: Final = 3
 """Assumed hips that span a body."""
 _SHORTEST_LIMB_M: Final = 0.01
 _THICKNESS: Final = 0.045
 """Radius of a limb over the length of a leg."""
 _THINNEST_M, _THICKEST_M = 0.005, 0.04
-_BODY: Final = "#b8bec6"
-_LIMB: Final = "#5c6470"
-_NOSE: Final = "#2f3640"
+_COLOURS: Final = {"body": "#b8bec6", "limb": "#5c6470", "nose": "#2f3640"}
 
 
 def primitive_urdf(described: Robot, frames: Skeleton, shape: RobotShape) -> str:
@@ -39,8 +38,8 @@ def primitive_urdf(described: Robot, frames: Skeleton, shape: RobotShape) -> str
         shape: which axis points forward, and where legs without frames are assumed to begin.
     """
     robot = ET.Element("robot", name=described.name)
-    colours = {"body": _BODY, "limb": _LIMB, "nose": _NOSE}
-    colours |= {f"foot {foot.name}": foot.colour for foot in frames.feet}
+    materials = {foot: f"foot {described.feet[foot].name}" for foot in frames.feet}
+    colours = _COLOURS | {name: foot_colour(foot) for foot, name in materials.items()}
     for material, colour in colours.items():
         element = ET.SubElement(robot, "material", name=material)
         ET.SubElement(element, "color", rgba=_text([*colour_parts(colour), 1.0]))
@@ -48,95 +47,90 @@ def primitive_urdf(described: Robot, frames: Skeleton, shape: RobotShape) -> str
         frame: ET.SubElement(robot, "link", name=frame) for frame in (frames.base, *frames.frames)
     }
     centre, size = _body(described, frames, shape)
-    _add_visual(links[frames.base], "body", centre, "box", size=_text(size))
-    _add_nose(links[frames.base], centre, size, shape.forward_axis)
+    _add_visual(links[frames.base], "body", "box", centre, size=size)
+    forward = np.array(_AXES[shape.forward_axis])
+    depth, across = 0.15 * size.max(), 0.4 * size[:2][forward[:2] == 0].item()
+    nose = np.where(forward != 0, depth, across)
+    nose[2] = 0.6 * size.min()
+    middle = centre + forward * (size + depth) / 2.0
+    _add_visual(links[frames.base], "nose", "box", middle, size=nose)
     radius = _limb_radius(frames)
-    for frame, pose in frames.limbs:
-        _add_limb(links[pose.parent], pose.translation, radius)
-        _add_visual(links[frame], "limb", (0.0, 0.0, 0.0), "sphere", radius=_text([radius]))
-    for foot in frames.feet:
-        _add_limb(links[foot.frame], foot.point, radius)
-        material = f"foot {foot.name}"
-        _add_visual(links[foot.frame], material, foot.point, "sphere", radius=_text([1.6 * radius]))
-    for child, pose in frames.frames.items():
-        kind = "fixed" if pose.static else "floating"
-        joint = ET.SubElement(robot, "joint", name=f"{pose.parent} to {child}", type=kind)
-        angles = roll_pitch_yaw(np.array([pose.rotation]))[0].tolist()
-        ET.SubElement(joint, "origin", xyz=_text(pose.translation), rpy=_text(angles))
-        ET.SubElement(joint, "parent", link=pose.parent)
+    hips = {leg[-1] for leg in frames.legs.values()}
+    for frame in (each for each in frames.limbs if each not in hips):
+        track = frames.frames[frame]
+        _add_limb(links[track.parent], track.translation[0], radius)
+        _add_visual(links[frame], "limb", "sphere", radius=[radius])
+    for foot, (frame, point) in frames.feet.items():
+        _add_limb(links[frame], point, radius)
+        _add_visual(links[frame], materials[foot], "sphere", point, radius=[1.6 * radius])
+    for child, track in frames.frames.items():
+        kind = "fixed" if track.static else "floating"
+        joint = ET.SubElement(robot, "joint", name=f"{track.parent} to {child}", type=kind)
+        angles = roll_pitch_yaw(track.rotation[:1])[0]
+        ET.SubElement(joint, "origin", xyz=_text(track.translation[0]), rpy=_text(angles))
+        ET.SubElement(joint, "parent", link=track.parent)
         ET.SubElement(joint, "child", link=child)
     ET.indent(robot)
     return ET.tostring(robot, encoding="unicode") + "\n"
 
 
-def _body(robot: Robot, frames: Skeleton, shape: RobotShape) -> tuple[Point, Point]:
+def _body(robot: Robot, frames: Skeleton, shape: RobotShape) -> tuple[Floats, Floats]:
     """Return centre and size, m, of the box between the hips; of the mass's size without hips.
 
     The latter stands on the base's origin where the robot is a biped.
     """
-    hips = [frames.frames[leg[-1]].translation for leg in frames.legs]
+    hips = [frames.frames[leg[-1]].translation[0] for leg in frames.legs.values()]
     if not hips and len(shape.hips) >= _FEWEST_HIPS:
-        hips = list(shape.hips.values())
+        hips = [np.array(hip) for hip in shape.hips.values()]
     if not hips:
         length, width, height = body_size_m(robot.mass_kg)
         upright = len(robot.feet) == 2
         length, height = (height, length) if upright else (length, height)
-        along_x = _AXES[shape.forward_axis][0] != 0
-        centre = (0.0, 0.0, 0.5 * height if upright else 0.0)
-        return centre, (*((length, width) if along_x else (width, length)), height)
+        length, width = (length, width) if _AXES[shape.forward_axis][0] else (width, length)
+        centre = np.array([0.0, 0.0, 0.5 * height if upright else 0.0])
+        return centre, np.array([length, width, height])
     low, high = np.min(hips, axis=0), np.max(hips, axis=0)
     longest = max(float((high - low)[:2].max()), 0.1)
-    x, y = (max(float(side), 0.4 * longest) for side in (high - low)[:2])
-    cx, cy, cz = ((low + high) / 2.0).tolist()
-    return (cx, cy, cz), (x, y, 0.25 * longest)
+    size = np.maximum(high - low, 0.4 * longest)
+    size[2] = 0.25 * longest
+    return (low + high) / 2.0, size
 
 
 def _limb_radius(frames: Skeleton) -> float:
     """Return the radius of limbs, m, by the length of the longest leg."""
     lengths = [
-        sum(hypot(*frames.frames[frame].translation) for frame in leg[:-1]) + hypot(*foot.point)
-        for foot, leg in zip(frames.feet, frames.legs, strict=False)
+        sum(hypot(*frames.frames[frame].translation[0]) for frame in leg[:-1])
+        + hypot(*frames.feet[foot][1])
+        for foot, leg in frames.legs.items()
     ]
     return min(max(_THICKNESS * max(lengths, default=0.5), _THINNEST_M), _THICKEST_M)
 
 
-def _add_nose(link: ET.Element, centre: Point, size: Point, forward_axis: str) -> None:
-    """Add a small box at the front of the body."""
-    x, y = _AXES[forward_axis]
-    depth = 0.15 * max(size)
-    reach_x, reach_y = (size[0] + depth) / 2.0, (size[1] + depth) / 2.0
-    middle = (centre[0] + x * reach_x, centre[1] + y * reach_y, centre[2])
-    across = 0.4 * (size[1] if x else size[0])
-    high = 0.6 * min(size)
-    nose = (depth, across, high) if x else (across, depth, high)
-    _add_visual(link, "nose", middle, "box", size=_text(nose))
-
-
-def _add_limb(link: ET.Element, end: Point, radius: float) -> None:
+def _add_limb(link: ET.Element, end: Sequence[float] | Floats, radius: float) -> None:
     """Add a cylinder from a link's origin to a point, where it is long enough to be seen."""
     length = hypot(*end)
-    if length < _SHORTEST_LIMB_M:
-        return
-    x, y, z = end
-    turn = (0.0, acos(min(max(z / length, -1.0), 1.0)), atan2(y, x))
-    sizes = {"radius": _text([radius]), "length": _text([length])}
-    _add_visual(link, "limb", (x / 2.0, y / 2.0, z / 2.0), "cylinder", turn, **sizes)
+    if length >= _SHORTEST_LIMB_M:
+        x, y, z = end
+        turn = (0.0, acos(min(max(z / length, -1.0), 1.0)), atan2(y, x))
+        middle = (x / 2.0, y / 2.0, z / 2.0)
+        _add_visual(link, "limb", "cylinder", middle, turn, radius=[radius], length=[length])
 
 
 def _add_visual(
     link: ET.Element,
     material: str,
-    centre: Sequence[float],
     shape: str,
-    turn: Sequence[float] = (0.0, 0.0, 0.0),
-    **sizes: str,
+    centre: Sequence[float] | Floats = _ORIGIN,
+    turn: Sequence[float] = _ORIGIN,
+    **sizes: Sequence[float] | Floats,
 ) -> None:
     visual = ET.SubElement(link, "visual")
     ET.SubElement(visual, "origin", xyz=_text(centre), rpy=_text(turn))
-    ET.SubElement(ET.SubElement(visual, "geometry"), shape, sizes)
+    geometry = {name: _text(numbers) for name, numbers in sizes.items()}
+    ET.SubElement(ET.SubElement(visual, "geometry"), shape, geometry)
     ET.SubElement(visual, "material", name=material)
 
 
-def _text(numbers: Sequence[float]) -> str:
+def _text(numbers: Sequence[float] | Floats) -> str:
     """Return numbers, rounded to micrometres, as a URDF has them; -0 is 0."""
-    return " ".join(f"{round(number, 6) + 0.0:.6g}" for number in numbers)
+    return " ".join(f"{round(float(number), 6) + 0.0:.6g}" for number in numbers)

@@ -1,55 +1,32 @@
 """What a log's frames tell of its robot: those below the base, feet, shape, and limbs over time."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, median_of
-from dogbot_logtool.core.base.ground import nearest_axis
+from dogbot_logtool.core.base.axes import nearest_axis
 from dogbot_logtool.core.frames.transforms import FrameTrack, chain_of_frames, lookup
 from dogbot_logtool.core.known_frames import KnownFrames, Point
 from dogbot_logtool.core.rotations import rotate
-from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.selection import Selection
 
 _INSIDE: Final = 0.75
 """Hips over feet: how much nearer to the middle of the body they are assumed to be."""
-
 _DENSITY: Final = 500.0
 """kg/m3 of a body whose legs are not known; half of water's, as robots have."""
 _USUAL_MASS_KG: Final = 12.0
 _ORIGIN: Final = (0.0, 0.0, 0.0)
 _GRID_M: Final = 0.02
 """m, to which points of soles are rounded: a picture needs no more."""
-
-
-@dataclass(frozen=True, slots=True)
-class FramePose:
-    """The first recorded pose of a frame in its parent."""
-
-    parent: str
-    """Frame ids have no leading slash."""
-    translation: Point
-    """m."""
-    rotation: tuple[float, float, float, float]
-    """Unit quaternion x, y, z, w."""
-    static: bool
-
-
-@dataclass(frozen=True, slots=True)
-class ModelFoot:
-    """A foot of the robot that is drawn."""
-
-    name: str
-    frame: str
-    point: Point
-    """m, where it touches the ground, in the frame."""
-    colour: str
-    """As ``#rrggbb``."""
+MOST_FRAMES: Final = 64
+"""Frames of a robot that are followed."""
+Places = Mapping[int, tuple[str, Point]]
+"""The frame of each foot and where it touches the ground, m in that frame, by its index."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,26 +34,24 @@ class Skeleton:
     """The frames below the base."""
 
     base: str
-    frames: Mapping[str, FramePose]
+    frames: Mapping[str, FrameTrack]
     """By name, parents before children."""
-    feet: tuple[ModelFoot, ...]
+    feet: Places
     """Those whose frames are among the frames."""
 
     @property
-    def legs(self) -> tuple[tuple[str, ...], ...]:
-        """For each foot, the frames from its own up to the child of the base."""
-        parents = {child: pose.parent for child, pose in self.frames.items()}
-        chains = (chain_of_frames(parents, foot.frame, self.base) for foot in self.feet)
-        return tuple(chain for chain in chains if chain)
+    def legs(self) -> dict[int, tuple[str, ...]]:
+        """The frames from that of a foot up to the child of the base, by foot."""
+        parents = {child: track.parent for child, track in self.frames.items()}
+        of_feet = {foot: frame for foot, (frame, _) in self.feet.items()}
+        chains = {foot: chain_of_frames(parents, at, self.base) for foot, at in of_feet.items()}
+        return {foot: chain for foot, chain in chains.items() if chain}
 
     @property
-    def limbs(self) -> Iterator[tuple[str, FramePose]]:
-        """Yield the frames that end a limb: those of legs, and others that move."""
-        legs = {frame for leg in self.legs for frame in leg}
-        hips = {leg[-1] for leg in self.legs}
-        for frame, pose in self.frames.items():
-            if frame not in hips and (frame in legs or not pose.static):
-                yield frame, pose
+    def limbs(self) -> list[str]:
+        """The frames of legs, and others that move."""
+        legs = {frame for leg in self.legs.values() for frame in leg}
+        return [name for name, own in self.frames.items() if name in legs or not own.static]
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,20 +68,16 @@ class RobotShape:
     """Length of the body, or its height above the feet if that is more."""
 
 
-def skeleton(selection: Selection, probe: KnownFrames, base: str) -> Skeleton:
+def skeleton(selection: Selection, probe: KnownFrames) -> Skeleton:
     """Return the frames of a log that hang below the base; those with two parents do not."""
-    parents = probe.parent_of
+    parents, base = probe.parent_of, probe.base
     known = probe.tracks(parents)
     chains = {child: chain_of_frames(parents, child, base) or () for child in known}
     below = sorted((len(chain), child) for child, chain in chains.items() if chain)
-    frames = {child: _first_pose(known[child]) for _, child in below}
-    feet = (foot for foot in model_feet(selection, probe) if foot.frame in {base, *frames})
-    return Skeleton(base, frames, tuple(feet))
-
-
-def _first_pose(track: FrameTrack) -> FramePose:
-    shift, turn = tuple(track.translation[0].tolist()), tuple(track.rotation[0].tolist())
-    return FramePose(track.parent, shift, turn, track.static)
+    frames = {child: known[child] for _, child in below}
+    places = _places(selection, probe).items()
+    feet = {foot: place for foot, place in places if place[0] in {base, *frames}}
+    return Skeleton(base, frames, feet)
 
 
 def _rounded(point: Point) -> Point:
@@ -114,14 +85,14 @@ def _rounded(point: Point) -> Point:
     return x, y, z
 
 
-def model_feet(selection: Selection, probe: KnownFrames) -> Iterator[ModelFoot]:
-    """Yield the feet whose frames are known, with the points where they touch the ground."""
+def _places(selection: Selection, probe: KnownFrames) -> Places:
+    """Return the frames and points of the feet whose frames are known."""
+    places = {}
     for number, foot in enumerate(selection.robot.feet):
         if place := place_of_foot(selection, probe, number):
-            frame, point = place
-            if foot.frame is None:
-                point = _rounded(point or _ORIGIN)
-            yield ModelFoot(foot.name, frame, point or _ORIGIN, foot_colour(number))
+            frame, point = place[0], place[1] or _ORIGIN
+            places[number] = frame, point if foot.frame is not None else _rounded(point)
+    return places
 
 
 def place_of_foot(
@@ -177,10 +148,6 @@ def body_size_m(mass_kg: float | None) -> tuple[float, float, float]:
     return 3.0 * third, 2.0 * third, third
 
 
-MOST_FRAMES: Final = 64
-"""Frames of a robot that are followed."""
-
-
 @dataclass(frozen=True, slots=True)
 class Limbs:
     """The origins of frames below the base, and the feet's soles, over time."""
@@ -204,31 +171,29 @@ def find_limbs(walk: Walk, selection: Selection, time: Ints) -> Limbs | None:
         time: (n,) ns on the walk's clock, increasing.
     """
     probe, links = walk.frames, walk.legs.links if walk.legs else {}
-    known = skeleton(selection, probe, probe.base)
-    legs = {frame for leg in known.legs for frame in leg}
-    parents = {name: pose.parent for name, pose in known.frames.items()}
-    drawn = [name for name, pose in known.frames.items() if name in legs or not pose.static]
-    for child, track in links.items():
-        drawn += [child] if child not in parents and not track.static else []
-        parents.setdefault(child, track.parent)
-    drawn = [frame for frame in drawn if chain_of_frames(parents, frame, probe.base) is not None]
+    known = skeleton(selection, probe)
+    tracks = {**links, **known.frames}
+    parents = {child: track.parent for child, track in tracks.items()}
+    moved = [child for child in links if child not in known.frames and not links[child].static]
+    drawn = [
+        frame
+        for frame in (*known.limbs, *moved)
+        if chain_of_frames(parents, frame, probe.base) is not None
+    ]
     if not drawn or len(drawn) > MOST_FRAMES:
         return None
-    tracks = {**links, **probe.tracks(known.frames)}
-    feet = [foot for foot in model_feet(selection, probe) if foot.frame in parents]
+    places = _places(selection, probe).items()
+    feet = {foot: place for foot, place in places if place[0] in parents}
     points: list[Floats] = []
-    for frame, point in (
-        *((frame, (0.0, 0.0, 0.0)) for frame in drawn),
-        *((foot.frame, foot.point) for foot in feet),
-    ):
+    for frame, point in (*((frame, _ORIGIN) for frame in drawn), *feet.values()):
         pose = lookup(tracks, frame, probe.base, time, _recorded(tracks, frame, time))
         points.append(pose.translation + rotate(pose.rotation, np.array([point])))
-    above = [*(parents[frame] for frame in drawn), *(foot.frame for foot in feet)]
-    sole = {foot.name: len(drawn) + index for index, foot in enumerate(feet)}
+    above = [*(parents[frame] for frame in drawn), *(frame for frame, _ in feet.values())]
+    sole = {foot: len(drawn) + index for index, foot in enumerate(feet)}
     return Limbs(
         np.stack(points, axis=1).astype(np.float32),
         tuple(_nearest(drawn, parents, probe.base, frame) for frame in above),
-        tuple(sole.get(foot.name) for foot in selection.robot.feet),
+        tuple(sole.get(foot) for foot in range(len(selection.robot.feet))),
     )
 
 

@@ -35,26 +35,26 @@ TURNED_MATRIX = rodrigues((0.0, 0.0, 1.0), pi / 3)
 @pytest.mark.parametrize("angle", [0.0, 0.3, -2.0, pi, 7.0])
 def test_a_revolute_joint_turns_about_its_axis(angle: float) -> None:
     joint = Joint("j", "a", "b", "revolute", (1.0, 2.0, 3.0), TURNED, SLANTED)
-    poses = link_poses([joint], np.array([[angle]]))
+    shift, turn = link_poses([joint], np.array([[angle]]))
     np.testing.assert_allclose(
-        matrix(poses.rotation[0, 0]), TURNED_MATRIX @ rodrigues(SLANTED, angle), atol=1e-12
+        matrix(turn[0, 0]), TURNED_MATRIX @ rodrigues(SLANTED, angle), atol=1e-12
     )
-    np.testing.assert_allclose(poses.translation[0, 0], [1.0, 2.0, 3.0])
+    np.testing.assert_allclose(shift[0, 0], [1.0, 2.0, 3.0])
 
 
 def test_a_prismatic_joint_moves_along_its_axis_in_its_own_frame() -> None:
     joint = Joint("j", "a", "b", "prismatic", (1.0, 0.0, 0.0), TURNED, SLANTED)
-    poses = link_poses([joint], np.array([[0.0], [0.7]]))
+    shift, turn = link_poses([joint], np.array([[0.0], [0.7]]))
     expected = np.array([1.0, 0.0, 0.0]) + 0.7 * TURNED_MATRIX @ np.array(SLANTED)
-    np.testing.assert_allclose(poses.translation[:, 0], [[1.0, 0.0, 0.0], expected], atol=1e-12)
-    np.testing.assert_allclose(matrix(poses.rotation[1, 0]), TURNED_MATRIX, atol=1e-12)
+    np.testing.assert_allclose(shift[:, 0], [[1.0, 0.0, 0.0], expected], atol=1e-12)
+    np.testing.assert_allclose(matrix(turn[1, 0]), TURNED_MATRIX, atol=1e-12)
 
 
 def test_a_fixed_joint_stays_and_a_mimic_follows() -> None:
     fixed = Joint("f", "a", "b", "fixed", rotation=TURNED)
     mimic = Joint("m", "b", "c", "revolute", source="j", multiplier=-2.0, offset=0.5)
     assert (fixed.measured, mimic.measured) == ("f", "j")
-    poses = link_poses([fixed, mimic], np.array([[np.nan, 0.4]]))
-    np.testing.assert_allclose(matrix(poses.rotation[0, 0]), TURNED_MATRIX, atol=1e-12)
+    _, turn = link_poses([fixed, mimic], np.array([[np.nan, 0.4]]))
+    np.testing.assert_allclose(matrix(turn[0, 0]), TURNED_MATRIX, atol=1e-12)
     expected = rodrigues((1.0, 0.0, 0.0), -2.0 * 0.4 + 0.5)
-    np.testing.assert_allclose(matrix(poses.rotation[0, 1]), expected, atol=1e-12)
+    np.testing.assert_allclose(matrix(turn[0, 1]), expected, atol=1e-12)

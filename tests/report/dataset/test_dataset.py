@@ -26,10 +26,11 @@ from dogbot_logtool.report.dataset_tables import TABLES
 from dogbot_logtool.run.inputs import Found, LogSet
 from tests.forked_cli import Ended, run
 from tests.oracles.small_logs import first_seconds
-from tests.paths import ROOT, SAMPLE_LOGS
+from tests.paths import ROOT, TROT, TROUBLED
 
-TROT, LONG = (SAMPLE_LOGS / f"dogbot_{name}.bag" for name in ("trot", "troubled"))
-TROUBLED = first_seconds(LONG)
+
+def short() -> Path:
+    return first_seconds(TROUBLED)
 
 
 def export(folder: Path, *words: object, jobs: int = 1) -> Ended:
@@ -50,7 +51,7 @@ def files(folder: Path) -> list[Path]:
 
 def test_what_was_done_is_said_and_damaged_logs_are_named(tmp_path: Path) -> None:
     (tmp_path / "cut.bag").write_bytes(TROT.read_bytes()[:900_000])
-    (tmp_path / "sound.bag").write_bytes(TROUBLED.read_bytes())
+    (tmp_path / "sound.bag").write_bytes(short().read_bytes())
     (tmp_path / "no.bag").write_bytes(b"nothing of the kind")
     first = export(tmp_path, ".")
     assert (first.returncode, first.stdout) == (1, "")
@@ -67,7 +68,7 @@ def test_what_was_done_is_said_and_damaged_logs_are_named(tmp_path: Path) -> Non
 
 def test_names_of_any_bytes_are_rows(tmp_path: Path) -> None:
     for name in (b"\xff.bag", b"\xfe.bag", b"a=b.bag", "é.bag".encode()):
-        shutil.copy(TROUBLED, Path(os.fsdecode(os.fsencode(tmp_path) + b"/" + name)))
+        shutil.copy(short(), Path(os.fsdecode(os.fsencode(tmp_path) + b"/" + name)))
     assert export(tmp_path, ".", jobs=2).returncode == 0
     names = sorted(row["path"].rpartition("/")[2] for row in rows(tmp_path))
     assert names == ["\\xfe.bag", "\\xff.bag", "a=b.bag", "é.bag"]
@@ -76,13 +77,13 @@ def test_names_of_any_bytes_are_rows(tmp_path: Path) -> None:
 
 def test_a_place_that_cannot_be_a_dataset_is_refused_at_once(tmp_path: Path) -> None:
     (tmp_path / "walks").write_text("mine")
-    done = export(tmp_path, TROUBLED)
+    done = export(tmp_path, short())
     assert (done.returncode, done.stdout) == (2, "")
     assert "--dataset" in done.stderr
     assert "is no directory" in done.stderr
     odd = Path(os.fsdecode(os.fsencode(tmp_path) + b"/\xff"))
     odd.mkdir()
-    done = export(odd, TROUBLED)
+    done = export(odd, short())
     assert done.returncode == 2
     assert "must be UTF-8" in done.stderr
 
@@ -103,7 +104,7 @@ def server(tmp_path: Path) -> Iterator[str]:
     """Serve two logs under one path."""
     runs = tmp_path / "runs"
     runs.mkdir()
-    shutil.copy(LONG, runs / "1")
+    shutil.copy(TROUBLED, runs / "1")
     (runs / "2").write_bytes(TROT.read_bytes()[:900_000])
     handler = functools.partial(_Runs, directory=str(runs))
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as running:
@@ -131,7 +132,7 @@ def test_urls_that_differ_in_their_query_are_two_logs(tmp_path: Path, server: st
 
 def test_a_log_is_a_file_of_each_table(tmp_path: Path) -> None:
     for name in ("a", "b"):
-        shutil.copy(TROUBLED, tmp_path / f"{name}.bag")
+        shutil.copy(short(), tmp_path / f"{name}.bag")
     assert export(tmp_path, ".").returncode == 0
     for table in ("logs", "feet", "strides", "events", "findings"):
         hashes = {row["log_hash"] for row in rows(tmp_path)}
@@ -142,9 +143,9 @@ def test_a_log_is_a_file_of_each_table(tmp_path: Path) -> None:
 
 
 def test_rows_hold_what_the_json_says(tmp_path: Path) -> None:
-    assert export(tmp_path, LONG).returncode == 0
+    assert export(tmp_path, TROUBLED).returncode == 0
     (found,) = rows(tmp_path)
-    walk = json.loads(run("stats", "--json", "-v", LONG).stdout)
+    walk = json.loads(run("stats", "--json", "-v", TROUBLED).stdout)
     for group in ("settings", "base", "gait", "stability"):
         told = {name: value for name, value in found[group].items() if not isinstance(value, dict)}
         # Lists and maps of records are tables of their own, or stand in the JSON only.
@@ -168,7 +169,7 @@ def test_a_log_that_changes_replaces_its_files(tmp_path: Path) -> None:
         (row,) = rows(tmp_path)
         assert "walk.bag" in row["error"]
         assert row["base"] is None
-    shutil.copy(TROUBLED, tmp_path / "walk.bag")
+    shutil.copy(short(), tmp_path / "walk.bag")
     assert export(tmp_path, "walk.bag").returncode == 0
     (row,) = rows(tmp_path)
     assert (row["error"], row["settings"]["robot"]) == (None, "dogbot")
@@ -185,8 +186,8 @@ def test_a_log_that_changes_replaces_its_files(tmp_path: Path) -> None:
 def test_logs_that_were_moved_or_deleted_are_pruned(tmp_path: Path) -> None:
     odd = os.fsencode(tmp_path) + b"/\xff.bag"
     for name in ("kept", "moved", "deleted"):
-        shutil.copy(TROUBLED, tmp_path / f"{name}.bag")
-    shutil.copy(TROUBLED, os.fsdecode(odd))
+        shutil.copy(short(), tmp_path / f"{name}.bag")
+    shutil.copy(short(), os.fsdecode(odd))
     assert export(tmp_path, ".").returncode == 0
     (tmp_path / "moved.bag").rename(tmp_path / "here.bag")
     (tmp_path / "deleted.bag").unlink()
@@ -203,7 +204,7 @@ def test_logs_that_were_moved_or_deleted_are_pruned(tmp_path: Path) -> None:
 
 def test_a_dataset_in_a_store() -> None:
     root, log = UPath("memory://lab/walks"), UPath("memory://lab/walk.bag")
-    log.write_bytes(TROUBLED.read_bytes())
+    log.write_bytes(short().read_bytes())
     log_set = LogSet((Found(log),), 0)
     dataset = dataset_at(root, MeasureOptions(), {"spot": "rex"})
     (entry,) = dataset.begin(log_set).entries
@@ -217,8 +218,8 @@ def test_a_dataset_in_a_store() -> None:
 
 
 def test_labels_stay_until_they_are_given_anew(tmp_path: Path) -> None:
-    shutil.copy(TROUBLED, tmp_path / "a.bag")
-    shutil.copy(TROUBLED, tmp_path / "b.bag")
+    shutil.copy(short(), tmp_path / "a.bag")
+    shutil.copy(short(), tmp_path / "b.bag")
 
     def labels() -> list[dict[str, str]]:
         found = {row["path"].rpartition("/")[2]: dict(row["labels"]) for row in rows(tmp_path)}
@@ -237,7 +238,7 @@ def test_labels_stay_until_they_are_given_anew(tmp_path: Path) -> None:
 
 def test_the_same_logs_make_the_same_bytes(tmp_path: Path) -> None:
     for name in ("a", "b"):
-        shutil.copy(TROUBLED, tmp_path / f"{name}.bag")
+        shutil.copy(short(), tmp_path / f"{name}.bag")
     assert export(tmp_path, ".", jobs=1).returncode == 0
     first = {file: file.read_bytes() for file in files(tmp_path)}
     shutil.rmtree(tmp_path / "walks")
@@ -257,7 +258,7 @@ def queries() -> list[str]:
 def test_readers_take_it_and_the_documented_queries_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    shutil.copy(TROUBLED, tmp_path / "troubled.bag")
+    shutil.copy(short(), tmp_path / "troubled.bag")
     shutil.copy(TROT, tmp_path / "trot.bag")
     (tmp_path / "no.bag").write_bytes(b"nothing of the kind")
     assert export(tmp_path, ".", "--label", "firmware=3.2").returncode == 1

@@ -4,24 +4,30 @@ import re
 from dataclasses import replace
 from functools import cache
 from html.parser import HTMLParser
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.settings import FootSettings, WalkSettings
-from dogbot_logtool.core.walk import Walk
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.core.walk import Walk as MeasuredWalk
 from dogbot_logtool.finding import Finding
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.loss import Damage, Loss
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import Beside, page
-from tests.analysed import analysed
 from tests.measured import LogFacts, measured, measurement_of
+from tests.oracles.small_logs import odometry_log
 from tests.paths import TROT, TROUBLED
 from tests.report.page.page_data import drawings, numbers, trace
+from tests.truth import gaits
+from tests.truth.foot_faults import as_flags
+from tests.truth.log_file import write_log
+from tests.truth.recording import FootRecording, Recording
+from tests.truth.robots import biped
+from tests.truth.walking import Walk
 
 MB: Final = 1_000_000
 HOSTILE: Final = "</script><img src=x onerror=alert(1)>%{x}<b>{{7*7}}\u2028\u202e\x1b[31m"
@@ -32,7 +38,7 @@ def trot_page() -> bytes:
     return page(measured(TROT), 0)
 
 
-def page_of(walk: Walk, size: int = 0, **facts: Any) -> str:
+def page_of(walk: MeasuredWalk, size: int = 0, **facts: Any) -> str:
     """The page of a walk that a test made up or changed."""
     return page(measurement_of(walk, LogFacts(**facts)), size).decode()
 
@@ -173,54 +179,46 @@ def test_events_are_listed_and_marked_in_every_figure_over_time() -> None:
     assert label["text"] == "sensor fault"
 
 
-def walked(seconds: float, spikes: Any = (), *, has_force: bool = True) -> Walk:
-    """Two feet that step in turn, once a second, with peaks of their own at some times."""
-    time = np.arange(0.0, seconds, 0.04)
-    stamp = np.round(time * 1e9).astype(np.int64) + 10**18
-    up, nowhere = np.tile([0.0, 0.0, 1.0], (len(time), 1)), np.full((len(time), 3), np.nan)
-    feet = []
-    for foot in range(2):
-        down = (time - 0.5 * foot + 0.003) % 1.0 < 0.6
-        force = np.where(down, 100.0, 0.0)
-        force[np.searchsorted(time, spikes)] = 500.0 + np.arange(len(spikes))
-        feet.append(
-            Samples(
-                foot=np.full(len(time), foot, np.int64),
-                log_time=stamp,
-                stamp=stamp,
-                in_contact=force > 0.0,
-                force=up * force[:, None],
-                in_world=np.zeros(len(time), np.bool_),
-                points=(force > 0.0).astype(np.int64),
-                position=nowhere,
-                normal=up,
-            )
-        )
-    names = [FootSettings(side, f"/{side}", has_force=has_force) for side in ("left", "right")]
-    return analysed(WalkSettings(tuple(names), 20.0, wrench_frame=WrenchFrame.WORLD), feet)
+STEPS = Walk(gaits.BIPED_WALK, biped(20.0), period_s=1.0, seconds=1500.0)
 
 
-def test_a_page_of_a_long_log_is_small_and_has_every_peak() -> None:
-    spikes = np.arange(30.0, 1500.0, 61.7)
-    html = page_of(walked(1500.0, spikes))
+def spiked(recording: Recording) -> Recording:
+    """Peaks of their own, each higher than the one before."""
+
+    def change(_: int, foot: FootRecording) -> FootRecording:
+        force, rows = foot.force.copy(), np.searchsorted(foot.time, SPIKES)
+        force[rows] = np.outer(500.0 + np.arange(len(SPIKES)), (0.0, 0.0, 1.0))
+        touching = foot.touching | (force[:, 2] > 0.0)
+        return replace(foot, force=force, touching=touching)
+
+    return recording.each_foot(change)
+
+
+SPIKES = np.arange(30.0, 1490.0, 61.7)
+
+
+def test_a_page_of_a_long_log_is_small_and_has_every_peak(tmp_path: Path) -> None:
+    log = write_log(spiked(STEPS.recorded(25.0, 5.0)), tmp_path / "log.mcap")
+    html = page(measure(log, MeasureOptions()), 0)
     assert len(html) < 2.5 * MB
-    shown = drawings(html.encode())
+    shown = drawings(html)
     for side in ("left", "right"):
         force = numbers(trace(shown["loads"], f"{side} |F|")["y"])
         peaks = np.sort(force[force > 499.5])
-        assert peaks == pytest.approx(500.0 + np.arange(len(spikes)), abs=0.01)
+        assert peaks == pytest.approx(500.0 + np.arange(len(SPIKES)), abs=0.01)
         assert len(force) <= 2 * 8192
-    assert "export has them all" in html
+    assert b"export has them all" in html
 
 
-def test_a_page_says_what_its_log_lacks() -> None:
-    html = page_of(walked(10.0, has_force=False))
-    assert "tell contact, not force" in html
-    assert "positions are not known" in html
-    assert "Gait: walk (high confidence" in html
-    html = page_of(analysed(WalkSettings(())), path="x.mcap", start_s=None, duration_s=None)
-    assert drawings(html.encode()) == {}
-    assert "no contacts that could be used" in html
+def test_a_page_says_what_its_log_lacks(tmp_path: Path) -> None:
+    flags = as_flags(Walk(gaits.WALK, period_s=1.0).recorded(100.0))
+    html = page(measure(write_log(flags, tmp_path / "log.mcap"), MeasureOptions()), 0)
+    assert b"tell contact, not force" in html
+    assert b"walk (high confidence" in html
+    log = odometry_log(tmp_path / "log.mcap", "/odom")
+    html = page(measure(log, MeasureOptions()), 0)
+    assert not drawings(html).keys() & {"gait", "loads"}
+    assert b"no contacts that could be used" in html
 
 
 def test_the_index_has_a_row_a_log_and_says_why_one_is_missing() -> None:

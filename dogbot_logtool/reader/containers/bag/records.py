@@ -7,15 +7,14 @@ its length.
 import re
 import struct
 from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Bytes, Flags, Ints
-from dogbot_logtool.reader.containers.salvage.records import Read, Records, blank_messages
+from dogbot_logtool.core.arrays import Bytes, Ints
+from dogbot_logtool.reader.containers.salvage.records import Read, Records
 from dogbot_logtool.reader.decode.columns import gather, gather_bytes, rows_like
 
 AnyNumber = TypeVar("AnyNumber", int, Ints)
@@ -25,7 +24,7 @@ _MAX_HEADER_SIZE: Final = 1 << 20
 HEAD_SIZE: Final = 512
 """Bytes that hold nearly every record's header."""
 INDEX_ENTRY_SIZE: Final = 12
-_MOST_TEMPLATES: Final = 8
+_MOST_FORMS: Final = 8
 """Recorders write all their message headers alike; more kinds are decoded one by one."""
 _LONGEST_HEADER: Final = 4096
 _LENGTHS: Final = 8
@@ -64,32 +63,45 @@ class MalformedRecord(Exception):  # noqa: N818 - it never reaches a user
     """Bytes that are no record."""
 
 
-class Fields:
-    """The header of a record; what is asked for and not there, or not as long, is malformed."""
+def header_fields(data: bytes | memoryview) -> dict[str, tuple[int, bytes]]:
+    """Return where the value of each field of a header begins, and the value.
 
-    def __init__(self, data: bytes | memoryview) -> None:
-        """Split a header.
+    Raises:
+        MalformedRecord: it is no list of fields.
+    """
+    found: dict[str, tuple[int, bytes]] = {}
+    data = bytes(data)
+    offset = 0
+    while offset < len(data):
+        if offset + 4 > len(data):
+            raise MalformedRecord("a header field is cut off")
+        (size,) = U32.unpack_from(data, offset)
+        field = data[offset + 4 : offset + 4 + size]
+        name, equals, value = field.partition(b"=")
+        if len(field) != size or not equals:
+            raise MalformedRecord("a header field is damaged")
+        offset += 4 + size
+        found[name.decode("utf-8", "replace")] = offset - len(value), value
+    return found
+
+
+class Record:
+    """A record's header; what is asked for and not there, or not as long, is malformed."""
+
+    def __init__(self, header: bytes | memoryview, data: int, end: int) -> None:
+        """Split the header.
+
+        Args:
+            header: its bytes.
+            data: first byte of the data.
+            end: first byte after the record.
 
         Raises:
             MalformedRecord: it is no list of fields.
         """
-        self.values: dict[str, bytes] = {}
-        self.offsets: dict[str, int] = {}
-        """Where the value of each field begins."""
-        data = bytes(data)
-        offset = 0
-        while offset < len(data):
-            if offset + 4 > len(data):
-                raise MalformedRecord("a header field is cut off")
-            (size,) = U32.unpack_from(data, offset)
-            field = data[offset + 4 : offset + 4 + size]
-            name, equals, value = field.partition(b"=")
-            if len(field) != size or not equals:
-                raise MalformedRecord("a header field is damaged")
-            offset += 4 + size
-            key = name.decode("utf-8", "replace")
-            self.values[key] = value
-            self.offsets[key] = offset - len(value)
+        self.fields = header_fields(header)
+        self.data = data
+        self.end = end
 
     def raw(self, name: str, size: int | None = None) -> bytes:
         """Return a field, of a size in bytes if that is given.
@@ -97,7 +109,7 @@ class Fields:
         Raises:
             MalformedRecord: there is none of the name, or of another size.
         """
-        value = self.values.get(name)
+        _, value = self.fields.get(name, (0, None))
         if value is None:
             raise MalformedRecord(f"the header field {name!r} is missing")
         if size is not None and len(value) != size:
@@ -117,32 +129,17 @@ class Fields:
         nanoseconds, seconds = divmod(self.number(name, 8), 1 << 32)
         return seconds * 1_000_000_000 + nanoseconds
 
-    def texts(self) -> dict[str, str]:
-        """Return all fields as texts; bytes that are not UTF-8 are replaced."""
-        return {name: value.decode("utf-8", "replace") for name, value in self.values.items()}
-
-
-@dataclass(frozen=True, slots=True)
-class Record:
-    """A record's header and the offset of its data."""
-
-    fields: Fields
-    data: int
-    """First byte of the data."""
-    end: int
-    """First byte after the record."""
-
     def is_sound(self) -> bool:
         """Tell whether it has the fields of its kind, and its data the right size.
 
         Raises:
             MalformedRecord: a field is missing.
         """
-        op = self.fields.op()
+        op = self.op()
         for name, size in _FIELDS.get(op, {}).items():
-            self.fields.raw(name, size)
+            self.raw(name, size)
         if op in _ENTRY_SIZES:
-            return self.end - self.data == self.fields.number("count") * _ENTRY_SIZES[op]
+            return self.end - self.data == self.number("count") * _ENTRY_SIZES[op]
         return op in _FIELDS
 
 
@@ -170,7 +167,7 @@ def record_bounds(data: bytes | memoryview, offset: int, end: int) -> tuple[int,
 def record_at(data: bytes | memoryview, offset: int, end: int) -> Record:
     """Read the header of a record in memory; arguments and errors are those of `record_bounds`."""
     header_end, record_end = record_bounds(data, offset, end)
-    return Record(Fields(data[offset + 4 : header_end]), header_end + 4, record_end)
+    return Record(data[offset + 4 : header_end], header_end + 4, record_end)
 
 
 def record_in_file(read: Read, offset: int, head: bytes = b"") -> Record:
@@ -194,13 +191,14 @@ def record_in_file(read: Read, offset: int, head: bytes = b"") -> Record:
         raise MalformedRecord("a record is cut off")
     (data_size,) = U32.unpack_from(head, 4 + header_size)
     data = offset + 8 + header_size
-    return Record(Fields(memoryview(head)[4 : 4 + header_size]), data, data + data_size)
+    return Record(memoryview(head)[4 : 4 + header_size], data, data + data_size)
 
 
 class BagFormat:
     """How bags write records; see `RecordFormat`."""
 
     message = int(BagOp.MESSAGE)
+    describing = frozenset({int(BagOp.CONNECTION)})
     record_start = re.compile(
         rb"(?s)(?=[\x08-\xff].\0\0.\0\0\0"
         rb"(?:op|conn|time|topic|compression|size|ver|count|chunk_pos|chunk_count|conn_count|"
@@ -225,106 +223,74 @@ class BagFormat:
 
     def decode(self, records: Bytes, offset: Ints) -> Records:
         """See `RecordFormat.decode`."""
-        op = np.zeros(len(offset), np.int64)
-        messages = blank_messages(offset)
+        found = Records(*np.zeros((8, len(offset)), np.int64))
+        found.offset[:] = offset
         left = np.flatnonzero((offset >= 0) & (offset + _LENGTHS <= len(records)))
         header_size = np.zeros(len(offset), np.int64)
         header_size[left] = gather(records, offset[left], 4).view("<u4") if len(left) else 0
-        templates = 0
+        forms = 0
         while len(left):
             rows, left = left[:1], left[1:]
             first = int(offset[rows[0]])
             try:
                 record = record_at(records.data, first, len(records))
-                op[rows] = BagOp.CONNECTION if record.fields.op() == BagOp.CONNECTION else 0
+                op = record.op()
+                is_message = op == BagOp.MESSAGE and record.is_sound()
             except MalformedRecord:
                 continue
-            messages.start[rows], messages.end[rows] = record.data, record.end
-            template = _template(records, first, record)
-            if template is None:
+            found.start[rows], found.end[rows] = record.data, record.end
+            size = record.data - first
+            if op == BagOp.CONNECTION:
+                found.op[rows] = op
+            if not is_message or size > _LONGEST_HEADER:
                 continue
-            templates += 1
-            if templates <= _MOST_TEMPLATES:
-                fits = offset[left] + _LENGTHS + template.size <= len(records)
-                rows = np.append(rows, left[fits & (header_size[left] == template.size)])
-            alike, values = template.read(records, offset[rows])
-            rows, values = rows[alike], values[alike]
-            start = offset[rows] + values.itemsize
-            messages.start[rows], messages.end[rows] = start, start + values["data_size"]
-            messages.channel[rows] = channel_id(values["connection"].astype(np.int64))
-            messages.log_time[rows] = messages.publish_time[rows] = nanoseconds(values)
-            op[rows] = np.where(messages.end[rows] <= len(records), BagOp.MESSAGE, 0)
+            forms += 1
+            if forms <= _MOST_FORMS:
+                fits = offset[left] + size <= len(records)
+                rows = np.append(rows, left[fits & (header_size[left] == size - _LENGTHS)])
+            heads = gather_bytes(records, offset[rows], size)
+            form, constant = _form(record, size)
+            alike = rows_like(heads & constant, heads[0] & constant)
+            rows, values = rows[alike], heads.view(form)[alike, 0]
+            start = offset[rows] + size
+            found.start[rows], found.end[rows] = start, start + values["data_size"]
+            found.channel[rows] = channel_id(values["connection"].astype(np.int64))
+            found.log_time[rows] = found.publish_time[rows] = nanoseconds(values)
+            found.op[rows] = np.where(found.end[rows] <= len(records), op, 0)
             if len(rows) > 1:
-                left = left[messages.end[left] == 0]
-        return Records(op, offset, messages)
+                left = left[found.end[left] == 0]
+        return found
 
     def sound(self, read: Read, offset: int, end: int) -> bool:
         """See `RecordFormat.sound`."""
         try:
             record = record_in_file(read, offset)
             if record.end > end:
-                is_chunk = record.fields.op() == BagOp.CHUNK
-                return is_chunk and bool(record.fields.raw("compression"))
-            return record.is_sound() and _may_follow(read, record.end, end)
+                is_chunk = record.op() == BagOp.CHUNK
+                return is_chunk and bool(record.raw("compression"))
+            return record.is_sound()
         except MalformedRecord:
             return False
 
 
-def _may_follow(read: Read, offset: int, end: int) -> bool:
-    """Tell whether a record's end leads to another record, or to one that is cut off."""
-    if offset == end:
-        return True
-    try:
-        record_in_file(read, offset).fields.op()
-    except MalformedRecord:
-        head = read(offset, 4)
-        size = int.from_bytes(head, "little")
-        return len(head) < 4 or (size <= _LONGEST_HEADER and offset + 8 + size > end)
-    return True
+def _form(message: Record, size: int) -> tuple[np.dtype[np.void], Bytes]:
+    """Return how a recorder writes the headers of messages, all with the same fields in one order.
 
+    Args:
+        message: one of them.
+        size: bytes of its header and both lengths.
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class _Template:
-    """A message header, of which one recorder writes all with the same fields in one order."""
-
-    size: int
-    """Bytes of the header."""
-    head: Bytes
-    """(8 + size,) the header between the lengths of header and data; zero where `constant` is."""
-    constant: Bytes
-    """(8 + size,) 0 for the bytes that differ from message to message, 255 for all others."""
-    values: np.dtype[np.void]
-    """Those that differ."""
-
-    def read(self, records: Bytes, offset: Ints) -> tuple[Flags, NDArray[np.void]]:
-        """Tell which headers at some offsets, (n,), are like it, and return the values of each."""
-        heads = gather_bytes(records, offset, 8 + self.size)
-        return rows_like(heads & self.constant, self.head), heads.view(self.values)[:, 0]
-
-
-def _template(records: Bytes, offset: int, record: Record) -> _Template | None:
-    """Return a message's header as a template, None if it is another record or not sound."""
-    size = record.data - offset - 8
-    try:
-        if record.fields.op() != BagOp.MESSAGE or size > _LONGEST_HEADER:
-            return None
-        record.is_sound()
-    except MalformedRecord:
-        return None
-    connection, time = (4 + record.fields.offsets[name] for name in ("conn", "time"))
-    places = (connection, time, time + 4, 4 + size)
-    values = np.dtype(
-        {
-            "names": ["connection", "seconds", "nanoseconds", "data_size"],
-            "formats": ["<u4"] * 4,
-            "offsets": places,
-            "itemsize": 8 + size,
-        }
-    )
-    constant = np.full(8 + size, 255, np.uint8)
-    for first in places:
+    Returns:
+        the values that differ from message to message; and a mask of the other bytes, (size,).
+    """
+    (connection, _), (time, _) = message.fields["conn"], message.fields["time"]
+    offsets = [4 + connection, 4 + time, 8 + time, size - 4]
+    names = ["connection", "seconds", "nanoseconds", "data_size"]
+    constant = np.full(size, 255, np.uint8)
+    for first in offsets:
         constant[first : first + 4] = 0
-    return _Template(size, records[offset : offset + 8 + size] & constant, constant, values)
+    form = np.dtype({"names": names, "formats": ["<u4"] * 4, "offsets": offsets, "itemsize": size})
+    return form, constant
 
 
 def nanoseconds(times: NDArray[np.void]) -> Ints:

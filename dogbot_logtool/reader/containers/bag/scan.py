@@ -13,28 +13,28 @@ from dogbot_logtool.reader.containers.bag.records import (
     INDEX_ENTRY_SIZE,
     BagFormat,
     BagOp,
-    Fields,
     MalformedRecord,
     Record,
     channel_id,
+    header_fields,
     nanoseconds,
     record_at,
     record_bounds,
     record_in_file,
 )
-from dogbot_logtool.reader.containers.chunked_log import Times
-from dogbot_logtool.reader.containers.descriptions import Description, Descriptions
+from dogbot_logtool.reader.containers.descriptions import Description
 from dogbot_logtool.reader.containers.log import Channel, Chunk, Schema, time_range
 from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.record_log import (
+    IndexEntry,
+    RecordLog,
+    Times,
+    UnusableIndex,
+    open_records,
+)
 from dogbot_logtool.reader.containers.registry import BAG_MAGIC
 from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
 from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
-from dogbot_logtool.reader.containers.salvage.scan import (
-    IndexEntry,
-    ScannedLog,
-    UnusableIndex,
-    open_scanned,
-)
 from dogbot_logtool.reader.containers.source import ByteSource, in_groups
 
 _MOST_CONNECTIONS: Final = 0xFFFF
@@ -49,32 +49,32 @@ _RECURRING_SIZE: Final = 64
 _NOT_CLOSED: Final = "the bag has no index (its recording was not closed); it was read without it"
 
 
-class BagLog(ScannedLog):
+class BagLog(RecordLog):
     """Finds chunks, bare messages and connections."""
 
     container = "ROS 1 bag"
     profile = "ros1"
     magic = BAG_MAGIC
-    describing = frozenset({int(BagOp.CONNECTION)})
 
     def __init__(self, source: ByteSource) -> None:
-        super().__init__(source, BagFormat(), Descriptions(_connection))
+        super().__init__(source, _connection)
+        self._format = BagFormat()
 
     def use_index(self) -> None:
-        """See `ScannedLog.use_index`."""
+        """See `RecordLog.use_index`."""
         start = len(BAG_MAGIC)
         try:
             header = record_in_file(self.source.read, start)
-            if header.fields.op() != BagOp.BAG_HEADER:
+            if header.op() != BagOp.BAG_HEADER:
                 raise MalformedRecord("the bag's header is missing")
-            index_start = header.fields.number("index_pos", 8)
+            index_start = header.number("index_pos", 8)
             if index_start == 0:
                 raise UnusableIndex(Loss(start, _NOT_CLOSED))
             if not self._holds(index_start, self.source.size, {}):
                 raise MalformedRecord("it is cut off, or holds records of another kind")
             if self._take_outside():
                 raise MalformedRecord("its connections are damaged or described in two ways")
-            if len(self._index_entries) != header.fields.number("chunk_count"):
+            if len(self._index_entries) != header.number("chunk_count"):
                 raise MalformedRecord("it names another number of chunks than the bag's header")
             self.channels = self._described_channels()
             if not self._holds(start, index_start, self._indexed_chunks(index_start)):
@@ -94,14 +94,13 @@ class BagLog(ScannedLog):
         Raises:
             MalformedRecord: it is damaged.
         """
-        fields = record.fields
         data = self.source.read(record.data, record.end - record.data)
         counts = {
             channel_id(connection): count
             for connection, count in np.frombuffer(data, "<u4").reshape(-1, 2).tolist()
         }
-        times = fields.time_ns("start_time"), fields.time_ns("end_time")
-        self._index_entries[fields.number("chunk_pos", 8)] = IndexEntry(*times, counts)
+        times = record.time_ns("start_time"), record.time_ns("end_time")
+        self._index_entries[record.number("chunk_pos", 8)] = IndexEntry(*times, counts)
 
     def _indexed_chunks(self, index_start: int) -> dict[int, Chunk]:
         """Return the chunks that the index names, by their offsets."""
@@ -138,9 +137,9 @@ class BagLog(ScannedLog):
     def _step(self, offset: int) -> int | None:
         try:
             record = record_in_file(self.source.read, offset)
-            if "compression" in record.fields.values:
+            if "compression" in record.fields:
                 return self._chunk_record(offset, record)
-            op = record.fields.op()
+            op = record.op()
             if record.end > self.source.size or not record.is_sound():
                 return None
             if op == BagOp.MESSAGE:
@@ -161,7 +160,7 @@ class BagLog(ScannedLog):
         chunk = self.chunk_at(offset)
         if chunk.is_compressed:
             return self._take_chunk(chunk, chunk.end)
-        stated = record.fields.number("size")
+        stated = record.number("size")
         return self._take_chunk(
             replace(chunk, data_size=stated, size=stated), chunk.data_offset + stated
         )
@@ -188,8 +187,8 @@ class BagLog(ScannedLog):
         """
         try:
             record = record_in_file(self.source.read, offset, head)
-            compression = record.fields.raw("compression").decode("utf-8", "replace")
-            size = record.fields.number("size")
+            compression = record.raw("compression").decode("utf-8", "replace")
+            size = record.number("size")
         except MalformedRecord as fault:
             raise ChunkDamage(f"its header is damaged ({fault})") from fault
         data_size = record.end - record.data
@@ -207,7 +206,7 @@ class BagLog(ScannedLog):
         return read_index(behind, _index_record, _INDEX_ENTRY, nanoseconds)
 
     def _own_times(self, chunk: Chunk) -> Times:
-        """See `ChunkedLog._own_times`: those that the index records behind it name."""
+        """See `RecordLog._own_times`: those that the index records behind it name."""
         index = self._index_of(memoryview(self.source.read(chunk.end, chunk.index_end - chunk.end)))
         if index is None or not index.complete or not len(index.log_time):
             return None, None
@@ -230,12 +229,13 @@ def _connection(record: bytes) -> Description | None:
     """Decode a connection record: its data is the header that the publisher sent."""
     try:
         found = record_at(record, 0, len(record))
-        number = found.fields.number("conn")
+        number = found.number("conn")
         # The topic of the record is the one under which it was recorded, after any remapping.
-        topic = found.fields.raw("topic").decode("utf-8", "replace")
-        texts = Fields(record[found.data : found.end]).texts()
+        topic = found.raw("topic").decode("utf-8", "replace")
+        header = header_fields(record[found.data : found.end])
     except MalformedRecord:
         return None
+    texts = {key: value.decode("utf-8", "replace") for key, (_, value) in header.items()}
     name = texts.pop("type", "")
     definition = texts.pop("message_definition", "").encode()
     texts.pop("topic", None)
@@ -261,16 +261,16 @@ def _indexed_connection(header: bytes) -> int:
     Raises:
         MalformedRecord: it is no index record.
     """
-    fields = Fields(header)
-    if fields.op() != BagOp.INDEX:
+    record = Record(header, 0, 0)
+    if record.op() != BagOp.INDEX:
         raise MalformedRecord("it is a record of another kind")
-    return fields.number("conn")
+    return record.number("conn")
 
 
 _recurring_connection: Final = lru_cache(maxsize=1024)(_indexed_connection)
 
 
-def open_log(source: ByteSource, distribution: str) -> ScannedLog:
+def open_log(source: ByteSource, distribution: str) -> RecordLog:
     """Open a bag."""
     del distribution
-    return open_scanned(BagLog, source)
+    return open_records(BagLog, source)

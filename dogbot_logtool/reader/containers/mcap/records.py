@@ -3,7 +3,6 @@
 import re
 import struct
 from collections.abc import Callable
-from dataclasses import fields
 from io import BytesIO
 from typing import Final, TypeVar
 
@@ -16,38 +15,27 @@ from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.arrays import Bytes, Ints
 from dogbot_logtool.reader.containers.descriptions import Description
-from dogbot_logtool.reader.containers.log import Channel, Extra, Schema
+from dogbot_logtool.reader.containers.log import Channel, Chunk, Extra, Schema
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
-from dogbot_logtool.reader.containers.salvage.records import Read, Records, blank_messages
+from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
+from dogbot_logtool.reader.containers.salvage.records import Read, Records
 from dogbot_logtool.reader.decode.columns import gather
-from dogbot_logtool.reader.decode.message_table import Messages, no_messages
 
 RECORD_HEAD: Final = struct.Struct("<BQ")
 """Opcode and length of the content, before every record."""
 CHUNK_HEAD: Final = struct.Struct("<QQQII")
 """Start time, end time, decompressed size, CRC, and length of the compression's name."""
+_LONGEST_NAME: Final = 16
+"""Bytes of the name of a compression."""
+CHUNK_HEAD_SIZE: Final = RECORD_HEAD.size + CHUNK_HEAD.size + _LONGEST_NAME + 8
+"""Bytes in which a chunk's header ends."""
 WHOLE_SMALL_RECORD: Final = 16 << 20
 """Larger records that describe something are not believed to be sound."""
 LARGEST_PADDING: Final = 64
 """Bytes that a record may have behind the fields that are known: later versions may add some."""
-DESCRIBING: Final = frozenset({int(Opcode.SCHEMA), int(Opcode.CHANNEL)})
 _MALFORMED: Final = (McapError, struct.error, ValueError, OverflowError)
 
-_Record = TypeVar(
-    "_Record",
-    records.Header,
-    records.Schema,
-    records.Channel,
-    records.Footer,
-    records.Statistics,
-    records.ChunkIndex,
-    records.Metadata,
-    records.Attachment,
-    records.AttachmentIndex,
-    records.MetadataIndex,
-    records.SummaryOffset,
-    records.DataEnd,
-)
+_Record = TypeVar("_Record", bound=records.McapRecord)
 MESSAGE_HEAD: Final = np.dtype(
     [
         ("opcode", "u1"),
@@ -59,6 +47,7 @@ MESSAGE_HEAD: Final = np.dtype(
     ]
 )
 """A message record up to its payload."""
+_MESSAGE_COLUMNS: Final = ("channel", "log_time", "publish_time", "sequence")
 MESSAGE_CONTENT_SIZE: Final = 22
 """Bytes of a message record's content before its payload."""
 FIRST_PRIVATE_OPCODE: Final = 0x80
@@ -114,7 +103,7 @@ def decode_record(
     """
     stream = _Stream(BytesIO(body))
     try:
-        record: _Record = kind.read(stream)
+        record: _Record = kind.read(stream)  # type: ignore[attr-defined]  # the base alone has none
     except _MALFORMED:
         return None
     return record if len(body) - stream.count <= padding else None
@@ -175,6 +164,7 @@ class McapFormat:
     """How MCAP writes records; see `RecordFormat`."""
 
     message = int(Opcode.MESSAGE)
+    describing = frozenset({int(Opcode.SCHEMA), int(Opcode.CHANNEL)})
     record_start = re.compile(rb"(?s)(?=[\x01-\x0f].{4}\0{4})")
     """Every known opcode, with a length below 4 GiB."""
 
@@ -202,24 +192,24 @@ class McapFormat:
 
     def decode(self, records: Bytes, offset: Ints) -> Records:
         """See `RecordFormat.decode`."""
-        if not len(offset) or offset[0] < 0 or offset[-1] > len(records) - RECORD_HEAD.size:
-            return Records(0 * offset, offset, blank_messages(offset))
-        head = gather(records, offset, RECORD_HEAD.size).view(_HEAD)
-        # Lengths beyond the buffer stay too large, but become no negative numbers.
-        length = np.minimum(head["length"], np.uint64(len(records))).astype(np.int64)
-        end = offset + RECORD_HEAD.size + length
-        op = head["opcode"].astype(np.int64)
-        is_short = (op == Opcode.MESSAGE) & (length < MESSAGE_CONTENT_SIZE)
-        op[is_short | (end > len(records)) | ~_MAY_STAND_IN_CHUNK[op]] = 0
+        op, end = 0 * offset, offset.copy()
+        head = np.zeros(len(offset), MESSAGE_HEAD)
+        if len(offset) and offset[0] >= 0 and offset[-1] <= len(records) - RECORD_HEAD.size:
+            lengths = gather(records, offset, RECORD_HEAD.size).view(_HEAD)
+            # Lengths beyond the buffer stay too large, but become no negative numbers.
+            length = np.minimum(lengths["length"], np.uint64(len(records))).astype(np.int64)
+            end = offset + RECORD_HEAD.size + length
+            op = lengths["opcode"].astype(np.int64)
+            is_short = (op == Opcode.MESSAGE) & (length < MESSAGE_CONTENT_SIZE)
+            op[is_short | (end > len(records)) | ~_MAY_STAND_IN_CHUNK[op]] = 0
         is_message = op == Opcode.MESSAGE
-        if is_message.all():
-            return Records(op, offset, _messages(records, offset, end))
-        messages = blank_messages(offset)
-        messages.start[:], messages.end[:] = offset + RECORD_HEAD.size, end
-        found = _messages(records, offset[is_message], end[is_message])
-        for column in fields(found):
-            getattr(messages, column.name)[is_message] = getattr(found, column.name)
-        return Records(op, offset, messages)
+        if is_message.any():
+            head[is_message] = gather(records, offset[is_message], head.itemsize).view(head.dtype)
+        channel, log_time, publish_time, sequence = (
+            head[name].astype(np.int64) for name in _MESSAGE_COLUMNS
+        )
+        start = offset + np.where(is_message, head.itemsize, RECORD_HEAD.size)
+        return Records(channel, log_time, publish_time, sequence, start, end, op, offset)
 
     def sound(self, read: Read, offset: int, end: int) -> bool:
         """See `RecordFormat.sound`."""
@@ -227,13 +217,13 @@ class McapFormat:
 
     def _sound(self, read: Read, offset: int, end: int, more: int) -> bool:
         """Check a record and, as its own structure may say little, some that follow it."""
-        head = read(offset, min(RECORD_HEAD.size + 64, end - offset))
+        head = read(offset, min(CHUNK_HEAD_SIZE, end - offset))
         if len(head) < RECORD_HEAD.size:
             # The end of the file cuts it off, or it is the end of a chunk.
             return not head or 1 <= head[0] <= LARGEST_OPCODE or MCAP_MAGIC.startswith(head)
         opcode, length = RECORD_HEAD.unpack_from(head)
         if opcode == Opcode.CHUNK:
-            return is_chunk(head[RECORD_HEAD.size :], length)
+            return is_chunk(head)
         following = offset + RECORD_HEAD.size + length
         is_known = opcode in _KNOWN
         may_be_later = opcode > LARGEST_OPCODE and following < end
@@ -290,29 +280,46 @@ def _content_size(read: Read, content: int, opcode: int) -> int:
     return size + 8 + int.from_bytes(read(content + size, 8), "little") + 4
 
 
-def _messages(records: Bytes, offset: Ints, end: Ints) -> Messages:
-    """Return the messages whose records begin and end at some offsets."""
-    if not len(offset):
-        return no_messages()
-    head = gather(records, offset, MESSAGE_HEAD.itemsize).view(MESSAGE_HEAD)
-    names = ("channel", "log_time", "publish_time", "sequence")
-    channel, log_time, publish_time, sequence = (head[name].astype(np.int64) for name in names)
-    start = offset + MESSAGE_HEAD.itemsize
-    return Messages(channel, log_time, publish_time, sequence, start, end)
-
-
-def is_chunk(head: bytes, length: int) -> bool:
-    """Tell whether a chunk record's content begins here, by the agreement of its lengths.
+def chunk_at(offset: int, head: bytes) -> Chunk:
+    """Read a chunk record's own header, whose two lengths may disagree.
 
     Args:
+        offset: where the record begins.
         head: its first bytes.
-        length: of the content, as the record says.
+
+    Raises:
+        ChunkDamage: the header makes no sense.
     """
-    if len(head) < CHUNK_HEAD.size + 8:
+    name_start = RECORD_HEAD.size + CHUNK_HEAD.size
+    if len(head) < name_start + 8:
+        raise ChunkDamage("its header is cut off")
+    _, length = RECORD_HEAD.unpack_from(head)
+    start, end, size, crc, name_size = CHUNK_HEAD.unpack_from(head, RECORD_HEAD.size)
+    name = head[name_start : name_start + name_size]
+    data_start = name_start + name_size + 8
+    is_name = name_size <= _LONGEST_NAME and (not name or name.isalnum())
+    record_size = RECORD_HEAD.size + length
+    if not is_name or data_start > min(len(head), record_size):
+        raise ChunkDamage("its header is damaged")
+    (data_size,) = struct.unpack_from("<Q", head, data_start - 8)
+    return Chunk(
+        offset=offset,
+        data_offset=offset + data_start,
+        data_size=data_size,
+        end=offset + record_size,
+        index_end=offset + record_size,
+        compression=str(name, "utf-8", "replace"),
+        size=size,
+        crc=crc,
+        start_time=start,
+        end_time=end,
+    )
+
+
+def is_chunk(head: bytes) -> bool:
+    """Tell whether a chunk record begins here, by the agreement of its lengths."""
+    try:
+        chunk = chunk_at(0, head)
+    except ChunkDamage:
         return False
-    name_size = int(CHUNK_HEAD.unpack_from(head)[4])
-    start = CHUNK_HEAD.size + name_size + 8
-    if name_size > 16 or len(head) < start:
-        return False
-    (size,) = struct.unpack_from("<Q", head, start - 8)
-    return bool(start + size <= length)
+    return chunk.data_offset + chunk.data_size <= chunk.end

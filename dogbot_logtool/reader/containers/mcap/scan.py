@@ -13,8 +13,6 @@ import numpy as np
 from mcap import records
 from mcap.opcode import Opcode
 
-from dogbot_logtool.reader.containers.chunked_log import Times
-from dogbot_logtool.reader.containers.descriptions import Descriptions
 from dogbot_logtool.reader.containers.log import (
     Channel,
     Chunk,
@@ -27,12 +25,13 @@ from dogbot_logtool.reader.containers.log import (
 from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, lost_messages
 from dogbot_logtool.reader.containers.mcap.records import (
     CHUNK_HEAD,
-    DESCRIBING,
+    CHUNK_HEAD_SIZE,
     FIRST_PRIVATE_OPCODE,
     LARGEST_OPCODE,
     MESSAGE_CONTENT_SIZE,
     RECORD_HEAD,
     McapFormat,
+    chunk_at,
     decode_record,
     described,
     is_chunk,
@@ -44,43 +43,39 @@ from dogbot_logtool.reader.containers.mcap.summary import (
     indexed_chunk,
     read_footer,
 )
-from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
-from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
-from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
-from dogbot_logtool.reader.containers.salvage.scan import (
+from dogbot_logtool.reader.containers.record_log import (
     IndexEntry,
-    ScannedLog,
+    RecordLog,
+    Times,
     UnusableIndex,
-    open_scanned,
+    open_records,
 )
+from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
+from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage
+from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
 from dogbot_logtool.reader.containers.source import ByteSource, in_groups
 
 _LARGEST_HEADER: Final = 1 << 20
-_LONGEST_NAME: Final = 16
-"""Bytes of the name of a compression."""
 _NO_ACCIDENT: Final = 4
 """So many messages behind each other are believed, though their channel is not described yet."""
 _INDEX_ENTRY: Final = np.dtype([("log_time", "<i8"), ("offset", "<u8")])
 _INDEX_HEAD: Final = struct.Struct("<BQHI")
 """Opcode and length of an index record, channel, and bytes of its entries."""
 _LARGEST_TIME: Final = 2**63 - 1
-_CHUNK_HEAD_SIZE: Final = RECORD_HEAD.size + CHUNK_HEAD.size + _LONGEST_NAME + 8
-"""Bytes in which a chunk's header ends."""
 _LENGTHS: Final = attrgetter("end", "data_offset", "data_size", "size", "compression")
 
 
-class McapLog(ScannedLog):
+class McapLog(RecordLog):
     """Finds chunks, bare messages, descriptions and extra records."""
 
     container = "MCAP"
     magic = MCAP_MAGIC
     copies_chunks = True
-    describing = DESCRIBING
 
     def __init__(self, source: ByteSource) -> None:
-        self._mcap_format = McapFormat(self._may_be_channel)
+        super().__init__(source, described)
+        self._format: McapFormat = McapFormat(self._may_be_channel)
         self._outside_channels: set[int] = set()
-        super().__init__(source, self._mcap_format, Descriptions(described))
         self._passed_from = FIRST_PRIVATE_OPCODE
         """Opcode from which on records are passed over; with an index, those of later versions,
         too."""
@@ -92,7 +87,7 @@ class McapLog(ScannedLog):
         """There is a footer, so that the recording was closed properly."""
 
     def use_index(self) -> None:
-        """See `ScannedLog.use_index`."""
+        """See `RecordLog.use_index`."""
         self._passed_from = LARGEST_OPCODE + 1
         footer = read_footer(self.source)
         if isinstance(footer, Loss):
@@ -133,7 +128,7 @@ class McapLog(ScannedLog):
         """Tell whether the summary agrees with itself and with the file."""
         self._outside = []
         named = {chunk.offset: chunk for chunk in self._named}
-        heads = in_groups(self.source, [(offset, _CHUNK_HEAD_SIZE) for offset in named])
+        heads = in_groups(self.source, [(offset, CHUNK_HEAD_SIZE) for offset in named])
         is_vouched = bool(footer.summary_crc)
         stated = Counter(statistics.channel_message_counts)
         is_counted = all(chunk.counts is not None for chunk in self._named)
@@ -158,37 +153,34 @@ class McapLog(ScannedLog):
         Its own header may be damaged if a checksum vouches for the summary.
         """
         try:
-            own = self.chunk_at(chunk.offset, head)
+            own = chunk_at(chunk.offset, head)
         except ChunkDamage:
             return is_vouched
         if _are_alike(own, chunk):
             return True
-        return is_vouched and (self._can_be_read(chunk) or not self._can_be_read(own))
+        return is_vouched and (self._tried(chunk) is not None or self._tried(own) is None)
 
-    def _can_be_read(self, chunk: Chunk) -> bool:
+    def _tried(self, chunk: Chunk) -> ChunkContent | None:
+        """Return what is in a chunk; None if nothing in it can be trusted."""
         try:
-            self._parsed(chunk)
+            return self._content(chunk)
         except ChunkDamage:
-            return False
-        return True
+            return None
 
     def _is_described(self) -> bool:
         """Tell whether the first chunk, if it can be read, describes channels as the summary does.
 
         Recorders describe most channels there.
         """
-        if not self.chunks:
+        content = self._tried(self.chunks[0]) if self.chunks else None
+        if content is None:
             return True
-        try:
-            content, described = self._parsed(self.chunks[0])
-        except ChunkDamage:
-            return True
-        differs = self.descriptions.compare(described, self.chunks[0].offset)
+        differs = self.descriptions.compare(content.described, self.chunks[0].offset)
         return not differs and counts_by_channel(content.messages).keys() <= self.channels.keys()
 
     def _step(self, offset: int) -> int | None:
         size = self.source.size
-        head = self.source.read(offset, _CHUNK_HEAD_SIZE)
+        head = self.source.read(offset, CHUNK_HEAD_SIZE)
         if len(head) < RECORD_HEAD.size:
             return size if head == MCAP_MAGIC else None
         opcode, length = RECORD_HEAD.unpack_from(head)
@@ -196,15 +188,15 @@ class McapLog(ScannedLog):
         end: int = content + length
         is_private = opcode >= self._passed_from and end <= size
         # One bit makes a private record of a chunk, but not the other way round.
-        if opcode == Opcode.CHUNK or (is_private and is_chunk(head[RECORD_HEAD.size :], length)):
-            return self._chunk_record(offset)
+        if opcode == Opcode.CHUNK or (is_private and is_chunk(head)):
+            return self._chunk_record(offset, head)
         if is_private:
             return end
         if end > size:
             return None
         if opcode == Opcode.MESSAGE:
             return self._message(offset, content, end)
-        found = self._mcap_format.content(self.source.read, content, opcode, length)
+        found = self._format.content(self.source.read, content, opcode, length)
         return None if found is None else self._record(found, opcode, offset, end)
 
     def _message(self, offset: int, content: int, end: int) -> int | None:
@@ -250,52 +242,16 @@ class McapLog(ScannedLog):
             self.extras.append(Extra(opcode, offset, end - offset, self.source))
         return end
 
-    def _chunk_record(self, offset: int) -> int | None:
+    def _chunk_record(self, offset: int, head: bytes) -> int | None:
         try:
-            chunk = self.chunk_at(offset)
+            chunk = chunk_at(offset, head)
         except ChunkDamage:
             return None
         return self._take_chunk(chunk, chunk.data_offset + chunk.data_size)
 
-    def chunk_at(self, offset: int, head: bytes = b"") -> Chunk:
-        """Read a chunk record's own header, whose two lengths may disagree.
-
-        Args:
-            offset: where the record begins.
-            head: its first bytes, if they have been read.
-
-        Raises:
-            ChunkDamage: the header makes no sense.
-        """
-        name_start = RECORD_HEAD.size + CHUNK_HEAD.size
-        head = head or self.source.read(offset, _CHUNK_HEAD_SIZE)
-        if len(head) < name_start + 8:
-            raise ChunkDamage("its header is cut off")
-        _, length = RECORD_HEAD.unpack_from(head)
-        start, end, size, crc, name_size = CHUNK_HEAD.unpack_from(head, RECORD_HEAD.size)
-        name = head[name_start : name_start + name_size]
-        data_start = name_start + name_size + 8
-        is_name = name_size <= _LONGEST_NAME and (not name or name.isalnum())
-        record_size = RECORD_HEAD.size + length
-        if not is_name or data_start > min(len(head), record_size):
-            raise ChunkDamage("its header is damaged")
-        (data_size,) = struct.unpack_from("<Q", head, data_start - 8)
-        return Chunk(
-            offset=offset,
-            data_offset=offset + data_start,
-            data_size=data_size,
-            end=offset + record_size,
-            index_end=offset + record_size,
-            compression=str(name, "utf-8", "replace"),
-            size=size,
-            crc=crc,
-            start_time=start,
-            end_time=end,
-        )
-
     def _checksum(self, chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]:
-        """See `ChunkedLog._checksum`; a chunk that the end of the file cuts off has none."""
-        head = bytes(stored[:_CHUNK_HEAD_SIZE])
+        """See `RecordLog._checksum`; a chunk that the end of the file cuts off has none."""
+        head = bytes(stored[:CHUNK_HEAD_SIZE])
         if len(head) < RECORD_HEAD.size + CHUNK_HEAD.size:
             raise ChunkDamage("it is cut off")
         opcode, length = RECORD_HEAD.unpack_from(head)
@@ -304,7 +260,7 @@ class McapLog(ScannedLog):
             return 0, ()
         crc = CHUNK_HEAD.unpack_from(head, RECORD_HEAD.size)[3]
         with suppress(ChunkDamage):
-            if opcode == Opcode.CHUNK and _are_alike(self.chunk_at(chunk.offset, head), chunk):
+            if opcode == Opcode.CHUNK and _are_alike(chunk_at(chunk.offset, head), chunk):
                 return crc, ()
         what = (
             f"the header of the chunk at byte {chunk.offset} is damaged; it was read nevertheless"
@@ -315,9 +271,9 @@ class McapLog(ScannedLog):
         return read_index(behind, _index_record, _INDEX_ENTRY, itemgetter("log_time"))
 
     def _own_times(self, chunk: Chunk) -> Times:
-        """See `ChunkedLog._own_times`: those of its header."""
+        """See `RecordLog._own_times`: those of its header."""
         try:
-            own = self.chunk_at(chunk.offset)
+            own = chunk_at(chunk.offset, self.source.read(chunk.offset, CHUNK_HEAD_SIZE))
         except ChunkDamage:
             return None, None
         return own.start_time, own.end_time
@@ -406,7 +362,7 @@ def _are_alike(own: Chunk, chunk: Chunk) -> bool:
     return (chunk.is_scanned or own_times == times) and _LENGTHS(own) == _LENGTHS(chunk)
 
 
-def open_log(source: ByteSource, distribution: str) -> ScannedLog:
+def open_log(source: ByteSource, distribution: str) -> RecordLog:
     """Open an MCAP file."""
     del distribution
-    return open_scanned(McapLog, source)
+    return open_records(McapLog, source)

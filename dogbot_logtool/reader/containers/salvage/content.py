@@ -1,22 +1,23 @@
 """Content of a decompressed chunk: which records found in it are kept, and what is lost."""
 
-from collections import Counter
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Bytes, Flags, Ints
-from dogbot_logtool.reader.containers.log import Chunk
+from dogbot_logtool.core.arrays import Bytes, Flags
+from dogbot_logtool.reader.containers.log import Chunk, counts_by_channel
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.salvage.records import (
-    FoundRecords,
     Index,
     RecordFormat,
+    Records,
     find_all,
     find_indexed,
 )
 from dogbot_logtool.reader.decode.message_table import Messages
+
+_LAST_TIME = 2**63 - 1
 
 
 class ChunkDamage(Exception):  # noqa: N818 - it never reaches a user; `Loss` does
@@ -35,12 +36,12 @@ class ChunkDamage(Exception):  # noqa: N818 - it never reaches a user; `Loss` do
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ChunkContent:
-    """Messages that a container's own code finds in a decompressed chunk."""
+    """What a container's own code finds in a decompressed chunk."""
 
     messages: Messages
     """Channels as numbered in the records, offsets relative to the chunk's first byte."""
-    others: Ints
-    """(k, 3) records that are no messages: kind, first byte, and end."""
+    described: Sequence[bytes]
+    """The records that describe channels."""
     losses: tuple[Loss, ...] = ()
     indexed: bool = False
     """The index behind the chunk names all messages truthfully."""
@@ -64,75 +65,68 @@ def undescribed(chunk: Chunk, messages: Messages) -> Loss:
 
 
 def read_content(
-    fmt: RecordFormat, records: Bytes, index: Index | None, chunk: Chunk, *, verified: bool
+    fmt: RecordFormat, data: Bytes, index: Index | None, chunk: Chunk, *, verified: bool
 ) -> ChunkContent:
     """Find the messages of a decompressed chunk.
 
     Args:
         fmt: how its records are written.
-        records: (n,) uint8, the chunk, or as much of it as there is.
+        data: (n,) the chunk, or as much of it as there is.
         index: what the index behind it names, if there is one.
         chunk: what is known of it; its counts are by channel as numbered in the records.
         verified: its checksum holds, so that its records are true whatever an index says.
     """
-    true_index = index if len(records) == chunk.size else None
-    found = None if true_index is None else find_indexed(fmt, records, true_index)
+    is_cut = len(data) < chunk.size
+    found = None if index is None or is_cut else find_indexed(fmt, data, index)
+    is_indexed, skipped = found is not None, list[tuple[int, int]]()
     if found is None:
-        true_index = None
-        found = find_all(fmt, records, 0, len(records))
-    check = _Check(chunk, found, found.messages.messages, chunk.size - len(records))
-    if index is not None and true_index is None and not check.missing:
-        check.compare_index(index, verified=verified)
-    check.compare_times(believed=verified or true_index is not None)
+        found, skipped = find_all(fmt, data, 0, len(data))
+    kept = _Kept(chunk, found.pick(found.op == fmt.message), not skipped and not is_cut)
+    if index is not None and not is_indexed and not is_cut:
+        kept.compare_index(index, verified=verified)
+    kept.compare_times(believed=verified or is_indexed)
     # Unsigned log times that do not fit 64 bits with a sign.
-    check.leave_out(check.messages.log_time < 0, "of times after the year 2262")
-    check.account(index, true_index)
-    others, messages = found.others, check.messages
+    kept.leave_out(kept.messages.log_time < 0, "of times after the year 2262")
+    if not kept.is_whole:
+        named = None if index is None else len(index.offset)
+        promised = named if chunk.messages is None else chunk.messages
+        kept.account(skipped, chunk.size - len(data), promised)
+    elif chunk.counts is not None:
+        counts = index.counts if index and is_indexed else counts_by_channel(kept.found)
+        kept.compare_counts(chunk.counts, counts)
+    others = found.pick(np.isin(found.op, [*fmt.describing]))
+    bounds = zip(others.offset.tolist(), others.end.tolist(), strict=True)
     return ChunkContent(
-        messages=messages if check.keep.all() else messages.pick(check.keep),
-        others=np.array([others.op, others.offset, others.messages.end]).T,
-        losses=tuple(check.losses),
-        indexed=true_index is not None and true_index.complete,
+        kept.messages.messages(),
+        [data[start:end].tobytes() for start, end in bounds],
+        tuple(kept.losses),
+        index is not None and is_indexed and index.complete,
     )
 
 
-@dataclass(slots=True)
-class _Check:
-    """Compares the messages of a chunk with its index and its stated times and counts."""
+class _Kept:
+    """Messages of a chunk that are kept, judged by its index and its stated times and counts."""
 
-    chunk: Chunk
-    found: FoundRecords
-    messages: Messages
-    missing: int
-    """Bytes at its end that are damaged or cut off."""
-    keep: Flags = field(init=False)
-    losses: list[Loss] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        self.keep = np.ones(len(self.messages), np.bool_)
-
-    @property
-    def _is_whole(self) -> bool:
-        return not self.found.skipped and not self.missing
-
-    @property
-    def _name(self) -> str:
-        kind = "the chunk" if self.chunk.is_record else "the run of messages"
-        return f"{kind} at byte {self.chunk.offset}"
+    def __init__(self, chunk: Chunk, messages: Records, is_whole: bool) -> None:  # noqa: FBT001
+        self.chunk = chunk
+        self.found = self.messages = messages
+        self.is_whole = is_whole
+        """All of its bytes are there, and records."""
+        self.losses: list[Loss] = []
+        kind = "the chunk" if chunk.is_record else "the run of messages"
+        self._name = f"{kind} at byte {chunk.offset}"
 
     def _say(self, what: str) -> None:
         self.losses.append(Loss(self.chunk.offset, what))
 
     def leave_out(self, rows: Flags, what: str) -> None:
         """Leave out messages, if there are any."""
-        rows = rows & self.keep
-        count = int(rows.sum())
-        if count:
-            self.keep &= ~rows
-            size = int((self.messages.end - self.messages.start)[rows].sum())
-            were = "1 message was" if count == 1 else f"{count} messages were"
+        if rows.any():
+            lost, self.messages = self.messages.pick(rows), self.messages.pick(~rows)
+            were = "1 message was" if len(lost) == 1 else f"{len(lost)} messages were"
+            size = int((lost.end - lost.start).sum())
             whole = f"{were} left out of {self._name}: {what}"
-            self.losses.append(Loss(self.chunk.offset, whole, size, count))
+            self.losses.append(Loss(self.chunk.offset, whole, size, len(lost)))
 
     def compare_index(self, index: Index, *, verified: bool) -> None:
         """Leave out messages whose time or channel differs from the index.
@@ -140,23 +134,22 @@ class _Check:
         One of the two is damaged, and it is not known which. An index record of which most entries
         differ is wrong itself. A checksum that holds speaks for the messages.
         """
-        offset = self.found.messages.offset
-        if not len(index.offset) or not len(offset):
+        messages = self.messages
+        if not len(index.offset) or not len(messages):
             return
-        row = np.minimum(np.searchsorted(offset, index.offset), len(offset) - 1)
-        same_offset = offset[row] == index.offset
+        row = np.minimum(np.searchsorted(messages.offset, index.offset), len(messages) - 1)
+        same_offset = messages.offset[row] == index.offset
         differs = same_offset & (
-            (self.messages.channel[row] != index.channel)
-            | (self.messages.log_time[row] != index.log_time)
+            (messages.channel[row] != index.channel) | (messages.log_time[row] != index.log_time)
         )
         # One that merely names fewer messages was cut off, or never meant to be complete.
-        if self._is_whole and (differs.any() or not same_offset.all()):
+        if self.is_whole and (differs.any() or not same_offset.all()):
             self._say(f"the index of {self._name} is wrong; it was read without it")
         if verified:
             return
         wrong, entries = np.bincount(index.group, differs), np.bincount(index.group)
         distrusted = (wrong > 1) & (2 * wrong > entries)
-        doubtful = np.zeros(len(offset), np.bool_)
+        doubtful = np.zeros(len(messages), np.bool_)
         doubtful[row[differs & ~distrusted[index.group]]] = True
         self.leave_out(doubtful, "the index tells another time or channel")
 
@@ -166,48 +159,45 @@ class _Check:
         Args:
             believed: a checksum or an index speaks for the messages, so the range is wrong.
         """
-        start, end = self.chunk.start_time, self.chunk.end_time
-        if start is None or end is None or not self.keep.any():
+        times = self.messages.log_time
+        if self.chunk.start_time is None or self.chunk.end_time is None or not len(times):
             return
-        limit = 2**63 - 1
-        start, end = min(start, limit), min(end, limit)
-        times = self.messages.log_time[self.keep]
+        start, end = min(self.chunk.start_time, _LAST_TIME), min(self.chunk.end_time, _LAST_TIME)
         if (int(times.min()), int(times.max())) == (start, end):
             return
-        outside = self.keep & ((self.messages.log_time < start) | (self.messages.log_time > end))
+        outside = (times < start) | (times > end)
         mostly = 2 * int(outside.sum()) > len(times)
         if outside.any() and not believed and not mostly:
             self.leave_out(outside, "of times outside the range that is stated for it")
-        elif self.keep.all() and self._is_whole:
+        elif self.is_whole and len(self.messages) == len(self.found):
             self._say(f"the range of times stated for {self._name} is wrong")
 
-    def account(self, index: Index | None, true_index: Index | None) -> None:
-        """Account for the bytes that are no records, and for messages that an index promises."""
-        skipped, chunk = self.found.skipped, self.chunk
-        if self._is_whole:
-            if chunk.counts is not None:
-                self._compare_counts(chunk.counts, true_index)
-            return
-        promised = chunk.messages
-        if promised is None and index is not None:
-            promised = len(index.offset)
-        lost = None if promised is None else max(promised - len(self.messages), 0)
+    def account(
+        self, skipped: Sequence[tuple[int, int]], missing: int, promised: int | None
+    ) -> None:
+        """Account for bytes that are no records, and for messages that an index promises.
+
+        Args:
+            skipped: starts and ends of the bytes.
+            missing: bytes at the chunk's end that are damaged or cut off.
+            promised: messages; None: not known.
+        """
+        chunk = self.chunk
+        lost = None if promised is None else max(promised - len(self.found), 0)
         size = sum(end - start for start, end in skipped)
-        if self.missing:
+        if missing:
             # A record that the cut goes through is no other damage.
-            what = f"the last {self.missing} bytes in {self._name} are damaged or cut off"
+            what = f"the last {missing} bytes in {self._name} are damaged or cut off"
             size = 0 if chunk.is_compressed else size
         else:
             where = "" if len(skipped) == 1 else f" in {len(skipped)} places"
             what = f"{self._name} holds {size} bytes{where} that are no record"
-        first = skipped[0][0] if skipped else chunk.size - self.missing
+        first = skipped[0][0] if skipped else chunk.size - missing
         offset = chunk.offset if chunk.is_compressed else chunk.data_offset + first
         self.losses.append(Loss(offset, what, size, lost))
 
-    def _compare_counts(self, stated: Mapping[int, int], true_index: Index | None) -> None:
+    def compare_counts(self, stated: Mapping[int, int], counts: Mapping[int, int]) -> None:
         """Say where the log's index names other numbers of messages."""
-        by_index = None if true_index is None else true_index.counts
-        counts = Counter(self.messages.channel.tolist()) if by_index is None else by_index
         wrong = [n for n in sorted({*stated, *counts}) if stated.get(n, 0) != counts.get(n, 0)]
         if not wrong:
             return

@@ -7,15 +7,15 @@ another; behind a damaged one the search goes on at the next sound one.
 
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
 from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Bytes, Flags, Ints
-from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages, no_messages
+from dogbot_logtool.core.arrays import Bytes, Ints, concatenated
+from dogbot_logtool.reader.decode.message_table import Messages
 
 _FIRST_WINDOW: Final = 1 << 12
 _LARGEST_WINDOW: Final = 1 << 20
@@ -35,22 +35,20 @@ Read = Callable[[int, int], bytes]
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Records:
-    """Neighbouring records of all kinds."""
+class Records(Messages):
+    """Neighbouring records of all kinds.
+
+    The columns of messages are zero for others, but for the bytes of their content.
+    """
 
     op: Ints
     """(n,) kind of the record, 0 where the bytes are no sound record."""
     offset: Ints
     """(n,) first byte of the record."""
-    messages: Messages
-    """(n,) Its columns hold for messages; `start` and `end` of the content for all."""
 
-    def __len__(self) -> int:
-        return len(self.op)
-
-    def pick(self, rows: Flags | Ints | slice) -> "Records":
-        """Return the chosen rows."""
-        return Records(self.op[rows], self.offset[rows], self.messages.pick(rows))
+    def messages(self) -> Messages:
+        """Return those columns that messages have."""
+        return Messages(*(getattr(self, column.name) for column in fields(Messages)))
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -119,6 +117,8 @@ class RecordFormat(Protocol):
 
     message: int
     """Kind of a message record."""
+    describing: frozenset[int]
+    """Kinds of the records that describe channels."""
     record_start: re.Pattern[bytes]
     """Matches where a record may begin."""
 
@@ -141,16 +141,6 @@ class RecordFormat(Protocol):
         """Tell whether a record begins here, beyond reasonable doubt."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class FoundRecords:
-    """The records in a run of bytes, each kind in its order."""
-
-    messages: Records
-    others: Records
-    skipped: Sequence[tuple[int, int]] = ()
-    """Starts and ends of the bytes that are no records."""
-
-
 def next_sound(fmt: RecordFormat, read: Read, offset: int, end: int) -> int:
     """Return where the next sound record begins, or the end."""
     size = _FIRST_WINDOW
@@ -169,33 +159,38 @@ def next_sound(fmt: RecordFormat, read: Read, offset: int, end: int) -> int:
     return end
 
 
-def find_indexed(fmt: RecordFormat, records: Bytes, index: Index) -> FoundRecords | None:
+def find_indexed(fmt: RecordFormat, records: Bytes, index: Index) -> Records | None:
     """Return the records, or None if the index does not describe them truthfully."""
-    heads = fmt.decode(records, index.offset)
-    messages = heads.messages
+    messages = fmt.decode(records, index.offset)
     if (
-        (heads.op != fmt.message).any()
+        (messages.op != fmt.message).any()
         or (messages.channel != index.channel).any()
         or (messages.log_time != index.log_time).any()
     ):
         return None
     gap_start = np.concatenate([[0], messages.end])
-    gap_end = np.concatenate([heads.offset, [len(records)]])
+    gap_end = np.concatenate([messages.offset, [len(records)]])
     gaps = np.flatnonzero(gap_start != gap_end)
     if (gap_end[gaps] < gap_start[gaps]).any():
         return None
-    others: list[Records] = []
+    parts = [messages]
     for start, end in zip(gap_start[gaps].tolist(), gap_end[gaps].tolist(), strict=True):
-        found = find_all(fmt, records, start, end)
-        if found.skipped or len(found.messages):
+        others, skipped = find_all(fmt, records, start, end)
+        if skipped or (others.op == fmt.message).any():
             return None
-        others.append(found.others)
-    return FoundRecords(heads, concatenate_records(others))
+        parts.append(others)
+    return concatenated(parts)
 
 
-def find_all(fmt: RecordFormat, records: Bytes, start: int, end: int) -> FoundRecords:
-    """Follow the records; behind damage go on at the next sound one."""
-    parts: list[Records] = []
+def find_all(
+    fmt: RecordFormat, records: Bytes, start: int, end: int
+) -> tuple[Records, list[tuple[int, int]]]:
+    """Follow the records; behind damage go on at the next sound one.
+
+    Returns:
+        the records; and starts and ends of the bytes that are none.
+    """
+    parts: list[Records] = [fmt.decode(records, np.empty(0, np.int64))]
     skipped: list[tuple[int, int]] = []
     offset, block = start, _FIRST_BLOCK
     while offset < end:
@@ -208,18 +203,15 @@ def find_all(fmt: RecordFormat, records: Bytes, start: int, end: int) -> FoundRe
         if count == block:
             block = min(2 * block, _LARGEST_BLOCK)
         elif offset < end:
-            damage = offset
-            is_behind = bool(parts) and int(parts[-1].messages.end[-1]) == offset
+            damage, last = offset, parts[-1]
+            is_behind = len(last) and last.end[-1] == offset
             if is_behind and not may_begin(fmt, records, offset, end):
-                damage = int(parts[-1].offset[-1])
-                last = parts.pop()
-                parts += [last.pick(slice(len(last) - 1))] if len(last) > 1 else []
+                damage = int(last.offset[-1])
+                parts[-1] = last.pick(slice(len(last) - 1))
             offset = next_sound(fmt, reader_of(records), damage + 1, end)
             skipped.append((damage, offset))
             block = _FIRST_BLOCK
-    found = concatenate_records(parts)
-    is_message = found.op == fmt.message
-    return FoundRecords(found.pick(is_message), found.pick(~is_message), skipped)
+    return concatenated(parts), skipped
 
 
 def reader_of(records: Bytes) -> Read:
@@ -234,20 +226,3 @@ def may_begin(fmt: RecordFormat, records: Bytes, offset: int, end: int) -> bool:
     """
     head = records[offset : min(offset + LONGEST_START, end)].tobytes()
     return offset + SHORTEST_RECORD > end or fmt.record_start.match(head) is not None
-
-
-def blank_messages(offset: Ints) -> Messages:
-    """Return a table, all zero, for the messages at some offsets."""
-    return Messages(*np.zeros((6, len(offset)), np.int64))
-
-
-def concatenate_records(parts: Sequence[Records]) -> Records:
-    """Stack tables of records."""
-    if len(parts) == 1:
-        return parts[0]
-    none = np.empty(0, np.int64)
-    return Records(
-        np.concatenate([none, *(part.op for part in parts)]),
-        np.concatenate([none, *(part.offset for part in parts)]),
-        concatenate_messages([part.messages for part in parts]) if parts else no_messages(),
-    )

@@ -24,7 +24,8 @@ from dogbot_logtool.reader.containers.log import (
 )
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.source import ByteSource
-from dogbot_logtool.reader.containers.sqlite.pages import Pages, take_journals
+from dogbot_logtool.reader.containers.sqlite.journals import with_journals
+from dogbot_logtool.reader.containers.sqlite.pages import Pages
 from dogbot_logtool.reader.containers.sqlite.tables import (
     MessageRows,
     MessageTable,
@@ -75,11 +76,6 @@ class SqliteLog(Log):
                 losses.append(Loss(0, what, 0, lost))
         return unpacked(Batch(found.buffer, found.messages, tuple(loaded), tuple(losses)))
 
-    def close(self) -> None:
-        """Close the file, and the journals beside it."""
-        self._table.pages.close()
-        super().close()
-
 
 def open_log(source: ByteSource, distribution: str) -> SqliteLog:
     """Open a .db3 file whose magic has been seen, with the journal beside it.
@@ -95,9 +91,9 @@ def open_log(source: ByteSource, distribution: str) -> SqliteLog:
     with ExitStack() as opened:
         source = source.nearby()
         opened.callback(source.close)
+        source, losses = with_journals(source)
+        opened.callback(source.close)
         pages = Pages(source)
-        opened.callback(pages.close)
-        losses = [*take_journals(pages, source.path)]
         if cut := pages.cut_off():
             losses.append(cut)
         damage = Damage()

@@ -1,20 +1,30 @@
-"""The chunks of a file: by its index, or where that is missing or wrong, by all of its records."""
+"""Logs of records, ROS 1 bags and MCAP files: messages in chunks, or as records of their own.
+
+An intact log is a damaged one with nothing lost: records are followed from the first to the last,
+with an index or without. Chunks that a true index names are stepped over; all others are read.
+"""
 
 from abc import abstractmethod
+from bisect import bisect_left
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
+from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.arrays import Bytes
-from dogbot_logtool.reader.containers.chunked_log import ChunkedLog
-from dogbot_logtool.reader.containers.descriptions import Descriptions
+from dogbot_logtool.reader.containers.compression import check_claimed_size, decompress_into
+from dogbot_logtool.reader.containers.descriptions import Description, Descriptions
 from dogbot_logtool.reader.containers.log import (
+    Batch,
     Channel,
     Chunk,
     Extra,
+    LoadedChunk,
+    Log,
+    Span,
     counts_by_channel,
     time_range,
 )
@@ -23,11 +33,19 @@ from dogbot_logtool.reader.containers.salvage.content import (
     ChunkContent,
     ChunkDamage,
     left_out,
+    read_content,
     undescribed,
 )
-from dogbot_logtool.reader.containers.salvage.records import RecordFormat, may_begin, next_sound
+from dogbot_logtool.reader.containers.salvage.records import (
+    Index,
+    RecordFormat,
+    may_begin,
+    next_sound,
+)
 from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
 
+_ROUND_SIZE: Final = 1 << 20
 _REGION_SIZE: Final = 1 << 20
 """Messages outside of chunks are read in runs of about this many bytes."""
 _REGION_RECORDS: Final = 1 << 16
@@ -35,6 +53,9 @@ _FIRST_SIZE: Final = 4 << 10
 _GROWTH: Final = 16
 _LARGEST_PADDING: Final = 64
 _LARGEST_DESCRIPTION: Final = 16 << 20
+
+Times = tuple[int | None, int | None]
+"""ns, of a first and a last message; None: not known."""
 
 
 class IndexEntry(NamedTuple):
@@ -60,17 +81,21 @@ class UnusableIndex(Exception):  # noqa: N818 - it never reaches a user; `Loss` 
         self.loss = loss
 
 
-class ScannedLog(ChunkedLog):
-    """A log whose chunks are found by following the records of its file.
-
-    They are followed from the first to the last, with an index (`use_index`) or without one
-    (`scan`). Chunks that the index names are stepped over; of all others, each is read.
-    """
+class RecordLog(Log):
+    """A log of one file that is read by decompressing its chunks."""
 
     magic: bytes
+    _format: RecordFormat
 
-    def __init__(self, source: ByteSource, fmt: RecordFormat, descriptions: Descriptions) -> None:
-        super().__init__(source, fmt, descriptions)
+    def __init__(self, source: ByteSource, describe: Callable[[bytes], Description | None]) -> None:
+        """Begin with nothing found.
+
+        Args:
+            source: the file.
+            describe: returns what a record tells of a channel; None: it is malformed.
+        """
+        super().__init__(source)
+        self.descriptions = Descriptions(describe)
         self.chunks: list[Chunk] = []
         self.extras: list[Extra] = []
         self._losses = Losses()
@@ -84,6 +109,7 @@ class ScannedLog(ChunkedLog):
         """What was passed over may be the head of a chunk whose messages come next."""
         self._doubtful: set[int] = set()
         """Offsets of messages outside of chunks that may be a damaged chunk's."""
+        self._only_batch: Batch | None = None
 
     @abstractmethod
     def use_index(self) -> None:
@@ -101,11 +127,26 @@ class ScannedLog(ChunkedLog):
     def _described_channels(self) -> Mapping[int, Channel]:
         """Return the channels by their ids."""
 
+    @abstractmethod
+    def _index_of(self, behind: memoryview) -> Index | None:
+        """Return what the records behind a chunk name."""
+
+    @abstractmethod
+    def _own_times(self, chunk: Chunk) -> Times:
+        """Return the log times, ns, that a chunk itself tells."""
+
+    def _checksum(self, chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]:
+        """Return the CRC of a chunk, 0 for none, and what its own header contradicts."""
+        del chunk, stored
+        return 0, ()
+
     def _read_header(self) -> None:
         """Read what stands at the file's beginning."""
 
     def _conclude(self) -> None:
         """Compare what was found with what the file says elsewhere."""
+
+    # Find the chunks.
 
     def _holds(self, start: int, end: int, named: Mapping[int, Chunk]) -> bool:
         """Follow the records of a part of the file that is said to be sound.
@@ -291,8 +332,8 @@ class ScannedLog(ChunkedLog):
                 self._losses.add(left_out(known, ChunkDamage(what, damage.messages)))
 
     def _read_chunk(self, chunk: Chunk) -> Chunk:
-        content, described = self._parsed(chunk)
-        losses = self.descriptions.add(described, chunk.offset)
+        content = self._content(chunk)
+        losses = self.descriptions.add(content.described, chunk.offset)
         self._losses.add(*content.losses, *losses)
         times = content.messages.log_time
         start, end = (int(times.min()), int(times.max())) if len(times) else (None, None)
@@ -300,30 +341,164 @@ class ScannedLog(ChunkedLog):
             chunk, start_time=start, end_time=end, counts=counts_by_channel(content.messages)
         )
 
-    def _parsed(self, chunk: Chunk) -> tuple[ChunkContent, list[bytes]]:
-        """Read a chunk; return its content, and the records in it that describe channels.
-
-        Raises:
-            ChunkDamage: nothing in the chunk can be trusted.
-        """
-        self.check(chunk)
-        stored = self.source.read(chunk.offset, chunk.index_end - chunk.offset)
-        target = np.empty(chunk.size, np.uint8)
-        content = self.parse(chunk, memoryview(stored), target)
-        return content, self._descriptions_in(content, target)
-
     def _without_undescribed(self, chunk: Chunk) -> Chunk:
         """Leave out the messages of a chunk that no channel describes, and say which those are."""
         counts = chunk.counts or {}
         known = {number: n for number, n in counts.items() if number in self.channels}
         if len(known) < len(counts):
-            messages = self._parsed(chunk)[0].messages
+            messages = self._content(chunk).messages
             strange = ~np.isin(messages.channel, [*self.channels])
             self._losses.add(undescribed(chunk, messages.pick(strange)))
         return replace(chunk, counts=known)
 
+    # Read them.
 
-def open_scanned(new_log: Callable[[ByteSource], ScannedLog], source: ByteSource) -> ScannedLog:
+    def _content(self, chunk: Chunk) -> ChunkContent:
+        """Read a chunk by itself.
+
+        Raises:
+            ChunkDamage: nothing in the chunk can be trusted.
+        """
+        self._check(chunk)
+        stored = self.source.read(chunk.offset, chunk.index_end - chunk.offset)
+        return self._parse(chunk, memoryview(stored), np.empty(chunk.size, np.uint8))
+
+    def _check(self, chunk: Chunk) -> None:
+        """Check what a chunk claims before memory is set aside for it.
+
+        Raises:
+            ChunkDamage: it cannot be true.
+        """
+        check_claimed_size(chunk.size, chunk.data_size)
+        if chunk.data_offset + chunk.data_size > self.source.size:
+            raise ChunkDamage("it is cut off by the end of the file")
+
+    def _parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
+        """Decompress a chunk into the target and find its messages.
+
+        Args:
+            chunk: the chunk.
+            stored: the file's bytes from `chunk.offset` to `chunk.index_end`, or fewer.
+            target: (chunk.size,) uint8.
+
+        Raises:
+            ChunkDamage: nothing in the chunk can be trusted.
+        """
+        index = self._index_of(stored[chunk.end - chunk.offset :])
+        data = stored[chunk.data_offset - chunk.offset :][: chunk.data_size]
+        try:
+            crc, losses = self._checksum(chunk, stored) if chunk.is_record else (0, ())
+            size = decompress_into(target, data, chunk.compression)
+            if size < len(target) and (crc or not size):
+                raise ChunkDamage(f"its {chunk.compression} data is damaged or cut off")
+            if crc and crc32(target.data) != crc:
+                raise ChunkDamage("its checksum does not hold")
+            if losses and not crc:
+                raise ChunkDamage("its header is damaged, and it has no checksum")
+        except ChunkDamage as damage:
+            raise ChunkDamage(str(damage), len(index.offset) if index else None) from damage
+        content = read_content(self._format, target[:size], index, chunk, verified=bool(crc))
+        return replace(content, losses=(*losses, *content.losses))
+
+    def _read(self, span: Span) -> Batch:
+        """See `Log.read`. A batch that is the whole log is read several times, so it is kept."""
+        if len(span) < len(self.chunks):
+            return self._of_chunks(span)
+        if self._only_batch is None:
+            self._only_batch = self._of_chunks(span)
+        return self._only_batch
+
+    def _of_chunks(self, span: Sequence[Chunk]) -> Batch:
+        sound: list[Chunk] = []
+        losses: list[Loss] = []
+        for chunk in span:
+            try:
+                self._check(chunk)
+                sound.append(chunk)
+            except ChunkDamage as damage:
+                losses.append(left_out(chunk, damage))
+        ranges = [(chunk.offset, chunk.index_end - chunk.offset) for chunk in sound]
+        stored = [memoryview(data) for data in self.source.read_many(ranges)]
+
+        size = sum(chunk.size for chunk in sound)
+        # The allocator reuses blocks of the same size, which keeps each process smaller.
+        buffer = np.empty(size + -size % _ROUND_SIZE, np.uint8)[:size]
+        loaded: list[LoadedChunk] = []
+        parts: list[Messages] = []
+        base = row = 0
+        for chunk, data in zip(sound, stored, strict=True):
+            try:
+                content = self._parse(chunk, data, buffer[base : base + chunk.size])
+            except ChunkDamage as damage:
+                losses.append(left_out(chunk, damage))
+                continue
+            messages, found = self._described(chunk, content)
+            found += self.descriptions.compare(content.described, chunk.offset)
+            rows = slice(row, row + len(messages))
+            has_index = len(data) > chunk.end - chunk.offset
+            whole = (
+                chunk.is_record
+                and not found
+                and content.indexed == has_index
+                and (not self.hidden or self._are_kept(content.described))
+            )
+            copied = data if self.copies_chunks else memoryview(b"")
+            loaded.append(LoadedChunk(chunk, copied, base, rows, whole, content.indexed))
+            parts.append(messages.shifted(base))
+            losses.extend(() if chunk.is_scanned else found)
+            base, row = base + chunk.size, rows.stop
+        located = tuple(map(self.located, losses))
+        return Batch(buffer, concatenate_messages(parts), tuple(loaded), located)
+
+    def _are_kept(self, described: Sequence[bytes]) -> bool:
+        """Tell whether records describe no other channels than those that are not left out."""
+        kept = {("channel", number) for number in self.channels}
+        kept |= {("schema", each.schema.id) for each in self.channels.values() if each.schema}
+        found = map(self.descriptions.decode, described)
+        return all(each and (each.kind, each.number) in kept for each in found)
+
+    def _described(self, chunk: Chunk, content: ChunkContent) -> tuple[Messages, list[Loss]]:
+        """Leave out messages whose channels are nowhere described."""
+        messages, losses = content.messages, list(content.losses)
+        known = np.isin(messages.channel, [*self.channels, *self.hidden])
+        if not known.all():
+            losses.append(undescribed(chunk, messages.pick(~known)))
+            messages = messages.pick(known)
+        return messages, losses
+
+    # Where and when.
+
+    def located(self, loss: Loss) -> Loss:
+        """See `Log.located`. The times are those of its chunk, or of the chunks around it."""
+        if not loss.offset:
+            return loss
+        first, behind = (
+            bisect_left(self.chunks, byte, key=lambda chunk: chunk.offset)
+            for byte in (loss.offset, loss.offset + max(loss.bytes, 1))
+        )
+        if behind > first and self.chunks[first].offset == loss.offset:
+            chunk = self.chunks[first]
+            return replace(loss, start_time=chunk.start_time, end_time=chunk.end_time)
+        before = self.chunks[first - 1].end_time if first else None
+        after = self.chunks[behind].start_time if behind < len(self.chunks) else None
+        if before is not None and after is not None:
+            before, after = sorted((before, after))
+        return replace(loss, start_time=before, end_time=after)
+
+    def overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
+        """See `Log.overlaps`: a chunk is left out only if what stands in it or behind it agrees.
+
+        That is not fetched from a store.
+        """
+        if super().overlaps(chunk, start, end):
+            return True
+        if chunk.is_scanned or not self.source.has_cheap_seeks:
+            return False
+        first, last = self._own_times(chunk)
+        return super().overlaps(replace(chunk, start_time=first, end_time=last), start, end)
+
+
+def open_records(new_log: Callable[[ByteSource], RecordLog], source: ByteSource) -> RecordLog:
     """Open a file by its index; where that is absent or damaged, by all of its records."""
     log = new_log(source)
     try:

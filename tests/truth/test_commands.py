@@ -1,0 +1,111 @@
+"""Tracking of commands, against a base that follows them in closed form."""
+
+import io
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+import dogbot_logtool as dl
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.options import MeasureOptions
+from dogbot_logtool.report.text.stats_text import print_report
+from tests.truth.commanded import Commanded, commanded_walk
+from tests.truth.log_file import write_log
+from tests.truth.recording import VectorRecording
+
+EXACT = Commanded(gain=(1.0, 1.0, 1.0), delay_s=0.0)
+
+
+def tracked(
+    folder: Path,
+    robot: Commanded,
+    change: Callable[[VectorRecording], VectorRecording] = lambda given: given,
+    **options: Any,
+) -> Any:
+    """What the JSON says of a base that follows commands."""
+    log = write_log(commanded_walk(robot, change(robot.commands())), folder / "log.mcap")
+    return dl.measure(log, mass=20.0, **options).stats
+
+
+def said(stats: Any, code: str) -> list[str]:
+    return [each["text"] for each in stats["findings"] if each["code"] == code]
+
+
+def test_a_gait_that_swings_is_no_error(tmp_path: Path) -> None:
+    found = tracked(tmp_path, EXACT)["commands"]
+    for axis, unit in (("forward", "mps"), ("lateral", "mps"), ("yaw", "radps")):
+        assert found[axis][f"mean_error_{unit}"] == pytest.approx(0.0, abs=0.002)
+        # Commands come every 20 ms, so that a step is up to so much late.
+        assert found[axis][f"rms_error_{unit}"] == pytest.approx(0.0, abs=0.01)
+
+
+def test_the_opposite_of_a_command_is_told_part_by_part(tmp_path: Path) -> None:
+    (text,) = said(tracked(tmp_path, Commanded(gain=(-0.9, 1.0, 1.0))), "COMMAND_AXES")
+    assert "forward" in text
+
+
+def test_a_late_answer_is_no_opposition(tmp_path: Path) -> None:
+    """Every 0.5 s up and down, half a turn late: at no other delay is it the opposite."""
+    steps = tuple((0.5 * row, (0.8 * (row % 2), 0.0, 0.0)) for row in range(50))
+    robot = replace(EXACT, steps=steps, delay_s=0.5, period_s=0.1, sway=(0.3, 0.0, 0.0))
+    assert not said(tracked(tmp_path, robot), "COMMAND_AXES")
+
+
+def test_commands_in_the_axes_of_the_base_are_turned(tmp_path: Path) -> None:
+    def turned(given: VectorRecording) -> VectorRecording:
+        return replace(given, vector=given.vector[:, [1, 0, 2]] * [-1.0, 1.0, 1.0])
+
+    robot = Commanded(body_yaw_rad=-np.pi / 2.0)
+    stats = tracked(tmp_path, robot, turned, set={"forward_axis": "+y"})
+    forward = stats["commands"]["forward"]
+    # Gain 0.9, and some 0.17 s of delay.
+    assert forward["measured_mps"] == pytest.approx(0.9 * forward["commanded_mps"], rel=0.1)
+
+
+def test_commands_in_the_world_have_no_figures_of_directions(tmp_path: Path) -> None:
+    stats = tracked(tmp_path, Commanded(), lambda given: replace(given, frame="odom"))
+    (text,) = said(stats, "COMMAND_AXES")
+    assert "which axes" in text
+    found = stats["commands"]
+    assert found["forward"]["commanded_mps"] is found["lateral"]["commanded_mps"] is None
+    assert found["yaw"]["commanded_radps"] is not None
+
+
+def test_a_silence_is_no_command(tmp_path: Path) -> None:
+    stats = tracked(tmp_path, Commanded(silences=((6.0, 9.0),)))
+    # The command before it holds for 0.5 s.
+    assert "there is no command for 2.5 s of 22.0 s" in said(stats, "NO_COMMAND")[0]
+    assert stats["commands"]["commanded_s"] == pytest.approx(22.0 - 2.5, abs=0.06)
+
+
+def drifts(folder: Path, robot: Commanded) -> dict[str, list[float]]:
+    """What the text says of drift: forward, lateral, yaw."""
+    log = write_log(commanded_walk(robot, robot.commands()), folder / "log.mcap")
+    file = io.StringIO()
+    console, done = Console(file=file, width=200), measure(log, MeasureOptions(mass=20.0))
+    print_report(console, done, verbose=True)
+    lines = re.findall(r"Drift +(.+): (.+)", file.getvalue())
+    return {name: [float(each) for each in re.findall(r"[+-][\d.]+", text)] for name, text in lines}
+
+
+def test_drift_while_straight_is_commanded_and_of_steps_in_place(tmp_path: Path) -> None:
+    ahead = Commanded(((0.0, (0.4, 0.0, 0.0)), (12.0, (0.4, 0.0, 0.5))), drift=(0.0, 0.03, -0.02))
+    assert drifts(tmp_path, ahead)["straight"][1:] == pytest.approx([0.03, -0.02], abs=0.0015)
+    still = Commanded(((0.0, (0.0, 0.0, 0.0)),), drift=(0.05, -0.02, 0.01), seconds=14.0)
+    assert drifts(tmp_path, still)["in place"] == pytest.approx([0.05, -0.02, 0.01], abs=0.0015)
+
+
+def test_poses_years_apart_take_no_memory(tmp_path: Path) -> None:
+    robot = Commanded(seconds=3.0)
+    recording = commanded_walk(robot, robot.commands())
+    far = recording.base.stamp + np.arange(len(recording.base.stamp)) * 10**16
+    log = write_log(
+        replace(recording, base=replace(recording.base, stamp=far)), tmp_path / "x.mcap"
+    )
+    assert dl.measure(log, mass=20.0).stats["commands"]["forward"]["commanded_mps"] is None
