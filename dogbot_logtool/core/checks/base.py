@@ -272,7 +272,9 @@ def _comparisons(walk: Walk, windows: Ints) -> Iterator[Comparison]:
         found.append(compare(feet.by, own, reference, tells_turn=turn, tells_heading=heading))
     if may_be_odd:
         found.append(compare_twist(walk.poses, windows, forward_rad))
-    turns = (GYROSCOPE, _inertial(walk, windows)[0]), (COURSE, _course_turns(walk.poses, windows))
+    turns = [(GYROSCOPE, _inertial(walk, windows)[0])]
+    if walk.period_s:
+        turns.append((COURSE, _course_turns(walk.poses, windows)))
     for by, turned in turns:
         reference = turn_only(turned)
         found.append(compare(by, own, reference, tells_turn=True, tells_heading=False))
