@@ -24,10 +24,9 @@ from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.results import LogInfo, TopicInfo
 from dogbot_logtool.robot.frames import Frames, frame_findings, read_frames
 from dogbot_logtool.robot.measuring.plan import settings_of
-from dogbot_logtool.robot.measuring.side_topics import joint_channels, side_topics
 from dogbot_logtool.robot.recorded import without_annotations
 from dogbot_logtool.robot.selection import Selection, select_topics
-from dogbot_logtool.robot.topics import is_planned
+from dogbot_logtool.robot.topics import is_planned, joint_channels, side_topics
 from dogbot_logtool.run.runner import OnProgress
 
 _FIRST_NS: Final = 2_000_000_000

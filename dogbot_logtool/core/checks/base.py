@@ -20,7 +20,6 @@ from dogbot_logtool.core.base.comparison import (
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.consistency import Worlds
 from dogbot_logtool.core.gait.feet import FootSteps
-from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Words, found
@@ -109,14 +108,6 @@ def up_axis(walk: Walk) -> Iterator[Finding]:
         yield found("UP_AXIS", where="base", degrees=np.degrees(walk.corrected.leaning_rad))
 
 
-def height_drifts(walk: Walk) -> Iterator[Finding]:
-    """Yield that the base rises or sinks over the contact points while it walks."""
-    if walk.rise_m:
-        say = "rises" if walk.rise_m > 0.0 else "sinks"
-        where, metres = "base.height_m", abs(walk.rise_m)
-        yield found("WORLDS_DIFFER", "drifts", where=where, say=say, metres=metres)
-
-
 def sides_swapped(walk: Walk) -> Iterator[Finding]:
     """Yield where left feet touch on the right; where all do, the walk is a mirror image."""
     # In another world, contact points tell nothing of the body's sides.
@@ -200,6 +191,11 @@ MOST_RISE_M: Final = 0.1
 """m by which poses may rise against the legs; also `MOST_RISE`, as a share of the way, which is
 what a lean that is some degrees off makes of it."""
 MOST_RISE: Final = 0.05
+RISES: Final = 0.2
+"""Share of its height by which a base that rises steadily over its feet does not do it itself."""
+STEADY: Final = 0.9
+"""Share of the variance of the rise that a straight line explains."""
+FEWEST_STRIDES: Final = 4
 CLIMBS_M: Final = 0.05
 """m that feet rise or fall from which poses that keep their z are planar."""
 
@@ -236,7 +232,7 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
     yield from _orientation(walk, comparisons)
     yield from _planar(walk, comparisons, windows)
     if not walk.settings.contact_from:
-        yield from _climb(comparisons)
+        yield from _climb(walk, comparisons)
 
 
 def feet_agree(walk: Walk) -> bool:
@@ -254,8 +250,7 @@ def _windows(walk: Walk) -> Ints:
         return timespans.no_spans()
     if not period_s:
         return stride_windows(walk.poses.known, WINDOW_S)
-    walks = any_strides(walk.records, walk.fallen, walk.standing.without_steps)
-    return stride_windows(timespans.merge(walks), period_s)
+    return stride_windows(timespans.merge(walk.strides), period_s)
 
 
 def _comparisons(walk: Walk, windows: Ints) -> Iterator[Comparison]:
@@ -382,17 +377,23 @@ def _planar(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Ite
         yield found("POSE_PLANAR", *cases, where=where, say="plain", while_feet=while_feet)
 
 
-def _climb(comparisons: Sequence[Comparison]) -> Iterator[Finding]:
-    """Yield that z of the poses goes away from where the legs lift the base."""
-    legs = next((each for each in comparisons if each.by == LEGS), None)
-    if legs is None or not SCALES[0] <= (legs.scale or 0.0) <= SCALES[1]:
+def _climb(walk: Walk, comparisons: Sequence[Comparison]) -> Iterator[Finding]:
+    """Yield that z of the poses goes away from where the feet lift the base."""
+    feet = next((each for each in comparisons if each.by in {POINTS, LEGS}), None)
+    if feet is None:
         return
-    metres = float((legs.own.rise - legs.reference.rise).sum())
-    if abs(metres) > max(MOST_RISE_M, MOST_RISE * legs.reference.walked_m):
-        where = "base.climb_m"
-        yield found(
-            "WORLDS_DIFFER", "drifts", "legs", where=where, say="legs", metres=metres, told=legs
-        )
+    rise = np.cumsum(feet.own.rise - feet.reference.rise)
+    metres, height = float(rise[-1]), walk.base and walk.base.height_m
+    if feet.by == LEGS and SCALES[0] <= (feet.scale or 0.0) <= SCALES[1]:
+        if abs(metres) > max(MOST_RISE_M, MOST_RISE * feet.reference.walked_m):
+            words: Words = {"say": "legs", "metres": metres, "told": feet}
+            yield found("WORLDS_DIFFER", "drifts", "legs", where="base.climb_m", **words)
+    elif feet.by == POINTS and height and abs(metres) > RISES * height.median:
+        # A robot that crouches, or stretches its legs, does so at once.
+        straightness = float(np.corrcoef(np.arange(feet.strides), rise)[0, 1])
+        if feet.strides >= FEWEST_STRIDES and straightness**2 >= STEADY:
+            words = {"say": "rises" if metres > 0.0 else "sinks", "metres": abs(metres)}
+            yield found("WORLDS_DIFFER", "drifts", where="base.height_m", **words)
 
 
 def rate(walk: Walk) -> Iterator[Finding]:

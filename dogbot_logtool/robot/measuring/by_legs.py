@@ -216,10 +216,9 @@ def named_by_legs(
     offered = next(iter(selection.possible_feet), None)
     if offered is None or len(offered.feet) != len(legs) or len(legs) > MOST_FEET:
         return None
-    if any(foot.leg_position for foot in offered.feet):
-        return None
     # Joints' own efforts, by which legs have told contacts, are no sensors of feet.
-    if offered.feet[0].topic == selection.robot.feet[0].topic:
+    is_joint = offered.feet[0].topic == selection.robot.feet[0].topic
+    if is_joint or any(foot.leg_position for foot in offered.feet):
         return None
     chosen = select_topics(log, replace(options, foot=None, feet=offered.feet))
     fields = read_recording(log, chosen.wanted(), 1).recording.feet

@@ -20,10 +20,10 @@ from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.robot.base import BASES
 from dogbot_logtool.robot.feet import planned_feet
 from dogbot_logtool.robot.measuring.foot_samples import decide_contacts, with_joined_sensors
-from dogbot_logtool.robot.measuring.side_topics import joint_channels, side_topics
-from dogbot_logtool.robot.offers import call_of, candidates_finding, nothing_to_do
+from dogbot_logtool.robot.offers import call_of, nothing_to_do, offer_finding
 from dogbot_logtool.robot.recorded import time_limits
 from dogbot_logtool.robot.selection import Selection, select_topics
+from dogbot_logtool.robot.topics import joint_channels, side_topics
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.legs.swings import LegSettings
@@ -204,7 +204,7 @@ def prepare(
         recording, selection = measured_by_legs(recording, selection, found)
         if named := named_by_legs(log, options, selection, recording.feet):
             others = (each for each in selection.findings if each.code != "FEET_UNSURE")
-            offer = candidates_finding(log, [named], call_of(log, options, ""), "")
+            offer = offer_finding(log, [named], call_of(log, options, ""), "")
             selection = replace(selection, findings=(*others, offer))
     # Up to the ends of a log that is read whole, silence is known.
     wanted = plan.wanted

@@ -14,7 +14,7 @@ from dogbot_logtool.core.rotations import multiply, rotate
 from dogbot_logtool.core.settings import FORWARD_ANGLES
 from dogbot_logtool.robot.names import leg_of, leg_position
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, joints_below
-from dogbot_logtool.robot.words import SOLES, Part, words_of
+from dogbot_logtool.robot.words import SOLES, Part, parts_of, texts_of, word_set
 
 _HIGHEST: Final = 0.4
 """Share of the depth of the lowest foot below the base that other feet may be higher."""
@@ -27,11 +27,8 @@ _REACH: Final = 0.1
 _SAME_LEG: Final = 0.5
 """Share of the joints of the shorter chain that two ends of one leg have in common."""
 _MOST_LEGS: Final = 16
-_ARMS: Final = frozenset(
-    {"arm", "elbow", "finger", "fingers", "gripper", "hand", "head", "neck", "palm", "shoulder"}
-    | {"thumb", "wrist"}
-)
-_SENSORS: Final = frozenset(["camera", "force", "ft", "imu", "motor", "rotor", "screw", "sensor"])
+_ARMS: Final = word_set("arm elbow finger fingers gripper hand head neck palm shoulder thumb wrist")
+_SENSORS: Final = word_set("camera force ft imu motor rotor screw sensor")
 
 
 def find_legs(
@@ -141,11 +138,10 @@ def _fixed_tails(below: Mapping[str, list[Joint]], link: str) -> Iterator[tuple[
 
 def _rank(link: str) -> int:
     """Return how surely a link is named as what touches the ground, low first."""
-    words = words_of(link)
-    texts, parts = {word.text for word in words}, {word.part for word in words}
+    texts = texts_of(link)
     if texts & _SENSORS:
         return 3
-    return 0 if texts & SOLES else 1 if Part.FOOT in parts else 2
+    return 0 if texts & SOLES else 1 if Part.FOOT in parts_of([link]) else 2
 
 
 def _at_rest(limits: JointLimits | None) -> float:
@@ -167,16 +163,15 @@ def _lowest(ends: Sequence[_End]) -> list[_End]:
 
 def _is_wheel(leg: Leg) -> bool:
     """Tell whether names say that a chain ends in a wheel or a tool."""
-    last = [leg.foot, [joint.name for joint in leg.joints if joint.kind != "fixed"][-1]]
-    parts = {word.part for name in last for word in words_of(name)}
+    moving = [joint.name for joint in leg.joints if joint.kind != "fixed"]
+    parts = parts_of([leg.foot, moving[-1]])
     return Part.NOT_A_FOOT in parts and not parts & {Part.FOOT, Part.LEG}
 
 
 def _is_arm(leg: Leg) -> bool:
     names = [name for joint in leg.joints for name in (joint.name, joint.child)]
-    words = [word for name in names for word in words_of(name)]
-    of_legs = {Part.FOOT, Part.LEG, Part.UPPER_LEG}
-    return any(w.text in _ARMS for w in words) and not any(w.part in of_legs for w in words)
+    of_leg = parts_of(names) & {Part.FOOT, Part.LEG, Part.UPPER_LEG}
+    return bool(texts_of(*names) & _ARMS) and not of_leg
 
 
 def _is_same_leg(leg: Leg, other: Leg) -> bool:
