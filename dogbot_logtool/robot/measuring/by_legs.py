@@ -73,7 +73,7 @@ def _estimated(
     """
     named, lacks_feet = selection.robot, not selection.contacts
     robot = _based(recording, named.base_frame, robot)
-    knows_axis = named.is_given("forward_axis") or not selection.robot_is_guessed
+    knows_axis = "forward_axis" in named.given or not selection.robot_is_guessed
     axis = named.forward_axis if knows_axis else None
     try:
         legs, axis = find_legs(robot, _posture(recording.joints), axis)
