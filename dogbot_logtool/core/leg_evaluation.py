@@ -53,7 +53,8 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     for name in {each.name for each in settings.joints if each.source} & joints.keys():
         joints[name] = replace(joints[name], follows=True)
     chained = {frame for chain in settings.chains if chain for frame in chain.frames}
-    frames = walk.frames.tracks(chained) | link_tracks(settings.joints, joints)
+    links = link_tracks(settings.joints, joints)
+    frames = walk.frames.tracks(chained) | links
     paths = [foot_path(chain, frames) for chain in settings.chains]
     if not joints and not any(path is not None for path in paths):
         return walk
@@ -80,6 +81,7 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
         settings=settings,
         feet=tuple(legs),
         joints=joints,
+        links=links,
         work=work,
         metrics=Legs(
             absolute_work_j=aggregate(work[1]),

@@ -21,6 +21,7 @@ from dogbot_logtool.core.corrections.clock import (
     advancing,
     check_stamps,
 )
+from dogbot_logtool.core.frames.transforms import FrameTrack
 from dogbot_logtool.core.gait.feet import CYCLE, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.metrics import Joint, Legs
@@ -265,6 +266,8 @@ class LegFigures:
     feet: tuple[LegFoot, ...]
     joints: Mapping[str, JointTrack]
     """Each joint, by its name."""
+    links: Mapping[str, FrameTrack]
+    """The links that joints move, and those that rest on them."""
     work: Floats
     """(2, strides) J, positive and absolute work of all joints in strides of the reference foot."""
     metrics: Legs
