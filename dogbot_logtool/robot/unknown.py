@@ -16,8 +16,7 @@ from dogbot_logtool.core.quality import mean_rate_hz
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.definition import FieldType, FixedArray, Primitive, Text
-from dogbot_logtool.reader.decode.field_path import every_field, is_vector
-from dogbot_logtool.reader.decode.paths import path_of
+from dogbot_logtool.reader.decode.paths import every_field, is_vector, path_of
 from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.messages import definition_of

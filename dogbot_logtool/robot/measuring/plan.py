@@ -194,6 +194,7 @@ def prepare(
     model = None
     if recording.joints:
         from dogbot_logtool.robot.measuring.by_legs import (  # noqa: PLC0415
+            facing,
             measured_by_legs,
             named_by_legs,
         )
@@ -216,6 +217,8 @@ def prepare(
         silent_from=log.start_time if start is None else None,
         silent_until=log.end_time if end is None else None,
     )
+    if model is not None:
+        settings = facing(settings, recording, model)
     if joined and not selection.robot.clock:
         # Messages without a header have stamps now.
         settings = replace(settings, time_source=None, time_source_reason="")
