@@ -8,7 +8,7 @@ import pytest
 
 import dogbot_logtool as dl
 from tests.truth import physics
-from tests.truth.free_walker import KEPT_S, trot
+from tests.truth.free_walker import KEPT_S, trot, walker
 from tests.truth.recording import Floats
 
 
@@ -187,3 +187,12 @@ def test_swings_are_not_known_where_the_odometry_loses_its_way() -> None:
     walk = measured(by_transforms=True, drift=0.1)
     assert np.isnan(walk.strides["clearance_m"]).all()
     assert walk.stats["null_because"]["feet.front_left.clearance_m"] == "WORLDS_DIFFER"
+
+
+def test_legs_that_are_named_tell_which_way_is_forward() -> None:
+    """The robot walks to its left all the time, and its sensors tell no places of its feet."""
+    truth = walker(((-9.0, (0.0, 0.2, 0.0)),), 4.0)
+    stats = physics.measured(truth, by_transforms=False).stats
+    assert stats["settings"]["forward_axis"] == "+x"
+    assert stats["base"]["lateral_speed_mps"] == pytest.approx(0.205, abs=0.01)
+    assert stats["base"]["forward_speed_mps"] == pytest.approx(truth.speed_mps, abs=0.01)

@@ -322,7 +322,7 @@ def _signs(walk: Walk, legs: LegFigures) -> dict[str, LegSigns]:
         pushes = stride_curve(foot, foot.strides, forward=True)
         if leg.path is None or leg.reason or pushes is None:
             continue
-        moving = [joint for joint in legs.joints_of(row) if joint.moves]
+        moving = [joint for joint in legs.joints_of(row) if joint.works]
         signs = leg_signs(foot.record.track, foot.stances, leg.path, walk.poses, moving)
         if signs is not None:
             judged[leg.name] = signs
