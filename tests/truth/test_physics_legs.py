@@ -222,3 +222,12 @@ def test_poses_without_feet_are_compared_with_their_twist(factor: float) -> None
     walk = physics.measured(truth, by_transforms=True, with_feet=False)
     assert "POSE_SCALE" in {each["code"] for each in walk.stats["findings"]}
     assert walk.stats["base"]["forward_speed_mps"] is None
+
+
+def test_legs_that_are_named_tell_which_way_is_forward() -> None:
+    """The robot walks to its left all the time, and its sensors tell no places of its feet."""
+    truth = walker(((-9.0, (0.0, 0.2, 0.0)),), 4.0)
+    stats = physics.measured(truth, by_transforms=False).stats
+    assert stats["settings"]["forward_axis"] == "+x"
+    assert stats["base"]["lateral_speed_mps"] == pytest.approx(0.205, abs=0.01)
+    assert stats["base"]["forward_speed_mps"] == pytest.approx(truth.speed_mps, abs=0.01)
