@@ -81,7 +81,8 @@ def convert(
             losses = _finish(log, output, measured, scene)
     finally:
         log.close()
-    topics, moved = output.added.topics(), output.added.moved
+    written, added = output.messages, {each.id: each.topic for each in output.added.values()}
+    moved = {old: each.topic for old, each in output.added.items() if each.topic != old}
     bad_poses = int((~usable_poses(walk.recording.base)).sum())
     counts = Counter({**output.counts, **read.without_arrows, "bad_poses": bad_poses})
     findings = [
@@ -104,8 +105,8 @@ def convert(
         world_frame=scene.wanted.world_frame,
         base_frame=scene.wanted.base_frame,
         messages=sum(read.counts.values()),
-        copied=sum(n for channel, n in output.messages.items() if channel not in topics),
-        annotations={topic: output.messages.get(each, 0) for each, topic in topics.items()},
+        copied=sum(count for channel, count in written.items() if channel not in added),
+        annotations={topic: written.get(channel, 0) for channel, topic in added.items()},
         counts=counts,
         findings=tuple(sorted(dict.fromkeys(findings), key=by_severity)),
         damage=damage_of(log, losses),

@@ -52,8 +52,8 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     joints = joint_tracks(walk.recording.joints, walk.settings.clock, settings.limits)
     for name in {each.name for each in settings.joints if each.source} & joints.keys():
         joints[name] = replace(joints[name], follows=True)
-    links = link_tracks(settings.joints, joints)
     chained = {frame for chain in settings.chains if chain for frame in chain.frames}
+    links = link_tracks(settings.joints, joints)
     frames = walk.frames.tracks(chained) | links
     paths = [foot_path(chain, frames) for chain in settings.chains]
     if not joints and not any(path is not None for path in paths):
