@@ -8,7 +8,6 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, means_by_group, median_of
 from dogbot_logtool.core.contact.contact_rule import (
-    ContactRule,
     backdated,
     find_stances,
     rows_in_stances,
@@ -23,7 +22,7 @@ from dogbot_logtool.core.contact.stances import (
     foot_track,
     stance_figures,
 )
-from dogbot_logtool.core.corrections.clock import TimeSource
+from dogbot_logtool.core.settings import FootSettings, WalkSettings
 
 _SAME: Final = 1e-6
 """Difference of two forces, as a share of them, that is none: they have 24 bits."""
@@ -120,25 +119,17 @@ class FootHistory:
 
 
 def foot_history(
-    samples: Samples,
-    rule: ContactRule,
-    clock: TimeSource,
-    *,
-    force_in_world: bool,
-    has_force: bool = True,
-    breaks: Ints | None = None,
+    samples: Samples, foot: FootSettings, settings: WalkSettings, breaks: Ints
 ) -> FootHistory:
     """Measure one foot.
 
     Args:
         samples: of this foot, in the order of the log.
-        rule: thresholds of contact.
-        clock: on which is measured.
-        force_in_world: whether the wrenches are in the world frame.
-        has_force: whether forces are known at all, not only contact.
+        foot: how its sensor reads, and what counts as contact.
+        settings: with the clock that is measured on, and the frame of the forces.
         breaks: (b, 2) ns, spans that nothing is measured across, as if they were gaps.
     """
-    messages = len(samples.foot)
+    messages, rule, has_force = len(samples.foot), foot.rule, foot.has_force
     if not has_force:
         rule = replace(rule, on_n=_TOUCH_N, off_n=0.0, backdates=False, unusable="")
         touches = np.outer(np.where(samples.in_contact, _TOUCH_N, 0.0), [0.0, 0.0, 1.0])
@@ -146,7 +137,8 @@ def foot_history(
     if rule.unusable:
         samples = no_samples()
     used = len(samples.foot)
-    track, samples, not_finite = foot_track(samples, clock, force_in_world=force_in_world)
+    in_world = settings.force_in_world
+    track, samples, not_finite = foot_track(samples, settings.clock, force_in_world=in_world)
     time, force = track.time, track.force
     contact = samples.in_contact if rule.by_flag else schmitt(force, rule)
     loaded = int(contact.sum())
@@ -155,14 +147,13 @@ def foot_history(
     repeated = int((equal & contact[1:] & contact[:-1]).sum())
     if rule.backdates:
         contact = backdated(contact, time, force, rule.off_n)
-    short = rule.debounce_s, rule.bounce_s
-    starts, ends, filled, dropped = find_stances(time, contact, *short)
+    starts, ends, filled, dropped = find_stances(time, contact, rule.debounce_s, rule.bounce_s)
     is_scuff = _scuffs(track, starts, ends)
     scuffs = np.stack([time[starts[is_scuff]], time[ends[is_scuff]]], axis=1)
     starts, ends = starts[~is_scuff], ends[~is_scuff]
 
     gaps = track.gaps
-    if breaks is not None and len(breaks):
+    if len(breaks):
         gaps = timespans.merge(np.concatenate([gaps, breaks]))
     known = timespans.subtract(np.stack([time[:1], time[-1:]], axis=1), gaps)
 
