@@ -200,10 +200,9 @@ class KnownFrames:
             links: frame of each foot's forces, which are wanted in the world; None: they are not.
             points: where each foot is that tells no contact points; None: it is not wanted.
         """
-        frames = {*links, *(point.frame for point in points if point)} - {None}
-        chains = {
-            each: chain_of_frames(self.parent_of, each, self.world) for each in frames if each
-        }
+        parents, world = self.parent_of, self.world
+        frames = filter(None, (*links, *(point.frame for point in points if point)))
+        chains = {frame: chain_of_frames(parents, frame, world) for frame in frames}
         links = tuple(link if link and chains[link] is not None else None for link in links)
         # The world itself is no frame of a foot.
         points = tuple(point if point and chains[point.frame] else None for point in points)
