@@ -8,12 +8,15 @@ from dogbot_logtool.reader.containers.loss import SOUND, Damage
 
 # A command needs not load what only other commands' records are made of.
 if TYPE_CHECKING:
+    from collections import Counter
+
     from dogbot_logtool.core.arrays import Floats
     from dogbot_logtool.core.metrics import WalkMetrics
     from dogbot_logtool.core.walk import Walk
     from dogbot_logtool.finding import Finding
     from dogbot_logtool.io.storage import Location
     from dogbot_logtool.robot.frames import Frames
+    from dogbot_logtool.robot.robot import Robot
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +107,32 @@ class LogInfo:
     """Chunks that were looked at for frames and stamps; the rest was not read."""
     frames: "Frames | None"
     """All transforms of the log, if they were asked for."""
+    findings: "tuple[Finding, ...]"
+    damage: Damage
+
+
+@dataclass(frozen=True, slots=True)
+class Conversion:
+    """The result of `convert`."""
+
+    source: "Location"
+    target: "Location"
+    container: str
+    robot: "Robot"
+    style: str
+    encoding: str
+    odometry_topics: tuple[str, ...]
+    world_frame: str
+    base_frame: str
+    messages: int
+    """Recorded messages that were read."""
+    copied: int
+    """Recorded messages in the output."""
+    annotations: Mapping[str, int]
+    """Messages that were added, by topic."""
+    counts: "Counter[str]"
+    """Annotations that lack something, by what; see `conversion/annotate.py`. And ``bad_poses``:
+    odometry messages with a zero quaternion or a number that is not finite."""
     findings: "tuple[Finding, ...]"
     damage: Damage
 

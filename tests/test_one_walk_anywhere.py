@@ -122,7 +122,7 @@ def test_annotations_do_not_depend_on_where_spans_end(
     expected_annotations: dict[str, list[Annotation]],
     rows: int,
 ) -> None:
-    monkeypatch.setattr("dogbot_logtool.conversion.annotated_log.SPAN_ROWS", rows)
+    monkeypatch.setattr("dogbot_logtool.conversion.annotate.SPAN_ROWS", rows)
     assert annotations(tmp_path, trot(), "ros2") == expected_annotations["ros2"]
 
 
@@ -137,6 +137,6 @@ def test_any_workers_write_the_same_annotations(
     start: Start,
 ) -> None:
     monkeypatch.setattr("dogbot_logtool.reader.containers.log.BATCH_SIZE", 300_000)
-    monkeypatch.setattr("dogbot_logtool.conversion.annotated_log.SPAN_ROWS", 1000)
+    monkeypatch.setattr("dogbot_logtool.conversion.annotate.SPAN_ROWS", 1000)
     log = write_library_mcap(tmp_path / "x.mcap", *messages(1), 100_000)
     assert annotations(tmp_path, log, "foxglove", jobs, start) == expected_annotations["foxglove"]

@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     from dogbot_logtool.comparison.judge import Judgement
     from dogbot_logtool.comparison.outcome import Comparison
     from dogbot_logtool.comparison.walks import GaitComparison
-    from dogbot_logtool.conversion.annotated_log import Conversion
-    from dogbot_logtool.results import LogInfo
+    from dogbot_logtool.results import Conversion, LogInfo
 
 
 @takes(MeasureOptions)

@@ -60,7 +60,7 @@ def main() -> NoReturn:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     with safe_streams() as stdout:
         code = _run()
-        stdout.flush()
+        sys.stdout.flush()
         if stdout.error is not None:
             is_closed = stdout.error.errno == errno.EBADF
             why = "it is closed" if is_closed else stdout.error.strerror

@@ -1,12 +1,17 @@
 """`dogbot-logtool convert`: write an annotated MCAP of a log."""
 
+from collections import Counter
+from dataclasses import replace
+from functools import partial
+
 from dogbot_logtool.commands.stats import MeasuredLog, measure_planned
-from dogbot_logtool.conversion.annotate import Scene, draw
-from dogbot_logtool.conversion.annotated_log import AnnotatedLog, Conversion
-from dogbot_logtool.conversion.copying import make_copier
-from dogbot_logtool.conversion.findings import bad_poses, count_findings
-from dogbot_logtool.conversion.plan import make_plan
+from dogbot_logtool.conversion.annotated_log import AnnotatedLog
+from dogbot_logtool.conversion.copying import channels_left_out, copied_chunks
+from dogbot_logtool.conversion.findings import count_findings
+from dogbot_logtool.conversion.scene import Scene, make_scene
+from dogbot_logtool.core.base.poses import usable_poses
 from dogbot_logtool.core.checks.frames import columns_corrected, frames_known
+from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.finding import Severity, by_severity, found
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
@@ -20,6 +25,7 @@ from dogbot_logtool.reader.containers.log import (
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.recording import Alongside
 from dogbot_logtool.reader.workers import Start
+from dogbot_logtool.results import Conversion
 from dogbot_logtool.robot.measuring.plan import make_plan as plan_measuring
 from dogbot_logtool.robot.recorded import open_recorded
 from dogbot_logtool.run.runner import OnProgress
@@ -52,52 +58,56 @@ def convert(
     refuse_bad_target(target, inputs, overwrite=overwrite, makes_folder=makes_folder)
     log = open_recorded(source, options.joined)
     try:
-        wanted = plan_measuring(log, options)
-        copier = make_copier(log, wanted.selection, options)
+        plan = plan_measuring(log, options)
+        draws_states = ARROW_STYLES[options.style].needs_contact_states
+        plan = replace(plan, wanted=replace(plan.wanted, draws_states=draws_states))
+        left_out = channels_left_out(log, options)
         with whole_file(target, overwrite=overwrite, makes_folder=makes_folder) as file:
-            output = AnnotatedLog(file, log, options, copier.left_out)
+            output = AnnotatedLog(file, log, options, left_out)
+            copy = partial(copied_chunks, left_out, options.compression)
             measured = measure_planned(
                 log,
-                wanted,
+                plan,
                 options,
                 _half(progress, 0),
-                alongside=Alongside(copier, output.copy),
+                alongside=Alongside(copy, output.add) if options.copy else None,
                 start=start,
             )
-            walk = measured.measurement.walk
-            selection, model = measured.selection, measured.model
-            plan = make_plan(log, selection, model, walk, options, copier.left_out)
-            scene = draw(plan, walk, output.arrows)
+            walk, read = measured.measurement.walk, measured.read
+            scene = make_scene(
+                log, measured.selection, measured.model, walk, options, left_out, read.arrows
+            )
             output.annotate(scene, _half(progress, 1), start)
             losses = _finish(log, output, measured, scene)
     finally:
         log.close()
-    topics, moved = output.added.topics(), output.added.moved
+    written, added = output.messages, {each.id: each.topic for each in output.added.values()}
+    moved = {old: each.topic for old, each in output.added.items() if each.topic != old}
+    bad_poses = int((~usable_poses(walk.recording.base)).sum())
+    counts = Counter({**output.counts, **read.without_arrows, "bad_poses": bad_poses})
     findings = [
         *measured.known,
         *frames_known(walk),
         *columns_corrected(walk),
         *(each for each in walk.findings if _is_warning(each.code, each.severity)),
-        *plan.findings,
         *scene.findings,
         *(found("TOPIC_MOVED", where=name, topic=old, name=name) for old, name in moved.items()),
-        *count_findings(walk.recording, output.counts, plan.style),
+        *count_findings(walk.recording, counts, scene.style),
     ]
     return Conversion(
         source=log.source.path,
         target=target,
         container=log.container,
-        robot=plan.selection.robot,
+        robot=scene.selection.robot,
         style=options.style,
         encoding=options.encoding,
-        odometry_topics=tuple(sorted({each.topic for each in plan.selection.odometry})),
-        world_frame=plan.wanted.world_frame,
-        base_frame=plan.wanted.base_frame,
-        messages=sum(measured.read.counts.values()),
-        copied=sum(n for channel, n in output.messages.items() if channel not in topics),
-        annotations={topic: output.messages.get(each, 0) for each, topic in topics.items()},
-        counts=output.counts,
-        bad_poses=bad_poses(walk.recording),
+        odometry_topics=tuple(sorted({each.topic for each in scene.selection.odometry})),
+        world_frame=scene.wanted.world_frame,
+        base_frame=scene.wanted.base_frame,
+        messages=sum(read.counts.values()),
+        copied=sum(count for channel, count in written.items() if channel not in added),
+        annotations={topic: written.get(channel, 0) for channel, topic in added.items()},
+        counts=counts,
         findings=tuple(sorted(dict.fromkeys(findings), key=by_severity)),
         damage=damage_of(log, losses),
     )
@@ -117,7 +127,7 @@ def _is_warning(code: str, severity: Severity) -> bool:
 
 def _finish(log: Log, output: AnnotatedLog, measured: MeasuredLog, scene: Scene) -> list[Loss]:
     """Write what follows the messages; return all that could not be read."""
-    read, options = measured.read, scene.plan.options
+    read, options = measured.read, scene.options
     losses = [*log.losses, *read.losses, *output.copy_extras()]
     if options.start is None and options.end is None:
         losses += wrong_statistics(log, read.counts, losses)

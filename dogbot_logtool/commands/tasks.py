@@ -15,10 +15,10 @@ from dogbot_logtool.results import Figures
 from dogbot_logtool.run.runner import OnProgress
 
 if TYPE_CHECKING:
-    from dogbot_logtool.conversion.annotated_log import Conversion
     from dogbot_logtool.options import MeasureOptions
     from dogbot_logtool.options.convert import Convert, ConvertOptions
     from dogbot_logtool.report.dataset import Entry, MeasuredEntry
+    from dogbot_logtool.results import Conversion
 
 _CHECKS_AT_ONCE: Final = 16
 ConversionTask = tuple[Location, Location, bool]

@@ -9,76 +9,33 @@ recorded messages.
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
 from functools import partial
 from typing import BinaryIO, Final
 
-import numpy as np
 from mcap import records
 
 from dogbot_logtool import __version__
-from dogbot_logtool.conversion.annotate import Scene, annotations_between
-from dogbot_logtool.conversion.copying import CopiedSpan, as_it_stands
-from dogbot_logtool.conversion.plan import ConversionPlan
-from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.events.event import STEPS, to_log_time, with_steps
-from dogbot_logtool.core.gait.segments import gait_changes
-from dogbot_logtool.core.scene.arrows import Arrows
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.conversion.annotate import TimeSpan, annotate_span, time_spans
+from dogbot_logtool.conversion.copying import Copied, as_it_stands
+from dogbot_logtool.conversion.scene import Scene
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.io.storage import Location, file_name
+from dogbot_logtool.io.storage import file_name
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.provenance import PROVENANCE
 from dogbot_logtool.reader.containers.log import Chunk, Log
-from dogbot_logtool.reader.containers.loss import Damage, Loss, lost_messages
+from dogbot_logtool.reader.containers.loss import Loss, lost_messages
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
 from dogbot_logtool.reader.workers import Start, in_order
-from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.run.runner import OnProgress
-from dogbot_logtool.writer import described
-from dogbot_logtool.writer.annotations import Annotations
-from dogbot_logtool.writer.channels import AddedChannels
-from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunk, finish_chunks
+from dogbot_logtool.writer.annotations import Annotations, types_by_topic
+from dogbot_logtool.writer.channels import added_channels
+from dogbot_logtool.writer.chunks import finish_chunk
+from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.encodings.registry import encoding_named
-from dogbot_logtool.writer.mcap_writer import McapWriter, metadata_record
-from dogbot_logtool.writer.message_records import MessageRecords, of_payloads
-from dogbot_logtool.writer.topics import EVENTS_TOPIC, GAIT_TOPIC, SPANS_TOPIC
+from dogbot_logtool.writer.mcap_writer import McapWriter
 
-SPAN_ROWS = 40_000
-"""Samples of feet in a span: enough to make the cost of a numpy call small, and few enough to be
-annotated in some 60 MB."""
-_TIMES: Final = np.iinfo(np.int64)
 _LONGEST_NUMBER: Final = 18
 """Digits of a count that a record tells."""
-TimeSpan = tuple[int, int]
-"""ns, log times from which on and before which is annotated."""
-
-
-@dataclass(frozen=True, slots=True)
-class Conversion:
-    """The result of `convert`."""
-
-    source: Location
-    target: Location
-    container: str
-    robot: Robot
-    style: str
-    encoding: str
-    odometry_topics: tuple[str, ...]
-    world_frame: str
-    base_frame: str
-    messages: int
-    """Recorded messages that were read."""
-    copied: int
-    """Recorded messages in the output."""
-    annotations: Mapping[str, int]
-    """Messages that were added, by topic."""
-    counts: Counter[str]
-    """Annotations that lack something, by what; see `annotate.py`."""
-    bad_poses: int
-    """Odometry messages with a zero quaternion or a number that is not finite."""
-    findings: tuple[Finding, ...]
-    damage: Damage
 
 
 class AnnotatedLog:
@@ -98,11 +55,10 @@ class AnnotatedLog:
         profile = log.profile if options.copy else encoding_named(options.encoding).profile
         self._log, self._options = log, options
         self._writer = McapWriter(file, profile)
-        self.arrows: list[Arrows] = []
-        """Those that were made of recorded messages."""
         self.counts = Counter[str]()
-        """Arrows and other annotations that lack something, by what."""
-        self.added = AddedChannels()
+        """Annotations that lack something, by what."""
+        self.added: Mapping[str, records.Channel] = {}
+        """Channels of annotations by topic, which is another where the log has that."""
         copied = log.channels if options.copy else {}
         self._copied = {number: c for number, c in copied.items() if number not in left_out}
         schemas = {c.schema.id: c.schema for c in self._copied.values() if c.schema is not None}
@@ -114,16 +70,14 @@ class AnnotatedLog:
         """Messages written, by channel id."""
         return self._writer.channel_counts
 
-    def copy(self, span: CopiedSpan) -> None:
-        """Write recorded messages, and keep the arrows that are made of them."""
-        for chunk in span.chunks:
+    def add(self, chunks: Iterable[Copied]) -> None:
+        """Write chunks."""
+        for chunk in chunks:
             if isinstance(chunk, Chunk):
                 stored = self._log.source.read(chunk.offset, chunk.index_end - chunk.offset)
                 self._writer.add_chunk(as_it_stands(chunk, stored))
             else:
                 self._writer.add_chunk(chunk)
-        self.arrows += span.arrows
-        self.counts += span.counts
 
     def annotate(
         self, scene: Scene, progress: OnProgress | None = None, start: Start | None = None
@@ -135,32 +89,32 @@ class AnnotatedLog:
             progress: called with the share done and all, as bytes of the log.
             start: how processes start; None: as the system and the log allow.
         """
-        plan, total = scene.plan, sum(chunk.data_size for chunk in self._log.chunks)
-        self.added = self._channels_for(plan)
-        annotations = Annotations(encoding_named(plan.options.encoding), plan.wanted, self.added)
-        self._writer.add(*self.added.schemas, *self.added.channels)
-        if plan.description.urdf is not None and plan.opening is not None:
-            message = annotations.robot_description(plan.description.urdf, plan.opening)
-            self._writer.add_chunk(finish_chunk(message, plan.options.compression or "zstd"))
+        options, total = scene.options, sum(chunk.data_size for chunk in self._log.chunks)
+        encoding = encoding_named(options.encoding)
+        self._declare(types_by_topic(encoding, scene.wanted), scene.selection.contact_from)
+        channels = {topic: int(channel.id) for topic, channel in self.added.items()}
+        annotations = Annotations(encoding, scene.wanted, channels)
+        if scene.description.urdf is not None and scene.opening is not None:
+            message = annotations.robot_description(scene.description.urdf, scene.opening)
+            self.add([finish_chunk(message, options.compression or "zstd")])
         spans: list[TimeSpan | None] = [None, *time_spans(scene)]
         work = partial(annotate_span, scene, annotations)
-        with closing(in_order(work, self._log, spans, plan.options.jobs, start)) as results:
+        with closing(in_order(work, self._log, spans, options.jobs, start)) as results:
             for number, (chunks, counts) in enumerate(results, 1):
-                for chunk in chunks:
-                    self._writer.add_chunk(chunk)
+                self.add(chunks)
                 self.counts += counts
                 if progress is not None:
                     progress(total * number // len(spans), total)
 
-    def _channels_for(self, plan: ConversionPlan) -> AddedChannels:
-        """Return what declares the channels of annotations, beside those that are copied."""
+    def _declare(self, types: Mapping[str, MessageType], contact_from: str) -> None:
+        """Declare the channels of annotations, beside those that are copied."""
         in_use = {c.topic: (c.type_name, c.message_encoding) for c in self._copied.values()}
         # Chunks that are copied as they are may describe channels that are left out.
-        described = self._log.channels.values() if plan.options.copy else ()
-        schema_ids = {channel.schema.id for channel in described if channel.schema}
-        estimated = plan.selection.contact_from
-        notes = {"contact_from": estimated} if estimated else {}
-        return AddedChannels(schema_ids, {channel.id for channel in described}, in_use, notes)
+        described = self._log.channels if self._options.copy else {}
+        schema_ids = {channel.schema.id for channel in described.values() if channel.schema}
+        notes = {"contact_from": contact_from} if contact_from else {}
+        schemas, self.added = added_channels(types, schema_ids, set(described), in_use, notes)
+        self._writer.add(*schemas, *self.added.values())
 
     def copy_extras(self) -> Iterator[Loss]:
         """Copy attachments and metadata records; yield those that cannot be read."""
@@ -177,67 +131,13 @@ class AnnotatedLog:
 
     def finish(self, scene: Scene, losses: Sequence[Loss]) -> None:
         """Write how the file was made, and its end."""
-        self._writer.add_metadata(provenance_record(self._log, scene, losses))
+        self._writer.add_metadata(PROVENANCE, provenance(self._log, scene, losses))
         self._writer.finish()
 
 
-def time_spans(scene: Scene) -> list[TimeSpan]:
-    """Cut log time into spans with about as many rows of what is drawn."""
-    columns = [scene.poses.log_time, *(foot.samples.log_time for foot in scene.feet)]
-    times = max(columns, key=len)
-    spans = sum(map(len, columns)) // SPAN_ROWS + 1
-    cuts = sorted({*times[np.arange(1, spans) * len(times) // spans].tolist()})
-    return list(zip([_TIMES.min, *cuts], [*cuts, _TIMES.max], strict=True))
-
-
-def annotate_span(
-    scene: Scene, annotations: Annotations, _log: Log, span: TimeSpan | None
-) -> tuple[list[FinishedChunk], Counter[str]]:
-    """Return the chunks of a span, and how many annotations lack something.
-
-    Args:
-        scene: what is drawn.
-        annotations: as which messages.
-        span: ns; None: events and gaits of the whole log.
-    """
-    counts = Counter[str]()
-    if span is None:
-        parts: Iterable[MessageRecords] = event_records(annotations, scene)
-    else:
-        columns, counts = annotations_between(scene, *span)
-        parts = annotations.messages(columns)
-    compression = scene.plan.options.compression or "zstd"
-    return [chunk for part in parts for chunk in finish_chunks(part, compression)], counts
-
-
-def event_records(annotations: Annotations, scene: Scene) -> Iterator[MessageRecords]:
-    """Yield the messages of `/gait`, `/events` and `/events/spans`."""
-    made, channels, walk = annotations.encoding.message, annotations.channels, scene.walk
-    tracks = [foot.record.track for foot in walk.feet]
-
-    def log_time(times: Sequence[int]) -> Ints:
-        return to_log_time(
-            tracks, np.array(times, np.int64), scene.plan.opening or 0, scene.plan.end
-        )
-
-    gaits = gait_changes(walk.segments, walk.feet)
-    states = (made(described.gait(*each)) for each in gaits)
-    yield of_payloads(channels[GAIT_TOPIC], states, log_time([time for time, _ in gaits]))
-    onsets = ((walk.origin + round(each.onset_s * 1e9), each) for each in with_steps(walk.metrics))
-    events = list(onsets)
-    event_time = log_time([time for time, _ in events])
-    logged = (made(described.event(*each)) for each in events)
-    yield of_payloads(channels[EVENTS_TOPIC], logged, event_time)
-    if SPANS_TOPIC in channels:
-        # A viewer's timeline shows what calls for a look; steps are in the log panel.
-        odd = [row for row, (_, event) in enumerate(events) if event.type not in STEPS]
-        spans = (made(described.span(*events[row])) for row in odd)
-        yield of_payloads(channels[SPANS_TOPIC], spans, event_time[odd])
-
-
-def provenance_record(log: Log, scene: Scene, losses: Sequence[Loss]) -> records.Metadata:
-    """Return the metadata record that tells how a file was made: no dates, no paths."""
-    plan, options, robot = scene.plan, scene.plan.options, scene.plan.selection.robot
+def provenance(log: Log, scene: Scene, losses: Sequence[Loss]) -> dict[str, str]:
+    """Return how a file was made: no dates, no paths."""
+    options, robot = scene.options, scene.selection.robot
     values: dict[str, object] = {
         "version": __version__,
         "style": options.style,
@@ -249,29 +149,28 @@ def provenance_record(log: Log, scene: Scene, losses: Sequence[Loss]) -> records
         "tf_rate_hz": options.tf_rate,
         "robot": robot.name,
         "mass_kg": robot.mass_kg,
-        "world_frame": plan.wanted.world_frame,
-        "base_frame": plan.wanted.base_frame,
-        **_copied(plan),
-        **_origin(log, plan),
+        "world_frame": scene.wanted.world_frame,
+        "base_frame": scene.wanted.base_frame,
+        **_copied(options),
+        **_origin(log, options),
         **_loss(log, losses),
     }
-    texts = {key: "" if value is None else str(value) for key, value in values.items()}
-    return metadata_record(PROVENANCE, texts)
+    return {key: "" if value is None else str(value) for key, value in values.items()}
 
 
-def _copied(plan: ConversionPlan) -> dict[str, object]:
+def _copied(options: ConvertOptions) -> dict[str, object]:
     """Return which topics were copied, where that was not all."""
-    globs = {"topics": plan.options.copied_topics, "without": plan.options.topics_left_out}
+    globs = {"topics": options.copied_topics, "without": options.topics_left_out}
     return {key: " ".join(map(printable, value)) for key, value in globs.items() if value}
 
 
-def _origin(log: Log, plan: ConversionPlan) -> dict[str, object]:
+def _origin(log: Log, options: ConvertOptions) -> dict[str, object]:
     """Return where the recorded messages come from.
 
     For a log that was annotated before, that is the log which it was made from, as long as a part
     of its time is not cut out anew.
     """
-    start_s, end_s = plan.options.start, plan.options.end
+    start_s, end_s = options.start, options.end
     earlier = _earlier(log)
     if earlier and not any(
         (start_s, end_s, *(each.get(key) for each in earlier[1:] for key in ("start_s", "end_s")))

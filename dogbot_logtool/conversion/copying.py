@@ -1,79 +1,45 @@
-"""What is made of recorded messages while they are read: copies, byte for byte, and arrows."""
+"""Copies of recorded messages, byte for byte, made while they are read."""
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 import numpy as np
 
-from dogbot_logtool.core.scene.arrows import Arrows, classic_arrows
-from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.options.convert import ConvertOptions
-from dogbot_logtool.reader.containers.log import Batch, Channel, Chunk, Log
-from dogbot_logtool.reader.messages.contacts import read_contacts
-from dogbot_logtool.reader.messages.feet import FootChannels
-from dogbot_logtool.robot.selection import Selection
+from dogbot_logtool.reader.containers.log import Batch, Chunk, Log
 from dogbot_logtool.writer.chunks import Compression, FinishedChunk, finish_chunks
 from dogbot_logtool.writer.message_records import recorded
 
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class CopiedSpan:
-    """What is made of the messages of some neighbouring chunks."""
-
-    chunks: tuple[FinishedChunk | Chunk, ...]
-    """A chunk of the log itself is copied as it stands."""
-    arrows: Sequence[Arrows]
-    """Of contact states as they are recorded, for a style that draws these."""
-    counts: Counter[str]
-    """Contact states that have none, by why."""
-
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Copier:
-    """Copies the messages of a log while they are read, and draws their contact states."""
-
-    copies: bool
-    left_out: frozenset[int]
-    """Ids of the channels that are not copied."""
-    compression: Compression | None
-    """None: zstd, and their own for chunks that are copied as they stand."""
-    drawn: tuple[Channel, ...]
-    """Channels whose contact states are drawn as they are recorded."""
-    feet: FootChannels
-    """Of these channels."""
-
-    def __call__(self, log: Log, batch: Batch) -> CopiedSpan:
-        """Return what is made of the messages of a batch."""
-        arrows, counts = [], Counter[str]()
-        for read in read_contacts(batch, self.drawn, self.feet):
-            if read.pairs is not None:
-                drawn, skipped = classic_arrows(read.pairs.contacts)
-                arrows.append(drawn)
-                counts += skipped
-        kept = batch.without(self.left_out) if self.left_out else batch
-        chunks = copied_chunks(log, kept, self.compression) if self.copies else ()
-        return CopiedSpan(tuple(chunks), arrows, counts)
+Copied = FinishedChunk | Chunk
+"""A chunk of the log itself is copied as it stands."""
 
 
 def copied_chunks(
-    log: Log, batch: Batch, compression: Compression | None
-) -> Iterator[FinishedChunk | Chunk]:
-    """Yield the messages of a batch: sound chunks of an MCAP verbatim, others in new chunks."""
+    left_out: frozenset[int], compression: Compression | None, log: Log, batch: Batch
+) -> list[Copied]:
+    """Copy the messages of a batch: sound chunks of an MCAP verbatim, others in new chunks.
+
+    Args:
+        left_out: ids of the channels that are not copied.
+        compression: None: zstd, and their own for chunks that are copied as they stand.
+        log: the log.
+        batch: of its messages.
+    """
+    batch = batch.without(left_out) if left_out else batch
+    chunks: list[Copied] = []
     partial: list[slice] = []
     for loaded in batch.chunks:
         chunk = loaded.chunk
         is_kept = log.copies_chunks and compression in {None, chunk.compression or "none"}
         if is_kept and loaded.whole and loaded.indexed:
-            yield from _new_chunks(batch, partial, compression)
+            chunks += _new_chunks(batch, partial, compression)
             partial = []
             # Where processes share the file, its bytes need not be sent from one to another.
-            yield chunk if log.can_fork else as_it_stands(chunk, loaded.stored)
+            chunks.append(chunk if log.can_fork else as_it_stands(chunk, loaded.stored))
         else:
             partial.append(loaded.rows)
-    yield from _new_chunks(batch, partial, compression)
+    return [*chunks, *_new_chunks(batch, partial, compression)]
 
 
 def _new_chunks(
@@ -97,21 +63,6 @@ def as_it_stands(chunk: Chunk, stored: bytes | memoryview) -> FinishedChunk:
     record, index = np.split(np.frombuffer(stored, np.uint8), [chunk.end - chunk.offset])
     times = chunk.start_time or 0, chunk.end_time or 0
     return FinishedChunk(record, index, *times, chunk.compression, chunk.data_size, chunk.size)
-
-
-def make_copier(log: Log, selection: Selection, options: ConvertOptions) -> Copier:
-    """Decide what is made of recorded messages.
-
-    Raises:
-        CallError: topics are chosen, but nothing is copied.
-    """
-    return Copier(
-        options.copy,
-        channels_left_out(log, options),
-        options.compression,
-        selection.contacts if ARROW_STYLES[options.style].needs_contact_states else (),
-        selection.foot_channels(),
-    )
 
 
 def channels_left_out(log: Log, options: ConvertOptions) -> frozenset[int]:

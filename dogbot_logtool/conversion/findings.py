@@ -5,7 +5,6 @@ from collections.abc import Iterable, Iterator
 from fnmatch import fnmatchcase
 from typing import Final
 
-from dogbot_logtool.core.base.poses import usable_poses
 from dogbot_logtool.core.known_frames import KnownFrames, WorldFrames
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.scene.styles import ArrowStyle
@@ -125,11 +124,6 @@ def _has_no_points(source: Source) -> bool:
     return source.in_base or not source.has_points
 
 
-def bad_poses(recording: Recording) -> int:
-    """Return how many poses cannot be written."""
-    return int((~usable_poses(recording.base)).sum())
-
-
 def count_findings(
     recording: Recording, counts: Counter[str], style: ArrowStyle
 ) -> Iterator[Finding]:
@@ -142,7 +136,7 @@ def count_findings(
     """
     untimed = 0 if style.needs_contact_states else recording.untimed_messages
     for count, code, say in (
-        (bad_poses(recording), "NOT_FINITE", "no_tf"),
+        (counts["bad_poses"], "NOT_FINITE", "no_tf"),
         (untimed, "STATES_IGNORED", "untimed"),
         (recording.foreign_states, "STATES_IGNORED", "plain"),
         (counts["not_finite"], "NOT_FINITE", "not_drawn"),

@@ -17,8 +17,8 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.axes import with_forward_axis
 from dogbot_logtool.core.base.falls import fallen_spans, find_tipping
-from dogbot_logtool.core.base.ground import find_moving_ground, height_drift_m, height_over_feet
-from dogbot_logtool.core.base.motion import BaseTrack, base_motion, find_travel
+from dogbot_logtool.core.base.ground import find_moving_ground, height_over_feet
+from dogbot_logtool.core.base.motion import base_motion, base_track
 from dogbot_logtool.core.base.poses import BaseHistory, find_jumps, without_jumps
 from dogbot_logtool.core.base.witness import feet_witness, find_frozen, without_frozen
 from dogbot_logtool.core.checks.engine import consequence, findings_of
@@ -137,11 +137,10 @@ def mask_walk(corrected: Corrected) -> Walk:
     if period_s and len(base.time) and not (apart or settings.lacks_feet or by_joints):
         delay = long_delay(records, base, period_s, strides)
     apart = apart | {settings.odometry_topic} if delay else apart
-    rise_m = height_drift_m(base, height, strides)
     placed_by_poses = any(path is not None for path in corrected.places)
     ground = find_moving_ground(records, base, placed_by_poses=placed_by_poses)
     walked = base if ground is None else ground.on_ground(base)
-    track = BaseTrack(walked, find_travel(walked), height, records, standing.still)
+    track = base_track(walked, height, records, standing.still)
     guessed = settings.forward_axis
     motion = base_motion(track, settings.forward_rad)
     in_one_world = stand_in is None and (worlds is None or worlds.agree)
@@ -182,8 +181,6 @@ def mask_walk(corrected: Corrected) -> Walk:
         clocks_apart=apart,
         base_delay=delay,
         worlds=worlds,
-        rise_m=rise_m,
-        vertical_known=weighed.share_of == "vertical_impulse",
         loads=weighed,
     )
 
@@ -215,15 +212,12 @@ def _measured(walk: Walk) -> Walk:
     segments: tuple[Segment, ...] = ()
     if feet and not walk.feet_clocks_are_apart:
         segments = find_segments(feet, walk.standing, contacts_known=supported is not None)
-    origin, end = _extent(records, walk.poses)
     placed_at = None
     if walk.contacts_known and not (walk.base_is_apart or walk.base_by_feet):
         offset_m = settings.com_offset_m or (0.0, 0.0, 0.0)
         placed_at = instants(records, walk.placed_poses, settings.forward_rad, offset_m)
     walk = replace(
         walk,
-        origin=origin,
-        end=end,
         reference=reference_foot(feet),
         corners=quadruped([foot.leg_position for foot in settings.feet]),
         tipping=find_tipping(walk.base_history, settings.forward_rad),
@@ -257,13 +251,3 @@ def _with_plan(walk: Walk, planned: Walk) -> Walk:
         follow_plan(foot, plan[foot.name]) if foot.name in plan else None for foot in walk.feet
     )
     return replace(walk, planned=found)
-
-
-def _extent(feet: Sequence[FootHistory], base: BaseHistory) -> tuple[int, int]:
-    """First and last time of any used message, ns; zeros in an empty log."""
-    starts = [foot.start for foot in feet if foot.start is not None]
-    ends = [foot.end for foot in feet if foot.end is not None]
-    if len(base.time):
-        starts.append(int(base.time[0]))
-        ends.append(int(base.time[-1]))
-    return min(starts, default=0), max(ends, default=0)

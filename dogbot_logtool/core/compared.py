@@ -2,8 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import StrEnum
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
@@ -71,39 +70,8 @@ class CommandTrack:
         )
 
 
-TILTED_RAD: Final = np.deg2rad(5.0)
-"""A mounting that is less off is as good as mountings are."""
-
-
-class Reading(StrEnum):
-    """The kind of readings of an accelerometer."""
-
-    SOUND = "m/s^2"
-    IN_G = "g"
-    WITHOUT_GRAVITY = "without gravity"
-    NOTHING = "nothing"
-    OTHER_SCALE = "another scale"
-    UNCLEAR = "unclear"
-
-
-@dataclass(frozen=True, slots=True)
-class Mounting:
-    """How an accelerometer sits on the base, as far as gravity tells."""
-
-    reading: Reading
-    mean_mps2: float
-    """Mean specific force, as recorded, along its own direction."""
-    scale: float
-    """Reading over expected value."""
-    tilt_rad: float | None = None
-    """Angle of its mean specific force against what is up for the base; None: not known."""
-    turn: tuple[float, ...] = (0.0, 0.0, 0.0, 1.0)
-    """x, y, z, w: what levels it, in the base's frame. About the vertical gravity tells nothing."""
-
-    @property
-    def is_tilted(self) -> bool:
-        """Whether it is turned against the frame that it is said to be in."""
-        return self.tilt_rad is not None and self.tilt_rad > TILTED_RAD
+Reading = Literal["m/s^2", "g", "without gravity", "nothing", "another scale", "unclear"]
+"""The kind of readings of an accelerometer."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,19 +94,13 @@ class ForceComparison:
 class ImuComparison:
     """Comparison of the acceleration by accelerometer, forces and poses."""
 
-    topic: str
+    metrics: Imu
+    reading: Reading
+    scale: float
+    """Reading over expected value."""
     mounting_recorded: bool
-    known_s: float
-    """s in which accelerometer and poses are known."""
-    mounting: Mounting
     turned_rad: float | None
     """Turn of the horizontal accelerations against those of poses, to the left; None: none that is
     clear."""
     forces: ForceComparison | None
     """None: no mass, or vertical forces are not known."""
-
-    def metrics(self) -> Imu:
-        """Return what the accelerometer says of forces and poses."""
-        ratio = None if self.forces is None else self.forces.ratio
-        seat = self.mounting
-        return Imu(self.topic, self.known_s, seat.mean_mps2, seat.tilt_rad, ratio)

@@ -15,9 +15,9 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Integral, Ints, all_finite, trapezoids
 from dogbot_logtool.core.base.comparison import likeness
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.compared import ForceComparison, ImuComparison, Mounting, Reading
-from dogbot_logtool.core.gait.strides import any_strides
+from dogbot_logtool.core.compared import ForceComparison, ImuComparison, Reading
 from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
+from dogbot_logtool.core.metrics import Imu
 from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, normalised, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.walk import Walk
@@ -55,9 +55,9 @@ _AS_GOOD: Final = 0.02
 _SHIFTS: Final = 0.05
 """Standard deviation of a foot's share from which the load shifts to and from it."""
 
-
-_COMPARABLE: Final = frozenset({Reading.SOUND, Reading.IN_G, Reading.WITHOUT_GRAVITY})
+_COMPARABLE: Final = frozenset({"m/s^2", "g", "without gravity"})
 """Readings that tell of accelerations, once they are levelled and in m/s^2."""
+_LEVEL: Final = np.array([0.0, 0.0, 0.0, 1.0])
 
 
 def compare_imu(walk: Walk) -> ImuComparison | None:
@@ -94,17 +94,48 @@ def compare_imu(walk: Walk) -> ImuComparison | None:
     up = rotate(conjugate(attitude), np.broadcast_to([0.0, 0.0, GRAVITY_MPS2], body.shape))
     means = _integral(at, np.concatenate([body, up], axis=1)).mean(time, 2 * half)
     turned = from_roll_pitch_yaw(base.angles_at(time))
-    seat = find_mounting(means[:, :3], means[:, 3:] + rotate(conjugate(turned), poses))
-    turn_rad, forces = None, None
-    if seat.reading in _COMPARABLE:
-        level = rotate(attitude, rotate(np.array([seat.turn]), body))
-        level *= GRAVITY_MPS2 if seat.reading is Reading.IN_G else 1.0
-        level[:, 2] += GRAVITY_MPS2 if seat.reading is Reading.WITHOUT_GRAVITY else 0.0
+    expected = means[:, 3:] + rotate(conjugate(turned), poses)
+    mean, wanted = means[:, :3].mean(axis=0), expected.mean(axis=0)
+    size = float(np.linalg.norm(mean))
+    scale = size / float(np.linalg.norm(wanted))
+    turn, tilt_rad = _between(mean, wanted) if size >= NO_GRAVITY * GRAVITY_MPS2 else (_LEVEL, None)
+    off = rotate(turn[None], means[:, :3]) - scale * expected
+    reading = _reading(size, scale, float(np.sqrt((off * off).sum(axis=1).mean())))
+    turned_rad, forces = None, None
+    if reading in _COMPARABLE:
+        level = rotate(attitude, rotate(turn[None], body))
+        level *= GRAVITY_MPS2 if reading == "g" else 1.0
+        level[:, 2] += GRAVITY_MPS2 if reading == "without gravity" else 0.0
         world = _integral(at, level)
-        turn_rad = find_turn(world.mean(time, 2 * half)[:, :2], poses[:, :2])
+        turned_rad = find_turn(world.mean(time, 2 * half)[:, :2], poses[:, :2])
         forces = _compare_forces(walk, world, time, half)
-    seconds = len(time) / CELL_RATE_HZ
-    return ImuComparison(sensed.topic, mounting is not None, seconds, seat, turn_rad, forces)
+    metrics = Imu(
+        topic=sensed.topic,
+        known_s=len(time) / CELL_RATE_HZ,
+        accelerometer_mps2=size,
+        tilt_rad=None if reading == "unclear" else tilt_rad,
+        forces_over_accelerometer=None if forces is None else forces.ratio,
+    )
+    return ImuComparison(metrics, reading, scale, mounting is not None, turned_rad, forces)
+
+
+def _reading(size: float, scale: float, off: float) -> Reading:
+    """Tell what an accelerometer reads.
+
+    Args:
+        size: of its mean reading.
+        scale: that over what is expected.
+        off: root mean square of what its mounting does not explain, as it reads.
+    """
+    if not size:
+        return "nothing"
+    if size < NO_GRAVITY * GRAVITY_MPS2:
+        return "without gravity"
+    if off > scale * STEADY * GRAVITY_MPS2:
+        return "unclear"
+    if abs(scale - 1.0) <= TOLERANCE:
+        return "m/s^2"
+    return "g" if abs(scale * GRAVITY_MPS2 - 1.0) <= TOLERANCE else "another scale"
 
 
 def _integral(time: Ints, values: Floats) -> Integral:
@@ -120,32 +151,6 @@ def _acceleration(base: BaseHistory, time: Ints, half_ns: int) -> Floats:
     )
     mean: Floats = np.nan_to_num((after - before) / (2e-9 * half_ns))
     return mean
-
-
-def find_mounting(sensed: Floats, expected: Floats) -> Mounting:
-    """Find what turns and scales means over strides into those that are expected.
-
-    Args:
-        sensed: (n, 3) m/s^2, means over a stride, in the base's frame.
-        expected: (n, 3) m/s^2, the same from attitude, gravity and poses.
-    """
-    mean, wanted = sensed.mean(axis=0), expected.mean(axis=0)
-    size = float(np.linalg.norm(mean))
-    scale = size / float(np.linalg.norm(wanted))
-    if not sensed.any():
-        return Mounting(Reading.NOTHING, size, scale)
-    if size < NO_GRAVITY * GRAVITY_MPS2:
-        return Mounting(Reading.WITHOUT_GRAVITY, size, scale)
-    turn, angle = _between(mean, wanted)
-    rest = rotate(turn[None, :], sensed) / scale - expected
-    if float(np.sqrt((rest * rest).sum(axis=1).mean())) > STEADY * GRAVITY_MPS2:
-        return Mounting(Reading.UNCLEAR, size, scale)
-    reading = Reading.OTHER_SCALE
-    if abs(scale - 1.0) <= TOLERANCE:
-        reading = Reading.SOUND
-    elif abs(scale * GRAVITY_MPS2 - 1.0) <= TOLERANCE:
-        reading = Reading.IN_G
-    return Mounting(reading, size, scale, angle, tuple(turn.tolist()))
 
 
 def _between(first: Floats, second: Floats) -> tuple[Floats, float]:
@@ -192,7 +197,7 @@ def _compare_forces(
     apart = walk.feet_clocks_are_apart or walk.base_is_apart or walk.settings.lacks_feet
     if mass_kg is None or apart or not walk.vertical_known:
         return None
-    strides = timespans.merge(any_strides(feet, walk.fallen, walk.standing.without_steps))
+    strides = timespans.merge(walk.strides)
     loaded = [foot for foot in feet if len(foot.in_contact)]
     if not loaded or not all(vertical_is_known(foot) for foot in loaded):
         return None

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.falls import Tipping
 from dogbot_logtool.core.base.ground import MovingGround
@@ -77,16 +78,9 @@ class Walk:
     """By how much the base comes after the forces that drive it; None: not known, or little."""
     worlds: Worlds | None
     """Position of the base among the feet; None without contact points."""
-    rise_m: float
-    """m, how far the base rises steadily over the contact points while it walks."""
-    vertical_known: bool
     loads: WalkLoads
     """Of all feet over whole strides."""
 
-    origin: int = 0
-    """ns on the clock used: the earliest time of any used message; what times are counted from."""
-    end: int = 0
-    """ns, the latest."""
     reference: int = 0
     """The foot that phases are measured against: left fore, or the first that has strides."""
     corners: tuple[int, ...] | None = None
@@ -118,6 +112,23 @@ class Walk:
     """Those that findings void are null."""
 
     @property
+    def origin(self) -> int:
+        """Earliest time of any used message, ns on the clock used: what times are counted from."""
+        starts = [foot.start for foot in self.records if foot.start is not None]
+        return min([*starts, *self.poses.time[:1].tolist()], default=0)
+
+    @property
+    def end(self) -> int:
+        """The latest, ns."""
+        ends = [foot.end for foot in self.records if foot.end is not None]
+        return max([*ends, *self.poses.time[-1:].tolist()], default=0)
+
+    @property
+    def vertical_known(self) -> bool:
+        """Whether loads are vertical forces, and not their magnitudes."""
+        return self.loads.share_of == "vertical_impulse"
+
+    @property
     def recording(self) -> Recording:
         """The columns as they are measured."""
         return self.corrected.recording
@@ -140,9 +151,7 @@ class Walk:
     @property
     def worlds_differ(self) -> bool:
         """Whether contact points and base are not in one world."""
-        if self.worlds is None or self.settings.base_from_legs:
-            return False
-        return not self.worlds.agree
+        return self.worlds is not None and not self.worlds.agree
 
     @property
     def base_is_apart(self) -> bool:
@@ -201,14 +210,21 @@ class Walk:
             self.instants, within, vertical_known=vertical_known, height_known=height_known
         )
 
+    @property
+    def strides(self) -> Ints:
+        """(s, 2) ns, the strides of the first foot that has any."""
+        spans = [foot.strides.spans for foot in self.feet]
+        return next(filter(len, spans), timespans.no_spans())
+
     def loads_in(self, within: Ints | None = None) -> WalkLoads:
         """Return the loads of all feet over whole strides of the first foot that has any."""
-        own = [foot.strides for foot in self.feet if len(foot.strides.stance)]
-        strides = [each if within is None else each.within(within) for each in own[:1]]
+        strides = self.strides
+        if within is not None:
+            strides = strides[timespans.covers(within, strides.sum(axis=1) // 2)]
         return loads_of(
             self.records,
             self.settings.body_weight_n,
-            strides[0].spans if strides else None,
+            strides,
             within,
             mass_is_assumed=self.settings.mass_is_assumed,
             lacks_feet=self.settings.lacks_feet,

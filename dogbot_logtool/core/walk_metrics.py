@@ -42,7 +42,7 @@ def metrics_of(walk: Walk, log: metrics.Log, findings: Sequence[Finding]) -> met
         **_of_span(walk),
         legs=unknown(metrics.Legs) if walk.legs is None else walk.legs.metrics,
         commands=no_commands if track is None else track.metrics(),
-        imu=unknown(metrics.Imu) if walk.imu is None else walk.imu.metrics(),
+        imu=unknown(metrics.Imu) if walk.imu is None else walk.imu.metrics,
         quality=_quality(walk, findings),
         events=find_events(walk),
         findings=tuple(map(_finding, findings)),

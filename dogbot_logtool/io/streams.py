@@ -1,16 +1,12 @@
-"""Standard output and standard error that are safe to write to.
-
-Text cannot upset a terminal: control characters become visible escapes. A reader that has gone, or
-a device that is full, does not change what the program does: it goes on, the text is dropped, and
-`main` finds out at the end whether results were lost.
-"""
+"""Standard streams that never fail to be written to, and on which any text is printable."""
 
 import contextlib
+import errno
 import io
 import os
 import sys
-from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, BinaryIO, TextIO, cast
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, BinaryIO, TextIO, cast
 
 from dogbot_logtool.io.printable import printable_lines
 
@@ -18,53 +14,30 @@ if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
 
 
-class LastingStream(io.TextIOBase):
-    """A text stream that never fails to be written to."""
+class LastingFile(io.RawIOBase):
+    """The file of a stream; what cannot be written is dropped, and all that follows."""
 
-    def __init__(self, stream: TextIO) -> None:
-        if isinstance(stream, io.TextIOWrapper) and isinstance(stream.buffer, io.RawIOBase):
-            # With PYTHONUNBUFFERED, text of which only a part could be written would be lost.
-            stream = open(stream.fileno(), "w", 1, stream.encoding, closefd=False)  # noqa: SIM115 - stays open
-        self._stream = stream
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
         self._is_lost = False
         self.error: OSError | None = None
-        """Why text was dropped; None if that is only because its reader wanted no more."""
-        if isinstance(stream, io.TextIOWrapper):
-            # Characters that the encoding of a terminal lacks are escaped.
-            stream.reconfigure(errors="backslashreplace")
-            if not stream.isatty() and "PYTHONIOENCODING" not in os.environ:
-                # Files and pipes get the same bytes on all systems.
-                stream.reconfigure(encoding="utf-8", newline="\n")
+        """Why bytes were dropped; None if that is only because their reader wanted no more."""
 
-    def write(self, text: str, /) -> int:
-        """Write a text, or drop it if it cannot be written."""
-        self._attempt(lambda: self._stream.write(text))
-        return len(text)
-
-    def flush(self) -> None:
-        """Write what is still buffered."""
-        self._attempt(self._stream.flush)
-
-    def _attempt(self, action: Callable[[], object]) -> None:
+    def write(self, data: "ReadableBuffer", /) -> int:
+        """Write bytes, or drop them if they cannot be written."""
+        with memoryview(data) as view:
+            size = view.nbytes
         if self._is_lost:
-            return
+            return size
         try:
-            action()
+            # A file that would have to wait returns nothing.
+            if (written := cast("int | None", self._file.write(data))) is not None:
+                return written
+            raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
         except OSError as error:
             self._is_lost = True
             self.error = None if isinstance(error, BrokenPipeError) else error
-            self._discard()
-
-    def _discard(self) -> None:
-        """Drop what is still buffered: the interpreter would fail to write it once more at exit."""
-        with contextlib.suppress(OSError):
-            nowhere = os.open(os.devnull, os.O_WRONLY)
-            os.dup2(nowhere, self._stream.fileno())
-            os.close(nowhere)
-            self._stream.flush()
-
-    def close(self) -> None:
-        """Leave it open: the interpreter closes its streams itself."""
+        return size
 
     def writable(self) -> bool:
         """Return True, always."""
@@ -72,24 +45,19 @@ class LastingStream(io.TextIOBase):
 
     def isatty(self) -> bool:
         """Tell whether it is a terminal."""
-        return self._stream.isatty()
+        return self._file.isatty()
 
     def fileno(self) -> int:
         """Return the file descriptor."""
-        return self._stream.fileno()
-
-    @property
-    def encoding(self) -> str:  # type: ignore[override] # typeshed has a variable
-        """Encoding of the text."""
-        return self._stream.encoding
+        return self._file.fileno()
 
 
-class PrintableStream(LastingStream):
+class PrintableStream(io.TextIOWrapper):
     """A stream for any text; `styled` is the same stream for text whose colours are meant."""
 
-    def __init__(self, styled: LastingStream) -> None:
-        super().__init__(cast("TextIO", styled))
-        self.styled = styled
+    def __init__(self, buffer: BinaryIO, **look: Any) -> None:  # noqa: ANN401 - as `TextIOWrapper`
+        super().__init__(buffer, **look)
+        self.styled = io.TextIOWrapper(buffer, **look)
 
     def write(self, text: str, /) -> int:
         """Write a text with control characters as visible escapes; line breaks and tabs stay."""
@@ -97,30 +65,9 @@ class PrintableStream(LastingStream):
         return len(text)
 
     @property
-    def buffer(self) -> BinaryIO:
-        """The same stream for UTF-8; click writes completion scripts to it."""
-        return cast("BinaryIO", _Utf8Stream(self))
-
-
-class _Utf8Stream(io.RawIOBase):
-    """A text stream that is written in UTF-8."""
-
-    def __init__(self, text: PrintableStream) -> None:
-        self._text = text
-
-    def writable(self) -> bool:
-        """Return True, always."""
-        return True
-
-    def write(self, data: "ReadableBuffer", /) -> int:
-        """Write whole characters."""
-        encoded = bytes(data)
-        self._text.write(encoded.decode("utf-8", "backslashreplace"))
-        return len(encoded)
-
-    def flush(self) -> None:
-        """See `LastingStream.flush`."""
-        self._text.flush()
+    def encoding(self) -> str:  # type: ignore[override] # typeshed has a variable
+        """A name by which click takes the stream as it is: it writes around those in ASCII."""
+        return "utf-8"
 
 
 def styled(stream: TextIO) -> TextIO:
@@ -129,25 +76,42 @@ def styled(stream: TextIO) -> TextIO:
 
 
 @contextlib.contextmanager
-def safe_streams() -> Iterator[LastingStream]:
+def safe_streams() -> Iterator[LastingFile]:
     """Make `sys.stdout` and `sys.stderr` safe to write to.
 
     Yields:
-        stdout, which knows after a flush whether all of it could be written.
+        the file of stdout, which knows after a flush whether all of it could be written.
     """
     _fill_gaps()
     before = sys.stdout, sys.stderr
-    out, err = (
-        LastingStream(stream or open(number, "w", encoding="utf-8", closefd=False))  # noqa: SIM115 - stays open
+    streams: list[TextIO] = [
+        stream or open(number, "w", encoding="utf-8", closefd=False)  # noqa: SIM115 - stays open
         for number, stream in enumerate(before, 1)
-    )
-    sys.stdout, sys.stderr = (cast("TextIO", PrintableStream(each)) for each in (out, err))
+    ]
+    # Without their buffers, which would try to write once more at exit what could not be written.
+    out, err = (LastingFile(getattr(each.buffer, "raw", each.buffer)) for each in streams)
+    sys.stdout, sys.stderr = map(_printable, (out, err), streams)
     try:
         yield out
     finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
         sys.stdout, sys.stderr = before
-        out.flush()
-        err.flush()
+
+
+def _printable(file: LastingFile, stream: TextIO) -> PrintableStream:
+    """Return a stream to a file that is like another one."""
+    # Files and pipes get the same bytes on all systems.
+    is_own = file.isatty() or "PYTHONIOENCODING" in os.environ
+    return PrintableStream(
+        cast("BinaryIO", io.BufferedWriter(file)),
+        encoding=stream.encoding if is_own else "utf-8",
+        # Characters that the encoding of a terminal lacks are escaped.
+        errors="backslashreplace",
+        newline=None if is_own else "\n",
+        line_buffering=bool(stream.line_buffering),
+        write_through=True,
+    )
 
 
 def _fill_gaps() -> None:

@@ -2,50 +2,50 @@
 
 from dataclasses import fields
 from io import BytesIO
-from typing import IO, Any, Final, Generic
+from typing import IO, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import AnyColumns
 from dogbot_logtool.errors import LogtoolError
 
 LARGEST_IN_MEMORY: Final = 2 << 30
 """Bytes from which columns lie in a file that is mapped into memory."""
 
 
-class GrowingColumns(Generic[AnyColumns]):
-    """The columns of a record, which grow by those of other records of its type.
+class GrowingColumns:
+    """The columns of a record, or a single one, which grow by those of others of its type."""
 
-    Args:
-        on_disk: whether they lie in a file.
-    """
+    def __init__(self, first: Any, *, on_disk: bool = False) -> None:  # noqa: ANN401
+        """Begin with the rows of a record, or with a column.
 
-    def __init__(self, *, on_disk: bool = False) -> None:
-        self._on_disk = on_disk
-        self._type: type[AnyColumns] | None = None
-        self._columns: list[_Column] = []
+        Args:
+            first: as those that are added.
+            on_disk: whether they lie in a file.
+        """
+        self._type = type(first)
+        self._columns = [_Column(each, on_disk=on_disk) for each in _columns_of(first)]
+        self.add(first)
 
-    def add(self, part: AnyColumns) -> None:
-        """Append the rows of a record.
+    def add(self, part: Any) -> None:  # noqa: ANN401
+        """Append rows.
 
         Raises:
             LogtoolError: the file cannot be written.
         """
-        values: list[NDArray[Any]] = [getattr(part, field.name) for field in fields(part)]
-        if self._type is None:
-            self._type = type(part)
-            self._columns = [_Column(each, on_disk=self._on_disk) for each in values]
-        for column, each in zip(self._columns, values, strict=True):
+        for column, each in zip(self._columns, _columns_of(part), strict=True):
             column.add(each)
 
-    def finish(self, nothing: AnyColumns) -> AnyColumns:
-        """Return all rows, or a record without any if none was ever added."""
-        if self._type is None:
-            return nothing
-        found = self._type(*(column.finish() for column in self._columns))
-        self._columns = []
-        return found
+    def finish(self) -> Any:  # noqa: ANN401
+        """Return all rows."""
+        found, self._columns = [column.finish() for column in self._columns], []
+        return found[0] if self._type is np.ndarray else self._type(*found)
+
+
+def _columns_of(part: Any) -> list[NDArray[Any]]:  # noqa: ANN401
+    if isinstance(part, np.ndarray):
+        return [part]
+    return [getattr(part, field.name) for field in fields(part)]
 
 
 class _Column:

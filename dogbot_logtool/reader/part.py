@@ -9,7 +9,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Ints, rows_by_group
 from dogbot_logtool.core.base.poses import concatenate_odometry
-from dogbot_logtool.core.contact.contacts import Samples, samples_by_foot
+from dogbot_logtool.core.contact.contacts import Contacts, Samples, samples_by_foot
 from dogbot_logtool.core.prepared import plausible
 from dogbot_logtool.core.recording import MOST_JOINTS, JointTable, Times
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
@@ -58,6 +58,8 @@ class Wanted:
     planned: tuple[Channel, ...] = ()
     """Channels of contacts that a plan has for the same feet."""
     planned_feet: FootChannels | None = None
+    draws_states: bool = False
+    """Whether arrows are made of contact states as they are recorded."""
     limits: TimeLimits = (None, None)
 
 
@@ -68,29 +70,22 @@ ONLY = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Numbers:
-    """A column of numbers."""
-
-    values: Ints
-    """(n,)."""
-
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Part:
     """What is in some neighbouring chunks."""
 
     columns: dict[Key, list[Any]] = field(default_factory=lambda: defaultdict(list))
-    """Tables by what they are of. `Samples` of ``feet`` and ``planned`` feet; `Numbers` of each
+    """Tables by what they are of. `Samples` of ``feet`` and ``planned`` feet; numbers of each
     foot's ``lags``, ns by which the newest physics step is older than the stamp (`UNTIMED`: not
     known), of ``steps``, ns between neighbouring physics steps of a message, and of ``times``, ns,
     log times of all messages of a channel in file order; `Odometry` of the ``base``;
-    `VectorSamples` of ``commands`` and ``accelerations``; `Times` of a topic's ``stamps``;
-    `Transforms` of a parent and child's ``transforms``."""
+    `Arrows` of contact states; `VectorSamples` of ``commands`` and ``accelerations``; `Times` of a
+    topic's ``stamps``; `Transforms` of a parent and child's ``transforms``."""
     names: dict[Key, set[str]] = field(default_factory=lambda: defaultdict(set))
     """Names of frames: ``links`` of a foot, ``worlds`` and ``bases`` of poses, ``slashed`` ones of
     transforms, those of ``commands`` and ``accelerations``."""
     counts: Counter[Key] = field(default_factory=Counter)
-    """``malformed`` messages of a channel; see `Recording` for the others."""
+    """``malformed`` messages of a channel; messages ``without_arrow``, by why; see `Recording` for
+    the others."""
     joints: list[JointTable] = field(default_factory=list)
     losses: tuple[Loss, ...] = ()
 
@@ -104,11 +99,13 @@ def read_part(wanted: Wanted, log: Log, whole: Batch) -> Part:
     batch = whole.cropped(*wanted.limits)
     part = Part(losses=batch.losses)
     for channel, rows in rows_by_group(batch.messages.channel):
-        part.columns["times", channel].append(Numbers(batch.messages.log_time[rows]))
+        part.columns["times", channel].append(batch.messages.log_time[rows])
     base = _add_base(part, wanted, batch)
     contacts = read_contacts(batch, wanted.contacts, wanted.feet)
     for read in contacts:
         _add_contacts(part, read, len(wanted.feet.feet))
+        if wanted.draws_states and read.pairs is not None:
+            _add_arrows(part, read.pairs.contacts)
     planned: Sequence[ReadContacts] = ()
     if wanted.planned_feet is not None:
         planned = read_contacts(batch, wanted.planned, wanted.planned_feet)
@@ -144,15 +141,23 @@ def _add_contacts(part: Part, read: ReadContacts, feet: int) -> None:
     _add_samples(part, "feet", samples, feet)
     lag = np.full(len(samples.foot), UNTIMED) if pairs is None else pairs.lag
     for foot in range(feet):
-        part.columns["lags", foot].append(Numbers(lag[samples.foot == foot]))
+        part.columns["lags", foot].append(lag[samples.foot == foot])
     for foot, names in read.links.items():
         part.names["links", foot].update(names)
     part.counts["implausible", ONLY] += read.implausible
     if pairs is not None:
-        part.columns["steps", ONLY].append(Numbers(pairs.step))
+        part.columns["steps", ONLY].append(pairs.step)
         part.counts["untimed_messages", ONLY] += pairs.untimed_messages
         part.counts["foreign_states", ONLY] += pairs.foreign_states
     part.add_malformed(read.messages.malformed)
+
+
+def _add_arrows(part: Part, contacts: Contacts) -> None:
+    from dogbot_logtool.core.scene.arrows import classic_arrows  # noqa: PLC0415 - few logs need it
+
+    arrows, skipped = classic_arrows(contacts)
+    part.columns["arrows", ONLY].append(arrows)
+    part.counts.update({("without_arrow", why): count for why, count in skipped.items()})
 
 
 def _add_samples(part: Part, kind: str, samples: Samples, feet: int) -> None:

@@ -4,12 +4,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import zip_longest
-from typing import Any, Final, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Ints, Record, concatenated, median_of, picked
-from dogbot_logtool.core.base.poses import Odometry, no_odometry
+from dogbot_logtool.core.base.poses import no_odometry
 from dogbot_logtool.core.contact.contacts import Samples, no_samples, without_contact
 from dogbot_logtool.core.recording import (
     MOST_JOINTS,
@@ -25,11 +25,14 @@ from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.growing import LARGEST_IN_MEMORY, GrowingColumns
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
 from dogbot_logtool.reader.messages.others import is_static
-from dogbot_logtool.reader.part import ONLY, Key, Numbers, Part, Wanted, read_part
+from dogbot_logtool.reader.part import ONLY, Key, Part, Wanted, read_part
 from dogbot_logtool.reader.workers import Start, in_order
 
+if TYPE_CHECKING:
+    from dogbot_logtool.core.scene.arrows import Arrows
+
 Table = TypeVar("Table")
-_NO_NUMBERS: Final = Numbers(np.empty(0, np.int64))
+_NO_NUMBERS: Final = np.empty(0, np.int64)
 _REGULAR: Final = 0.75
 """Share of messages that must have the usual lag. Only the last of each stance should not."""
 _MOST_CELLS: Final = 1 << 27
@@ -62,6 +65,10 @@ class ReadLog:
     """Messages by channel id."""
     malformed: Mapping[int, int]
     """Messages that could not be decoded, by channel id."""
+    arrows: "Arrows | None"
+    """Of contact states as they are recorded, by log time; None: there are none, or not wanted."""
+    without_arrows: Mapping[str, int]
+    """Messages with contact states that have none, by why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +149,7 @@ class _Joined:
     def __init__(self, wanted: Wanted, *, on_disk: bool) -> None:
         self._wanted = wanted
         self._on_disk = on_disk
-        self._columns: dict[Key, GrowingColumns[Any]] = {}
+        self._columns: dict[Key, GrowingColumns] = {}
         self._whole = Part()
         """All but the columns."""
         self._losses: list[Loss] = []
@@ -150,11 +157,12 @@ class _Joined:
     def add(self, part: Part) -> None:
         """Take the next part."""
         for key, tables in part.columns.items():
-            if key not in self._columns:
-                on_disk = self._on_disk and key[0] in {"feet", "lags", "planned"}
-                self._columns[key] = GrowingColumns(on_disk=on_disk)
+            on_disk = self._on_disk and key[0] in {"feet", "lags", "planned"}
             for table in tables:
-                self._columns[key].add(table)
+                if key in self._columns:
+                    self._columns[key].add(table)
+                else:
+                    self._columns[key] = GrowingColumns(table, on_disk=on_disk)
         for key, names in part.names.items():
             self._whole.names[key].update(names)
         self._whole.counts.update(part.counts)
@@ -164,7 +172,7 @@ class _Joined:
     def _take(self, kind: str, which: Any, nothing: Table) -> Table:  # noqa: ANN401
         """Return whole columns, `nothing` if there are none."""
         columns = self._columns.pop((kind, which), None)
-        return nothing if columns is None else columns.finish(nothing)
+        return nothing if columns is None else columns.finish()
 
     def _which(self, kind: str) -> list[Any]:
         """Return which there are of a kind of columns."""
@@ -179,8 +187,7 @@ class _Joined:
         )
         base = in_time_order(self._take("base", ONLY, no_odometry()))
         times = {
-            channel: self._take("times", channel, _NO_NUMBERS).values
-            for channel in self._which("times")
+            channel: self._take("times", channel, _NO_NUMBERS) for channel in self._which("times")
         }
         recording = Recording(
             feet=feet,
@@ -190,28 +197,34 @@ class _Joined:
             world_frames=tuple(sorted(names["worlds", ONLY])),
             base_frames=tuple(sorted(names["bases", ONLY])),
             transforms={
-                edge: in_time_order(self._columns["transforms", edge].finish(None))
+                edge: in_time_order(self._columns["transforms", edge].finish())
                 for edge in self._which("transforms")
             },
             slashed_frames=frozenset(names["slashed", ONLY]),
             joints=_all_joints(self._whole.joints, self._wanted),
             commands=self._vectors("commands"),
             accelerations=self._vectors("accelerations"),
-            topics=self._topics(log, times, (*feet, *planned, base)),
+            topics=self._topics(log, times),
             implausible=counts["implausible", ONLY],
             untimed_messages=counts["untimed_messages", ONLY],
             foreign_states=counts["foreign_states", ONLY],
             out_of_order=sum(int((np.diff(each) < 0).sum()) for each in times.values()),
         )
-        number = {channel: len(own) for channel, own in times.items()}
-        malformed = {channel: n for (kind, channel), n in counts.items() if kind == "malformed"}
-        return ReadLog(recording, tuple(self._losses), number, malformed)
+        arrows: Arrows | None = self._take("arrows", ONLY, None)
+        return ReadLog(
+            recording,
+            tuple(self._losses),
+            {channel: len(own) for channel, own in times.items()},
+            {channel: n for (kind, channel), n in counts.items() if kind == "malformed"},
+            None if arrows is None else in_time_order(arrows),
+            {why: n for (kind, why), n in counts.items() if kind == "without_arrow"},
+        )
 
     def _all_feet(self) -> tuple[Samples, ...]:
         """Join contact samples; a foot whose newest physics step is too old has left the ground."""
         feet = range(len(self._wanted.feet.feet))
-        lags = [self._take("lags", foot, _NO_NUMBERS).values for foot in feet]
-        left_after = left_after_ns(lags, self._take("steps", ONLY, _NO_NUMBERS).values)
+        lags = [self._take("lags", foot, _NO_NUMBERS) for foot in feet]
+        left_after = left_after_ns(lags, self._take("steps", ONLY, _NO_NUMBERS))
         left = [None if left_after is None else lag > left_after for lag in lags]
         del lags
         return tuple(
@@ -223,22 +236,16 @@ class _Joined:
         frames = tuple(sorted(self._whole.names[kind, ONLY]))
         return None if samples is None else VectorTopic(in_time_order(samples), frames)
 
-    def _topics(
-        self, log: Log, times: Mapping[int, Ints], read: Sequence[Samples | Odometry]
-    ) -> dict[str, Times]:
-        """Return the times of all topics; those of what is read take no memory of their own."""
+    def _topics(self, log: Log, times: Mapping[int, Ints]) -> dict[str, Times]:
+        """Return the times of all topics."""
         own: dict[str, list[Ints]] = {}
         for channel, log_times in times.items():
             own.setdefault(log.channels[channel].topic, []).append(log_times)
         found = {}
         for topic, columns in own.items():
-            sent = self._take("stamps", topic, None)
-            if sent is None:
-                found[topic] = Times(np.sort(np.concatenate(columns), kind="stable"), None)
-            else:
-                sent = in_time_order(sent)
-                same = next((each for each in read if _has_times(each, sent)), sent)
-                found[topic] = Times(same.log_time, same.stamp)
+            sent: Times | None = self._take("stamps", topic, None)
+            log_time = np.sort(np.concatenate(columns), kind="stable")
+            found[topic] = Times(log_time, None) if sent is None else in_time_order(sent)
         return found
 
 
@@ -299,13 +306,6 @@ def _one_table(topic: str, tables: Sequence[JointTable]) -> JointTable:
             wide.append(filled)
         samples.append(JointSamples(each.log_time, each.stamp, *wide))
     return JointTable(topic, names, in_time_order(concatenated(samples)))
-
-
-def _has_times(read: Samples | Odometry, sent: Times) -> bool:
-    """Tell whether what was read of a topic has the times of some messages."""
-    if sent.stamp is None or not np.array_equal(read.log_time, sent.log_time):
-        return False
-    return np.array_equal(read.stamp, sent.stamp)
 
 
 def in_time_order(columns: Columns) -> Columns:

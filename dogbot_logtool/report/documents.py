@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import is_dataclass, replace
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple
 from xml.etree import ElementTree as ET
 
 from dogbot_logtool import __version__
@@ -15,10 +15,7 @@ from dogbot_logtool.io.printable import listed, printable, printable_lines
 from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.verdict import headline, quality_of
-from dogbot_logtool.results import Measurement, Page
-
-if TYPE_CHECKING:
-    from dogbot_logtool.conversion.annotated_log import Conversion
+from dogbot_logtool.results import Conversion, Measurement, Page
 
 TOOL: Final = {"name": "dogbot-logtool", "version": __version__}
 
@@ -93,11 +90,11 @@ def _without_detail(walk: WalkMetrics) -> WalkMetrics:
     )
 
 
-_SKIPPED: Final = ("not_finite", "no_position", "no_direction", "overflow")
+_SKIPPED: Final = ("not_finite", "no_position", "no_direction", "overflow", "bad_poses")
 """Why samples have no arrow, see `core/scene/arrows.py`."""
 
 
-def conversion_json(done: "Conversion") -> dict[str, Any]:
+def conversion_json(done: Conversion) -> dict[str, Any]:
     """Return what was done as plain values."""
     return {
         "tool": TOOL,
@@ -114,7 +111,7 @@ def conversion_json(done: "Conversion") -> dict[str, Any]:
         "frames": {"world": done.world_frame, "base": done.base_frame},
         "messages": {"read": done.messages, "copied": done.copied},
         "annotations": dict(done.annotations),
-        "skipped": {why: done.counts[why] for why in _SKIPPED} | {"bad_poses": done.bad_poses},
+        "skipped": {why: done.counts[why] for why in _SKIPPED},
         "findings": [finding_json(each) for each in done.findings],
         "damage": damage_json(done.damage),
     }

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
-from itertools import compress
 from typing import Final
 
 from dogbot_logtool.errors import CallError, DefinitionError
@@ -13,7 +12,7 @@ from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.contacts import foot_source
-from dogbot_logtool.reader.messages.feet import MessageFoot, feet_in
+from dogbot_logtool.reader.messages.feet import feet_in
 from dogbot_logtool.reader.messages.message_type import is_named_as_planned
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.messages.table import types_of
@@ -30,7 +29,7 @@ from dogbot_logtool.robot.topics import (
     sources_of,
     split_topic,
 )
-from dogbot_logtool.robot.words import Part, words_of
+from dogbot_logtool.robot.words import Part, parts_of
 
 _RARE: Final = 2
 """States that come less often than this fraction of others are rare."""
@@ -116,28 +115,31 @@ def channels_of_feet(log: Log, robot: Robot) -> dict[Channel, tuple[int, ...]]:
         if because and not sources:
             names = f"{'foot' if len(feet) == 1 else 'feet'} {listed([foot.name for foot in feet])}"
             raise CallError(f"{name_of(log.source.path)}: {names}, {topic}: {because}")
-        if because := _same_foot(feet, [*sources.values()]):
-            raise CallError(f"{name_of(log.source.path)}: foot {because}")
+        if sources:
+            _refuse_same_foot(log, feet, [*sources.values()])
         indices = tuple(index for index, foot in enumerate(robot.feet) if foot.topic == topic)
         found |= dict.fromkeys(sources, indices)
     return found
 
 
-def _same_foot(feet: Sequence[Foot], sources: Sequence[Source]) -> str:
-    """Return which of the feet of a topic is the same as another one; empty: they differ."""
+def _refuse_same_foot(log: Log, feet: Sequence[Foot], sources: Sequence[Source]) -> None:
+    """Refuse two feet of a topic that are the same in its messages.
+
+    Raises:
+        CallError: there are two.
+    """
     seen: dict[str | int | None, str] = {}
-    for foot in feet if sources else ():
+    for foot in feet:
         own = foot.field.path if foot.field is not None else foot.element
-        if own is None and all(source.tells_all_feet for source in sources):
-            continue
         other = seen.setdefault(own, foot.name)
-        if other != foot.name:
-            text = f"{foot.name}: {other} is the same foot in the messages of {foot.topic}"
-            if own is None:
-                text = f"{foot.name}: {foot.topic} would be the topic of {other}, {foot.name}; "
-                text += f"a message of type {sources[0].row.name} is about one foot"
-            return text if foot.field is None else f"{text}; each needs a field of its own"
-    return ""
+        if other == foot.name or (own is None and all(each.tells_all_feet for each in sources)):
+            continue
+        text = f"{foot.name}: {other} is the same foot in the messages of {foot.topic}"
+        if own is None:
+            text = f"{foot.name}: {foot.topic} would be the topic of {other}, {foot.name}; "
+            text += f"a message of type {sources[0].row.name} is about one foot"
+        text += "" if foot.field is None else "; each needs a field of its own"
+        raise CallError(f"{name_of(log.source.path)}: foot {text}")
 
 
 # --- by types and names --------------------------------------------------------------------------
@@ -285,39 +287,37 @@ def feet_of_messages(log: Log, topic: str) -> tuple[Foot, ...]:
         source = source_of(channel, "feet")
         if source is None or source.fault or not source.tells_all_feet:
             continue
-        found = [MessageFoot(name=leg) for leg in source.row.legs]
-        if not found or source.row.maybe_without_legs:
-            seen = [feet_in(source, each) for each in first_messages(log, channel, source.columns)]
-            labelled = {foot.label: foot for feet in seen for foot in feet if foot.label}
-            found = [labelled[label] for label in sorted(labelled)] or max(
-                seen, key=len, default=[]
-            )
-        if found:
-            return _named_feet(_without_hands(found), topic)
+        if found := _feet_told(log, channel, source):
+            return _named_feet(found, topic)
     return ()
 
 
-def _without_hands(found: Sequence[MessageFoot]) -> Sequence[MessageFoot]:
-    """Leave out hands, wheels, tools ... where other labels say that they are feet."""
-    parts = [{word.part for word in words_of(foot.label)} for foot in found]
-    legs = [not own.isdisjoint({Part.FOOT, Part.LEG}) for own in parts]
-    kept = [is_leg or Part.NOT_A_FOOT not in own for is_leg, own in zip(legs, parts, strict=True)]
-    return [*compress(found, kept)] if any(legs) else found
+def _feet_told(log: Log, channel: Channel, source: Source) -> Sequence[Foot]:
+    """Return the feet of the legs of a type, or else those in a channel's first messages."""
+    found = [Foot(leg, "") for leg in source.row.legs]
+    if found and not source.row.maybe_without_legs:
+        return found
+    seen = [feet_in(source, each) for each in first_messages(log, channel, source.columns)]
+    labelled = {foot.label: foot for feet in seen for foot in feet if foot.label}
+    if not labelled:
+        return max(seen, key=len, default=[])
+    # Hands, wheels, tools ... are left out where other labels say that they are feet.
+    parts = {label: parts_of([label]) for label in sorted(labelled)}
+    legs = {label for label, own in parts.items() if own & {Part.FOOT, Part.LEG}}
+    kept = [label for label, own in parts.items() if label in legs or Part.NOT_A_FOOT not in own]
+    return [labelled[label] for label in (kept if legs else parts)]
 
 
-def _named_feet(found: Sequence[MessageFoot], topic: str) -> tuple[Foot, ...]:
+def _named_feet(found: Sequence[Foot], topic: str) -> tuple[Foot, ...]:
+    """Return the feet of a topic's messages with names and leg positions, front to back."""
     labelled = label_names([foot.label for foot in found])
     names = [foot.name or each.name for foot, each in zip(found, labelled, strict=True)]
-    feet = [
-        Foot(
-            name if names.count(name) == 1 else foot.label or f"{name}_{element + 1}",
-            topic,
-            leg_position=leg_position(name) or each.leg_position,
-            element=element,
-            label=foot.label,
-        )
-        for element, (foot, name, each) in enumerate(zip(found, names, labelled, strict=True))
-    ]
+    feet = []
+    for element, (foot, name, each) in enumerate(zip(found, names, labelled, strict=True)):
+        own = name if names.count(name) == 1 else foot.label or f"{name}_{element + 1}"
+        position = leg_position(name) or each.leg_position
+        told = replace(foot, name=own, topic=topic, leg_position=position, element=element)
+        feet.append(told)
     return tuple(sorted(feet, key=front_to_back))
 
 

@@ -28,22 +28,6 @@ _MOST_REASONS: Final = 3
 _NOT_USED: Final = "; not used"
 
 
-def topics_finding(sets: Sequence[FootSet], call: str) -> Finding:
-    """Return which topics may be feet, and the command that chooses them.
-
-    Args:
-        sets: at least one, the most likely first.
-        call: a call of `stats` without the feet.
-    """
-    first, *others = sets
-    which = ", ".join(f"{foot.name} = {foot.topic}" for foot in first.feet)
-    which += f"; or {alternatives(others)}" if others else ""
-    if len(others) > _ALTERNATIVES:
-        which += f" or {len(others) - _ALTERNATIVES} other sets of topics"
-    command = f"{call} {alternatives([first])}"
-    return replace(found("FEET_UNSURE", say="topics", which=which, call=command), command=command)
-
-
 def alternatives(sets: Sequence[FootSet]) -> str:
     """Return the words for a shell that choose the first of some sets."""
     return " or ".join(foot_options(one.feet) for one in sets[:_ALTERNATIVES])
@@ -54,27 +38,33 @@ def foot_options(feet: Iterable[Foot]) -> str:
     return " ".join(f"--foot {foot.name}={shell_quoted(foot.word)}" for foot in feet)
 
 
-def candidates_finding(log: Log, sets: Sequence[FootSet], call: str, base: str) -> Finding:
-    """Return which fields may be feet, why, and the command that measures with them.
+def offer_finding(log: Log, sets: Sequence[FootSet], call: str, base: str) -> Finding:
+    """Return which topics or fields may be feet, and the command that measures with them.
 
     Args:
         log: the log.
-        sets: what `find_candidates` finds, at least one.
+        sets: at least one, the most likely first; all of topics, or all of fields.
         call: a call of `stats` without the feet.
         base: poses that may be the base's, as ``--odom-topic`` takes them; empty: none.
     """
+    first, *others = sets
+    call = f"{call} {foot_options(first.feet)}"
+    if not first.type_name:
+        which = first.fields + (f"; or {alternatives(others)}" if others else "")
+        if len(others) > _ALTERNATIVES:
+            which += f" or {len(others) - _ALTERNATIVES} other sets of topics"
+        return replace(found("FEET_UNSURE", say="topics", which=which, call=call), command=call)
     told = "; or ".join(f"{o.fields} ({o.points} points: {o.reasons})" for o in sets[:3])
-    feet = sets[0].feet
-    if any(foot.leg_position is None for foot in feet):
+    if any(foot.leg_position is None for foot in first.feet):
         told += "; which leg each is, they do not say: put front_left, back_right ... for "
-        told += f"{feet[0].name} and the others, and gaits have names"
+        told += f"{first.feet[0].name} and the others, and gaits have names"
     file = f"{PurePath(log.words[0]).stem}.toml"
     chosen = ["--odom-topic", base] if base else []
     draft = shell_joined(["dogbot-logtool", "robots", "new", *log.words, *chosen, "-o", file])
     # What fields are, and of which foot, can only be said in a robot's file.
-    needs_file = any((foot.field and foot.field.kind) or foot.sensor_of for foot in feet)
-    say, command = ("draft", draft) if needs_file else ("fields", f"{call} {foot_options(feet)}")
-    values = {"type": sets[0].type_name, "told": told, "draft": draft, "call": command}
+    needs_file = any((foot.field and foot.field.kind) or foot.sensor_of for foot in first.feet)
+    say, command = ("draft", draft) if needs_file else ("fields", call)
+    values = {"type": first.type_name, "told": told, "draft": draft, "call": command}
     return replace(found("FEET_UNSURE", "possible", say=say, **values), command=command)
 
 

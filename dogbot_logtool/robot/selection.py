@@ -10,11 +10,10 @@ from typing import Literal
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base
 from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.feet import FootChannels
-from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES, is_static
+from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES
 from dogbot_logtool.reader.messages.source import Source
 from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.robot.base import choose_base
@@ -22,10 +21,9 @@ from dogbot_logtool.robot.feet import assign_feet, channels_of_feet, check_topic
 from dogbot_logtool.robot.names import FootSet
 from dogbot_logtool.robot.offers import (
     call_of,
-    candidates_finding,
     contact_findings,
+    offer_finding,
     own_definition_findings,
-    topics_finding,
     unreadable_findings,
 )
 from dogbot_logtool.robot.robot import (
@@ -40,7 +38,6 @@ from dogbot_logtool.robot.topics import (
     has_field,
     is_readable,
     readable_topics,
-    sources_of,
     split_topic,
 )
 from dogbot_logtool.robot.unknown import find_candidates
@@ -92,11 +89,6 @@ class Selection:
         return f"{topic}:{element}" if element else topic
 
     @property
-    def static_transforms(self) -> frozenset[int]:
-        """Ids of the channels whose transforms hold for ever."""
-        return frozenset(channel.id for channel in self.transforms if is_static(channel))
-
-    @property
     def sources(self) -> tuple[Source, ...]:
         """How contact messages are read, each once, by type name."""
         feet = self.robot.feet_of
@@ -134,21 +126,25 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
     robot = with_settings(robot, options.set)
     feet_of = channels_of_feet(log, robot)
     possible = find_candidates(log) if not (feet_of or unsure) else []
-    offered = unsure[0].feet if unsure else possible[0].feet if possible else robot.feet
-    of_robot = {foot.topic for foot in offered}
+    offers = [*unsure, *possible]
+    of_robot = {foot.topic for foot in (offers[0].feet if offers else robot.feet)}
     chosen = choose_base(log, robot, findings, of_robot, is_asked=options.odom_topic is not None)
     used = {channel.topic for channel in (*feet_of, *chosen.channels)}
     known = {split_topic(topic, log.channels_by_topic)[0] for topic in named.topics}
     if options.robot is not None and known and known.isdisjoint(used):
         findings.append(found("ROBOT_GUESSED", "absent", robot=robot.name))
-    call = call_of(log, options, chosen.offered)
-    if unsure:
-        of_feet.append(topics_finding(unsure, call))
     findings += of_feet
-    if possible:
-        findings.append(candidates_finding(log, possible, call, chosen.offered))
-    elif not unsure and chosen.offered:
-        findings = [_with_command(each, call) for each in findings]
+    call = call_of(log, options, chosen.offered)
+    if offers:
+        findings.append(offer_finding(log, offers, call, chosen.offered))
+    elif chosen.offered:
+        # This takes the poses that are offered.
+        findings = [
+            replace(each, text=f"{each.text}; this takes them: {call}", command=call)
+            if each.code == "NO_BASE"
+            else each
+            for each in findings
+        ]
     transforms = [
         channel
         for channel in sorted(log.channels.values(), key=lambda channel: channel.topic)
@@ -173,32 +169,26 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
 def _choose_robot(log: Log, options: RobotOptions, findings: list[Finding]) -> Robot:
     """Return the robot that the user names, else the known one whose topics the log has."""
     if options.robot is not None:
-        robot = load_robot(options.robot)
-    else:
+        return load_robot(options.robot).with_mass(options.mass)
+    topics, recorded = set(_usable_topics(log)), log.channels_by_topic
+    known = []
+    for name in known_robots():
         # Without parsing its file, whether a known robot may have one of the topics.
-        texts = {name: robot_toml(name) for name in known_robots()}
-        recorded = log.channels_by_topic
-        may = [n for n, toml in texts.items() if n == GENERIC or any(t in toml for t in recorded)]
-        known = [load_robot(name) for name in may]
-        topics = _usable_topics(log)
-        for each in known:
-            if each.feet and all(_is_recorded(log, foot) for foot in each.feet):
-                topics |= each.topics
-        robot = max(known, key=lambda one: (len(one.topics & topics), one.name == GENERIC))
-        findings.append(found("ROBOT_GUESSED", robot=robot.name))
+        if name == GENERIC or any(topic in robot_toml(name) for topic in recorded):
+            robot = load_robot(name)
+            fields = [any(has_field(c, f) for c in recorded.get(f.topic, ())) for f in robot.feet]
+            topics |= robot.topics if fields and all(fields) else set()
+            known.append(robot)
+    robot = max(known, key=lambda one: (len(one.topics & topics), one.name == GENERIC))
+    findings.append(found("ROBOT_GUESSED", robot=robot.name))
     return robot.with_mass(options.mass)
 
 
 def _usable_topics(log: Log) -> frozenset[str]:
     """Return the topics with odometry or contacts: a name alone makes no robot known."""
-    odometry = (c.topic for c in log.channels.values() if c.type_name == ODOMETRY_TYPE)
-    readable = (topic for topic in odometry if sources_of(log, topic, "base"))
+    odometry = (c for c in log.channels.values() if c.type_name == ODOMETRY_TYPE)
+    readable = (channel.topic for channel in odometry if is_readable(channel, "base"))
     return frozenset((*readable_topics(log, "feet"), *readable))
-
-
-def _is_recorded(log: Log, foot: Foot) -> bool:
-    """Tell whether a foot is a field, and the log's messages have it."""
-    return any(has_field(channel, foot) for channel in log.channels_by_topic.get(foot.topic, ()))
 
 
 def _with_options(log: Log, robot: Robot, options: RobotOptions) -> Robot:
@@ -211,10 +201,3 @@ def _with_options(log: Log, robot: Robot, options: RobotOptions) -> Robot:
         guessed = options.robot is None
         robot = assign_feet(robot, options.foot, _usable_topics(log), guessed=guessed)
     return robot
-
-
-def _with_command(finding: Finding, call: str) -> Finding:
-    """Add the call that takes the offered poses to the finding that there is no odometry."""
-    if finding.code != "NO_BASE":
-        return finding
-    return replace(finding, text=f"{finding.text}; this takes them: {call}", command=call)

@@ -11,8 +11,8 @@ from mcap import records
 from mcap.stream_reader import StreamReader
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.conversion.annotated_log import Conversion
 from dogbot_logtool.options.convert import ConvertOptions
+from dogbot_logtool.results import Conversion
 from dogbot_logtool.writer.chunks import Compression
 from tests.oracles.annotated_file import Written, read_written
 from tests.oracles.conversion import Arrow, Load, Pose

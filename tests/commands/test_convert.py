@@ -98,7 +98,7 @@ def test_what_cannot_be_drawn_is_counted(folder: Path) -> None:
     rows = [*damage["nan_force"].values(), *damage["infinite_position"].values()]
     conversion = converted(folder, TROUBLED).conversion
     assert conversion.counts["not_finite"] == sum(map(len, rows))
-    assert conversion.bad_poses == len(damage["zero_quaternion"])
+    assert conversion.counts["bad_poses"] == len(damage["zero_quaternion"])
     assert codes(conversion) >= {"NOT_FINITE", "BAD_STAMPS"}
 
 

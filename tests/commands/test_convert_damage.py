@@ -9,8 +9,8 @@ import pytest
 from mcap.writer import CompressionType
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.conversion.annotated_log import Conversion
 from dogbot_logtool.options.convert import ConvertOptions
+from dogbot_logtool.results import Conversion
 from tests.commands.conversions import chunks_of, codes
 from tests.oracles.annotated_file import Written, read_written, written_loads
 from tests.oracles.recorded import (

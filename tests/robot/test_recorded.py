@@ -15,12 +15,12 @@ from mcap.writer import Writer
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.conversion.annotated_log import Conversion
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.options.compare import CompareOptions
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.documents import stats_json
+from dogbot_logtool.results import Conversion
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.measured import measured
 from tests.oracles.small_logs import first_seconds

@@ -9,10 +9,10 @@ import pytest
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.conversion.annotated_log import Conversion
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.report.documents import stats_json
+from dogbot_logtool.results import Conversion
 from tests.oracles import walks
 from tests.oracles.annotated_file import arrows
 from tests.oracles.frames import matrix_of

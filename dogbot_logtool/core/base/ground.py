@@ -21,11 +21,6 @@ FURTHEST: Final = 1.5
 FLAT: Final = 0.1
 """Share of their extent by which points may deviate from a plane."""
 FEWEST_POINTS: Final = 3
-RISES: Final = 0.2
-"""Share of its height by which a base that rises steadily over its feet does not do it itself."""
-STEADY: Final = 0.9
-"""Share of the variance of the height that a straight line explains."""
-FEWEST_STRIDES: Final = 4
 STEEPEST: Final = 0.5
 """Cosine of the steepest plane that is taken for ground."""
 
@@ -53,27 +48,6 @@ def height_over_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
     if median_of(over_ground[~np.isnan(over_ground)]) < LOWEST_M:
         return np.full(len(base.time), np.nan)
     return np.asarray(over_ground)
-
-
-def height_drift_m(base: BaseHistory, height_m: Floats, strides: Ints) -> float:
-    """Return how far the base rises steadily over its feet while it walks, m; 0: it does not.
-
-    A robot that crouches or stretches its legs does so at once, and not further than they reach.
-
-    Args:
-        base: poses.
-        height_m: (n,) over the feet, at each pose; NaN where not known.
-        strides: (s, 2) ns, time in which it walks.
-    """
-    walks = timespans.covers(timespans.merge(strides), base.time) & np.isfinite(height_m)
-    if len(strides) < FEWEST_STRIDES or walks.sum() < 2 * FEWEST_STRIDES:
-        return 0.0
-    seconds = (base.time[walks] - base.time[walks][0]) / 1e9
-    height = height_m[walks]
-    slope, steadiness = trend(seconds - seconds.mean(), (height - height.mean())[:, None])
-    rise = float(slope[0]) * float(np.ptp(seconds))
-    steady = steadiness >= STEADY
-    return rise if steady and abs(rise) > RISES * median_of(height) else 0.0
 
 
 def trend(time: Floats, values: Floats) -> tuple[Floats, float]:

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, median_of
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, flagged_runs, median_of
 from dogbot_logtool.core.base.ground import LOWEST_M, slope_rad
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
@@ -30,26 +30,55 @@ _LONGEST_BLOCK: Final = 100
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Travel:
-    """When the base goes somewhere, and how noisy its poses are."""
+class BaseTrack:
+    """The poses that the base's motion is measured on."""
 
-    spans: Ints
-    """(t, 2) ns."""
+    history: BaseHistory
+    """Poses without jumps."""
+    height_m: Floats
+    """(n,) over the feet, at each pose; NaN where not known."""
+    feet: Sequence[FootHistory]
+    standing: Ints
+    """(s, 2) ns, time in which the robot stands."""
+    travels: Ints
+    """(t, 2) ns, time in which the base goes somewhere."""
     noise_m: float
-    """m, standard deviation of the noise on one horizontal coordinate."""
+    """m, standard deviation of the noise on one horizontal coordinate of the poses."""
     block: int
     """Poses whose mean makes one point of the path."""
 
+    def path_length_m(self, moves: Flags) -> float:
+        """Return the length of the base's horizontal path above its noise, m.
 
-def find_travel(base: BaseHistory) -> Travel:
-    """Find when the base goes somewhere.
+        Means of some poses are joined; what noise adds to each squared step is taken off.
 
-    Args:
-        base: poses, without jumps.
-    """
-    spans = timespans.intersect([_away_spans(base), base.known])
+        Args:
+            moves: (n - 1,) which steps between poses count.
+        """
+        time, position = self.history.time, self.history.position[:, :2]
+        runs = flagged_runs(moves & timespans.covers(self.travels, time[:-1]))
+        return sum(self._path_length(position[start : end + 1]) for start, end in runs.tolist())
+
+    def _path_length(self, path: Floats) -> float:
+        """Length of an unbroken path, m."""
+        size = min(self.block, max(1, len(path) // 4))
+        blocks = len(path) // size
+        points = path[: blocks * size].reshape(blocks, size, 2).mean(axis=1)
+        step = np.diff(points, axis=0)
+        noise = 4.0 * self.noise_m**2 / size
+        length = float(np.sqrt(np.clip((step * step).sum(axis=1) - noise, 0.0, None)).sum())
+        # The means lie half a block inside the path's ends.
+        return length * (len(path) - 1) / ((blocks - 1) * size) if blocks > 1 else 0.0
+
+
+def base_track(
+    base: BaseHistory, height_m: Floats, feet: Sequence[FootHistory], standing: Ints
+) -> BaseTrack:
+    """Find when the base goes somewhere, and how noisy its poses are; see `BaseTrack`."""
+    travels = timespans.intersect([_away_spans(base), base.known])
     noise = pose_noise_m(base)
-    return Travel(spans, noise, _block(base, spans, noise))
+    block = _block(base, travels, noise)
+    return BaseTrack(base, height_m, feet, standing, travels, noise, block)
 
 
 def _away_spans(base: BaseHistory) -> Ints:
@@ -108,51 +137,6 @@ def _block(base: BaseHistory, spans: Ints, noise: float) -> int:
     return int(min(max(np.ceil(size), 1), _LONGEST_BLOCK))
 
 
-def path_length_m(base: BaseHistory, travel: Travel, moves: Flags) -> float:
-    """Return the length of the base's horizontal path above its noise, m.
-
-    Means of some poses are joined; what noise adds to each squared step on average is taken off.
-
-    Args:
-        base: poses, without jumps.
-        travel: when the base goes somewhere.
-        moves: (n - 1,) which steps between poses count.
-    """
-    counted = moves & timespans.covers(travel.spans, base.time[:-1])
-    edges = np.diff(np.concatenate([[False], counted, [False]]).astype(np.int8))
-    starts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
-    return sum(
-        _path_length(base.position[start : end + 1, :2], travel)
-        for start, end in zip(starts.tolist(), ends.tolist(), strict=True)
-    )
-
-
-def _path_length(path: Floats, travel: Travel) -> float:
-    """Length of an unbroken path, m."""
-    size = min(travel.block, max(1, len(path) // 4))
-    blocks = len(path) // size
-    points = path[: blocks * size].reshape(blocks, size, 2).mean(axis=1)
-    step = np.diff(points, axis=0)
-    noise = 4.0 * travel.noise_m**2 / size
-    length = float(np.sqrt(np.clip((step * step).sum(axis=1) - noise, 0.0, None)).sum())
-    # The means lie half a block inside the path's ends.
-    return length * (len(path) - 1) / ((blocks - 1) * size) if blocks > 1 else 0.0
-
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class BaseTrack:
-    """The poses that the base's motion is measured on."""
-
-    history: BaseHistory
-    """Poses without jumps."""
-    travel: Travel
-    height_m: Floats
-    """(n,) over the feet, at each pose; NaN where not known."""
-    feet: Sequence[FootHistory]
-    standing: Ints
-    """(s, 2) ns, time in which the robot stands."""
-
-
 def base_motion(track: BaseTrack, forward_rad: float, within: Ints | None = None) -> Base | None:
     """Measure the motion of the base; None without two poses.
 
@@ -176,7 +160,7 @@ def base_motion(track: BaseTrack, forward_rad: float, within: Ints | None = None
         each / duration if duration > 0.0 else None for each in travelled
     )
     walked = moves & ~timespans.covers(track.standing, base.time[:-1])
-    path = path_length_m(base, track.travel, walked)
+    path = track.path_length_m(walked)
     height = aggregate(track.height_m[rows])
     roll, pitch = roll_and_pitch(base.angles[rows], forward_rad)
     net = base.position[last] - base.position[first]

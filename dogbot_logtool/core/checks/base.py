@@ -20,7 +20,6 @@ from dogbot_logtool.core.base.comparison import (
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.consistency import Worlds
 from dogbot_logtool.core.gait.feet import FootSteps
-from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Words, found
@@ -36,9 +35,13 @@ def worlds_differ(walk: Walk) -> Iterator[Finding]:
     """
     worlds = walk.worlds
     if worlds is not None and walk.worlds_differ:
-        cases = ("loses_way",) if walk.loses_track else ()
-        feet = _feet_astray(walk, worlds)
-        yield found("WORLDS_DIFFER", "aside", *cases, feet=feet, where="stability", worlds=worlds)
+        cases, say = ["aside"], "plain"
+        if walk.settings.base_from_legs:
+            cases, say = [*cases, "reckoned"], "reckoned"
+        elif walk.loses_track:
+            cases.append("loses_way")
+        feet, where = _feet_astray(walk, worlds), "stability"
+        yield found("WORLDS_DIFFER", *cases, feet=feet, where=where, say=say, worlds=worlds)
     elif worlds is not None and walk.base is not None and walk.base.height_m is None:
         yield found("WORLDS_DIFFER", "below", where="base.height_m")
 
@@ -103,14 +106,6 @@ def up_axis(walk: Walk) -> Iterator[Finding]:
     """Yield that z is not up: such poses are left out of all that is computed."""
     if walk.corrected.leaning_rad is not None:
         yield found("UP_AXIS", where="base", degrees=np.degrees(walk.corrected.leaning_rad))
-
-
-def height_drifts(walk: Walk) -> Iterator[Finding]:
-    """Yield that the base rises or sinks over the contact points while it walks."""
-    if walk.rise_m:
-        say = "rises" if walk.rise_m > 0.0 else "sinks"
-        where, metres = "base.height_m", abs(walk.rise_m)
-        yield found("WORLDS_DIFFER", "drifts", where=where, say=say, metres=metres)
 
 
 def sides_swapped(walk: Walk) -> Iterator[Finding]:
@@ -189,11 +184,18 @@ TURNS_WITH: Final = 0.5
 """Least share of a witness's turn that is the same turn."""
 LEANS_RAD: Final = np.radians(5.0)
 """An accelerometer that leans by more does not sit on a level base; mountings are as good."""
+WINDOW_S: Final = 1.0
+"""s, in place of strides where none are known."""
 UPRIGHT: Final = np.array([0.0, 0.0, 1.0])
 MOST_RISE_M: Final = 0.1
 """m by which poses may rise against the legs; also `MOST_RISE`, as a share of the way, which is
 what a lean that is some degrees off makes of it."""
 MOST_RISE: Final = 0.05
+RISES: Final = 0.2
+"""Share of its height by which a base that rises steadily over its feet does not do it itself."""
+STEADY: Final = 0.9
+"""Share of the variance of the rise that a straight line explains."""
+FEWEST_STRIDES: Final = 4
 CLIMBS_M: Final = 0.05
 """m that feet rise or fall from which poses that keep their z are planar."""
 
@@ -229,7 +231,8 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
     yield from _direction(walk, comparisons)
     yield from _orientation(walk, comparisons)
     yield from _planar(walk, comparisons, windows)
-    yield from _climb(comparisons)
+    if not walk.settings.contact_from:
+        yield from _climb(walk, comparisons)
 
 
 def feet_agree(walk: Walk) -> bool:
@@ -241,12 +244,13 @@ def feet_agree(walk: Walk) -> bool:
 
 
 def _windows(walk: Walk) -> Ints:
-    """(k, 2) ns, strides one after another while the robot walks."""
+    """(k, 2) ns, strides one after another while the robot walks; without any, windows."""
     period_s = walk.period_s
-    if not period_s or len(walk.poses.time) < 2:
+    if len(walk.poses.time) < 2:
         return timespans.no_spans()
-    walks = any_strides(walk.records, walk.fallen, walk.standing.without_steps)
-    return stride_windows(timespans.merge(walks), period_s)
+    if not period_s:
+        return stride_windows(walk.poses.known, WINDOW_S)
+    return stride_windows(timespans.merge(walk.strides), period_s)
 
 
 def _comparisons(walk: Walk, windows: Ints) -> Iterator[Comparison]:
@@ -263,7 +267,9 @@ def _comparisons(walk: Walk, windows: Ints) -> Iterator[Comparison]:
         found.append(compare(feet.by, own, reference, tells_turn=turn, tells_heading=heading))
     if may_be_odd:
         found.append(compare_twist(walk.poses, windows, forward_rad))
-    turns = (GYROSCOPE, _inertial(walk, windows)[0]), (COURSE, _course_turns(walk.poses, windows))
+    turns = [(GYROSCOPE, _inertial(walk, windows)[0])]
+    if walk.period_s:
+        turns.append((COURSE, _course_turns(walk.poses, windows)))
     for by, turned in turns:
         reference = turn_only(turned)
         found.append(compare(by, own, reference, tells_turn=True, tells_heading=False))
@@ -283,7 +289,7 @@ def _scale(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Iter
         near = [each for number, each in UNITS.items() if 0.8 <= factor / number <= 1.25]
         unit = f"positions in {near[0]}? --set odometry_scale={1.0 / factor:.3g}" if near else OTHER
         yield _doubted(walk, "POSE_SCALE", factor=factor, witness=surest, unit=unit)
-    elif length_m > longest:
+    elif walk.period_s and length_m > longest:
         yield _doubted(walk, "POSE_SCALE", say="stride", way=length_m, longest=longest)
 
 
@@ -371,17 +377,23 @@ def _planar(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Ite
         yield found("POSE_PLANAR", *cases, where=where, say="plain", while_feet=while_feet)
 
 
-def _climb(comparisons: Sequence[Comparison]) -> Iterator[Finding]:
-    """Yield that z of the poses goes away from where the legs lift the base."""
-    legs = next((each for each in comparisons if each.by == LEGS), None)
-    if legs is None or not SCALES[0] <= (legs.scale or 0.0) <= SCALES[1]:
+def _climb(walk: Walk, comparisons: Sequence[Comparison]) -> Iterator[Finding]:
+    """Yield that z of the poses goes away from where the feet lift the base."""
+    feet = next((each for each in comparisons if each.by in {POINTS, LEGS}), None)
+    if feet is None:
         return
-    metres = float((legs.own.rise - legs.reference.rise).sum())
-    if abs(metres) > max(MOST_RISE_M, MOST_RISE * legs.reference.walked_m):
-        where = "base.climb_m"
-        yield found(
-            "WORLDS_DIFFER", "drifts", "legs", where=where, say="legs", metres=metres, told=legs
-        )
+    rise = np.cumsum(feet.own.rise - feet.reference.rise)
+    metres, height = float(rise[-1]), walk.base and walk.base.height_m
+    if feet.by == LEGS and SCALES[0] <= (feet.scale or 0.0) <= SCALES[1]:
+        if abs(metres) > max(MOST_RISE_M, MOST_RISE * feet.reference.walked_m):
+            words: Words = {"say": "legs", "metres": metres, "told": feet}
+            yield found("WORLDS_DIFFER", "drifts", "legs", where="base.climb_m", **words)
+    elif feet.by == POINTS and height and abs(metres) > RISES * height.median:
+        # A robot that crouches, or stretches its legs, does so at once.
+        straightness = float(np.corrcoef(np.arange(feet.strides), rise)[0, 1])
+        if feet.strides >= FEWEST_STRIDES and straightness**2 >= STEADY:
+            words = {"say": "rises" if metres > 0.0 else "sinks", "metres": abs(metres)}
+            yield found("WORLDS_DIFFER", "drifts", where="base.height_m", **words)
 
 
 def rate(walk: Walk) -> Iterator[Finding]:

@@ -14,6 +14,8 @@ from dogbot_logtool.finding import Finding, Words, found
 if TYPE_CHECKING:
     from dogbot_logtool.core.compared import ForceComparison
 
+TILTED_DEG: Final = 5.0
+"""A mounting that is less off is as good as mountings are."""
 _NAMES: Final = {"forward": "forward speed", "lateral": "sideways speed", "yaw": "yaw rate"}
 
 
@@ -49,25 +51,23 @@ def mounting(walk: Walk) -> Iterator[Finding]:
     imu = walk.imu
     if imu is None:
         return
-    from dogbot_logtool.core.compared import Reading  # noqa: PLC0415 - `walk.imu` has loaded it
-
-    seat = imu.mounting
-    if seat.reading is not Reading.SOUND:
-        cases = ("undecided",) if seat.reading in {Reading.NOTHING, Reading.UNCLEAR} else ()
-        yield found("IMU_READS", *cases, where=imu.topic, say=seat.reading, imu=imu)
-    if seat.is_tilted:
-        tilt = np.degrees(seat.tilt_rad or 0.0)
+    topic, tilt = imu.metrics.topic or "", np.degrees(imu.metrics.tilt_rad or 0.0)
+    if imu.reading != "m/s^2":
+        cases = ("undecided",) if imu.reading in {"nothing", "unclear"} else ()
+        yield found("IMU_READS", *cases, where=topic, say=imu.reading, imu=imu)
+    if tilt > TILTED_DEG:
         mounting = "the recorded transforms have it" if imu.mounting_recorded else "the base is"
         yield found(
             "IMU_TURNED",
             where="imu.tilt_rad",
             say="tilted",
-            topic=imu.topic,
+            topic=topic,
             mounting=mounting,
             tilt=tilt,
         )
-    if imu.turned_rad is not None:
-        yield found("IMU_TURNED", topic=imu.topic, degrees=np.degrees(imu.turned_rad))
+    # A base whose poses legs tell is taken as level.
+    if imu.turned_rad is not None and not walk.settings.base_from_legs:
+        yield found("IMU_TURNED", topic=topic, degrees=np.degrees(imu.turned_rad))
 
 
 def forces(walk: Walk) -> Iterator[Finding]:

@@ -124,12 +124,9 @@ def _accelerometer(walk: Walk, no_poses: str) -> tuple[str, str]:
         return "the log has no accelerometer of the base", ""
     if walk.imu is None:
         return no_poses, "accelerometer and poses are not known together for 2 s"
-    from dogbot_logtool.core.compared import Reading  # noqa: PLC0415 - `walk.imu` has loaded it
-
-    reading = walk.imu.mounting.reading
     unsure = "the accelerometer does not follow the base's attitude"
-    lack = "all accelerations are zero" if reading is Reading.NOTHING else no_poses
-    return lack, unsure if reading is Reading.UNCLEAR else ""
+    lack = "all accelerations are zero" if walk.imu.reading == "nothing" else no_poses
+    return lack, unsure if walk.imu.reading == "unclear" else ""
 
 
 _METRICS: Final[Mapping[str, Sequence[str]]] = {

@@ -2,13 +2,15 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from enum import StrEnum
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.contact.stances import FootTrack
 from dogbot_logtool.core.metrics import Event, Foot, WalkMetrics
+
+if TYPE_CHECKING:
+    from dogbot_logtool.core.contact.stances import FootTrack
 
 
 class EventType(StrEnum):
@@ -95,7 +97,7 @@ def text_of(event: Event) -> str:
     return ", ".join(filter(None, parts))
 
 
-def to_log_time(tracks: Sequence[FootTrack], time: Ints, start: int, end: int) -> Ints:
+def to_log_time(tracks: Sequence["FootTrack"], time: Ints, start: int, end: int) -> Ints:
     """Return when times on the clock that was measured on were recorded.
 
     As long after as the sample around it of the foot that has the most.

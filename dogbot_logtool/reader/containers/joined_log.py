@@ -8,7 +8,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
-from typing import Final, NamedTuple
+from operator import itemgetter
+from typing import Final
 
 import numpy as np
 
@@ -22,23 +23,14 @@ from dogbot_logtool.reader.containers.log import (
     Log,
     Schema,
     Span,
+    concatenate_messages,
     time_range,
 )
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.source import ByteSource
 from dogbot_logtool.reader.containers.zstd import unpacked
-from dogbot_logtool.reader.decode.message_table import concatenate_messages
 
 _EARLIEST: Final = -(1 << 62)
-
-
-class _Place(NamedTuple):
-    """Where a chunk of the joined log stands."""
-
-    start: int
-    """ns, from which it is read: none of its file is read earlier than those before it."""
-    file: int
-    chunk: Chunk
 
 
 class _NoBytes(ByteSource):
@@ -68,9 +60,9 @@ class JoinedLog(Log):
         schemas: dict[tuple[str, str, bytes], Schema] = {}
         self.logs = logs
         self._ids = [_joint_ids(log.channels, channels, schemas) for log in logs]
-        self._places = sorted(_places(logs), key=lambda place: place.start)
+        self._places = _by_time(logs)
         self.channels = {channel.id: channel for channel in channels.values()}
-        self.chunks = [self._chunk(number, place) for number, place in enumerate(self._places)]
+        self.chunks = [self._chunk(number, *place) for number, place in enumerate(self._places)]
         counts: Counter[int] = Counter()
         for log, ids in zip(logs, self._ids, strict=True):
             counts.update(_joint(log.counts, ids))
@@ -81,10 +73,9 @@ class JoinedLog(Log):
         found = [_named(loss, log) for log in logs for loss in log.losses]
         self.losses = [*losses, *found]
 
-    def _chunk(self, number: int, place: _Place) -> Chunk:
-        """Return a chunk whose offset is its number in the joined log."""
-        chunk = place.chunk
-        counts = None if chunk.counts is None else _joint(chunk.counts, self._ids[place.file])
+    def _chunk(self, number: int, file: int, chunk: Chunk) -> Chunk:
+        """Return a chunk of a file whose offset is its number in the joined log."""
+        counts = None if chunk.counts is None else _joint(chunk.counts, self._ids[file])
         return replace(chunk, offset=number, counts=counts)
 
     @property
@@ -94,16 +85,16 @@ class JoinedLog(Log):
 
     def overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
         """See `Log.overlaps`."""
-        place = self._places[chunk.offset]
-        return self.logs[place.file].overlaps(place.chunk, start, end)
+        file, own = self._places[chunk.offset]
+        return self.logs[file].overlaps(own, start, end)
 
     def _read(self, span: Span) -> Batch:
         """See `Log.read`."""
         parts: list[Batch] = []
         base = row = 0
-        for file, own in groupby(span, key=lambda chunk: self._places[chunk.offset].file):
+        for file, own in groupby(span, key=lambda chunk: self._places[chunk.offset][0]):
             chunks = tuple(own)
-            joint = {self._places[chunk.offset].chunk.offset: chunk for chunk in chunks}
+            joint = {self._places[chunk.offset][1].offset: chunk for chunk in chunks}
             part = self._of_file(file, chunks)
             # Chunks that are damaged are not there.
             loaded = tuple(
@@ -130,7 +121,7 @@ class JoinedLog(Log):
     def _of_file(self, file: int, span: Span) -> Batch:
         """Read chunks of a file, with joint channels."""
         log = self.logs[file]
-        batch = unpacked(log.read(tuple(self._places[chunk.offset].chunk for chunk in span)))
+        batch = unpacked(log.read(tuple(self._places[chunk.offset][1] for chunk in span)))
         channel = self._ids[file][batch.messages.channel]
         return replace(
             batch,
@@ -144,14 +135,18 @@ class JoinedLog(Log):
             log.close()
 
 
-def _places(logs: Sequence[Log]) -> list[_Place]:
-    places: list[_Place] = []
+def _by_time(logs: Sequence[Log]) -> list[tuple[int, Chunk]]:
+    """Return all chunks by the times at which they begin, with the numbers of their files.
+
+    None of a file is read earlier than those before it.
+    """
+    found: list[tuple[int, int, Chunk]] = []
     for file, log in enumerate(logs):
         reached = _EARLIEST
         for chunk in log.chunks:
             reached = max(reached, _EARLIEST if chunk.start_time is None else chunk.start_time)
-            places.append(_Place(reached, file, chunk))
-    return places
+            found.append((reached, file, chunk))
+    return [(file, chunk) for _, file, chunk in sorted(found, key=itemgetter(0))]
 
 
 def _joint(counts: Mapping[int, int], ids: Ints) -> dict[int, int]:

@@ -24,7 +24,9 @@ from dogbot_logtool.reader.containers.log import (
     Extra,
     LoadedChunk,
     Log,
+    Messages,
     Span,
+    concatenate_messages,
     counts_by_channel,
     time_range,
 )
@@ -43,7 +45,6 @@ from dogbot_logtool.reader.containers.salvage.records import (
     next_sound,
 )
 from dogbot_logtool.reader.containers.source import ByteSource
-from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
 
 _ROUND_SIZE: Final = 1 << 20
 _REGION_SIZE: Final = 1 << 20
@@ -140,9 +141,6 @@ class RecordLog(Log):
         del chunk, stored
         return 0, ()
 
-    def _read_header(self) -> None:
-        """Read what stands at the file's beginning."""
-
     def _conclude(self) -> None:
         """Compare what was found with what the file says elsewhere."""
 
@@ -175,7 +173,6 @@ class RecordLog(Log):
         Args:
             problem: what is wrong with the index.
         """
-        self._read_header()
         if problem is not None:
             self._losses.add(problem)
         offset = len(self.magic)

@@ -44,16 +44,6 @@ class FootChannels:
         return feet[np.searchsorted(ids, channel)]
 
 
-@dataclass(frozen=True, slots=True)
-class MessageFoot:
-    """A foot that messages tell of."""
-
-    label: str = ""
-    """Its name in the messages; empty: its index in their arrays tells."""
-    name: str = ""
-    """Name of the leg, such as ``front_left``; empty: the label tells it."""
-
-
 def read_feet(source: Source, messages: DecodedMessages, feet: FootChannels) -> Samples:
     """Return the samples of all feet, foot by foot."""
     stamp, parts = source.stamps(messages), [no_samples()]
@@ -190,24 +180,27 @@ def _points(source: Source, values: Values, touches: Flags) -> tuple[Ints, Float
     return points, np.where(placed[:, None], point, np.nan), normal
 
 
-def feet_in(source: Source, messages: DecodedMessages) -> list[MessageFoot]:
-    """Find the feet that messages tell of; none where they are not about feet."""
+def feet_in(source: Source, messages: DecodedMessages) -> list[Foot]:
+    """Find the feet that messages tell of, without a topic; none where they are not about feet.
+
+    A foot without a name is told by its label, or by its index in the messages' arrays.
+    """
     row, table = source.row, messages.table
     if row.by_place:
-        return [MessageFoot(name=name) for name in _legs_by_place(source, messages)]
+        return [Foot(name, "") for name in _legs_by_place(source, messages)]
     if not row.label:
         forces = [path.values(table) for path in source.paths.get("force", ())]
         told = all(np.isfinite(each).all(axis=(1, 2)).any() for each in forces)
-        return [MessageFoot(name=name) for name in row.legs if told or not row.maybe_without_legs]
+        return [Foot(name, "") for name in row.legs if told or not row.maybe_without_legs]
     _, texts = source.paths["label"][0].texts(table)
     if row.only is not None:
         kind = source.paths["only"][0].all_values(table)[:, 0]
         texts = texts.pick(np.flatnonzero(kind == row.only[1]))
     labels = [name for name in sorted(texts.encode()[1])[:MOST_ELEMENTS] if name]
     if row.label_names is None:
-        return [MessageFoot(label=label) for label in labels]
+        return [Foot("", "", label=label) for label in labels]
     return [
-        MessageFoot(label, row.label_names.get(label.lower(), ""))
+        Foot(row.label_names.get(label.lower(), ""), "", label=label)
         for label in labels
         if not any(hand in label.lower() for hand in _HANDS)
     ]

@@ -17,8 +17,7 @@ from dogbot_logtool.report.verdict import headline, quality_of
 
 if TYPE_CHECKING:
     from dogbot_logtool.comparison.walks import GaitComparison
-    from dogbot_logtool.conversion.annotated_log import Conversion
-    from dogbot_logtool.results import Page
+    from dogbot_logtool.results import Conversion, Page
 
 
 def _print_written(console: Console, name: str, words: str) -> None:

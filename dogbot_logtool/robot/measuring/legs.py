@@ -14,7 +14,7 @@ from dogbot_logtool.robot.names import leg_of, name_feet
 from dogbot_logtool.robot.robot_model.skeleton import place_of_foot
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, left_out_text
 from dogbot_logtool.robot.selection import Selection
-from dogbot_logtool.robot.words import ENDS, LETTERS, SIDES, SOLES, Part, texts_of, words_of
+from dogbot_logtool.robot.words import ENDS, SOLES, Part, parts_of, texts_of, words_of
 
 
 def find_legs(
@@ -138,7 +138,7 @@ def _feet_of_joints(
     for name in sorted(names - found.keys()):
         leg = leg_of(name)
         matching = [number for number, each in enumerate(legs) if _is_of(leg, each)]
-        if len(matching) == 1 and not any(w.part is Part.NOT_A_FOOT for w in words_of(name)):
+        if len(matching) == 1 and Part.NOT_A_FOOT not in parts_of([name]):
             found[name] = matching[0]
     return found
 
@@ -154,7 +154,7 @@ def _pairs(feet: Sequence[Foot], foot_of: Mapping[str, int]) -> dict[str, tuple[
     found: dict[str, dict[str, str]] = {}
     for joint, foot in sorted(foot_of.items()):
         end, side = feet[foot].leg_position or leg_of(feet[foot].name)
-        words = [w.text for w in words_of(joint) if w.text not in {*LETTERS, *ENDS, *SIDES}]
+        words = [w.text for w in words_of(joint) if not (w.is_position or w.text in ENDS)]
         end = end if end in {"front", "back"} or len(feet) > 2 else ""
         found.setdefault("_".join(filter(None, (end, *words))), {})[side] = joint
     return {

@@ -14,7 +14,7 @@ from dogbot_logtool.core.rotations import multiply, rotate
 from dogbot_logtool.core.settings import FORWARD_ANGLES
 from dogbot_logtool.robot.names import leg_of, leg_position
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, joints_below
-from dogbot_logtool.robot.words import SOLES, Part, words_of
+from dogbot_logtool.robot.words import SOLES, Part, parts_of, texts_of, word_set
 
 _HIGHEST: Final = 0.4
 """Share of the depth of the lowest foot below the base that other feet may be higher."""
@@ -27,11 +27,8 @@ _REACH: Final = 0.1
 _SAME_LEG: Final = 0.5
 """Share of the joints of the shorter chain that two ends of one leg have in common."""
 _MOST_LEGS: Final = 16
-_ARMS: Final = frozenset(
-    {"arm", "elbow", "finger", "fingers", "gripper", "hand", "head", "neck", "palm", "shoulder"}
-    | {"thumb", "wrist"}
-)
-_SENSORS: Final = frozenset(["camera", "force", "ft", "imu", "motor", "rotor", "screw", "sensor"])
+_ARMS: Final = word_set("arm elbow finger fingers gripper hand head neck palm shoulder thumb wrist")
+_SENSORS: Final = word_set("camera force ft imu motor rotor screw sensor")
 
 
 def find_legs(
@@ -75,6 +72,15 @@ def find_legs(
     order = ("front", "middle", "back", "")
     legs.sort(key=lambda leg: (order.index((leg.position or ("",))[0]), leg.name))
     return tuple(legs), axis
+
+
+def axis_by_names(robot: RobotOfUrdf, posture: Mapping[str, float]) -> str | None:
+    """Return the forward axis with which all legs are where their names say; None: none is."""
+    try:
+        legs, axis = find_legs(robot, posture)
+    except ValueError:
+        return None
+    return axis if all(_position_in(leg) == leg.position for leg in legs) else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +128,9 @@ def _end(
         moving = [row for row, joint in enumerate(leg.joints) if joint.kind != "fixed"]
         place, origins = motion.foot[0], motion.origins[0]
         length = sum(np.linalg.norm(np.diff(origins[moving[0] :], axis=0), axis=1))
-        reach = float(np.linalg.norm(place - origins[moving[-1]]))
+        # A joint that slides takes the foot away from those that turn.
+        turning = [row for row in moving if leg.joints[row].kind == "revolute"] or moving
+        reach = float(np.linalg.norm(place - origins[turning[-1]]))
         at_joint = reach <= _REACH * (length + reach)
         turns = at_joint and leg.joints[moving[-1]].name in robot.continuous
         is_joint = at_joint and len(moving) < _ANKLED
@@ -139,11 +147,10 @@ def _fixed_tails(below: Mapping[str, list[Joint]], link: str) -> Iterator[tuple[
 
 def _rank(link: str) -> int:
     """Return how surely a link is named as what touches the ground, low first."""
-    words = words_of(link)
-    texts, parts = {word.text for word in words}, {word.part for word in words}
+    texts = texts_of(link)
     if texts & _SENSORS:
         return 3
-    return 0 if texts & SOLES else 1 if Part.FOOT in parts else 2
+    return 0 if texts & SOLES else 1 if Part.FOOT in parts_of([link]) else 2
 
 
 def _at_rest(limits: JointLimits | None) -> float:
@@ -165,16 +172,15 @@ def _lowest(ends: Sequence[_End]) -> list[_End]:
 
 def _is_wheel(leg: Leg) -> bool:
     """Tell whether names say that a chain ends in a wheel or a tool."""
-    last = [leg.foot, [joint.name for joint in leg.joints if joint.kind != "fixed"][-1]]
-    parts = {word.part for name in last for word in words_of(name)}
+    moving = [joint.name for joint in leg.joints if joint.kind != "fixed"]
+    parts = parts_of([leg.foot, moving[-1]])
     return Part.NOT_A_FOOT in parts and not parts & {Part.FOOT, Part.LEG}
 
 
 def _is_arm(leg: Leg) -> bool:
     names = [name for joint in leg.joints for name in (joint.name, joint.child)]
-    words = [word for name in names for word in words_of(name)]
-    of_legs = {Part.FOOT, Part.LEG, Part.UPPER_LEG}
-    return any(w.text in _ARMS for w in words) and not any(w.part in of_legs for w in words)
+    of_leg = parts_of(names) & {Part.FOOT, Part.LEG, Part.UPPER_LEG}
+    return bool(texts_of(*names) & _ARMS) and not of_leg
 
 
 def _is_same_leg(leg: Leg, other: Leg) -> bool:

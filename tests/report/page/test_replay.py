@@ -16,12 +16,11 @@ from dogbot_logtool.report.page.replay import MOST_FRAMES, frame_times, replay
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.robot.recorded import open_recorded
 from tests.measured import LogFacts, measurement_of
-from tests.paths import SAMPLE_LOGS
+from tests.paths import TROT
 from tests.report.page.page_data import numbers
 from tests.truth import physics
 from tests.truth.free_walker import KEPT_S, trot
 
-TROT = SAMPLE_LOGS / "dogbot_trot.bag"
 MB = 1_000_000
 
 
@@ -128,7 +127,9 @@ def test_without_frames_lines_lead_to_the_feet_and_unknown_feet_are_below_the_ba
 
 def test_a_long_log_is_thinned() -> None:
     stats = measured().walk
-    day = replace(stats, end=stats.origin + 86_400_000_000_000)
+    until = stats.poses.time.copy()
+    until[-1] = stats.origin + 86_400_000_000_000
+    day = replace(stats, poses=replace(stats.poses, time=until))
     time = frame_times(day, ())
     assert len(time) <= MOST_FRAMES
     assert (np.diff(time) > 0).all()

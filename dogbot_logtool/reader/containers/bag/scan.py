@@ -33,7 +33,6 @@ from dogbot_logtool.reader.containers.record_log import (
     open_records,
 )
 from dogbot_logtool.reader.containers.registry import BAG_MAGIC
-from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
 from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
 from dogbot_logtool.reader.containers.source import ByteSource, in_groups
 
@@ -81,7 +80,7 @@ class BagLog(RecordLog):
                 raise MalformedRecord("it contradicts the chunks")
             if not self._times_hold():
                 raise MalformedRecord("it tells wrong times")
-        except (MalformedRecord, ChunkDamage) as fault:
+        except MalformedRecord as fault:
             what = f"the bag's index is damaged ({fault}); the bag was read without it"
             raise UnusableIndex(Loss(start, what)) from fault
         self.counts = self._counted()
@@ -111,7 +110,7 @@ class BagLog(RecordLog):
         for (offset, entry), end, head in zip(
             entries, [*offsets[1:], index_start][: len(offsets)], heads, strict=True
         ):
-            chunk = entry.added_to(self.chunk_at(offset, head))
+            chunk = entry.added_to(_chunk(offset, record_in_file(self.source.read, offset, head)))
             counts = entry.counts or {}
             if not counts.keys() <= self.channels.keys():
                 raise MalformedRecord("it contradicts the chunks")
@@ -150,14 +149,14 @@ class BagLog(RecordLog):
                 self._outside.append((offset, record.end))
             elif op == BagOp.CHUNK_INFO:
                 self._take_info(record)
-        except (MalformedRecord, ChunkDamage):
+        except MalformedRecord:
             if self.source.read(offset, len(BAG_MAGIC)) == BAG_MAGIC:
                 return self._end(offset)
             return self._passed_zeros(offset)
         return record.end
 
     def _chunk_record(self, offset: int, record: Record) -> int:
-        chunk = self.chunk_at(offset)
+        chunk = _chunk(offset, record)
         if chunk.is_compressed:
             return self._take_chunk(chunk, chunk.end)
         stated = record.number("size")
@@ -174,33 +173,6 @@ class BagLog(RecordLog):
         if zeros and following < self.source.size and self._follows(following):
             return following
         return None
-
-    def chunk_at(self, offset: int, head: bytes = b"") -> Chunk:
-        """Read a chunk record's own header. Its data may reach beyond the end of the file.
-
-        Args:
-            offset: where the record begins.
-            head: its first bytes, if they have been read.
-
-        Raises:
-            ChunkDamage: there is no chunk, or its header makes no sense.
-        """
-        try:
-            record = record_in_file(self.source.read, offset, head)
-            compression = record.raw("compression").decode("utf-8", "replace")
-            size = record.number("size")
-        except MalformedRecord as fault:
-            raise ChunkDamage(f"its header is damaged ({fault})") from fault
-        data_size = record.end - record.data
-        return Chunk(
-            offset=offset,
-            data_offset=record.data,
-            data_size=data_size,
-            end=record.end,
-            index_end=record.end,
-            compression=sys.intern(compression),
-            size=data_size if compression in {"", "none"} else size,
-        )
 
     def _index_of(self, behind: memoryview) -> Index | None:
         return read_index(behind, _index_record, _INDEX_ENTRY, nanoseconds)
@@ -223,6 +195,25 @@ class BagLog(RecordLog):
             schema = schemas.setdefault((name, data), new)
             channels[id_] = Channel(id_, facts["topic"], "ros1", schema, facts["header"])
         return channels
+
+
+def _chunk(offset: int, record: Record) -> Chunk:
+    """Return a chunk by the header of its record; its data may reach beyond the file's end.
+
+    Raises:
+        MalformedRecord: its header makes no sense.
+    """
+    compression = record.raw("compression").decode("utf-8", "replace")
+    size, data_size = record.number("size"), record.end - record.data
+    return Chunk(
+        offset=offset,
+        data_offset=record.data,
+        data_size=data_size,
+        end=record.end,
+        index_end=record.end,
+        compression=sys.intern(compression),
+        size=data_size if compression in {"", "none"} else size,
+    )
 
 
 def _connection(record: bytes) -> Description | None:

@@ -17,7 +17,6 @@ from dogbot_logtool.core.arrays import Bytes, Ints
 from dogbot_logtool.reader.containers.descriptions import Description
 from dogbot_logtool.reader.containers.log import Channel, Chunk, Extra, Schema
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
-from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
 from dogbot_logtool.reader.containers.salvage.records import Read, Records
 from dogbot_logtool.reader.decode.columns import gather
 
@@ -280,19 +279,19 @@ def _content_size(read: Read, content: int, opcode: int) -> int:
     return size + 8 + int.from_bytes(read(content + size, 8), "little") + 4
 
 
-def chunk_at(offset: int, head: bytes) -> Chunk:
+def chunk_at(offset: int, head: bytes) -> Chunk | None:
     """Read a chunk record's own header, whose two lengths may disagree.
 
     Args:
         offset: where the record begins.
         head: its first bytes.
 
-    Raises:
-        ChunkDamage: the header makes no sense.
+    Returns:
+        the chunk; None if the header makes no sense.
     """
     name_start = RECORD_HEAD.size + CHUNK_HEAD.size
     if len(head) < name_start + 8:
-        raise ChunkDamage("its header is cut off")
+        return None
     _, length = RECORD_HEAD.unpack_from(head)
     start, end, size, crc, name_size = CHUNK_HEAD.unpack_from(head, RECORD_HEAD.size)
     name = head[name_start : name_start + name_size]
@@ -300,7 +299,7 @@ def chunk_at(offset: int, head: bytes) -> Chunk:
     is_name = name_size <= _LONGEST_NAME and (not name or name.isalnum())
     record_size = RECORD_HEAD.size + length
     if not is_name or data_start > min(len(head), record_size):
-        raise ChunkDamage("its header is damaged")
+        return None
     (data_size,) = struct.unpack_from("<Q", head, data_start - 8)
     return Chunk(
         offset=offset,
@@ -318,8 +317,5 @@ def chunk_at(offset: int, head: bytes) -> Chunk:
 
 def is_chunk(head: bytes) -> bool:
     """Tell whether a chunk record begins here, by the agreement of its lengths."""
-    try:
-        chunk = chunk_at(0, head)
-    except ChunkDamage:
-        return False
-    return chunk.data_offset + chunk.data_size <= chunk.end
+    chunk = chunk_at(0, head)
+    return chunk is not None and chunk.data_offset + chunk.data_size <= chunk.end

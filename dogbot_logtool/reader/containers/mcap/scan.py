@@ -3,7 +3,6 @@
 import struct
 from collections import Counter
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from operator import attrgetter, itemgetter
@@ -32,12 +31,10 @@ from dogbot_logtool.reader.containers.mcap.records import (
     RECORD_HEAD,
     McapFormat,
     chunk_at,
-    decode_record,
     described,
     is_chunk,
 )
 from dogbot_logtool.reader.containers.mcap.summary import (
-    DATA_END_SIZE,
     FOOTER_SIZE,
     check_data,
     indexed_chunk,
@@ -55,7 +52,6 @@ from dogbot_logtool.reader.containers.salvage.content import ChunkContent, Chunk
 from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
 from dogbot_logtool.reader.containers.source import ByteSource, in_groups
 
-_LARGEST_HEADER: Final = 1 << 20
 _NO_ACCIDENT: Final = 4
 """So many messages behind each other are believed, though their channel is not described yet."""
 _INDEX_ENTRY: Final = np.dtype([("log_time", "<i8"), ("offset", "<u8")])
@@ -82,6 +78,7 @@ class McapLog(RecordLog):
         self._named: list[Chunk] = []
         """The chunks that the summary names."""
         self._statistics: records.Statistics | None = None
+        self._has_header = False
         self._data_end: int | None = None
         self._closed = False
         """There is a footer, so that the recording was closed properly."""
@@ -106,12 +103,10 @@ class McapLog(RecordLog):
         if not self._agrees(footer, statistics):
             what = "the summary contradicts itself or the chunks; the log was read without it"
             raise UnusableIndex(Loss(start, what))
-        self._read_header()
-        if loss := check_data(self.source, start - DATA_END_SIZE, thorough=False):
-            self._losses.add(loss)
         self.counts = {**dict.fromkeys(self.channels, 0), **statistics.channel_message_counts}
         filled = [chunk for chunk in self.chunks if chunk.messages != 0]
         self.start_time, self.end_time = time_range(filled)
+        self._conclude()
         self.losses = self._losses.all()
 
     def _is_complete(self, statistics: records.Statistics) -> bool:
@@ -152,9 +147,8 @@ class McapLog(RecordLog):
 
         Its own header may be damaged if a checksum vouches for the summary.
         """
-        try:
-            own = chunk_at(chunk.offset, head)
-        except ChunkDamage:
+        own = chunk_at(chunk.offset, head)
+        if own is None:
             return is_vouched
         if _are_alike(own, chunk):
             return True
@@ -189,11 +183,12 @@ class McapLog(RecordLog):
         is_private = opcode >= self._passed_from and end <= size
         # One bit makes a private record of a chunk, but not the other way round.
         if opcode == Opcode.CHUNK or (is_private and is_chunk(head)):
-            return self._chunk_record(offset, head)
-        if is_private:
-            return end
-        if end > size:
-            return None
+            chunk = chunk_at(offset, head)
+            if chunk is None:
+                return None
+            return self._take_chunk(chunk, chunk.data_offset + chunk.data_size)
+        if is_private or end > size:
+            return end if is_private else None
         if opcode == Opcode.MESSAGE:
             return self._message(offset, content, end)
         found = self._format.content(self.source.read, content, opcode, length)
@@ -220,6 +215,9 @@ class McapLog(RecordLog):
 
     def _record(self, found: object, opcode: int, offset: int, end: int) -> int | None:
         match found:
+            case records.Header() if not self._has_header:
+                self._has_header = True
+                self.profile = found.profile
             case records.Footer() if self.source.read(end, len(MCAP_MAGIC)) == MCAP_MAGIC:
                 self._closed = True
                 return self._end(end + len(MCAP_MAGIC))
@@ -242,13 +240,6 @@ class McapLog(RecordLog):
             self.extras.append(Extra(opcode, offset, end - offset, self.source))
         return end
 
-    def _chunk_record(self, offset: int, head: bytes) -> int | None:
-        try:
-            chunk = chunk_at(offset, head)
-        except ChunkDamage:
-            return None
-        return self._take_chunk(chunk, chunk.data_offset + chunk.data_size)
-
     def _checksum(self, chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]:
         """See `RecordLog._checksum`; a chunk that the end of the file cuts off has none."""
         head = bytes(stored[:CHUNK_HEAD_SIZE])
@@ -259,9 +250,9 @@ class McapLog(RecordLog):
         if chunk.is_scanned and record_end > chunk.end == self.source.size:
             return 0, ()
         crc = CHUNK_HEAD.unpack_from(head, RECORD_HEAD.size)[3]
-        with suppress(ChunkDamage):
-            if opcode == Opcode.CHUNK and _are_alike(chunk_at(chunk.offset, head), chunk):
-                return crc, ()
+        own = chunk_at(chunk.offset, head)
+        if opcode == Opcode.CHUNK and own is not None and _are_alike(own, chunk):
+            return crc, ()
         what = (
             f"the header of the chunk at byte {chunk.offset} is damaged; it was read nevertheless"
         )
@@ -272,17 +263,14 @@ class McapLog(RecordLog):
 
     def _own_times(self, chunk: Chunk) -> Times:
         """See `RecordLog._own_times`: those of its header."""
-        try:
-            own = chunk_at(chunk.offset, self.source.read(chunk.offset, CHUNK_HEAD_SIZE))
-        except ChunkDamage:
-            return None, None
-        return own.start_time, own.end_time
+        own = chunk_at(chunk.offset, self.source.read(chunk.offset, CHUNK_HEAD_SIZE))
+        return (own.start_time, own.end_time) if own else (None, None)
 
     def _described_channels(self) -> Mapping[int, Channel]:
-        schemas: dict[int, Schema] = {}
-        for each in self.descriptions.of_kind("schema"):
-            encoding, definition = each.facts["encoding"], each.facts["definition"]
-            schemas[each.number] = Schema(each.number, each.name, encoding, definition)
+        schemas = {
+            each.number: Schema(each.number, each.name, *each.facts.values())
+            for each in self.descriptions.of_kind("schema")
+        }
         channels: dict[int, Channel] = {}
         for each in self.descriptions.of_kind("channel"):
             encoding, schema, metadata = each.facts.values()
@@ -293,32 +281,18 @@ class McapLog(RecordLog):
 
     def _without_schema(self) -> list[Loss]:
         """Return what to say of channels whose schema is nowhere described."""
-        wanted = [
-            (each.facts["schema"], each.name[:LONGEST_NAME])
-            for each in self.descriptions.of_kind("channel")
-        ]
         what = "schema {} of {} is nowhere described: its messages can be copied, but not read"
         return [
-            Loss(0, what.format(schema, name))
-            for schema, name in wanted
-            if schema and ("schema", schema) not in self.descriptions.first
+            Loss(0, what.format(schema, each.name[:LONGEST_NAME]))
+            for each in self.descriptions.of_kind("channel")
+            if (schema := each.facts["schema"])
+            and ("schema", schema) not in self.descriptions.first
         ]
 
-    def _read_header(self) -> None:
-        """Read the profile that the file's header names; say if that cannot be read."""
-        start = len(MCAP_MAGIC)
-        head = self.source.read(start, RECORD_HEAD.size).ljust(RECORD_HEAD.size, b"\0")
-        opcode, length = RECORD_HEAD.unpack(head)
-        if opcode == Opcode.HEADER and length <= _LARGEST_HEADER:
-            body = self.source.read(start + RECORD_HEAD.size, length)
-            header = decode_record(records.Header, body) if len(body) == length else None
-            if header is not None:
-                self.profile = header.profile
-                return
-        what = "the header is damaged, so that the log's profile is not known"
-        self._losses.add(Loss(start, what))
-
     def _conclude(self) -> None:
+        if not self._has_header:
+            what = "the header is damaged, so that the log's profile is not known"
+            self._losses.add(Loss(len(MCAP_MAGIC), what))
         self._losses.add(*self._without_schema())
         if self._statistics is not None:
             self._compare_statistics(self._statistics)

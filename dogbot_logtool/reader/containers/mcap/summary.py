@@ -15,7 +15,7 @@ from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
 from dogbot_logtool.reader.containers.source import ByteSource
 
 FOOTER_SIZE: Final = RECORD_HEAD.size + 20
-DATA_END_SIZE: Final = RECORD_HEAD.size + 4
+_DATA_END_SIZE: Final = RECORD_HEAD.size + 4
 _PIECE: Final = 1 << 20
 
 
@@ -79,8 +79,8 @@ def check_data(source: ByteSource, data_end: int, *, thorough: bool) -> Loss | N
         data_end: where the DataEnd record begins.
         thorough: read a data section that is not cheap to read, too.
     """
-    record = source.read(data_end, DATA_END_SIZE)
-    if len(record) < DATA_END_SIZE or (data_end > source.cheap_size and not thorough):
+    record = source.read(data_end, _DATA_END_SIZE)
+    if len(record) < _DATA_END_SIZE or (data_end > source.cheap_size and not thorough):
         return None
     opcode, length = RECORD_HEAD.unpack_from(record)
     (expected,) = struct.unpack_from("<I", record, RECORD_HEAD.size)

@@ -1,0 +1,237 @@
+"""All that is drawn of a walk: decided and prepared once, before the first annotation is made."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+import numpy as np
+
+from dogbot_logtool.conversion.findings import arrow_findings, copy_findings, no_support, second_tf
+from dogbot_logtool.core.arrays import concatenated, picked
+from dogbot_logtool.core.base.poses import Odometry, usable_poses
+from dogbot_logtool.core.checks.frames import transform_findings
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.corrections.clock import first_at_each_tick
+from dogbot_logtool.core.frames.kinematics import Joint, TransformMessages, from_opening
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.known_frames import WorldFrames
+from dogbot_logtool.core.scene.arrows import Arrows, ArrowScale, arrow_scale
+from dogbot_logtool.core.scene.feet import DrawnFoot, drawn_foot
+from dogbot_logtool.core.scene.loads import opening_load, silences
+from dogbot_logtool.core.scene.styles import ARROW_STYLES, LIFETIME_S, ArrowStyle
+from dogbot_logtool.core.stability import NEAR_NS
+from dogbot_logtool.core.walk import Walk
+from dogbot_logtool.finding import Finding
+from dogbot_logtool.options.convert import ConvertOptions
+from dogbot_logtool.reader.containers.log import Log
+from dogbot_logtool.reader.recording import in_time_order
+from dogbot_logtool.robot.measuring.legs import sensor_points
+from dogbot_logtool.robot.recorded import time_limits
+from dogbot_logtool.robot.robot_model.description import (
+    RobotDescription,
+    moved_links,
+    robot_description,
+)
+from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
+from dogbot_logtool.robot.selection import Selection
+from dogbot_logtool.writer.annotations import Drawn, WantedAnnotations
+from dogbot_logtool.writer.encodings.registry import encoding_named
+from dogbot_logtool.writer.markers import Look
+
+ESTIMATED_WIDTH: Final = 0.5
+"""Width of arrows whose forces are estimated, over that of measured ones."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Scene:
+    """All that is drawn of a walk; columns are sorted by log time."""
+
+    walk: Walk
+    selection: Selection
+    options: ConvertOptions
+    style: ArrowStyle
+    wanted: WantedAnnotations
+    description: RobotDescription
+    """Of the robot, with hips only where the lines of `/legs` are drawn."""
+    arrow_scale: ArrowScale
+    feet: tuple[DrawnFoot, ...]
+    poses: Odometry
+    """Those that support and legs are drawn at."""
+    others: Sequence[Drawn]
+    """What is made of neither samples nor these poses: transforms of base and links, arrows of
+    contact states as they were recorded, and loads where the log and silences begin."""
+    opening: int | None
+    """ns, log time of the output's first message; None: the log is empty."""
+    end: int
+    """ns, of its last."""
+    known_from: int
+    """ns, log time from which the state of every foot is known, if that is soon."""
+    findings: tuple[Finding, ...]
+
+
+def make_scene(
+    log: Log,
+    selection: Selection,
+    model: RobotOfUrdf | None,
+    walk: Walk,
+    options: ConvertOptions,
+    left_out: frozenset[int],
+    recorded: Arrows | None,
+) -> Scene:
+    """Decide what is drawn, and prepare it.
+
+    Args:
+        log: the log.
+        selection: its topics.
+        model: the robot's description, where joint states move it.
+        walk: that is drawn; contact that findings void is not known.
+        options: what the user asks for.
+        left_out: ids of the channels that are not copied.
+        recorded: arrows of contact states, for a style that draws these.
+
+    Raises:
+        CallError: the log has no such time; the file of the robot cannot be read.
+    """
+    style, settings, frames = ARROW_STYLES[options.style], walk.settings, walk.frames
+    turns = settings.wrench_frame is WrenchFrame.LINK
+    links = frames.links if turns else (None,) * len(settings.feet)
+    placed = frames.follow(links, sensor_points(selection, frames, settings))
+    samples, sample_findings = _placed_samples(placed, walk)
+    feet = tuple(_feet(samples, walk))
+    unsupported = no_support(selection)
+    second = second_tf(selection, frames, options, left_out) if options.tf == "auto" else None
+    writes_base = selection.has_base and options.tf != "never" and second is None
+    description = robot_description(log, selection, model, walk, options)
+    description = replace(
+        description,
+        hips=None if unsupported else description.hips,
+        joints=description.joints if options.tf != "never" else (),
+    )
+    given = selection.robot.newtons_per_metre
+    # A scale of the robot's file has colours of its own.
+    estimated_n = settings.estimated_weight_n if given is None else None
+    colour_n = settings.body_weight_n or estimated_n
+    start, end = time_limits(log, options.start, options.end)
+    last, opening = log.end_time or 0, log.start_time if start is None else start
+    end, begin = last if end is None else min(end, last), opening or 0
+    poses = walk.recording.base.pick(usable_poses(walk.recording.base))
+    poses = poses.pick(first_at_each_tick(poses.time, options.tf_rate))
+    pairs = [(joint.parent, joint.child) for joint in description.joints]
+    moved = [*([_base(poses)] if writes_base else []), *_links(description.joints, walk, options)]
+    loads = [opening_load(foot, settings.body_weight_n, begin) for foot in feet]
+    known_from = _known_from(feet, begin)
+    return Scene(
+        walk=walk,
+        selection=selection,
+        options=options,
+        style=style,
+        wanted=WantedAnnotations(
+            [foot.name for foot in selection.robot.feet],
+            frames.world,
+            frames.base,
+            _look(selection, style, options.tf_rate),
+            links=pairs,
+            has_transforms=writes_base or bool(pairs),
+            has_support=unsupported is None,
+            has_legs=description.hips is not None,
+            description=_profile(log, options) if description.urdf is not None else "",
+        ),
+        description=description,
+        arrow_scale=arrow_scale(given, colour_n, description.height_m, by_weight=style.along_force),
+        feet=feet,
+        poses=_known_poses(poses, begin, known_from),
+        others=[
+            *(from_opening(each, begin) for each in moved),
+            *([recorded] if recorded is not None else []),
+            in_time_order(concatenated([*loads, silences(feet, begin, end)])),
+        ],
+        opening=opening,
+        end=end,
+        known_from=known_from,
+        findings=(
+            *([unsupported] if unsupported else []),
+            *arrow_findings(selection, style, placed, settings, colour_n),
+            *copy_findings(log, options, left_out),
+            *description.findings,
+            *([second] if second else []),
+            *sample_findings,
+        ),
+    )
+
+
+def _profile(log: Log, options: ConvertOptions) -> Literal["ros1", "ros2"]:
+    """Return as whose message the robot is described."""
+    profile = encoding_named(options.encoding).profile or (options.copy and log.profile)
+    return "ros1" if profile == "ros1" else "ros2"
+
+
+def _look(selection: Selection, style: ArrowStyle, tf_rate: float) -> Look:
+    """Return how all that is drawn looks."""
+    mark_m = selection.robot.shaft_diameter_m
+    shaft_m = mark_m * (ESTIMATED_WIDTH if selection.contact_from else 1.0)
+    # At a low rate, support lasts until the next message.
+    lifetime_s = max(LIFETIME_S, 2.0 / tf_rate if tf_rate else 0.0)
+    return Look(style.shaft_diameter_m or shaft_m, style.lifetime_s, mark_m, lifetime_s)
+
+
+def _placed_samples(
+    frames: WorldFrames | None, walk: Walk
+) -> tuple[tuple[Samples, ...], tuple[Finding, ...]]:
+    """Return the samples of all feet; those without contact points are where their frames are."""
+    feet = walk.recording.feet
+    points = tuple(p and (None if p.recorded else p) for p in frames.points) if frames else ()
+    if frames is None or not any(points):
+        return feet, ()
+    # Forces are in the world already, as far as they can be turned.
+    frames = replace(frames, points=points, links=(None,) * len(points))
+    samples, counts = frames.place(feet)
+    return samples, tuple(transform_findings(frames, counts))
+
+
+def _feet(samples: Sequence[Samples], walk: Walk) -> Iterator[DrawnFoot]:
+    settings = walk.settings
+    for number, (each, foot) in enumerate(zip(samples, walk.feet, strict=True)):
+        yield drawn_foot(
+            number,
+            replace(each, in_world=each.in_world | settings.force_in_world),
+            foot.record,
+            contact_known=walk.metrics.feet[foot.name].contact_fraction is not None,
+            has_force=settings.feet[number].has_force,
+        )
+
+
+def _known_from(feet: Sequence[DrawnFoot], opening: int) -> int:
+    """Return when the state of every foot is known, if that is soon; else the log's first time."""
+    first = [int(foot.samples.log_time[0]) for foot in feet if len(foot.samples.log_time)]
+    latest = max(first, default=opening)
+    return max(opening, latest) if latest - opening <= NEAR_NS else opening
+
+
+def _known_poses(poses: Odometry, opening: int, known_from: int) -> Odometry:
+    """Return the poses at which the state of every foot is known.
+
+    The first stands at the log's first time, too, if it follows at once.
+    """
+    known = poses.pick(poses.log_time >= known_from)
+    if not len(poses.log_time) or poses.log_time[0] - opening > NEAR_NS:
+        return known
+    time = np.array([opening])
+    first = replace(picked(poses, slice(0, 1)), log_time=time, stamp=time)
+    return concatenated([first, known.pick(known.log_time > opening)])
+
+
+def _base(poses: Odometry) -> TransformMessages:
+    """Return the transforms of the base."""
+    place = poses.position[:, None], poses.orientation[:, None]
+    return TransformMessages(poses.log_time, poses.time, *place)
+
+
+def _links(
+    joints: Sequence[Joint], walk: Walk, options: ConvertOptions
+) -> Iterator[TransformMessages]:
+    """Yield the transforms of the links that joint states move."""
+    tables = walk.recording.joints
+    for table in tables if joints else ():
+        if table.topic == tables[0].topic:
+            links = moved_links(joints, table)
+            yield picked(links, first_at_each_tick(links.stamp, options.tf_rate))
