@@ -11,6 +11,7 @@ from dogbot_logtool.core.contact.contact_rule import (
     ContactRule,
     backdated,
     find_stances,
+    joined_bounces,
     rows_in_stances,
     schmitt,
 )
@@ -155,11 +156,14 @@ def foot_history(
     repeated = int((equal & contact[1:] & contact[:-1]).sum())
     if rule.backdates:
         contact = backdated(contact, time, force, rule.off_n)
-    short = rule.debounce_s, rule.bounce_s
-    starts, ends, filled, dropped = find_stances(time, contact, *short)
+    starts, ends, filled, dropped = find_stances(time, contact, rule.debounce_s)
     is_scuff = _scuffs(track, starts, ends)
     scuffs = np.stack([time[starts[is_scuff]], time[ends[is_scuff]]], axis=1)
     starts, ends = starts[~is_scuff], ends[~is_scuff]
+    if rule.fills_bounces:
+        stances = len(starts)
+        starts, ends = joined_bounces(time, starts, ends)
+        filled += stances - len(starts)
 
     gaps = track.gaps
     if breaks is not None and len(breaks):
