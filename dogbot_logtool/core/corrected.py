@@ -107,9 +107,11 @@ def correct(recording: Recording, settings: WalkSettings) -> Corrected:
     feet = tuple(
         foot_history(
             without_bad_stamps(own, _check(foot.topic, own)) if on_stamps else own,
-            foot,
-            settings,
+            foot.rule,
+            settings.clock,
             breaks,
+            force_in_world=settings.force_in_world,
+            has_force=foot.has_force,
         )
         for foot, own in zip(settings.feet, samples, strict=True)
     )

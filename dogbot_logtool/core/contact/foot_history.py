@@ -8,6 +8,7 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, means_by_group, median_of
 from dogbot_logtool.core.contact.contact_rule import (
+    ContactRule,
     backdated,
     find_stances,
     joined_bounces,
@@ -23,7 +24,7 @@ from dogbot_logtool.core.contact.stances import (
     foot_track,
     stance_figures,
 )
-from dogbot_logtool.core.settings import FootSettings, WalkSettings
+from dogbot_logtool.core.corrections.clock import TimeSource
 
 _SAME: Final = 1e-6
 """Difference of two forces, as a share of them, that is none: they have 24 bits."""
@@ -120,17 +121,25 @@ class FootHistory:
 
 
 def foot_history(
-    samples: Samples, foot: FootSettings, settings: WalkSettings, breaks: Ints
+    samples: Samples,
+    rule: ContactRule,
+    clock: TimeSource,
+    breaks: Ints,
+    *,
+    force_in_world: bool,
+    has_force: bool,
 ) -> FootHistory:
     """Measure one foot.
 
     Args:
         samples: of this foot, in the order of the log.
-        foot: how its sensor reads, and what counts as contact.
-        settings: with the clock that is measured on, and the frame of the forces.
+        rule: thresholds of contact.
+        clock: on which is measured.
         breaks: (b, 2) ns, spans that nothing is measured across, as if they were gaps.
+        force_in_world: whether the wrenches are in the world frame.
+        has_force: whether forces are known at all, not only contact.
     """
-    messages, rule, has_force = len(samples.foot), foot.rule, foot.has_force
+    messages = len(samples.foot)
     if not has_force:
         rule = replace(rule, on_n=_TOUCH_N, off_n=0.0, backdates=False, unusable="")
         touches = np.outer(np.where(samples.in_contact, _TOUCH_N, 0.0), [0.0, 0.0, 1.0])
@@ -138,8 +147,7 @@ def foot_history(
     if rule.unusable:
         samples = no_samples()
     used = len(samples.foot)
-    in_world = settings.force_in_world
-    track, samples, not_finite = foot_track(samples, settings.clock, force_in_world=in_world)
+    track, samples, not_finite = foot_track(samples, clock, force_in_world=force_in_world)
     time, force = track.time, track.force
     contact = samples.in_contact if rule.by_flag else schmitt(force, rule)
     loaded = int(contact.sum())
