@@ -124,10 +124,10 @@ def foot_history(
     samples: Samples,
     rule: ContactRule,
     clock: TimeSource,
+    breaks: Ints,
     *,
     force_in_world: bool,
-    has_force: bool = True,
-    breaks: Ints | None = None,
+    has_force: bool,
 ) -> FootHistory:
     """Measure one foot.
 
@@ -135,9 +135,9 @@ def foot_history(
         samples: of this foot, in the order of the log.
         rule: thresholds of contact.
         clock: on which is measured.
+        breaks: (b, 2) ns, spans that nothing is measured across, as if they were gaps.
         force_in_world: whether the wrenches are in the world frame.
         has_force: whether forces are known at all, not only contact.
-        breaks: (b, 2) ns, spans that nothing is measured across, as if they were gaps.
     """
     messages = len(samples.foot)
     if not has_force:
@@ -166,7 +166,7 @@ def foot_history(
         filled += stances - len(starts)
 
     gaps = track.gaps
-    if breaks is not None and len(breaks):
+    if len(breaks):
         gaps = timespans.merge(np.concatenate([gaps, breaks]))
     known = timespans.subtract(np.stack([time[:1], time[-1:]], axis=1), gaps)
 
