@@ -192,7 +192,6 @@ class McapFormat:
     def decode(self, records: Bytes, offset: Ints) -> Records:
         """See `RecordFormat.decode`."""
         op, end = 0 * offset, offset.copy()
-        head = np.zeros(len(offset), MESSAGE_HEAD)
         if len(offset) and offset[0] >= 0 and offset[-1] <= len(records) - RECORD_HEAD.size:
             lengths = gather(records, offset, RECORD_HEAD.size).view(_HEAD)
             # Lengths beyond the buffer stay too large, but become no negative numbers.
@@ -201,14 +200,18 @@ class McapFormat:
             op = lengths["opcode"].astype(np.int64)
             is_short = (op == Opcode.MESSAGE) & (length < MESSAGE_CONTENT_SIZE)
             op[is_short | (end > len(records)) | ~_MAY_STAND_IN_CHUNK[op]] = 0
-        is_message = op == Opcode.MESSAGE
-        rows = slice(None) if is_message.all() else is_message
-        if is_message.any():
-            head[rows] = gather(records, offset[rows], head.itemsize).view(head.dtype)
+        rows = np.flatnonzero(op == Opcode.MESSAGE)
+        size = MESSAGE_HEAD.itemsize
+        start, head = offset + size, np.zeros(0, MESSAGE_HEAD)
+        if len(rows):
+            head = gather(records, offset[rows], size).view(MESSAGE_HEAD)
+        if len(rows) < len(op):
+            of_messages, head = head, np.zeros(len(op), MESSAGE_HEAD)
+            head[rows] = of_messages
+            start = offset + np.where(op == Opcode.MESSAGE, size, RECORD_HEAD.size)
         channel, log_time, publish_time, sequence = (
             head[name].astype(np.int64) for name in _MESSAGE_COLUMNS
         )
-        start = offset + np.where(is_message, head.itemsize, RECORD_HEAD.size)
         return Records(channel, log_time, publish_time, sequence, start, end, op, offset)
 
     def sound(self, read: Read, offset: int, end: int) -> bool:

@@ -95,11 +95,14 @@ def read_content(
     elif chunk.counts is not None:
         counts = index.counts if index and is_indexed else counts_by_channel(kept.found)
         kept.compare_counts(chunk.counts, counts)
-    others = found.pick(~is_message)
-    bounds = zip(others.op.tolist(), others.offset.tolist(), others.end.tolist(), strict=True)
+    described = [
+        data[found.offset[row] : found.end[row]].tobytes()
+        for row in np.flatnonzero(~is_message).tolist()
+        if found.op[row] in fmt.describing
+    ]
     return ChunkContent(
         kept.messages.messages(),
-        [data[start:end].tobytes() for op, start, end in bounds if op in fmt.describing],
+        described,
         tuple(kept.losses),
         index is not None and is_indexed and index.complete,
     )
