@@ -114,11 +114,12 @@ def contact_rule(
         off = max(NOISY_OFF * carried, OFF_NOISES * noise, min(level.wobble_n, ON_TO_OFF * on))
     on = given.on_n or max(on, ANY_FORCE_N)
     off = min(given.off_n or off, on)
+    usual_s = max(DEBOUNCE_S, DEBOUNCE_INTERVALS * (level.interval_s or 0.0))
     estimated = weight_n is None or level.origin == "estimated"
     return ContactRule(
         on_n=on,
         off_n=off,
-        debounce_s=_debounce_s(level, given.debounce_s),
+        debounce_s=min(usual_s, MOST_DEBOUNCE_S) if given.debounce_s is None else given.debounce_s,
         fills_bounces=given.debounce_s is None,
         backdates=True,
         origin=given.origin if given.on_n else "estimated" if estimated else "default",
@@ -143,12 +144,6 @@ def _why_unusable(level: SensorLevel, on_n: float, off_n: float) -> str:
             f"its load comes and goes, but what it reads without load is not known: {level.reason}"
         )
     return ""
-
-
-def _debounce_s(level: SensorLevel, given: float | None) -> float:
-    if given is not None:
-        return given
-    return min(max(DEBOUNCE_S, DEBOUNCE_INTERVALS * (level.interval_s or 0.0)), MOST_DEBOUNCE_S)
 
 
 def schmitt(force: Floats, rule: ContactRule) -> Flags:
