@@ -69,6 +69,8 @@ class Walk:
     fallen: Ints
     """(f, 2) ns, spans in which the robot lies."""
     standing: Standing
+    walked: Ints
+    """(s, 2) ns, time in which the robot steps: strides of the first foot that has any."""
     feet: tuple[FootSteps, ...]
     """Steps of each foot."""
     clocks_apart: frozenset[str]

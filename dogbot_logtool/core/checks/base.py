@@ -20,7 +20,6 @@ from dogbot_logtool.core.base.comparison import (
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.consistency import Worlds
 from dogbot_logtool.core.gait.feet import FootSteps
-from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Words, found
@@ -242,8 +241,7 @@ def _windows(walk: Walk) -> Ints:
     period_s = walk.period_s
     if not period_s or len(walk.poses.time) < 2:
         return timespans.no_spans()
-    walks = any_strides(walk.records, walk.fallen, walk.standing.without_steps)
-    return stride_windows(timespans.merge(walks), period_s)
+    return stride_windows(walk.walked, period_s)
 
 
 def _comparisons(walk: Walk, windows: Ints) -> Iterator[Comparison]:

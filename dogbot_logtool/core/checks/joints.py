@@ -21,7 +21,7 @@ from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.checks.loads import direction_is_doubtful
 from dogbot_logtool.core.contact.stances import FootTrack, Stances
 from dogbot_logtool.core.gait.feet import stride_curve
-from dogbot_logtool.core.gait.strides import Strides, typical_period_s
+from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.joints import JointTrack, LegFigures, joint_work
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
@@ -304,7 +304,7 @@ def _lacking(walk: Walk, legs: LegFigures) -> str:
 
 def _too_slow(walk: Walk, legs: LegFigures) -> str:
     """Say that joint states of legs come too rarely for work; empty if they do not."""
-    period = typical_period_s([foot.stances for foot in walk.feet])
+    period = walk.period_s
     of_legs = legs.settings.foot_of_joint
     own = [joint for joint in legs.moving if joint.name in of_legs] or legs.moving
     states = min(joint.rate_hz for joint in own) * period if period else FEWEST_STATES
