@@ -19,8 +19,8 @@ from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
 from dogbot_logtool.core.base.foot_path import FootPath
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.checks.loads import direction_is_doubtful
-from dogbot_logtool.core.contact.stances import FootTrack, Stances
-from dogbot_logtool.core.gait.feet import stride_curve
+from dogbot_logtool.core.contact.stances import FootTrack
+from dogbot_logtool.core.gait.feet import FootSteps, stride_curve
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.joints import JointTrack, LegFigures, joint_work
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
@@ -128,17 +128,12 @@ class LegSigns:
 
 
 def leg_signs(
-    track: FootTrack,
-    stances: Stances,
-    path: FootPath,
-    base: BaseHistory,
-    joints: Sequence[JointTrack],
+    foot: FootSteps, path: FootPath, base: BaseHistory, joints: Sequence[JointTrack]
 ) -> LegSigns | None:
     """Compare the work of a leg's motors with that of the force at its foot.
 
     Args:
-        track: forces of the foot.
-        stances: of the foot.
+        foot: its forces and stances.
         path: of the foot in the base's frame.
         base: poses without jumps.
         joints: of the leg, those that move, all with efforts.
@@ -146,6 +141,7 @@ def leg_signs(
     Returns:
         None where too little is known.
     """
+    stances = foot.stances
     known = np.isfinite(stances.figures.mean_vertical_force_n)
     rows = np.flatnonzero(stances.whole & known)
     if not 0 < len(joints) <= _MOST_JOINTS or not len(rows):
@@ -154,7 +150,7 @@ def leg_signs(
     shares = np.linspace(0.0, 1.0, _SECTIONS + 1)
     edges = stances.touchdown[rows, None] + np.rint(duration * shares).astype(np.int64)
     begin, end = edges[:, :-1].ravel(), edges[:, 1:].ravel()
-    absorbed = _absorbed(track, edges, path, base)
+    absorbed = _absorbed(foot.record.track, edges, path, base)
     works = [joint_work(joint, begin, end) for joint in joints]
     given = np.stack([2.0 * positive - absolute for positive, absolute in works], axis=1)
     known = np.isfinite(absorbed) & np.isfinite(given).all(axis=1)
@@ -323,7 +319,7 @@ def _signs(walk: Walk, legs: LegFigures) -> dict[str, LegSigns]:
         if leg.path is None or leg.reason or pushes is None:
             continue
         moving = [joint for joint in legs.joints_of(row) if joint.moves]
-        signs = leg_signs(foot.record.track, foot.stances, leg.path, walk.poses, moving)
+        signs = leg_signs(foot, leg.path, walk.poses, moving)
         if signs is not None:
             judged[leg.name] = signs
     return judged
