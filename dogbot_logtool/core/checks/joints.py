@@ -9,7 +9,6 @@ losses, which are never negative.
 
 from collections import Counter
 from collections.abc import Container, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import permutations, product
 from typing import Final
 
@@ -115,16 +114,9 @@ def _fits(ratio: Floats, factor: float) -> Flags:
     return fits
 
 
-@dataclass(frozen=True, slots=True)
-class LegSigns:
-    """Check of the efforts of a leg against the ground's force."""
-
-    agree: bool
-    """Whether the efforts as recorded do its work."""
-    odd: tuple[str, ...]
-    """Joints with which they would, if their efforts had the other sign."""
-    scale: float
-    """Size of their work, with those signs, over that of the ground's force."""
+LegSigns = tuple[tuple[str, ...], float]
+"""Joints with which the efforts of a leg would do the work of the ground's force, if theirs had the
+other sign; and the size of that work, with those signs, over that of the force."""
 
 
 def leg_signs(
@@ -197,7 +189,7 @@ def _judged(given: Floats, absorbed: Floats, names: Sequence[str]) -> LegSigns |
     if not agree and not odd.any():
         return None
     scale = float(np.linalg.norm(given @ turned[best]) / np.linalg.norm(absorbed))
-    return LegSigns(agree, tuple(np.array(names)[odd].tolist()), scale)
+    return tuple(np.array(names)[odd].tolist()), scale
 
 
 def _cosines(given: Floats, absorbed: Floats, signs: Floats) -> Floats:
@@ -329,7 +321,7 @@ def _other_unit(walk: Walk, judged: dict[str, LegSigns]) -> str:
     """Say that the work of legs is of another size than that of the forces on their feet."""
     over_weight = walk.loads.vertical_impulse_over_weight
     newtons = over_weight is None or 0.5 < over_weight < 2.0
-    scale = median_of([signs.scale for signs in judged.values()]) if judged else 1.0
+    scale = median_of([scale for _, scale in judged.values()]) if judged else 1.0
     if not newtons or 1.0 / OTHER_UNIT <= scale <= OTHER_UNIT:
         return ""
     return f"the work of joints is {scale:.3g} times that of the forces on the feet"
@@ -339,7 +331,7 @@ def _effort_signs(
     walk: Walk, legs: LegFigures, judged: dict[str, LegSigns], *, judges_all: bool
 ) -> Iterator[Finding]:
     """Yield efforts of the wrong sign: of legs, or else by energy of all joints together."""
-    odd = {foot: signs.odd for foot, signs in judged.items() if not signs.agree}
+    odd = {foot: names for foot, (names, _) in judged.items() if names}
     sound = judged.keys() - odd.keys()
     where, feet = "legs.positive_work_j", [foot.name for foot in walk.feet]
     if odd:
