@@ -177,7 +177,6 @@ def mask_walk(corrected: Corrected) -> Walk:
         base=motion,
         fallen=fallen,
         standing=standing,
-        walked=walked,
         feet=feet,
         clocks_apart=apart,
         base_delay=delay,

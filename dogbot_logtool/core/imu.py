@@ -200,7 +200,9 @@ def _compare_forces(
     loaded = [foot for foot in feet if len(foot.in_contact)]
     if not loaded or not all(vertical_is_known(foot) for foot in loaded):
         return None
-    known = timespans.intersect([walk.walked, *(foot.vertical_known for foot in feet)])
+    known = timespans.intersect(
+        [timespans.merge(walk.strides), *(foot.vertical_known for foot in feet)]
+    )
     rows = timespans.hold_window(known, time, half_ns, half_ns)
     time = time[rows]
     if len(time) < FEWEST:

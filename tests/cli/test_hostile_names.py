@@ -16,10 +16,9 @@ from mcap.writer import Writer as McapWriter
 
 from tests.forked_cli import run, run_on_terminal
 from tests.oracles.small_logs import odometry_log
-from tests.paths import SAMPLE_LOGS
+from tests.paths import WALK
 from tests.shell import Shell
 
-WALK = SAMPLE_LOGS / "dogbot_walk.mcap"
 SECONDS = 3
 EVIL = "\x1b]0;sent\x07\x1b[8m\x9b31m\u202e\u2028\x7f"
 """A title for the terminal, hidden text, a C1 code, text from right to left, a line, a DEL."""

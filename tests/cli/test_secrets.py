@@ -3,9 +3,8 @@
 import pytest
 
 from tests.forked_cli import run
-from tests.paths import ROOT
+from tests.paths import TROT
 
-SAMPLE = str(ROOT / "sample_logs/dogbot_trot.bag")
 QUERY = "?signature=SECRET&x=SECRET"
 URL = f"http://user:SECRET@127.0.0.1:1/a.bag{QUERY}"
 
@@ -17,13 +16,13 @@ URL = f"http://user:SECRET@127.0.0.1:1/a.bag{QUERY}"
         ["info", f"gopher://user:SECRET@host/a.bag{QUERY}"],
         ["info", f"simplecache::{URL}"],
         ["info", f"zip://a.bag::{URL}"],
-        ["stats", SAMPLE, "--robot", URL],
-        ["stats", SAMPLE, "--figure", URL],
-        ["stats", SAMPLE, "--scheduler", URL],
-        ["stats", SAMPLE, "--scheduler", "tcp://user:SECRET@127.0.0.1:1"],
+        ["stats", str(TROT), "--robot", URL],
+        ["stats", str(TROT), "--figure", URL],
+        ["stats", str(TROT), "--scheduler", URL],
+        ["stats", str(TROT), "--scheduler", "tcp://user:SECRET@127.0.0.1:1"],
         ["compare", URL, URL],
-        ["compare", SAMPLE, SAMPLE, "--tolerances", URL],
-        ["compare", SAMPLE, SAMPLE, "--junit", URL],
+        ["compare", str(TROT), str(TROT), "--tolerances", URL],
+        ["compare", str(TROT), str(TROT), "--junit", URL],
         ["layout", "-o", URL],
         ["robots", URL],
     ],

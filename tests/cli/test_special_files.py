@@ -13,7 +13,7 @@ import pytest
 from dogbot_logtool.robot.robot import load_robot
 from tests import forked_cli
 from tests.forked_cli import Ended
-from tests.paths import ROOT, SAMPLE_LOGS, TROT
+from tests.paths import ROOT, TROT, TROUBLED
 from tests.reader.mcap_bytes import small_mcap
 
 MOST_SECONDS = 30
@@ -151,8 +151,7 @@ def test_hostile_json_is_refused(tmp_path: Path, text: str, says: str) -> None:
     ],
 )
 def test_a_name_that_no_disk_takes_is_told(tmp_path: Path, words: str) -> None:
-    log = SAMPLE_LOGS / "dogbot_troubled.bag"
-    done = forked_cli.run(*words.format(name="x" * 5000, log=log).split(), folder=tmp_path)
+    done = forked_cli.run(*words.format(name="x" * 5000, log=TROUBLED).split(), folder=tmp_path)
     assert done.returncode in {1, 2}
     assert "File name too long" in done.stderr
     assert "Traceback" not in done.stderr

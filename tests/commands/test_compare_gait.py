@@ -6,20 +6,17 @@ from dogbot_logtool.commands.tasks import figures
 from dogbot_logtool.comparison.walks import compare_walks
 from dogbot_logtool.options import MeasureOptions
 from tests.forked_cli import run
-from tests.paths import SAMPLE_LOGS
+from tests.paths import TROT, WALK
 from tests.truth import sensor_faults
 from tests.truth.log_file import write_log
 from tests.truth.recording import disturbed
-from tests.truth.walking import Walk
-
-TROT = SAMPLE_LOGS / "dogbot_trot.bag"
-WALK = SAMPLE_LOGS / "dogbot_walk.mcap"
+from tests.truth.walking import Walk as TrueWalk
 
 
 def test_two_halves_of_a_run_walk_alike(tmp_path: Path) -> None:
     faults = (sensor_faults.as_force_sensors, sensor_faults.noise(1.0))
     log = write_log(
-        disturbed(Walk(seconds=20.0).recorded(200.0, 100.0), *faults), tmp_path / "log.mcap"
+        disturbed(TrueWalk(seconds=20.0).recorded(200.0, 100.0), *faults), tmp_path / "log.mcap"
     )
     halves = [
         figures(log, options=MeasureOptions(mass=20.0, start=start, end=end))

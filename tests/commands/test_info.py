@@ -14,11 +14,8 @@ from dogbot_logtool.commands.info import describe
 from dogbot_logtool.options.info import InfoOptions
 from dogbot_logtool.report.info_report import info_json, print_info
 from dogbot_logtool.results import LogInfo
-from tests.paths import SAMPLE_LOGS
+from tests.paths import TROT, TROUBLED, WALK
 
-TROT, WALK, TROUBLED = (
-    SAMPLE_LOGS / f"dogbot_{name}" for name in ("trot.bag", "walk.mcap", "troubled.bag")
-)
 LOGS = (TROT, WALK, TROUBLED)
 FEET = ("front_left", "front_right", "back_left", "back_right")
 

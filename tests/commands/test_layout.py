@@ -19,9 +19,8 @@ from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.report.layouts import View, foxglove_layout, rviz_config
 from tests.oracles.ros1_logs import write_standing_log
-from tests.paths import SAMPLE_LOGS
+from tests.paths import TROT, TROUBLED, WALK
 
-TROUBLED = SAMPLE_LOGS / "dogbot_troubled.bag"
 FEET = ("front_left", "front_right", "back_left", "back_right")
 
 
@@ -129,18 +128,18 @@ def test_without_a_log_the_feet_are_the_robot_s() -> None:
 
 @pytest.mark.parametrize(
     ("log", "heading_rad"),
-    [("dogbot_trot.bag", 0.4), ("dogbot_walk.mcap", -0.9), ("dogbot_troubled.bag", 0.4)],
+    [(TROT, 0.4), (WALK, -0.9), (TROUBLED, 0.4)],
 )
-def test_the_sample_logs_have_the_dogbot_s_layout(log: str, heading_rad: float) -> None:
+def test_the_sample_logs_have_the_dogbot_s_layout(log: Path, heading_rad: float) -> None:
     """It is 0.46 m high, and its feet stand 0.4 to 0.6 m apart from front to back."""
-    view = view_of(SAMPLE_LOGS / log, MeasureOptions())
+    view = view_of(log, MeasureOptions())
     assert (view.feet, view.world_frame, view.base_frame) == (FEET, "world", "base_link")
     assert view.forward_axis == "+y"
     assert 0.4 <= view.size_m <= 0.6
     assert radians(view.turned_deg) == pytest.approx(heading_rad, abs=0.01)
     # Zero stamps are of one time: those read ahead would move the legs to where they will be.
     scene = panel(foxglove_layout(view), "3D")["scene"]
-    assert scene["transforms"]["enablePreloading"] == ("troubled" not in log)
+    assert scene["transforms"]["enablePreloading"] == (log != TROUBLED)
     # RViz's camera stands in the world, Foxglove's on the base.
     yaw = rviz_config(view)["Visualization Manager"]["Views"]["Current"]["Yaw"]
     assert cos(yaw - radians(view.camera_deg) - heading_rad) == pytest.approx(1.0, abs=1e-3)

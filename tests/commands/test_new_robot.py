@@ -1,6 +1,7 @@
 """A robot's file from a log finds in it what was found without the file."""
 
 import tomllib
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,13 @@ def figures_with_file(path: Path, odometry_topic: str | None = None) -> dict[str
     return figures(path, MeasureOptions(robot=str(file)))
 
 
-@pytest.mark.parametrize("kind", state_walks.KINDS)
+def every_third_is_quick(kinds: Iterable[str]) -> list[Any]:
+    """They go one way; that each is read, the reader's tests tell of all."""
+    slow = pytest.mark.slow
+    return [pytest.param(kind, marks=[slow] * bool(n % 3)) for n, kind in enumerate(kinds)]
+
+
+@pytest.mark.parametrize("kind", every_third_is_quick(state_walks.KINDS))
 def test_the_file_has_the_feet_of_messages_of_all_feet(tmp_path: Path, kind: str) -> None:
     path = tmp_path / "walk.mcap"
     entries = state_walks.messages(kind)
@@ -36,7 +43,9 @@ def test_the_file_has_the_feet_of_messages_of_all_feet(tmp_path: Path, kind: str
     assert len(with_file["feet"]) > 1
 
 
-@pytest.mark.parametrize("kind", sorted({*base_walks.TOPICS} - {*base_walks.ON_REQUEST}))
+@pytest.mark.parametrize(
+    "kind", every_third_is_quick(sorted({*base_walks.TOPICS} - {*base_walks.ON_REQUEST}))
+)
 def test_the_file_has_the_base_s_poses(tmp_path: Path, kind: str) -> None:
     path = base_walks.write(tmp_path / "walk.mcap", kind, base_walks.TOPICS[kind])
     without, with_file = figures(path, MeasureOptions()), figures_with_file(path)

@@ -10,10 +10,7 @@ from pathlib import Path
 
 from dogbot_logtool.report.page.assets import shared_name
 from tests.forked_cli import run
-from tests.paths import SAMPLE_LOGS
-
-WALK = SAMPLE_LOGS / "dogbot_walk.mcap"
-TROT, TROUBLED = SAMPLE_LOGS / "dogbot_trot.bag", SAMPLE_LOGS / "dogbot_troubled.bag"
+from tests.paths import TROT, TROUBLED, WALK
 
 
 def names(folder: Path) -> list[str]:

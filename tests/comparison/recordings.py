@@ -12,8 +12,8 @@ from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf.descriptor import FileDescriptor
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from mcap.writer import CompressionType, IndexType, Writer
-from rosbags.typesys import Stores, get_typestore
-from rosbags.typesys.store import Typestore
+
+from tests.oracles.walks import Walk
 
 START = 1_700_000_000_000_000_000
 STEP = 1_000_000
@@ -97,17 +97,16 @@ def register(writer: Writer, topic: str, kind: Kind) -> int:
 
 
 @cache
-def ros_store(version: int) -> Typestore:
-    return get_typestore(Stores.ROS1_NOETIC if version == 1 else Stores.ROS2_HUMBLE)
+def ros(version: int) -> Walk:
+    return Walk(version)
 
 
 @cache
 def ros_kind(version: int) -> Kind:
-    store = ros_store(version)
-    text, _ = store.generate_msgdef(ODOMETRY, ros_version=version)
+    text = ros(version).definition(ODOMETRY).encode()
     if version == 1:
-        return Kind("ros1", "nav_msgs/Odometry", "ros1msg", text.encode())
-    return Kind("cdr", ODOMETRY, "ros2msg", text.encode())
+        return Kind("ros1", "nav_msgs/Odometry", "ros1msg", text)
+    return Kind("cdr", ODOMETRY, "ros2msg", text)
 
 
 def odometry(
@@ -117,24 +116,13 @@ def odometry(
     frame: str = "world",
     covariance: float = 0.0,
 ) -> bytes:
-    store = ros_store(version)
-    make: Mapping[str, Any] = store.types
-    stamp = make["builtin_interfaces/msg/Time"](5, 6)
-    header = make["std_msgs/msg/Header"](*([7] if version == 1 else []), stamp, frame)
-    pose = make["geometry_msgs/msg/Pose"](
-        make["geometry_msgs/msg/Point"](*position),
-        make["geometry_msgs/msg/Quaternion"](*orientation),
+    message = ros(version).make(
+        ODOMETRY,
+        header={"stamp": (5, 6), "frame_id": frame},
+        child_frame_id="base_link",
+        pose=[(position, orientation), np.full(36, covariance)],
     )
-    zero = make["geometry_msgs/msg/Vector3"](0.0, 0.0, 0.0)
-    twist = make["geometry_msgs/msg/Twist"](zero, zero)
-    message = make[ODOMETRY](
-        header,
-        "base_link",
-        make["geometry_msgs/msg/PoseWithCovariance"](pose, np.full(36, covariance)),
-        make["geometry_msgs/msg/TwistWithCovariance"](twist, np.zeros(36)),
-    )
-    serialize = store.serialize_ros1 if version == 1 else store.serialize_cdr
-    return bytes(serialize(message, ODOMETRY))
+    return ros(version).bytes_of(ODOMETRY, message)
 
 
 def file_set(file: FileDescriptor, *, last_first: bool = False) -> bytes:

@@ -1,12 +1,16 @@
 """Messages compared by their definitions, in every encoding, and as bytes without."""
 
+import struct
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
+from dogbot_logtool.options.compare import CompareOptions
 from tests.comparison.pairs import Pair, counts, tally
 from tests.comparison.recordings import (
     JSON,
@@ -41,6 +45,16 @@ def update(*, with_pose: bool) -> bytes:
     return data
 
 
+ARRAYS = Kind("ros1", "a/Arrays", "ros1msg", b"uint64[] whole\nfloat32[] numbers\n")
+
+
+def arrays(whole: Sequence[int], numbers: Sequence[float]) -> bytes:
+    parts = zip(("<u8", "<f4"), (whole, numbers), strict=True)
+    return b"".join(
+        struct.pack("<I", len(each)) + np.array(each, kind).tobytes() for kind, each in parts
+    )
+
+
 def padded() -> bytes:
     """The scene with a length in two bytes; the entity has become a byte longer."""
     data = scene(entity="a").replace(b"\x1a\x01a", b"\x1a\x81\x00a", 1)
@@ -63,6 +77,14 @@ PAIRS: dict[str, tuple[Recording, Recording, list[str]]] = {
     "protobuf in another way": (
         one_topic(SCENE, scene(entity="a")), one_topic(SCENE, padded()), []
     ),
+    "arrays": (
+        one_topic(ARRAYS, arrays([1, 2, 200], [1.0, 2.0, 3.0])),
+        one_topic(ARRAYS, arrays([2, 1, 200], [1.0, 2.5])), [
+        f"{AT} whole[0]: expected 1, got 2",
+        f"{AT} whole[1]: expected 2, got 1",
+        f"{AT} numbers[1]: expected 2.0, got 2.5 (|d| 0.5)",
+        f"{AT} numbers: expected 3 elements, got 2 elements",
+    ]),
     "JSON": (
         one_topic(JSON, b'{"a": [1, {"b": null}], "c": "x", "d": 1}'),
         one_topic(JSON, b'{"c": "y", "a": [1.0, {"b": false}], "e": 1}'), [
@@ -133,6 +155,15 @@ def test_descriptions_are_counted_apart_from_messages(pair: Pair) -> None:
     pair.write(*PAIRS["an unknown encoding"][:2])
     note = "compared as bytes: the encoding 'cbor' is not known"
     assert tally(pair.compare(), "/a").note == note
+
+
+def test_arrays_are_counted_whole_and_listed_up_to_the_limit(pair: Pair) -> None:
+    sides = (one_topic(ARRAYS, arrays([each] * 1000, [each] * 1000)) for each in (0, 1))
+    pair.write(*sides)
+    result = pair.compare(CompareOptions(atol=1.0, max_differences=3))
+    # Integers are exact unless a tolerance names them.
+    assert [each.path for each in result.differences] == ["whole[0]", "whole[1]", "whole[2]"]
+    assert (result.difference_count, tally(result, "/a").within_tolerance) == (1000, 0)
 
 
 @pytest.mark.parametrize("encoding", WITH_NUMBER)

@@ -224,6 +224,8 @@ def test_values_are_counted_by_part(tmp_path: Path) -> None:
     assert (gait.expected, gait.equal, gait.different) == (3, 2, 1)
     assert (feet.expected, feet.actual, feet.missing, feet.extra) == (2, 2, 1, 1)
     assert (feet.deviation, feet.deviation_path) == (0.25, "feet[0].n")
+    (array,) = compared(tmp_path, '{"a": [1, 2]}', '{"a": [1]}').tallies
+    assert (array.equal, array.missing, array.extra) == (1, 1, 0)
     assert "neither file has any values" in compared(tmp_path, "{}", "{}").warnings[0]
 
 

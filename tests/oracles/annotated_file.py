@@ -136,29 +136,16 @@ def written_transforms(
     written: Written, topic: str, encoding: str
 ) -> Iterator[tuple[list[tuple[str, str]], list[Pose]]]:
     """Yield the frames (parent, child) and the poses of each message."""
-    if encoding == "foxglove":
-        for message, one in annotations(written, topic, encoding, "foxglove.FrameTransforms"):
-            names = [(each.parent_frame_id, each.child_frame_id) for each in one.transforms]
-            poses = [
-                Pose(
-                    message.log_time,
-                    stamp_of(each.timestamp),
-                    numbers_of(each.translation, each.rotation),
-                )
-                for each in one.transforms
-            ]
-            yield names, poses
-        return
-    for message, one in annotations(written, topic, encoding, "tf2_msgs/TFMessage"):
-        names = [(each.header.frame_id, each.child_frame_id) for each in one.transforms]
-        poses = [
-            Pose(
-                message.log_time,
-                stamp_of(each.header.stamp),
-                numbers_of(each.transform.translation, each.transform.rotation),
-            )
-            for each in one.transforms
-        ]
+    is_ros = encoding != "foxglove"
+    kind = "tf2_msgs/TFMessage" if is_ros else "foxglove.FrameTransforms"
+    for message, one in annotations(written, topic, encoding, kind):
+        names, poses = [], []
+        for each in one.transforms:
+            parent = each.header.frame_id if is_ros else each.parent_frame_id
+            stamp = stamp_of(each.header.stamp if is_ros else each.timestamp)
+            at = each.transform if is_ros else each
+            names.append((parent, each.child_frame_id))
+            poses.append(Pose(message.log_time, stamp, numbers_of(at.translation, at.rotation)))
         yield names, poses
 
 

@@ -12,7 +12,7 @@ from dogbot_logtool.core.metrics import NEEDS
 from tests.truth.commanded import Commanded, commanded_walk
 from tests.truth.gaits import WALK
 from tests.truth.log_file import write_log
-from tests.truth.recording import Recording, VectorRecording, about_axis, disturbed
+from tests.truth.recording import Recording, VectorRecording, disturbed
 from tests.truth.sensed import with_imu
 from tests.truth.walking import Walk
 from tests.truth.world_faults import drifting
@@ -111,25 +111,6 @@ def test_an_accelerometer_agrees_with_the_forces(tmp_path: Path, name: str) -> N
     check = next(c for c in stats["quality"]["checks"] if "accelerometer" in c["name"])
     assert check["outcome"] == "passed"
     assert warnings_of(stats) == []
-
-
-@pytest.mark.parametrize("recorded", [True, False])
-def test_the_mounting_is_read_from_static_transforms(tmp_path: Path, *, recorded: bool) -> None:
-    seat = about_axis(0, np.array([np.pi / 2.0]))[0]
-    recording = sensed_walk(mounting=seat, frame="imu_link")
-    if recorded:
-        pose = (0.1, 0.0, 0.05, *seat.tolist())
-        recording = replace(recording, statics=(("imu_link", pose),))
-    stats = measured(tmp_path, recording)
-    assert stats["imu"]["tilt_rad"] == pytest.approx(0.0 if recorded else np.pi / 2.0, abs=0.01)
-    assert warnings_of(stats) == ([] if recorded else ["IMU_TURNED"])
-
-
-def test_a_mass_that_the_accelerometer_refutes_is_named(tmp_path: Path) -> None:
-    stats = measured(tmp_path, sensed_walk())
-    heavy = dl.measure(tmp_path / "x.mcap", mass=24.0).stats
-    assert warnings_of(stats) == []
-    assert "IMPULSE_IS_NOT_WEIGHT" in warnings_of(heavy)
 
 
 def test_other_units_are_left_aside(tmp_path: Path) -> None:

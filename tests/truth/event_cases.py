@@ -63,10 +63,13 @@ def planned() -> Iterator[Case]:
         trips = Event("stumble", at, foot=FOOT, duration_s=0.05, value=(share, 0.05))
         rows.append((f"stumble at {share:g} of a swing", planted.contact(FOOT, at, at + 0.05), "",
                      steps, (trips,)))
-    for rate_hz in (5.0, 10.0, 20.0):
+    noisy = world.pose_noise(0.01), jump
+    yield Case("one jump of noisy poses", TROT, noisy, "POSE_JUMP", skip="height",
+               events=(replace(jumps, value=(1.25**0.5, 0.05)),))
+    for rate_hz in (1.0, 5.0, 10.0, 20.0):
         near = replace(jumps, within_s=1.01 / rate_hz)
         yield Case(f"one jump of the pose at {rate_hz:g} Hz", TROT, (jump, pose.rarely(rate_hz)),
-                   "POSE_JUMP", skip="speed, stride length", events=(near,))
+                   "POSE_JUMP", "POSE", skip="speed, stride length", events=(near,))
     for name, fault, says, skip, events in rows:
         yield Case(name, TROT, (fault,), says, skip=skip, events=events)
     forward = through((3.0, 0.0), (3.5, 0.4), (4.5, 0.4), (5.0, 0.0))
@@ -107,8 +110,10 @@ def falls() -> Iterator[Case]:
     carried, anew = Event("carried", 2.0, 0.06), Event("pose_jump", 4.0)
     tips, pitches = (Event("tipping", 9.0, 0.3, value=(rad, 1e-6)) for rad in (0.4, -0.4))
     along_y = sensor.user_gives(set={"forward_axis": "+y"})
+    special = {"unknown": FORCE, "own axis": along_y, "10 Hz": pose.rarely(10.0)}
     rows: tuple[tuple[str, Knots, Knots, Knots, tuple[float, ...], tuple[Event, ...]], ...] = (
         ("collapses", ((4.0, 0.45), (4.3, 0.1)), UPRIGHT, LOADED, (4.0,), ()),
+        ("collapses, poses at 10 Hz", ((4.0, 0.45), (4.3, 0.1)), UPRIGHT, LOADED, (4.0,), ()),
         ("topples over", ((4.0, 0.45), (4.8, 0.15)), TOPPLES, LOADED, (4.0,), ()),
         ("topples over, height unknown", STANDS, TOPPLES, LOADED, (4.0,), ()),
         ("falls twice", STANDS, TWICE, LOADED, (2.0, 7.0), ()),
@@ -130,7 +135,7 @@ def falls() -> Iterator[Case]:
     for name, height, roll, load, falls_s, events in rows:
         scene = Scene(replace(scenes.MOVING, falls_s=falls_s), seconds=10.0, height=linear(height),
                       roll=linear(roll), loads=(linear(load),) * 4)
-        faults = (FORCE,) if "unknown" in name else (along_y,) if "own axis" in name else ()
+        faults = tuple(fault for word, fault in special.items() if word in name)
         yield Case(f"a robot {name}", scene, faults, cause="FALL|FORWARD|POSE", events=events,
                    skip="class, strides, verdict, height, slope, impulse, margin, speed, climb")
 # fmt: on

@@ -18,8 +18,9 @@ from tests.truth.walking import Walk
 
 VARIANT = re.compile(r", mirrored$| from mid-cycle$")
 """Ends of names of gaits that are also there as they are."""
-ALIKE = re.compile("|".join([r"[+-]?\d+(\.\d+)?", *(f", {way}" for way in reversed(WAYS))]))
-"""What may differ in names of cases that are alike: numbers, and what tells of the feet."""
+KINDS = r"\b(slow walk|walk|trot|two feet|pronk|circle|bumpers|force sensors|silent in swing)\b"
+ALIKE = re.compile("|".join([r"[+-]?\d+(\.\d+)?", *(f", {way}" for way in reversed(WAYS)), KINDS]))
+"""What may differ in names of cases that are alike: numbers, gaits, and what tells of the feet."""
 
 
 def each_case() -> Iterator[Any]:

@@ -254,7 +254,9 @@ def _travel_share(foot: FootSteps) -> float:
 def _dangles(walk: Walk, in_flight: Ints) -> Ints | None:
     """Return a long time without contact in which the base stands as high as in its steps."""
     poses = walk.poses
-    height = aggregate(poses.position[timespans.covers(walk.walked, poses.time), 2])
+    height = aggregate(
+        poses.position[timespans.covers(timespans.merge(walk.strides), poses.time), 2]
+    )
     for span in in_flight[in_flight[:, 1] - in_flight[:, 0] > DANGLES_S * 1e9]:
         inside = poses.position[timespans.covers(span[None], poses.time)]
         if height is None or len(inside) < 2 or np.ptp(inside[:, :2], axis=0).max() > STAYS_M:

@@ -22,11 +22,8 @@ from dogbot_logtool.report.gait_figure import FORMATS, gait_figure, write_figure
 from dogbot_logtool.report.text.gait_diagram import default_window
 from tests.measured import LogFacts, measured, measurement_of
 from tests.oracles import walks
-from tests.paths import SAMPLE_LOGS
+from tests.paths import TROT, TROUBLED, WALK
 
-TROT, WALK, TROUBLED = (
-    SAMPLE_LOGS / f"dogbot_{name}" for name in ("trot.bag", "walk.mcap", "troubled.bag")
-)
 FEET = {"front_left": "FL", "front_right": "FR", "back_left": "BL", "back_right": "BR"}
 SVG = "{http://www.w3.org/2000/svg}"
 MM_PER_POINT = 25.4 / 72.0

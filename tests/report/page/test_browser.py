@@ -24,10 +24,9 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import stats_json
 from tests import forked_cli
-from tests.paths import SAMPLE_LOGS
+from tests.paths import TROT, TROUBLED
 from tests.report.page.browser import BROWSER, DRIVER, OVER_TIME, SWITCHES, Window
 
-TROT = SAMPLE_LOGS / "dogbot_trot.bag"
 REPLAY_TIME: Final = "return parseFloat(document.getElementById('scrub').ariaValueText)"
 pytestmark = pytest.mark.skipif(
     not (BROWSER and DRIVER), reason="no chromium with chromedriver on this machine"
@@ -251,7 +250,7 @@ def test_data_are_saved_as_csv(window: Window, trot_page: Path, trot_json: Any) 
 @pytest.mark.slow
 def test_pages_share_a_script_and_the_index_sorts(window: Window, tmp_path: Path) -> None:
     """The page of a log with events steps from one to the next."""
-    logs = [TROT, SAMPLE_LOGS / "dogbot_troubled.bag"]
+    logs = [TROT, TROUBLED]
     assert forked_cli.run("report", *logs, "-o", tmp_path).returncode == 0
     window.open(tmp_path / "dogbot_troubled.report.html")
     assert window.run("return document.querySelectorAll('.plot .main-svg').length") > 7

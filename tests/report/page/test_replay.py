@@ -16,12 +16,11 @@ from dogbot_logtool.report.page.replay import MOST_FRAMES, frame_times, replay
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.robot.recorded import open_recorded
 from tests.measured import LogFacts, measurement_of
-from tests.paths import SAMPLE_LOGS
+from tests.paths import TROT
 from tests.report.page.page_data import numbers
 from tests.truth import physics
 from tests.truth.free_walker import KEPT_S, trot
 
-TROT = SAMPLE_LOGS / "dogbot_trot.bag"
 MB = 1_000_000
 
 
