@@ -19,7 +19,7 @@ from tests.reader.mcap_bytes import MAGIC, channel, file_header, record, schema,
 
 YEARS_NS: Final = 56 * 365 * 86400 * 10**9
 CONTACTS: Final = "gazebo_msgs/msg/ContactsState"
-Writer = Callable[[Path, int], None]
+Writer = Callable[..., None]
 """Writes a log of so many topics, or states."""
 
 

@@ -134,7 +134,9 @@ LOGS: Final[dict[str, tuple[Callable[..., None], Collection[str], Collection[int
     "30,000 states in a message": (
         partial(many_states, count=30_000), ("stats log", "convert log -o out.mcap"), DONE, ""
     ),
-    "one message": (one_message, ("stats log --figure figure.svg",), (1,), "there is nothing to draw"),
+    "one message": (
+        one_message, ("stats log --figure figure.svg",), (1,), "there is nothing to draw"
+    ),
     "8,000 topics in a table": (
         partial(many_channels, count=8_000), ("info log",), DONE,
         "and 7,000 more topics; --json lists all",

@@ -1,9 +1,7 @@
 import numpy as np
-import pytest
 
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.frames.transforms import FrameTrack, Poses, frame_track, lookup
-from dogbot_logtool.core.rotations import rotate
 
 MS = 1_000_000
 
@@ -50,17 +48,6 @@ def look(tracks: dict[str, FrameTrack], time: Ints, world: str = "world") -> Pos
     return lookup(tracks, "leg", world, time, time)
 
 
-def test_poses_are_interpolated_along_the_chain() -> None:
-    poses = look(spinning(at(0, 20, 40, 60)), at(33))
-    angle = 0.033
-    assert poses.known.all()
-    assert poses.translation[0] == pytest.approx([0.066 - np.sin(angle), np.cos(angle), 0.0])
-    # The link's z axis: bent about x by 0.3 rad, then turned about z.
-    axis = rotate(poses.rotation, np.array([[0.0, 0.0, 1.0]]))[0]
-    tilt = np.sin(0.3)
-    assert axis == pytest.approx([tilt * np.sin(angle), -tilt * np.cos(angle), np.cos(0.3)])
-
-
 def test_nothing_is_extrapolated_and_no_gap_is_bridged() -> None:
     tracks = spinning(at(20, 40, 240, 260))
     known = look(tracks, at(10, 20, 30, 40, 140, 240, 250, 270)).known
@@ -71,19 +58,6 @@ def test_what_was_recorded_long_before_or_after_is_not_used() -> None:
     tracks = spinning(at(0, 20, 40), at(0, 20, 2100))
     known = lookup(tracks, "leg", "world", at(10, 30, 30, 10), at(10, 30, 101, 2010)).known
     assert known.tolist() == [True, False, True, False]
-
-
-def test_frames_that_are_not_connected_are_not_known() -> None:
-    tracks = spinning(at(0, 20))
-    poses = look(tracks, at(10), "elsewhere")
-    assert not poses.known.any()
-    assert np.isnan(poses.rotation).all()
-
-
-def test_a_frame_is_where_it_is_in_itself() -> None:
-    poses = lookup({}, "world", "world", at(5), at(5))
-    assert poses.known.all()
-    assert poses.translation.tolist() == [[0.0, 0.0, 0.0]]
 
 
 def test_a_loop_of_frames_ends() -> None:
