@@ -18,7 +18,7 @@ from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.options.info import InfoOptions
 from dogbot_logtool.reader.containers.log import Log, damage_of
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
-from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES
+from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES, is_static
 from dogbot_logtool.reader.opening import open_joined
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.results import LogInfo, TopicInfo
@@ -124,7 +124,7 @@ def _with_legs(
 def _first_seconds(log: Log, selection: Selection) -> tuple[Recording, int]:
     """Return the first messages, and how many chunks they stand in."""
     used = {c.id for c in (*selection.odometry, *selection.contacts, *selection.transforms)}
-    static = selection.static_transforms
+    static = {channel.id for channel in selection.transforms if is_static(channel)}
     last = (log.start_time or 0) + _FIRST_NS
     chunks = [
         chunk

@@ -16,7 +16,6 @@ from dogbot_logtool.core.arrays import Floats, Integral, Ints, all_finite, trape
 from dogbot_logtool.core.base.comparison import likeness
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.compared import ForceComparison, ImuComparison, Reading
-from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
 from dogbot_logtool.core.metrics import Imu
 from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, normalised, rotate
@@ -198,7 +197,7 @@ def _compare_forces(
     apart = walk.feet_clocks_are_apart or walk.base_is_apart or walk.settings.lacks_feet
     if mass_kg is None or apart or not walk.vertical_known:
         return None
-    strides = timespans.merge(any_strides(feet, walk.fallen, walk.standing.without_steps))
+    strides = timespans.merge(walk.strides)
     loaded = [foot for foot in feet if len(foot.in_contact)]
     if not loaded or not all(vertical_is_known(foot) for foot in loaded):
         return None

@@ -50,8 +50,10 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
         settings: sources of the legs.
     """
     joints = joint_tracks(walk.recording.joints, walk.settings.clock, settings.limits)
-    links = link_tracks(settings.joints, joints)
+    for name in {each.name for each in settings.joints if each.source} & joints.keys():
+        joints[name] = replace(joints[name], follows=True)
     chained = {frame for chain in settings.chains if chain for frame in chain.frames}
+    links = link_tracks(settings.joints, joints)
     frames = walk.frames.tracks(chained) | links
     paths = [foot_path(chain, frames) for chain in settings.chains]
     if not joints and not any(path is not None for path in paths):
@@ -64,6 +66,7 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
         reason = _no_swings(walk, settings, row, path, joints_apart=bool(apart))
         leg, falls, swung = _leg(walk, settings, row, path, reason)
         own = [each for name, each in joints.items() if settings.foot_of_joint.get(name) == row]
+        own = [each for each in own if each.works or not each.moves]
         of_leg = swung | _leg_work(walk.feet[row], own)
         feet.append(_with_frame(walk, settings.chains[row], walk.feet[row], of_leg, falls))
         legs.append(leg)

@@ -194,7 +194,7 @@ def whole_strides(strides: Ints, feet: Sequence[FootHistory], *, vertical: bool)
 def loads_of(
     feet: Sequence[FootHistory],
     body_weight_n: float | None,
-    strides: Ints | None = None,
+    strides: Ints,
     within: Ints | None = None,
     *,
     mass_is_assumed: bool = False,
@@ -217,9 +217,7 @@ def loads_of(
     """
     loaded = [foot for foot in feet if len(foot.in_contact)]
     vertical = bool(loaded) and all(vertical_is_known(foot) for foot in loaded)
-    spans = timespans.no_spans()
-    if strides is not None:
-        spans = whole_strides(strides, feet, vertical=vertical)
+    spans = whole_strides(strides, feet, vertical=vertical)
     over_strides = len(spans) > 0
     if not over_strides:
         spans = _known_to_all(feet, vertical=vertical)

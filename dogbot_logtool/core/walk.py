@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.falls import Tipping
 from dogbot_logtool.core.base.ground import MovingGround
@@ -150,9 +151,7 @@ class Walk:
     @property
     def worlds_differ(self) -> bool:
         """Whether contact points and base are not in one world."""
-        if self.worlds is None or self.settings.base_from_legs:
-            return False
-        return not self.worlds.agree
+        return self.worlds is not None and not self.worlds.agree
 
     @property
     def base_is_apart(self) -> bool:
@@ -211,14 +210,21 @@ class Walk:
             self.instants, within, vertical_known=vertical_known, height_known=height_known
         )
 
+    @property
+    def strides(self) -> Ints:
+        """(s, 2) ns, the strides of the first foot that has any."""
+        spans = [foot.strides.spans for foot in self.feet]
+        return next(filter(len, spans), timespans.no_spans())
+
     def loads_in(self, within: Ints | None = None) -> WalkLoads:
         """Return the loads of all feet over whole strides of the first foot that has any."""
-        own = [foot.strides for foot in self.feet if len(foot.strides.stance)]
-        strides = [each if within is None else each.within(within) for each in own[:1]]
+        strides = self.strides
+        if within is not None:
+            strides = strides[timespans.covers(within, strides.sum(axis=1) // 2)]
         return loads_of(
             self.records,
             self.settings.body_weight_n,
-            strides[0].spans if strides else None,
+            strides,
             within,
             mass_is_assumed=self.settings.mass_is_assumed,
             lacks_feet=self.settings.lacks_feet,

@@ -61,23 +61,20 @@ def refuse_bad_target(
         CallError: it is no regular file, is an input itself, exists and may not be overwritten, or
             its directory does not exist.
     """
-    if not isinstance(target, Path):
-        _refuse_object(target, inputs, overwrite=overwrite)
-        return
     try:
-        if target.is_dir():
-            raise CallError(f"{target}: is a directory; name a file in it")
-        there = _status_of(target) is not None
-        if there and any(_is_file(target, source) for source in inputs):
-            raise _is_input(target)
+        if isinstance(target, Path):
+            there = _status_of(target) is not None
+            is_input = there and any(_is_file(target, source) for source in inputs)
+        else:
+            is_input = target in inputs
+            there = not overwrite and storage.exists(target)
+        if is_input:
+            what = "is the input itself; choose another output"
+            raise CallError(f"{storage.name_of(target)}: {what}")
         if there and not overwrite:
             raise _exists_already(target)
-        folder = target.parent
-        if makes_folder:
-            folder = next(one for one in (folder, *folder.parents) if one.exists())
-        if not folder.is_dir():
-            what = "is a file, not a folder" if folder.exists() else "no such folder"
-            raise CallError(f"{folder}: {what}")
+        if isinstance(target, Path):
+            _refuse_no_folder(target.parent, makes_folder=makes_folder)
     except OSError as error:
         raise CallError(f"{target}: cannot be written: {error.strerror}") from error
 
@@ -86,16 +83,12 @@ def _is_file(target: Path, source: Location) -> bool:
     return isinstance(source, Path) and source.exists() and target.samefile(source)
 
 
-def _refuse_object(target: "UPath", inputs: Sequence[Location], *, overwrite: bool) -> None:
-    if target in inputs:
-        raise _is_input(target)
-    if not overwrite and storage.exists(target):
-        raise _exists_already(target)
-
-
-def _is_input(target: Location) -> CallError:
-    what = "is the input itself; choose another output"
-    return CallError(f"{storage.name_of(target)}: {what}")
+def _refuse_no_folder(folder: Path, *, makes_folder: bool) -> None:
+    if makes_folder:
+        folder = next(one for one in (folder, *folder.parents) if one.exists())
+    if not folder.is_dir():
+        what = "is a file, not a folder" if folder.exists() else "no such folder"
+        raise CallError(f"{folder}: {what}")
 
 
 def _exists_already(target: Location) -> CallError:
@@ -118,6 +111,8 @@ def _status_of(target: Path) -> os.stat_result | None:
                 f"{target}: is a link to nothing; remove it, or name another output"
             ) from None
         return None
+    if stat.S_ISDIR(status.st_mode):
+        raise CallError(f"{target}: is a directory; name a file in it")
     if not stat.S_ISREG(status.st_mode):
         kind = storage.kind_of(status.st_mode)
         raise CallError(f"{target}: is {kind}, not a file; name another output")
@@ -154,40 +149,30 @@ def whole_file(
         replaced = _status_of(target) if overwrite else None
         path = target.resolve() if overwrite and target.is_symlink() else target
         parents = path.parents if makes_folder else path.parents[:1]
-        with _part(next(filter(Path.is_dir, parents), path.parent)) as (file, name):
-            if replaced is not None:
-                _resemble(file, replaced)
-            yield file
-            file.flush()
-            # A power failure leaves a whole file, the one before, or none.
-            os.fsync(file.fileno())
-            if makes_folder:
-                path.parent.mkdir(parents=True, exist_ok=True)
-            _give_name(file, name)
-            file.close()  # Windows gives no open file another name
+        folder = next(filter(Path.is_dir, parents), path.parent)
+        # Known before it is there, so that an interruption in between leaves nothing.
+        part = folder / f".dogbot-logtool.{os.urandom(8).hex()}.part"
+        try:
+            with _nameless(folder) or part.open("xb") as file:
+                if replaced is not None:
+                    _resemble(file, replaced)
+                yield file
+                file.flush()
+                # A power failure leaves a whole file, the one before, or none.
+                os.fsync(file.fileno())
+                if makes_folder:
+                    path.parent.mkdir(parents=True, exist_ok=True)
+                if not part.exists():
+                    _give_name(file, part)
             if overwrite:
-                name.replace(path)
-            elif not _take_free_name(name, path):
+                part.replace(path)
+            elif not _take_free_name(part, path):
                 raise _exists_already(target)
+        finally:
+            with contextlib.suppress(OSError):
+                part.unlink()
     except OSError as error:
         raise LogtoolError(f"{target}: cannot be written: {error.strerror or error}") from error
-
-
-@contextlib.contextmanager
-def _part(folder: Path) -> Iterator[tuple[BinaryIO, Path]]:
-    """Open a file in a directory, without a name where the system allows that.
-
-    Yields:
-        the file, and the temporary name that it has or may get; it is gone in the end.
-    """
-    # Known before it is there, so that an interruption in between leaves nothing.
-    name = folder / f".dogbot-logtool.{os.urandom(8).hex()}.part"
-    try:
-        with _nameless(folder) or name.open("xb") as file:
-            yield file, name
-    finally:
-        with contextlib.suppress(OSError):
-            name.unlink()
 
 
 def _nameless(folder: Path) -> BinaryIO | None:
@@ -202,8 +187,6 @@ def _nameless(folder: Path) -> BinaryIO | None:
 
 def _give_name(file: BinaryIO, name: Path) -> None:
     """Give a file a name that has none yet."""
-    if name.exists():
-        return
     folder = os.open(name.parent, os.O_RDONLY)
     try:
         # Only with a directory given does Python follow the link that stands for an open file.
@@ -244,7 +227,7 @@ def _uploaded_object(target: "UPath", *, overwrite: bool) -> Iterator[BinaryIO]:
         try:
             yield file
             file.close()
-            _refuse_object(target, (), overwrite=overwrite)
+            refuse_bad_target(target, overwrite=overwrite)
             file.commit()
         except BaseException:
             _discard(file)

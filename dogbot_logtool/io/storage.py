@@ -147,7 +147,7 @@ def file_stem(path: Location) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """Size and version of an object in a store."""
+    """Size and version of a file, or of an object in a store."""
 
     is_folder: bool
     """It is a directory, or the common beginning of objects' names."""
@@ -157,13 +157,17 @@ class Facts:
     """Changes whenever the content does; empty if the store has no such thing."""
 
 
-def facts(path: "UPath") -> Facts:
-    """Ask a store about an object.
+def facts(path: Location) -> Facts:
+    """Ask a disk or a store about a file.
 
     Raises:
-        CallError: there is none.
+        CallError: it is a URL, and nothing is there.
         StoreError: the store fails.
+        OSError: it cannot be seen on the disk.
     """
+    if isinstance(path, Path):
+        status = path.stat()
+        return Facts(stat.S_ISDIR(status.st_mode), status.st_size, str(status.st_mtime_ns))
     info = asked(path, lambda: path.fs.info(path.path))
     tags = ("ETag", "etag", "md5Hash", "mtime", "LastModified", "last_modified", "created")
     tag = next((str(info[name]) for name in tags if info.get(name)), "")
@@ -275,11 +279,7 @@ def version(path: Location) -> tuple[int, str]:
         StoreError: the store fails.
         OSError: it cannot be seen on the disk.
     """
-    if isinstance(path, Path):
-        status = path.stat()
-        found = Facts(stat.S_ISDIR(status.st_mode), status.st_size, str(status.st_mtime_ns))
-    else:
-        found = facts(path)
+    found = facts(path)
     if not found.is_folder:
         return found.size or 0, found.version
     parts = [version(file) for file in files_in(path)]

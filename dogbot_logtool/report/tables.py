@@ -28,8 +28,6 @@ NOTHING: Final = "-"
 _SIMULATED_BEFORE_S: Final = 1_000_000_000
 """Log times before this are simulation time, not dates."""
 _NEVER_S: Final = 3e10
-_STANCE: Final = (*FIGURES[:4], "vertical_impulse_ns", *FIGURES[4:])
-"""Columns of the table of stances that are metrics of a stance."""
 Columns = Mapping[str, NDArray[Any]]
 """(n,) each: float64, bool, or texts and None as objects."""
 
@@ -144,7 +142,7 @@ def stance_columns(walk: Walk) -> Columns:
     stances = [foot.stances for foot in walk.feet]
     figures = [
         void_columns(
-            {n: getattr(foot.stances.figures, n) for n in _STANCE}, foot.name, walk.findings
+            {n: getattr(foot.stances.figures, n) for n in FIGURES}, foot.name, walk.findings
         )
         for foot in walk.feet
     ]
@@ -155,7 +153,7 @@ def stance_columns(walk: Walk) -> Columns:
         "touchdown_s": _joined([(each.touchdown - walk.origin) / 1e9 for each in stances]),
         "lift_off_s": _joined([(each.liftoff - walk.origin) / 1e9 for each in stances]),
         "cut": np.array([cut.name.lower() if cut else "" for cut in cuts], np.object_),
-        **{name: _joined([each[name] for each in figures]) for name in _STANCE},
+        **{name: _joined([each[name] for each in figures]) for name in FIGURES},
     }
 
 

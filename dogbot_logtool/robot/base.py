@@ -15,7 +15,7 @@ from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.definition import Struct
-from dogbot_logtool.reader.decode.field_path import every_field
+from dogbot_logtool.reader.decode.paths import every_field
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base, choices, path_source
 from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.others import is_static

@@ -83,7 +83,7 @@ class Robot:
     """s: shorter swings are filled, then shorter stances dropped; None: 20 ms, or 1.5
     sampling intervals where that is more."""
     given: frozenset[str] = frozenset()
-    """Fields that the user set for this call."""
+    """Fields that the user set for this call: ``mass_kg``, ``tare.front_left``."""
 
     @property
     def topics(self) -> frozenset[str]:
@@ -100,10 +100,6 @@ class Robot:
     def with_mass(self, mass_kg: float | None) -> "Robot":
         """Return this robot with another mass, where one is given."""
         return self if mass_kg is None else replace(self, mass_kg=mass_kg)
-
-    def is_given(self, field: str) -> bool:
-        """Tell whether the user set a field for this call: ``mass_kg``, ``tare.front_left``."""
-        return field in self.given
 
 
 @cache

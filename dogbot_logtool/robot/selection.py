@@ -13,7 +13,7 @@ from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base
 from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.feet import FootChannels
-from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES, is_static
+from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES
 from dogbot_logtool.reader.messages.source import Source
 from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.robot.base import choose_base
@@ -87,11 +87,6 @@ class Selection:
             return None
         topic, element = self.odometry[0].topic, self.base.element
         return f"{topic}:{element}" if element else topic
-
-    @property
-    def static_transforms(self) -> frozenset[int]:
-        """Ids of the channels whose transforms hold for ever."""
-        return frozenset(channel.id for channel in self.transforms if is_static(channel))
 
     @property
     def sources(self) -> tuple[Source, ...]:

@@ -12,11 +12,11 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, median_of, norms, percentiles_of
 from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.quality import mean_rate_hz
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.definition import FieldType, FixedArray, Primitive, Text
-from dogbot_logtool.reader.decode.field_path import every_field, is_vector
-from dogbot_logtool.reader.decode.paths import path_of
+from dogbot_logtool.reader.decode.paths import every_field, is_vector, path_of
 from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.messages import definition_of
@@ -105,6 +105,7 @@ def find_candidates(log: Log) -> list[FootSet]:
 
 def _named_sets(log: Log) -> Iterator[FootSet]:
     """Yield sets of fields whose names do not speak against feet, scored by names and rate."""
+    span_ns = (log.end_time or 0) - (log.start_time or 0)
     by_type: dict[str, dict[str, Channel]] = {}
     for channel in log.channels.values():
         if channel.type_name and source_of(channel, "feet") is None:
@@ -123,7 +124,8 @@ def _named_sets(log: Log) -> Iterator[FootSet]:
                 rows += () if labels else _rows_of_fields(topic, path, is_a, kinds)
         siblings = (each for own in fields.values() for each in _siblings(own))
         for one, names in (*siblings, *rows):
-            marks = list(name_marks(names, type_name, _rate_hz(log, one.topics)))
+            slowest = min(message_count(log, topic) for topic in one.topics)
+            marks = list(name_marks(names, type_name, mean_rate_hz(slowest, span_ns)))
             if one.kind != "elements":
                 marks.append((1, f"they differ in {_DIFFER.get(one.kind, 'one word')} only"))
             yield replace(one, type_name=type_name, marks=tuple(marks))
@@ -134,14 +136,16 @@ def _likely_fields(kinds: _Kinds, around: str) -> Iterator[tuple[str, str]]:
 
     Of a vector, its components are no fields of their own.
     """
+    near, near_parts = texts_of(around), parts_of([around])
     for path, kind in kinds.items():
         is_part = is_vector(kinds.get(path.rpartition(".")[0]))
-        own, texts = texts_of(path), texts_of(path, around)
+        own = texts_of(path)
+        texts = own | near
         if own & _OTHER_WORDS or is_part:
             continue
         if is_vector(kind) and texts & (FORCE_WORDS | {"grf"}) and "torque" not in own:
             yield path, "vector"
-        is_told = texts & (CONTACT_WORDS | FORCE_WORDS) or parts_of([path, around]) & _LEGS
+        is_told = texts & (CONTACT_WORDS | FORCE_WORDS) or (near_parts | parts_of([path])) & _LEGS
         if isinstance(kind, Primitive) and is_told:
             yield path, "integer" if kind.dtype[0] in "iu" else "number"
 
@@ -239,14 +243,6 @@ def _siblings(fields: Mapping[str, Foot]) -> Iterator[_Named]:
                 position = leg_position(name)
                 feet.append(replace(fields[group[word]], name=name, leg_position=position))
             yield FootSet(tuple(feet), "one word"), group.values()
-
-
-def _rate_hz(log: Log, topics: frozenset[str]) -> float | None:
-    """Return the messages a second of the slowest topic."""
-    if log.start_time is None or log.end_time is None or log.end_time <= log.start_time:
-        return None
-    slowest = min(message_count(log, topic) for topic in topics)
-    return slowest / ((log.end_time - log.start_time) / 1e9)
 
 
 # By content

@@ -148,6 +148,7 @@ class Word(NamedTuple):
         return "number" if self.text.isdecimal() else _SLOTS.get(self.text, "")
 
 
+@lru_cache(maxsize=4096)
 def words_of(name: str) -> tuple[Word, ...]:
     """Split a name into words."""
     return tuple(_words_of(name[-_LONGEST:]))[-_MOST_WORDS:]

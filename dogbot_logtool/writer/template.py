@@ -1,11 +1,12 @@
 """Templates: one message is serialised by its official library, the rest are copies of it.
 
 No wire format is known here but that of single numbers. To find the offsets of the slots, a message
-is serialised twice with numbers that occur nowhere else in it. The copies are a numpy structured
+is serialised with numbers that occur nowhere else in it. The copies are a numpy structured
 array of MCAP message records, and the numbers are written into its columns.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
@@ -17,6 +18,8 @@ from numpy.typing import NDArray
 from dogbot_logtool.core.arrays import Ints
 
 Number = float | int | str
+Mark = tuple[Number, bytes]
+"""A number to be found in a message, and its bytes."""
 Columns = Mapping[str, NDArray[Any]]
 """(n, ...) values by the name of a slot."""
 Records = NDArray[np.void]
@@ -44,6 +47,10 @@ TEXT: Final = "S6"
 """How texts are written."""
 _VARINT_SHORT: Final = 5
 """Seven-bit groups that hold every number below 2^35."""
+
+
+_FILLERS: Final = 0x20, 0x50
+"""Bytes of marks; the second where a message has the bytes of the first by itself."""
 
 
 class Of(Enum):
@@ -119,31 +126,37 @@ def learn(
         literal: the message; one slot may stand in several places.
         kinds_of: how the encoding writes values.
     """
-    numbers: dict[Slot, int] = {}
+    for filler in _FILLERS:
+        message, marks, counts = _with_marks(serialise, literal, kinds_of, filler)
+        places = [
+            (slot, kinds_of[slot.of], offset)
+            for slot, (_, mark) in marks.items()
+            for offset in _found(message, mark)
+        ]
+        # A text of the message may have the bytes of a mark.
+        if Counter(slot for slot, _, _ in places) == counts:
+            return _of_places(message, places)
+    raise AssertionError(f"{', '.join(slot.name for slot in counts)}: not of a fixed width")
 
-    def filled(*, other: bool) -> bytes:
-        def value_of(slot: Slot) -> Number:
-            number = numbers.setdefault(slot, len(numbers))
-            value, _ = _mark(kinds_of[slot.of], number, other)
-            return f"{slot.before}{value}" if slot.of is Of.TEXT else value
 
-        return serialise(_filled(literal, value_of))
+def _with_marks(
+    serialise: Callable[[Literal], bytes],
+    literal: Literal,
+    kinds_of: Mapping[Of, str],
+    filler: int,
+) -> tuple[bytes, Mapping[Slot, Mark], Counter[Slot]]:
+    """Return a message with marks for slots, these marks, and in how many places each stands."""
+    marks: dict[Slot, Mark] = {}
+    counts = Counter[Slot]()
 
-    message, changed = filled(other=False), filled(other=True)
-    expected = bytearray(message)
-    places: list[tuple[Slot, str, int]] = []
-    for slot, number in numbers.items():
-        kind = kinds_of[slot.of]
-        first, second = (_mark(kind, number, other)[1] for other in (False, True))
-        found = _found(message, first, changed, second)
-        if not found:
-            raise AssertionError(f"{slot.name} is not written in a fixed width")
-        for offset in found:
-            expected[offset : offset + len(second)] = second
-            places.append((slot, kind, offset))
-    if expected != changed:
-        raise AssertionError(f"more changes than {', '.join(slot.name for slot in numbers)}")
-    return _of_places(message, places)
+    def value_of(slot: Slot) -> Number:
+        counts[slot] += 1
+        if slot not in marks:
+            marks[slot] = _mark(kinds_of[slot.of], len(marks), filler)
+        value, _ = marks[slot]
+        return f"{slot.before}{value}" if slot.of is Of.TEXT else value
+
+    return serialise(_filled(literal, value_of)), marks, counts
 
 
 def _filled(value: Any, value_of: Callable[[Slot], Number]) -> Any:  # noqa: ANN401 - of a literal
@@ -173,17 +186,16 @@ def _of_places(message: bytes, places: Sequence[tuple[Slot, str, int]]) -> Templ
 
 
 @cache
-def _mark(kind: str, number: int, other: bool) -> tuple[Number, bytes]:  # noqa: FBT001 - of two
-    """Return a number to be found in a message, and its bytes: one of two for a field.
+def _mark(kind: str, number: int, filler: int) -> Mark:
+    """Return a number to be found in a message, and its bytes.
 
-    The two differ in every byte, and of different fields in one of three.
+    Those of different slots differ in one of three bytes.
 
     Args:
-        kind: of the field.
-        number: its index among the fields of its message.
-        other: the second of the two.
+        kind: of the slot.
+        number: its index among the slots of its message.
+        filler: the byte before and behind those that differ: one of `_FILLERS`.
     """
-    filler = 0x50 if other else 0x20
     digits = number % 47, number // 47 % 47, number // 47**2
     head = bytes(filler + 1 + digit for digit in digits)
     if kind == VARINT:
@@ -197,14 +209,12 @@ def _mark(kind: str, number: int, other: bool) -> tuple[Number, bytes]:  # noqa:
     return np.frombuffer(written, dtype)[0].item(), written
 
 
-def _found(message: bytes, first: bytes, changed: bytes, second: bytes) -> list[int]:
-    """Return the offsets where a message has the first bytes and the changed one the second."""
-    found, offset = [], message.find(first)
+def _found(message: bytes, mark: bytes) -> Iterator[int]:
+    """Yield the offsets of a mark in a message."""
+    offset = message.find(mark)
     while offset >= 0:
-        if changed.startswith(second, offset):
-            found.append(offset)
-        offset = message.find(first, offset + 1)
-    return found
+        yield offset
+        offset = message.find(mark, offset + 1)
 
 
 def varints(values: Ints) -> NDArray[np.void]:

@@ -10,8 +10,7 @@ from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.reader.containers.log import Batch, Channel, Schema
-from dogbot_logtool.reader.decode.message_table import Messages
+from dogbot_logtool.reader.containers.log import Batch, Channel, Messages, Schema
 from dogbot_logtool.reader.decode.paths import MOST_ELEMENTS
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.bases import Base

@@ -14,7 +14,7 @@ import zstandard
 from mcap.reader import make_reader
 
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.reader.decode.message_table import Messages
+from dogbot_logtool.reader.containers.log import Messages
 from dogbot_logtool.reader.opening import open_log
 from tests.reader.reading import read_file
 

@@ -146,6 +146,31 @@ def test_swings_and_work_of_legs(kind: str) -> None:
     }
 
 
+@pytest.mark.parametrize("effort", [0.0, np.nan], ids=["zero", "empty"])
+def test_a_knee_that_follows_needs_no_effort(effort: float) -> None:
+    truth = robot("pantograph")
+
+    def with_knee(states: Floats, knee: Floats) -> Floats:
+        of_legs = np.concatenate([states.reshape(-1, 4, 3), knee[:, :, None]], axis=2)
+        return of_legs.reshape(len(states), -1)
+
+    reach = (each[:, 2::3] for each in (truth.position, truth.velocity))
+    position, velocity = (-2.0 * each for each in reach)
+    told = replace(
+        truth,
+        position=with_knee(truth.position, position),
+        velocity=with_knee(truth.velocity, velocity),
+        torque=with_knee(truth.torque, np.full_like(position, effort)),
+        joints=tuple(f"{foot}_{part}_joint" for foot in FEET for part in (*PARTS, "knee")),
+    )
+    one, other = (physics.measured(each, by_transforms=False) for each in (truth, told))
+    for metric in ("absolute_work_j", "mechanical_cost_of_transport"):
+        assert other.stats["legs"][metric] == pytest.approx(one.stats["legs"][metric])
+    for column in ("absolute_work_j", "clearance_m"):
+        assert other.strides[column] == pytest.approx(one.strides[column], nan_ok=True)
+    assert "JOINT_VALUES" not in {each["code"] for each in other.stats["findings"]}
+
+
 def no_efforts(position: Floats, velocity: Floats, effort: Floats) -> tuple[Floats, ...]:
     return position, velocity, np.full_like(effort, np.nan)
 

@@ -322,7 +322,7 @@ def _signs(walk: Walk, legs: LegFigures) -> dict[str, LegSigns]:
         pushes = stride_curve(foot, foot.strides, forward=True)
         if leg.path is None or leg.reason or pushes is None:
             continue
-        moving = [joint for joint in legs.joints_of(row) if joint.moves]
+        moving = [joint for joint in legs.joints_of(row) if joint.works]
         signs = leg_signs(foot.record.track, foot.stances, leg.path, walk.poses, moving)
         if signs is not None:
             judged[leg.name] = signs
@@ -352,6 +352,8 @@ def _effort_signs(
         yield found("EFFORT_SIGN", where=where, feet=feet, names=names)
         return
     weight, astray = walk.loads.weight_n, walk.base_clock_is_apart or walk.loses_track
+    # Legs alone do not tell whether the base climbs.
+    astray |= walk.settings.base_from_legs
     if weight is None or astray or not judges_all or len(judged) == len(legs.feet):
         return
     strides = walk.feet[walk.reference].strides

@@ -13,7 +13,7 @@ from dogbot_logtool.core.base.ground import MovingGround
 from dogbot_logtool.core.base.motion import stride_lengths
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
-from dogbot_logtool.core.contact.stances import Cut, Stances
+from dogbot_logtool.core.contact.stances import Cut, StanceFigures, Stances
 from dogbot_logtool.core.gait.strides import Strides, strides_of, walked_stances
 from dogbot_logtool.core.gait.support import Standing
 from dogbot_logtool.core.leg_position import LegPosition
@@ -28,17 +28,9 @@ STRAIGHT_RAD: Final = np.radians(10.0)
 """The base turns by less in a straight stride."""
 FEWEST_STANCES: Final = 8
 """Stances of all feet from which it is told how far they push the robot on."""
-FIGURES: Final = (
-    "peak_force_n",
-    "mean_force_n",
-    "peak_vertical_force_n",
-    "mean_vertical_force_n",
-    "loading_rate_nps",
-    "impact_ratio",
-    "contact_travel_m",
-    "friction_use",
-)
-"""Metrics of a foot that are figures of its stances."""
+_METRICS: Final = frozenset(field.name for field in fields_of(Foot))
+FIGURES: Final = tuple(name for name in StanceFigures._fields if name in _METRICS)
+"""Figures of stances that are metrics of a foot."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -146,7 +138,7 @@ def foot_steps(
         is_straight = np.abs(turn) < STRAIGHT_RAD
         length, length_from = np.where(is_straight, travelled, np.nan), "base"
     of_strides = {
-        "swing_s": strides.swing_s,
+        "swing_s": (strides.end - strides.liftoff) / 1e9,
         "stride_period_s": strides.period_s,
         "duty_factor": strides.duty_factor,
         "stride_length_m": length,
@@ -265,25 +257,25 @@ def foot_metrics(
         f"peak_{name}_bw": foot.of_stances[f"peak_{name}_n"] * per_weight
         for name in ("force", "vertical_force")
     }
-    columns = {**foot.of_stances, **in_weights}
-    found = {name: aggregate(values[whole]) for name, values in columns.items()}
-    found |= {name: aggregate(values[inside]) for name, values in foot.of_strides.items()}
+    found: dict[str, Any] = {}
+    for name, values in {**foot.of_stances, **in_weights}.items():
+        found[name] = aggregate(values[whole])
+    for name, values in foot.of_strides.items():
+        found[name] = aggregate(values[inside])
     length, slips = found["stride_length_m"], found["slip_m"] or foot.slip_from == "foot_frame"
-    names = {field.name for field in fields_of(Foot)}
-    return replace(
-        unknown(Foot),
-        **dict[str, Any]({name: each for name, each in found.items() if name in names}),
-        contact_fraction=foot.record.contact_fraction(within),
-        strides=len(strides.stance),
-        stride_frequency_hz=strides.frequency_hz,
-        stride_length_from=None if length is None else foot.length_from,
-        slip_from=foot.slip_from if slips else None,
-        touchdown_s=_seconds(foot.touchdown, origin, within),
-        lift_off_s=_seconds(foot.liftoff, origin, within),
-        vertical_impulse_ns=vertical_impulse_ns(foot.record, within),
-        vertical_over_stride_n=stride_curve(foot, strides, forward=False),
-        forward_over_stride_n=stride_curve(foot, strides, forward=True),
-    )
+    found |= {
+        "contact_fraction": foot.record.contact_fraction(within),
+        "strides": len(strides.stance),
+        "stride_frequency_hz": strides.frequency_hz,
+        "stride_length_from": None if length is None else foot.length_from,
+        "slip_from": foot.slip_from if slips else None,
+        "touchdown_s": _seconds(foot.touchdown, origin, within),
+        "lift_off_s": _seconds(foot.liftoff, origin, within),
+        "vertical_impulse_ns": vertical_impulse_ns(foot.record, within),
+        "vertical_over_stride_n": stride_curve(foot, strides, forward=False),
+        "forward_over_stride_n": stride_curve(foot, strides, forward=True),
+    }
+    return replace(unknown(Foot), **{name: found[name] for name in found.keys() & _METRICS})
 
 
 def _seconds(time: Ints, origin: int, within: Ints | None) -> Numbers:

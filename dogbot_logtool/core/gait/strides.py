@@ -34,11 +34,6 @@ class Strides:
         return np.asarray((self.liftoff - self.touchdown) / 1e9)
 
     @property
-    def swing_s(self) -> Floats:
-        """(n,) s, next touchdown minus lift-off."""
-        return np.asarray((self.end - self.liftoff) / 1e9)
-
-    @property
     def period_s(self) -> Floats:
         """(n,) s, next touchdown minus touchdown."""
         return np.asarray((self.end - self.touchdown) / 1e9)

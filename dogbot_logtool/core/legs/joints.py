@@ -81,6 +81,8 @@ class JointTrack:
     """Sum of v^2 dt, with v the velocity that messages tell; 0: they tell none."""
     reported_moved: float
     """Sum of v dq: what `reported_squared` is where velocities are those of the positions."""
+    follows: bool = False
+    """Whether the robot's description says that another joint moves it."""
 
     @property
     def range(self) -> float:
@@ -91,6 +93,11 @@ class JointTrack:
     def moves(self) -> bool:
         """Whether its position ever changes."""
         return self.range > 0.0
+
+    @property
+    def works(self) -> bool:
+        """Whether it moves, and not just as another one that moves it."""
+        return self.moves and (self.has_effort or not self.follows)
 
 
 def joint_tracks(
@@ -269,8 +276,8 @@ class LegFigures:
 
     @property
     def moving(self) -> list[JointTrack]:
-        """Joints that move."""
-        return [joint for joint in self.joints.values() if joint.moves]
+        """Joints that motors move."""
+        return [joint for joint in self.joints.values() if joint.works]
 
     def joints_of(self, foot: int) -> list[JointTrack]:
         """Return the joints that move a foot."""

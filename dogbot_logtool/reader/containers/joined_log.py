@@ -23,12 +23,12 @@ from dogbot_logtool.reader.containers.log import (
     Log,
     Schema,
     Span,
+    concatenate_messages,
     time_range,
 )
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.source import ByteSource
 from dogbot_logtool.reader.containers.zstd import unpacked
-from dogbot_logtool.reader.decode.message_table import concatenate_messages
 
 _EARLIEST: Final = -(1 << 62)
 

@@ -6,16 +6,16 @@ from collections.abc import Set as AbstractSet
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Final
+from typing import Any, Final, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Bytes, Flags
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints, concatenated, picked
 from dogbot_logtool.io.storage import Location, name_of
 from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Damage, Loss, lost_messages
 from dogbot_logtool.reader.containers.source import ByteSource
 from dogbot_logtool.reader.decode.definition import short_type_name
-from dogbot_logtool.reader.decode.message_table import Messages
 
 BATCH_SIZE: Final = 15 << 19
 """Bytes of decompressed chunks from which a batch is full: large enough to make the cost of a
@@ -121,6 +121,46 @@ class EarlierAnnotations:
     records: tuple[Mapping[str, str], ...] = ()
     """Their contents, the oldest first."""
     messages: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Messages:
+    """Messages in the order in which they stand in the file."""
+
+    channel: NDArray[np.int64]
+    """(n,) channel ids."""
+    log_time: Ints
+    """(n,) ns."""
+    publish_time: Ints
+    """(n,) ns."""
+    sequence: Ints
+    """(n,)."""
+    start: Ints
+    """(n,) where each payload begins in the batch's buffer."""
+    end: Ints
+    """(n,) where it ends."""
+
+    def __len__(self) -> int:
+        return len(self.channel)
+
+    def pick(self, rows: Flags | Ints | slice) -> Self:
+        """Return the chosen rows."""
+        return picked(self, rows)
+
+    def shifted(self, offset: int) -> "Messages":
+        """Return the same messages for a buffer in which their bytes lie `offset` further on."""
+        return replace(self, start=self.start + offset, end=self.end + offset)
+
+
+def no_messages() -> Messages:
+    """Return an empty table."""
+    nothing = np.empty(0, np.int64)
+    return Messages(nothing, nothing, nothing, nothing, nothing, nothing)
+
+
+def concatenate_messages(parts: Sequence[Messages]) -> Messages:
+    """Stack message tables."""
+    return concatenated(parts) if parts else no_messages()
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,7 +24,9 @@ from dogbot_logtool.reader.containers.log import (
     Extra,
     LoadedChunk,
     Log,
+    Messages,
     Span,
+    concatenate_messages,
     counts_by_channel,
     time_range,
 )
@@ -43,7 +45,6 @@ from dogbot_logtool.reader.containers.salvage.records import (
     next_sound,
 )
 from dogbot_logtool.reader.containers.source import ByteSource
-from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
 
 _ROUND_SIZE: Final = 1 << 20
 _REGION_SIZE: Final = 1 << 20

@@ -134,9 +134,9 @@ class _Walk:
 
     def _numbers(self, run: Run, start: Ints) -> Sequence[Rows]:
         """Return the numbers of a run that are wanted, if any are."""
-        if not run.leaves:
+        if run.wanted is None:
             return ()
-        dtype = run.dtype(self._order)
+        dtype = run.wanted if self._order == "<" else run.wanted.newbyteorder(">")
         if not dtype.itemsize:
             return (np.zeros(len(start), dtype),)
         return (self._gather(start + run.first, dtype.itemsize).view(dtype),)

@@ -6,10 +6,9 @@ in alignment (CDR aligns every number to its own width, counted from the end of 
 encapsulation header) and in the strings' terminator.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
@@ -17,37 +16,16 @@ from dogbot_logtool.reader.decode.definition import (
     FieldType,
     FixedArray,
     Primitive,
+    Serialisation,
     Struct,
     Text,
     VariableArray,
     smallest_size,
 )
 
-Serialisation = Literal["ros1", "cdr"]
 ELEMENT: Final = "value"
 """Name of the column that holds the elements of an array of numbers or strings."""
 _CDR_ORIGIN_ALIGNMENT: Final = 8
-
-
-@dataclass(frozen=True, slots=True)
-class Leaf:
-    """A wanted number, or fixed array of numbers, at a static offset in its run."""
-
-    path: str
-    offset: int
-    dtype: str
-    length: int | None
-    """Elements of a fixed array, None for a single number."""
-
-    @property
-    def end(self) -> int:
-        """First byte after it, in its run."""
-        return self.offset + int(self.dtype[1:]) * (1 if self.length is None else self.length)
-
-    def format(self, order: str) -> str:
-        """Return the form that a dtype of the byte order has for it."""
-        number = order + self.dtype
-        return number if self.length is None else f"({self.length},){number}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,17 +34,11 @@ class Run:
 
     alignment: int
     size: int
-    leaves: tuple[Leaf, ...]
-    """The wanted numbers, which are fetched together."""
-
-    @property
-    def first(self) -> int:
-        """Offset of the first wanted number."""
-        return self.leaves[0].offset
-
-    def dtype(self, order: str) -> np.dtype[np.void]:
-        """Return the dtype of the wanted numbers, with a field a path; the order is a dtype's."""
-        return _run_dtype(self, order)
+    first: int = 0
+    """Offset of the first wanted number."""
+    wanted: np.dtype[np.void] | None = None
+    """The wanted numbers, little-endian, which are fetched together, with a field a path; None:
+    none are."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +102,8 @@ class _Compiler:
         self._cdr = serialisation == "cdr"
         self._wanted = wanted
         self._steps: list[Step] = []
-        self._leaves: list[Leaf] = []
+        self._leaves: list[tuple[str, int, str]] = []
+        """Path, offset and format of each wanted number, or fixed array of numbers."""
         self._size = 0
         self._alignment = 1
         self._modulus = modulus
@@ -162,7 +135,7 @@ class _Compiler:
         size = int(dtype[1:])
         if length == 0:
             if self._is_wanted(path):
-                self._leaves.append(Leaf(path, self._size, dtype, 0))
+                self._leaves.append((path, self._size, f"(0,)<{dtype}"))
             return
         if self._cdr:
             if self._modulus is None or size > self._modulus:
@@ -170,7 +143,8 @@ class _Compiler:
                 self._alignment = self._modulus = size
             self._size += -self._size % size
         if self._is_wanted(path):
-            self._leaves.append(Leaf(path, self._size, dtype, length))
+            shape = "" if length is None else f"({length},)"
+            self._leaves.append((path, self._size, f"{shape}<{dtype}"))
         self._size += size * (1 if length is None else length)
 
     def _array(self, path: str, element: FieldType, alignment: int, length: int | None) -> None:
@@ -190,7 +164,7 @@ class _Compiler:
 
     def _close_run(self) -> None:
         if self._size or self._leaves:
-            self._steps.append(Run(self._alignment, self._size, tuple(self._leaves)))
+            self._steps.append(Run(self._alignment, self._size, *_fetched(self._leaves)))
         self._leaves, self._size, self._alignment, self._modulus = [], 0, 1, None
 
     def _close_run_aligned_to(self, alignment: int) -> int:
@@ -216,13 +190,18 @@ class _Compiler:
         return [want.removeprefix(inside) for want in self._wanted if want.startswith(inside)]
 
 
-@lru_cache(maxsize=256)
-def _run_dtype(run: Run, order: str) -> np.dtype[np.void]:
-    return np.dtype(
+def _fetched(leaves: Sequence[tuple[str, int, str]]) -> tuple[int, np.dtype[np.void] | None]:
+    """Return the offset of the first of some numbers, and the dtype of all."""
+    if not leaves:
+        return 0, None
+    paths, offsets, formats = zip(*leaves, strict=True)
+    first, end = offsets[0], offsets[-1] + np.dtype(formats[-1]).itemsize
+    dtype = np.dtype(
         {
-            "names": [leaf.path for leaf in run.leaves],
-            "formats": [leaf.format(order) for leaf in run.leaves],
-            "offsets": [leaf.offset - run.first for leaf in run.leaves],
-            "itemsize": run.leaves[-1].end - run.first,
+            "names": [*paths],
+            "formats": [*formats],
+            "offsets": [offset - first for offset in offsets],
+            "itemsize": end - first,
         }
     )
+    return first, dtype

@@ -10,8 +10,7 @@ from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.prepared import plausible
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Batch, Channel
-from dogbot_logtool.reader.decode.field_path import parse_field_path
-from dogbot_logtool.reader.decode.paths import FieldPath
+from dogbot_logtool.reader.decode.paths import FieldPath, parse_field_path
 from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.feet import FootChannels, read_feet
 from dogbot_logtool.reader.messages.gazebo import PairStates, read_pairs

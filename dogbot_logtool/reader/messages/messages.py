@@ -12,9 +12,14 @@ from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.decode.columns import Table
 from dogbot_logtool.reader.decode.decode import decode
-from dogbot_logtool.reader.decode.definition import Struct, parse_definition, short_type_name
-from dogbot_logtool.reader.decode.known_definitions import known_definition
-from dogbot_logtool.reader.decode.message_layout import Layout, Serialisation, compile_layout
+from dogbot_logtool.reader.decode.definition import (
+    Serialisation,
+    Struct,
+    known_definition,
+    parse_definition,
+    short_type_name,
+)
+from dogbot_logtool.reader.decode.message_layout import Layout, compile_layout
 from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS, as_ros1, object_definition, only
 from dogbot_logtool.reader.decode.paths import Columns
 

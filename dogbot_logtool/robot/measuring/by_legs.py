@@ -14,6 +14,7 @@ from dogbot_logtool.core.estimated.ground import TOO_MUCH, WRONG_SIGN, joints_of
 from dogbot_logtool.core.frames.kinematics import Leg
 from dogbot_logtool.core.recording import JointTable, Recording
 from dogbot_logtool.core.rotations import multiply
+from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log
@@ -21,7 +22,7 @@ from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.robot.names import FootSet
 from dogbot_logtool.robot.robot_model.description import Model, without_legs
-from dogbot_logtool.robot.robot_model.legs_of_urdf import find_legs
+from dogbot_logtool.robot.robot_model.legs_of_urdf import axis_by_names, find_legs
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 from dogbot_logtool.robot.selection import Selection, select_topics
 
@@ -73,7 +74,7 @@ def _estimated(
     """
     named, lacks_feet = selection.robot, not selection.contacts
     robot = _based(recording, named.base_frame, robot)
-    knows_axis = named.is_given("forward_axis") or not selection.robot_is_guessed
+    knows_axis = "forward_axis" in named.given or not selection.robot_is_guessed
     axis = named.forward_axis if knows_axis else None
     try:
         legs, axis = find_legs(robot, _posture(recording.joints), axis)
@@ -116,6 +117,22 @@ def _estimated(
         base_from_legs=not selection.odometry,
     )
     return legs, selection, estimated
+
+
+def facing(settings: WalkSettings, recording: Recording, robot: RobotOfUrdf) -> WalkSettings:
+    """Let the names of a robot's legs tell its forward axis, if that was only guessed."""
+    axis = None
+    if settings.forward_axis_is_assumed:
+        axis = axis_by_names(robot, _posture(recording.joints))
+    if axis is None:
+        return settings
+    settings = replace(settings, forward_axis_is_assumed=False)
+    if axis == settings.forward_axis:
+        return settings
+    reason = (
+        f"{settings.forward_axis} of the guessed robot is not forward here: its legs' names say"
+    )
+    return replace(settings, forward_axis=axis, forward_axis_reason=reason)
 
 
 def _posture(tables: Sequence[JointTable]) -> dict[str, float]:

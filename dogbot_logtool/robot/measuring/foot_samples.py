@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints, concatenated, norms, percentiles_of
+from dogbot_logtool.core.arrays import Floats, concatenated, nearest_rows, norms, percentiles_of
 from dogbot_logtool.core.contact.contact_rule import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, without_contact
 from dogbot_logtool.core.corrections.clock import usual_interval_s
@@ -119,32 +119,22 @@ def _with_levels(
     Returns:
         the selection, and the counts to take off each raw foot's.
     """
-    robot, reason = selection.robot, ""
-    offsets = dict.fromkeys(raw, 0.0)
-    thresholds = []
+    robot, offsets = selection.robot, dict.fromkeys(raw, 0.0)
     scaled = any(foot.newtons_per_count is not None for foot in robot.feet)
-    for row in raw if robot.contact_on_counts is None and not scaled else ():
-        level = _level(feet[row])
-        rule = contact_rule(level, None)
-        offset, loaded = float(level.offset_n[2]), level.loaded_n
-        down = float((feet[row].force[:, 2] - offset >= rule.on_n).mean()) if loaded else 0.0
-        why = level.reason
-        if not why and (loaded is None or rule.on_n > MOST_OF_LOAD * loaded):
-            why = "its counts hardly change"
-        elif not why and not _WALKING[0] <= down <= _WALKING[1]:
-            why = f"on the ground {down:.0%} of the time"
-        if why:
-            reason = f" (it cannot be estimated from the log; {robot.feet[row].name}: {why})"
-            break
-        offsets[row] = offset
-        thresholds.append(rule.on_n)
-    estimated = len(thresholds) == len(raw)
+    levels = {}
+    if robot.contact_on_counts is None and not scaled:
+        levels = {row: _contact_level(feet[row]) for row in raw}
+    wrong = [f"{robot.feet[row].name}: {why}" for row, (_, _, why) in levels.items() if why]
+    reason = f" (it cannot be estimated from the log; {wrong[0]})" if wrong else ""
+    estimated = bool(levels) and not wrong
     if estimated:
+        offsets |= {row: offset for row, (offset, _, _) in levels.items()}
         shifted = (
             replace(foot, offset=foot.offset + offsets.get(row, 0.0))
             for row, foot in enumerate(robot.feet)
         )
-        robot = replace(robot, feet=tuple(shifted), contact_on_counts=max(thresholds))
+        on_counts = max(on for _, on, _ in levels.values())
+        robot = replace(robot, feet=tuple(shifted), contact_on_counts=on_counts)
     findings = [each for each in selection.findings if "counts" not in each.cases]
     own = (each for each in selection.contacts if not {*raw}.isdisjoint(selection.feet_of[each.id]))
     unscaled = [robot.feet[row] for row in raw]
@@ -152,6 +142,23 @@ def _with_levels(
     types = dict.fromkeys(channel.type_name for channel in own)
     findings += (not_calibrated(robot, unscaled, name, say, reason) for name in types)
     return replace(selection, robot=robot, findings=tuple(findings)), offsets
+
+
+def _contact_level(samples: Samples) -> tuple[float, float, str]:
+    """Return what a raw sensor reads without load, and from which counts above it a foot touches.
+
+    Returns:
+        both, and why these say nothing; empty: they do.
+    """
+    level = _level(samples)
+    rule, offset, loaded = contact_rule(level, None), float(level.offset_n[2]), level.loaded_n
+    down = float((samples.force[:, 2] - offset >= rule.on_n).mean()) if loaded else 0.0
+    why = level.reason
+    if not why and (loaded is None or rule.on_n > MOST_OF_LOAD * loaded):
+        why = "its counts hardly change"
+    elif not why and not _WALKING[0] <= down <= _WALKING[1]:
+        why = f"on the ground {down:.0%} of the time"
+    return offset, rule.on_n, why
 
 
 def _level(samples: Samples) -> SensorLevel:
@@ -187,7 +194,8 @@ def with_joined_sensors(
     """
     feet = selection.robot.feet
     named = [foot.sensor_of for foot in feet]
-    frames = [_only(recording.links.get(row, frozenset())) for row in range(len(feet))]
+    links_of = [sorted(recording.links.get(row, ())) for row in range(len(feet))]
+    frames = [links[0] if len(links) == 1 else "" for links in links_of]
     groups, how = _groups(named), "names"
     if not groups and all(_is_of_leg(*each) for each in zip(feet, frames, strict=True)):
         groups, how = _groups([foot_name(frame) for frame in frames]), "frames"
@@ -206,7 +214,7 @@ def with_joined_sensors(
     samples, links = [], {}
     for number, rows in enumerate(groups.values()):
         samples.append(_joined([recording.feet[row] for row in rows], number, silent=silent))
-        links[number] = frozenset(each for row in rows for each in recording.links.get(row, ()))
+        links[number] = frozenset(each for row in rows for each in links_of[row])
     # A sensor that is silent while another one of its foot speaks has no gap.
     silenced = {foot.topic for foot in feet if silent} - {foot.topic for foot in joined}
     topics = {t: times for t, times in recording.topics.items() if t not in silenced}
@@ -218,10 +226,6 @@ def with_joined_sensors(
         replace(selection, robot=replace(selection.robot, feet=joined), feet_of=of),
         (finding,),
     )
-
-
-def _only(names: frozenset[str]) -> str:
-    return next(iter(names)) if len(names) == 1 else ""
 
 
 def _groups(owners: Sequence[str]) -> dict[str, list[int]]:
@@ -258,7 +262,7 @@ def _joined(sensors: Sequence[Samples], foot: int, *, silent: bool) -> Samples:
         apart = np.diff(time, prepend=time[:1] - round(interval_ns)) > interval_ns / 2.0
         most = concatenated(sensors).pick(order[apart])
     at = most.stamp if stamped else most.log_time
-    rows = [_nearest(time, at) for time in times]
+    rows = [nearest_rows(time, at) for time in times]
     parts = [each.pick(row) for each, row in zip(sensors, rows, strict=True)]
     pairs = zip(times, rows, strict=True)
     near = np.stack([np.abs(time[row] - at) <= NEAR * interval_ns for time, row in pairs])
@@ -278,11 +282,6 @@ def _joined(sensors: Sequence[Samples], foot: int, *, silent: bool) -> Samples:
         position=_mean([part.position for part in parts], weight),
         normal=normal / norms(normal)[:, None],
     )
-
-
-def _nearest(time: Ints, at: Ints) -> Ints:
-    """(n,) the row of the message that is nearest to each time; time: (m,) ns, hardly unsorted."""
-    return np.searchsorted((time[1:] + time[:-1]) // 2, at)
 
 
 def _mean(vectors: Sequence[Floats], weight: Floats) -> Floats:

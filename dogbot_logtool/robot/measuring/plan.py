@@ -88,7 +88,7 @@ def settings_of(selection: Selection, options: RobotOptions) -> WalkSettings:
     """Return what is known of a recording before its columns are looked at."""
     robot, guessed = selection.robot, selection.robot_is_guessed
     promised = {source.row.axes for source in selection.sources}
-    mass_is_given = options.mass is not None or robot.is_given("mass_kg")
+    mass_is_given = options.mass is not None or "mass_kg" in robot.given
     time_source, reason = _time_source(selection)
     return WalkSettings(
         **{name: getattr(robot, name) for name in _OF_ROBOT},
@@ -96,12 +96,12 @@ def settings_of(selection: Selection, options: RobotOptions) -> WalkSettings:
         robot=robot.name,
         robot_is_guessed=guessed,
         mass_is_assumed=guessed and not mass_is_given,
-        forward_axis_is_assumed=guessed and not robot.is_given("forward_axis"),
+        forward_axis_is_assumed=guessed and "forward_axis" not in robot.given,
         thresholds=Thresholds(
             robot.contact_on_n,
             robot.contact_off_n,
             robot.debounce_s,
-            origin="option" if robot.is_given("contact_on_n") else "robot",
+            origin="option" if "contact_on_n" in robot.given else "robot",
         ),
         takes_offsets=robot.tare != "none",
         promised_frame=promised.pop() if len(promised) == 1 else None,
@@ -120,7 +120,7 @@ def _foot(selection: Selection, row: int) -> FootSettings:
     """Return what is known of a foot."""
     robot, sources = selection.robot, selection.sources_of(row)
     foot, is_estimated = robot.feet[row], bool(selection.contact_from)
-    is_given = robot.is_given(f"tare.{foot.name}")
+    is_given = f"tare.{foot.name}" in robot.given
     offset = foot.offset_n if is_given or robot.tare != "none" else None
     flagged = [source.has_flags and not selection.ignores_flags for source in sources]
     lists = [
@@ -194,6 +194,7 @@ def prepare(
     model = None
     if recording.joints:
         from dogbot_logtool.robot.measuring.by_legs import (  # noqa: PLC0415
+            facing,
             measured_by_legs,
             named_by_legs,
         )
@@ -216,6 +217,8 @@ def prepare(
         silent_from=log.start_time if start is None else None,
         silent_until=log.end_time if end is None else None,
     )
+    if model is not None:
+        settings = facing(settings, recording, model)
     if joined and not selection.robot.clock:
         # Messages without a header have stamps now.
         settings = replace(settings, time_source=None, time_source_reason="")

@@ -74,6 +74,15 @@ def find_legs(
     return tuple(legs), axis
 
 
+def axis_by_names(robot: RobotOfUrdf, posture: Mapping[str, float]) -> str | None:
+    """Return the forward axis with which all legs are where their names say; None: none is."""
+    try:
+        legs, axis = find_legs(robot, posture)
+    except ValueError:
+        return None
+    return axis if all(_position_in(leg) == leg.position for leg in legs) else None
+
+
 @dataclass(frozen=True, slots=True)
 class _End:
     """A chain of joints that no joint goes on from."""

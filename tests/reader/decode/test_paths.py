@@ -11,9 +11,14 @@ from hypothesis import strategies as st
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.decode.columns import Nested, Table
 from dogbot_logtool.reader.decode.definition import parse_definition
-from dogbot_logtool.reader.decode.field_path import parse_field_path, readable_fields
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
-from dogbot_logtool.reader.decode.paths import MOST_ELEMENTS, Want, path_of
+from dogbot_logtool.reader.decode.paths import (
+    MOST_ELEMENTS,
+    Want,
+    parse_field_path,
+    path_of,
+    readable_fields,
+)
 
 STATE: Final = parse_definition(
     "odd/State",

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Flags
-from dogbot_logtool.reader.containers.log import Chunk, counts_by_channel
+from dogbot_logtool.reader.containers.log import Chunk, Messages, counts_by_channel
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.salvage.records import (
     Index,
@@ -15,7 +15,6 @@ from dogbot_logtool.reader.containers.salvage.records import (
     find_all,
     find_indexed,
 )
-from dogbot_logtool.reader.decode.message_table import Messages
 
 _LAST_TIME = 2**63 - 1
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Bytes, Ints, concatenated
-from dogbot_logtool.reader.decode.message_table import Messages
+from dogbot_logtool.reader.containers.log import Messages
 
 _FIRST_WINDOW: Final = 1 << 12
 _LARGEST_WINDOW: Final = 1 << 20

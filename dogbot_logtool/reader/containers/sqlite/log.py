@@ -3,12 +3,11 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
-from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.arrays import Ints, rows_by_group
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location, name_of
 from dogbot_logtool.reader.containers.log import (
@@ -17,6 +16,7 @@ from dogbot_logtool.reader.containers.log import (
     Chunk,
     LoadedChunk,
     Log,
+    Messages,
     Schema,
     Span,
     counts_by_channel,
@@ -27,7 +27,6 @@ from dogbot_logtool.reader.containers.source import ByteSource
 from dogbot_logtool.reader.containers.sqlite.journals import with_journals
 from dogbot_logtool.reader.containers.sqlite.pages import Pages
 from dogbot_logtool.reader.containers.sqlite.tables import (
-    MessageRows,
     MessageTable,
     Table,
     find_tables,
@@ -35,9 +34,7 @@ from dogbot_logtool.reader.containers.sqlite.tables import (
 )
 from dogbot_logtool.reader.containers.sqlite.tree import Damage
 from dogbot_logtool.reader.containers.zstd import unpacked
-from dogbot_logtool.reader.decode.definition import long_type_name
-from dogbot_logtool.reader.decode.known_definitions import known_definition
-from dogbot_logtool.reader.decode.message_table import Messages
+from dogbot_logtool.reader.decode.definition import known_definition, long_type_name
 
 _CHUNK_SIZE: Final = 1 << 20
 """Bytes of messages from which a chunk is full."""
@@ -65,16 +62,17 @@ class SqliteLog(Log):
 
     def _read(self, span: Span) -> Batch:
         """See `Log.read`."""
-        found = self._table.between(*((chunk.data_offset, chunk.end) for chunk in span))
+        bounds = [(chunk.data_offset, chunk.end) for chunk in span]
+        leaf, messages, buffer = self._table.between(*bounds)
         losses: list[Loss] = []
         loaded: list[LoadedChunk] = []
         for chunk in span:
-            rows = slice(*np.searchsorted(found.leaf, (chunk.data_offset, chunk.end + 1)).tolist())
+            rows = slice(*np.searchsorted(leaf, (chunk.data_offset, chunk.end + 1)).tolist())
             loaded.append(LoadedChunk(chunk, memoryview(b""), 0, rows, whole=False))
             if lost := (chunk.messages or 0) - (rows.stop - rows.start):
                 what = f"the database is damaged: {lost} messages cannot be read"
                 losses.append(Loss(0, what, 0, lost))
-        return unpacked(Batch(found.buffer, found.messages, tuple(loaded), tuple(losses)))
+        return unpacked(Batch(buffer, messages, tuple(loaded), tuple(losses)))
 
 
 def open_log(source: ByteSource, distribution: str) -> SqliteLog:
@@ -102,51 +100,37 @@ def open_log(source: ByteSource, distribution: str) -> SqliteLog:
         channels = read_topics(tables, pages, damage, distribution)
         table = MessageTable(pages, tables["messages"], [*channels], damage)
         log = SqliteLog(source, table)
-        log.chunks, more = _chunks(table, damage)
+        log.chunks = [*_chunks(table)]
         opened.pop_all()
     counts: Counter[int] = Counter(dict.fromkeys(channels, 0))
     for chunk in log.chunks:
         counts.update(chunk.counts or {})
     log.channels, log.counts = channels, counts
     log.start_time, log.end_time = time_range(log.chunks)
-    log.losses = [*losses, *more]
+    log.losses = [*losses, *_losses(table, damage)]
     return log
 
 
-def _chunks(table: MessageTable, damage: Damage) -> tuple[list[Chunk], Iterator[Loss]]:
-    """Cut the rows into chunks; and say what is lost of them."""
-    chunks: list[Chunk] = []
-    undescribed = unsound = 0
-    for rows in table.rows():
-        unsound += rows.unsound
-        undescribed += rows.undescribed
-        chunks += [
-            _chunk(number, rows.leaf[part], rows.messages.pick(part), table.pages.size)
-            for number, part in enumerate(_cut(rows), len(chunks))
-        ]
-    return chunks, _losses(table, damage, undescribed, unsound)
+def _chunks(table: MessageTable) -> Iterator[Chunk]:
+    """Cut the rows into chunks of whole leaf pages, of about `_CHUNK_SIZE` bytes."""
+    number = 0
+    for leaf, messages, _ in table.rows():
+        full = np.cumsum(messages.end - messages.start + 1) // _CHUNK_SIZE
+        # A page belongs to the chunk that its first row does.
+        for _, rows in rows_by_group(full[np.searchsorted(leaf, leaf)]):
+            yield _chunk(number, leaf[rows], messages.pick(rows), table.pages.size)
+            number += 1
 
 
-def _losses(table: MessageTable, damage: Damage, undescribed: int, unsound: int) -> Iterator[Loss]:
-    if met := damage.loss(table.pages.size, table.times_around(damage.pages)):
+def _losses(table: MessageTable, damage: Damage) -> Iterator[Loss]:
+    if met := damage.loss(table.pages.size, table.times_around):
         yield met
     for count, what in (
-        (undescribed, "messages of topics that are nowhere described"),
-        (unsound, "rows that are no messages"),
+        (damage.undescribed, "messages of topics that are nowhere described"),
+        (damage.unsound, "rows that are no messages"),
     ):
         if count:
             yield Loss(0, f"the database holds {count} {what}", 0, count)
-
-
-def _cut(rows: MessageRows) -> Iterator[slice]:
-    """Cut rows into those of whole leaf pages, of about `_CHUNK_SIZE` bytes."""
-    full = np.cumsum(rows.messages.end - rows.messages.start + 1) // _CHUNK_SIZE
-    # A page belongs to the chunk that its first row does.
-    full = full[np.searchsorted(rows.leaf, rows.leaf)]
-    edges = np.flatnonzero(np.diff(full)) + 1
-    for start, stop in pairwise([0, *edges.tolist(), len(full)]):
-        if start < stop:
-            yield slice(start, stop)
 
 
 def _chunk(number: int, leaf: Ints, messages: Messages, page_size: int) -> Chunk:
@@ -175,10 +159,10 @@ def check_tables(tables: Mapping[str, Table], pages: Pages, damage: Damage, path
     for name, needed in _NEEDED.items():
         table = tables.get(name)
         if table is None:
-            met = damage.loss(pages.size, (None, None))
+            met = damage.loss(pages.size)
             what = f"but no ROS 2 bag: no table {name!r}" if met is None else f"but {met.what}"
             raise LogError(f"{name_of(path)}: is a SQLite database, {what}")
-        if missing := needed - table.columns.keys():
+        if missing := needed - table[1].keys():
             why = f"its table {name!r} has no {min(missing)!r}"
             raise LogError(f"{name_of(path)}: is no ROS 2 bag: {why}")
 

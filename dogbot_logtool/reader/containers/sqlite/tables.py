@@ -3,17 +3,19 @@
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints, distinct
+from dogbot_logtool.reader.containers.log import Messages
 from dogbot_logtool.reader.containers.sqlite.pages import Pages
 from dogbot_logtool.reader.containers.sqlite.tree import (
     LONGEST_VARINT,
     SWOLLEN,
     Cells,
     Damage,
+    Times,
     cells_in,
     cells_of,
     leaves,
@@ -21,7 +23,6 @@ from dogbot_logtool.reader.containers.sqlite.tree import (
     with_overflow,
 )
 from dogbot_logtool.reader.decode.columns import gather_bytes
-from dogbot_logtool.reader.decode.message_table import Messages
 
 _TEXT: Final = re.compile(r"'(?:[^']|'')*'")
 _COMMA: Final = re.compile(r",(?![^(]*\))")
@@ -48,28 +49,21 @@ Value = int | str | bytes | None
 _COLUMNS: Final = ("topic_id", "timestamp", "data")
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Table:
-    """A plain table: nothing in it is computed."""
-
-    root: int
-    """Number of its first page."""
-    columns: Mapping[str, int]
-    """Numbers of its columns in its records, by name in lower case."""
-
-
-_SCHEMA: Final = Table(1, {"type": 0, "name": 1, "rootpage": 3, "sql": 4})
+Table = tuple[int, Mapping[str, int]]
+"""Of a plain table, in which nothing is computed: number of its first page, and numbers of its
+columns in its records, by name in lower case."""
+_SCHEMA: Final[Table] = 1, {"type": 0, "name": 1, "rootpage": 3, "sql": 4}
 """The table of all tables, views and indices."""
 
 
 def find_tables(pages: Pages, names: Collection[str], damage: Damage) -> dict[str, Table]:
     """Find plain tables by their names, in lower case; all others are left out."""
     found: dict[str, Table] = {}
-    for kind, name, root, sql in small_rows(pages, _SCHEMA, tuple(_SCHEMA.columns), damage):
+    for kind, name, root, sql in small_rows(pages, _SCHEMA, tuple(_SCHEMA[1]), damage):
         key = str(name).lower()
         columns = _columns(str(sql)) if kind == "table" and key in names else {}
         if columns and isinstance(root, int):
-            found.setdefault(key, Table(root, columns))
+            found.setdefault(key, (root, columns))
     return found
 
 
@@ -105,18 +99,19 @@ def small_rows(
     if table is None:
         return
     # No record has a value for a column behind the last.
-    wanted = [table.columns.get(name, len(table.columns)) for name in names]
+    root, numbered = table
+    wanted = [numbered.get(name, len(numbered)) for name in names]
     left = _MOST_ROWS
-    numbers = leaves(pages, table.root, damage)
+    numbers = leaves(pages, root, damage)
     for cells in cells_in(pages, numbers, min(_MOST_BYTES, pages.bytes), damage):
         few = with_overflow(pages, cells.pick(slice(left)))
         found, sound = columns(few, wanted)
         damage.rows += int((~sound).sum())
+        every = [each.values(few.buffer, pages.encoding) for each in found]
         for row in np.flatnonzero(sound).tolist():
-            values = [each.value(row, few.buffer, pages.encoding) for each in found]
             yield tuple(
-                int(few.rowid[row]) if name == _KEY and value is None else value
-                for name, value in zip(names, values, strict=True)
+                int(few.rowid[row]) if name == _KEY and own[row] is None else own[row]
+                for name, own in zip(names, every, strict=True)
             )
         left -= len(few.size)
         if not left:
@@ -160,18 +155,19 @@ class Values:
             values[rows] = wide.view(">i8")[:, 0]
         return values
 
-    def value(self, row: int, buffer: Bytes, encoding: str) -> Value:
-        """Return one value, None for a number with a point as for NULL.
+    def values(self, buffer: Bytes, encoding: str) -> list[Value]:
+        """Return the values, None for numbers with a point as for NULL.
 
         Bytes that are no text of the encoding are replaced.
         """
-        kind, start = int(self.kind[row]), int(self.start[row])
-        data = buffer[start : start + int(self.size[row])].tobytes()
-        if kind >= _BLOB:
-            return str(data, encoding, "replace") if kind % 2 else data
-        if kind in {_ZERO, _ONE}:
-            return kind - _ZERO
-        return None if kind in {_NULL, _FLOAT} else int.from_bytes(data, "big", signed=True)
+        found: list[Value] = [*self.integers(buffer).tolist()]
+        for row in np.flatnonzero(~self.is_integer).tolist():
+            kind, start = int(self.kind[row]), int(self.start[row])
+            data = buffer[start : start + int(self.size[row])].tobytes()
+            found[row] = (
+                None if kind < _BLOB else str(data, encoding, "replace") if kind % 2 else data
+            )
+        return found
 
 
 def columns(cells: Cells, wanted: Sequence[int]) -> tuple[list[Values], Flags]:
@@ -204,17 +200,9 @@ def columns(cells: Cells, wanted: Sequence[int]) -> tuple[list[Values], Flags]:
     return [found[column] for column in wanted], sound
 
 
-class MessageRows(NamedTuple):
-    """Some rows, in the order of the table."""
-
-    leaf: Ints
-    """(n,) ascending; which leaf page of the table each message stands in."""
-    messages: Messages
-    buffer: Bytes
-    undescribed: int
-    """Messages of other topics, left out."""
-    unsound: int
-    """Rows that are no messages, left out: SQLite stores any type in any column."""
+MessageRows = tuple[Ints, Messages, Bytes]
+"""Of some rows, in the order of the table: which leaf page of the table each stands in, (n,)
+ascending; the messages; and the buffer that they are in."""
 
 
 class MessageTable:
@@ -231,24 +219,26 @@ class MessageTable:
         """
         self.pages = pages
         self._topics = topics
-        self._wanted = [table.columns[name] for name in _COLUMNS]
+        root, numbered = table
+        self._wanted = [numbered[name] for name in _COLUMNS]
         self._damage = damage
-        self._leaves = leaves(pages, table.root, damage)
+        self._leaves = leaves(pages, root, damage)
 
     def rows(self) -> Iterator[MessageRows]:
         """Yield all rows, by their first bytes, which tell all but the message."""
         first = 0
         for cells in cells_in(self.pages, self._leaves, self.pages.bytes, self._damage):
-            yield self._decoded(first + cells.page, cells)
+            yield self._decoded(first + cells.page, cells, self._damage)
             first += len(cells.buffer) // self.pages.size - 1
 
     def between(self, *bounds: tuple[int, int]) -> MessageRows:
         """Return the whole rows of leaf pages, from the first to the last of some runs."""
         index = np.concatenate([np.arange(first, last + 1) for first, last in bounds])
-        cells = cells_of(self.pages, self._leaves[index], Damage())
-        return self._decoded(index[cells.page], with_overflow(self.pages, cells))
+        known = Damage()
+        cells = cells_of(self.pages, self._leaves[index], known)
+        return self._decoded(index[cells.page], with_overflow(self.pages, cells), known)
 
-    def times_around(self, pages: Ints) -> tuple[int | None, int | None]:
+    def times_around(self, pages: Ints) -> Times:
         """Return the times, ns, of the last row before some pages and of the first behind them.
 
         None: no such row, or the pages are none of those that hold rows.
@@ -263,17 +253,16 @@ class MessageTable:
         """Return the times of the rows of a leaf page; none if there is no such page."""
         if not 0 <= leaf < len(self._leaves):
             return []
-        times: list[int] = self.between((leaf, leaf)).messages.log_time.tolist()
+        times: list[int] = self.between((leaf, leaf))[1].log_time.tolist()
         return times
 
-    def _decoded(self, leaf: Ints, cells: Cells) -> MessageRows:
+    def _decoded(self, leaf: Ints, cells: Cells, damage: Damage) -> MessageRows:
         (topic, time, data), _ = columns(cells, self._wanted)
         times, topics = time.integers(cells.buffer), topic.integers(cells.buffer)
         sound = topic.is_integer & time.is_integer & data.is_blob & (times >= 0)
-        known = sound & np.isin(topics, self._topics)
-        rows = np.flatnonzero(known)
+        rows = np.flatnonzero(sound & np.isin(topics, self._topics))
+        damage.unsound += int((~sound).sum())
+        damage.undescribed += int(sound.sum()) - len(rows)
         start, at = data.start[rows], times[rows]
         messages = Messages(topics[rows], at, at, 0 * rows, start, start + data.size[rows])
-        unsound = len(sound) - int(sound.sum())
-        undescribed = len(sound) - unsound - len(rows)
-        return MessageRows(leaf[rows], messages, cells.buffer, undescribed, unsound)
+        return leaf[rows], messages, cells.buffer

@@ -1,6 +1,6 @@
 """The pages and cells of a table: a tree whose leaves hold the records."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -18,6 +18,7 @@ _BEFORE_FIRST_PAGE: Final = 100
 _SMALLEST_CELL: Final = 4
 _MOST_LEVELS: Final = 20
 SHARED: Final = "its pages are used more than once"
+Times = tuple[int | None, int | None]
 UNFINISHED: Final = "its recording broke off while rows were written"
 SWOLLEN: Final = "its rows claim to hold more than the file"
 
@@ -26,43 +27,42 @@ class Damage:
     """Damage that was met in the pages of a database."""
 
     def __init__(self) -> None:
-        self._pages: list[Ints] = []
+        """Begin with none."""
+        self.pages: list[Ints] = []
+        """Numbers of pages that are no pages of a table, or that hold damaged rows."""
         self.missing = 0
         """Pages that are referred to, but not there."""
         self.rows = 0
         """Damaged rows in sound pages."""
+        self.unsound = 0
+        """Rows that are no messages: SQLite stores any type in any column."""
+        self.undescribed = 0
+        """Messages of topics that are nowhere described."""
         self.reasons: set[str] = set()
         """What else is wrong."""
-
-    @property
-    def pages(self) -> Ints:
-        """Numbers of pages that are no pages of a table, or that hold damaged rows, ascending."""
-        return np.unique(np.concatenate([*self._pages, np.empty(0, np.int64)]))
-
-    def add_pages(self, number: Ints) -> None:
-        """Take the numbers of some such pages."""
-        self._pages.append(number)
 
     def look_for_unknown(self, pages: Pages, number: Ints) -> None:
         """Look for pages that the header does not know: they were written, and it was not yet."""
         if pages.promised is not None and (number > pages.promised).any():
             self.reasons.add(UNFINISHED)
 
-    def loss(self, page_size: int, times: tuple[int | None, int | None]) -> Loss | None:
-        """Return what to say of it.
+    def loss(self, page_size: int, times: Callable[[Ints], Times] | None = None) -> Loss | None:
+        """Return what to say of damage to the database.
 
         Args:
             page_size: bytes.
-            times: ns, log times between which rows of these pages may be missing.
+            times: returns the log times, ns, between which rows of some pages may be missing.
         """
-        reasons, pages = sorted(self.reasons), self.pages
+        pages = np.unique(np.concatenate([*self.pages, np.empty(0, np.int64)]))
+        reasons = sorted(self.reasons)
         for count, what in ((self.rows, "rows"), (len(pages) + self.missing, "pages")):
             reasons += [f"{count} of its {what} cannot be read"] if count else []
         if not reasons:
             return None
         what = f"the database is damaged ({'; '.join(reasons)}): rows may be missing"
         offset = int(pages[0] - 1) * page_size if len(pages) else 0
-        return Loss(offset, what, len(pages) * page_size, None, *times)
+        around = times(pages) if times else (None, None)
+        return Loss(offset, what, len(pages) * page_size, None, *around)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -107,7 +107,7 @@ def leaves(pages: Pages, root: int, damage: Damage) -> Ints:
         if kind == _LEAF:
             return level
         if kind != _INTERIOR:
-            damage.add_pages(level[pages.exist(level)])
+            damage.pages.append(level[pages.exist(level)])
             return level[:0]
         looked_at += len(level)
         level = _children(pages, level, pages.bytes // pages.size - looked_at, damage)
@@ -138,7 +138,7 @@ def _children(pages: Pages, level: Ints, most: int, damage: Damage) -> Ints:
         order = np.argsort(np.concatenate([page, last]), kind="stable")
         children = unsigned(buffer, place[order[: most + 1]], 4)
         there = pages.exist(children)
-        damage.add_pages(piece[~sound])
+        damage.pages.append(piece[~sound])
         damage.missing += int((~there).sum())
         found.append(children[there])
         damage.look_for_unknown(pages, children)
@@ -200,7 +200,7 @@ def cells_of(pages: Pages, number: Ints, damage: Damage) -> Cells:
     sound &= ~overfull[page]
     good &= ~overfull
     good[page[~sound]] = False
-    damage.add_pages(number[~good])
+    damage.pages.append(number[~good])
     return Cells(buffer, page, rowid, start, size, held, overflow).pick(sound)
 
 
