@@ -6,7 +6,6 @@ import pytest
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.stability import energy_margin_in, hulls, margin_in
 
-
 SQUARE = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
 
 

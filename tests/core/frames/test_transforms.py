@@ -1,7 +1,9 @@
 import numpy as np
+import pytest
 
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.frames.transforms import FrameTrack, Poses, frame_track, lookup
+from dogbot_logtool.core.rotations import rotate
 
 MS = 1_000_000
 
@@ -46,6 +48,17 @@ def spinning(time: Ints, log_time: Ints | None = None) -> dict[str, FrameTrack]:
 
 def look(tracks: dict[str, FrameTrack], time: Ints, world: str = "world") -> Poses:
     return lookup(tracks, "leg", world, time, time)
+
+
+def test_poses_are_interpolated_along_the_chain() -> None:
+    poses = look(spinning(at(0, 20, 40, 60)), at(33))
+    angle = 0.033
+    assert poses.known.all()
+    assert poses.translation[0] == pytest.approx([0.066 - np.sin(angle), np.cos(angle), 0.0])
+    # The link's z axis: bent about x by 0.3 rad, then turned about z.
+    axis = rotate(poses.rotation, np.array([[0.0, 0.0, 1.0]]))[0]
+    tilt = np.sin(0.3)
+    assert axis == pytest.approx([tilt * np.sin(angle), -tilt * np.cos(angle), np.cos(0.3)])
 
 
 def test_nothing_is_extrapolated_and_no_gap_is_bridged() -> None:
