@@ -11,7 +11,7 @@ from dogbot_logtool.conversion.findings import count_findings
 from dogbot_logtool.conversion.scene import Scene, make_scene
 from dogbot_logtool.core.base.poses import usable_poses
 from dogbot_logtool.core.checks.frames import columns_corrected, frames_known
-from dogbot_logtool.core.scene.styles import ARROW_STYLES
+from dogbot_logtool.core.scene.arrows import ARROW_STYLES
 from dogbot_logtool.finding import Severity, by_severity, found
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
@@ -81,7 +81,8 @@ def convert(
             losses = _finish(log, output, measured, scene)
     finally:
         log.close()
-    topics, moved = output.added.topics(), output.added.moved
+    written, added = output.messages, {each.id: each.topic for each in output.added.values()}
+    moved = {old: each.topic for old, each in output.added.items() if each.topic != old}
     bad_poses = int((~usable_poses(walk.recording.base)).sum())
     counts = Counter({**output.counts, **read.without_arrows, "bad_poses": bad_poses})
     findings = [
@@ -104,8 +105,8 @@ def convert(
         world_frame=scene.wanted.world_frame,
         base_frame=scene.wanted.base_frame,
         messages=sum(read.counts.values()),
-        copied=sum(n for channel, n in output.messages.items() if channel not in topics),
-        annotations={topic: output.messages.get(each, 0) for each, topic in topics.items()},
+        copied=sum(count for channel, count in written.items() if channel not in added),
+        annotations={topic: written.get(channel, 0) for channel, topic in added.items()},
         counts=counts,
         findings=tuple(sorted(dict.fromkeys(findings), key=by_severity)),
         damage=damage_of(log, losses),

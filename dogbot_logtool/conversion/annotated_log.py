@@ -27,11 +27,12 @@ from dogbot_logtool.reader.containers.loss import Loss, lost_messages
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
 from dogbot_logtool.reader.workers import Start, in_order
 from dogbot_logtool.run.runner import OnProgress
-from dogbot_logtool.writer.annotations import Annotations
-from dogbot_logtool.writer.channels import AddedChannels
+from dogbot_logtool.writer.annotations import Annotations, types_by_topic
+from dogbot_logtool.writer.channels import added_channels
 from dogbot_logtool.writer.chunks import finish_chunk
+from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.encodings.registry import encoding_named
-from dogbot_logtool.writer.mcap_writer import McapWriter, metadata_record
+from dogbot_logtool.writer.mcap_writer import McapWriter
 
 _LONGEST_NUMBER: Final = 18
 """Digits of a count that a record tells."""
@@ -56,7 +57,8 @@ class AnnotatedLog:
         self._writer = McapWriter(file, profile)
         self.counts = Counter[str]()
         """Annotations that lack something, by what."""
-        self.added = AddedChannels()
+        self.added: Mapping[str, records.Channel] = {}
+        """Channels of annotations by topic, which is another where the log has that."""
         copied = log.channels if options.copy else {}
         self._copied = {number: c for number, c in copied.items() if number not in left_out}
         schemas = {c.schema.id: c.schema for c in self._copied.values() if c.schema is not None}
@@ -88,9 +90,10 @@ class AnnotatedLog:
             start: how processes start; None: as the system and the log allow.
         """
         options, total = scene.options, sum(chunk.data_size for chunk in self._log.chunks)
-        self.added = self._channels_for(scene)
-        annotations = Annotations(encoding_named(options.encoding), scene.wanted, self.added)
-        self._writer.add(*self.added.schemas, *self.added.channels)
+        encoding = encoding_named(options.encoding)
+        self._declare(types_by_topic(encoding, scene.wanted), scene.selection.contact_from)
+        channels = {topic: int(channel.id) for topic, channel in self.added.items()}
+        annotations = Annotations(encoding, scene.wanted, channels)
         if scene.description.urdf is not None and scene.opening is not None:
             message = annotations.robot_description(scene.description.urdf, scene.opening)
             self.add([finish_chunk(message, options.compression or "zstd")])
@@ -103,15 +106,15 @@ class AnnotatedLog:
                 if progress is not None:
                     progress(total * number // len(spans), total)
 
-    def _channels_for(self, scene: Scene) -> AddedChannels:
-        """Return what declares the channels of annotations, beside those that are copied."""
+    def _declare(self, types: Mapping[str, MessageType], contact_from: str) -> None:
+        """Declare the channels of annotations, beside those that are copied."""
         in_use = {c.topic: (c.type_name, c.message_encoding) for c in self._copied.values()}
         # Chunks that are copied as they are may describe channels that are left out.
-        described = self._log.channels.values() if self._options.copy else ()
-        schema_ids = {channel.schema.id for channel in described if channel.schema}
-        estimated = scene.selection.contact_from
-        notes = {"contact_from": estimated} if estimated else {}
-        return AddedChannels(schema_ids, {channel.id for channel in described}, in_use, notes)
+        described = self._log.channels if self._options.copy else {}
+        schema_ids = {channel.schema.id for channel in described.values() if channel.schema}
+        notes = {"contact_from": contact_from} if contact_from else {}
+        schemas, self.added = added_channels(types, schema_ids, set(described), in_use, notes)
+        self._writer.add(*schemas, *self.added.values())
 
     def copy_extras(self) -> Iterator[Loss]:
         """Copy attachments and metadata records; yield those that cannot be read."""
@@ -128,12 +131,12 @@ class AnnotatedLog:
 
     def finish(self, scene: Scene, losses: Sequence[Loss]) -> None:
         """Write how the file was made, and its end."""
-        self._writer.add_metadata(provenance_record(self._log, scene, losses))
+        self._writer.add_metadata(PROVENANCE, provenance(self._log, scene, losses))
         self._writer.finish()
 
 
-def provenance_record(log: Log, scene: Scene, losses: Sequence[Loss]) -> records.Metadata:
-    """Return the metadata record that tells how a file was made: no dates, no paths."""
+def provenance(log: Log, scene: Scene, losses: Sequence[Loss]) -> dict[str, str]:
+    """Return how a file was made: no dates, no paths."""
     options, robot = scene.options, scene.selection.robot
     values: dict[str, object] = {
         "version": __version__,
@@ -152,8 +155,7 @@ def provenance_record(log: Log, scene: Scene, losses: Sequence[Loss]) -> records
         **_origin(log, options),
         **_loss(log, losses),
     }
-    texts = {key: "" if value is None else str(value) for key, value in values.items()}
-    return metadata_record(PROVENANCE, texts)
+    return {key: "" if value is None else str(value) for key, value in values.items()}
 
 
 def _copied(options: ConvertOptions) -> dict[str, object]:

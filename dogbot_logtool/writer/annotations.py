@@ -1,6 +1,6 @@
 """The messages that we add: transforms, arrows, loads, support and the robot, made of columns."""
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import lru_cache
 from itertools import chain
@@ -15,9 +15,8 @@ from dogbot_logtool.core.scene.foot_style import short_names
 from dogbot_logtool.core.scene.loads import Labels, Loads
 from dogbot_logtool.core.scene.support_scene import LegLines, SupportScene
 from dogbot_logtool.writer import described, markers
-from dogbot_logtool.writer.channels import AddedChannels
 from dogbot_logtool.writer.described import LOAD_STATES, Described
-from dogbot_logtool.writer.encodings.encoding import Encoding
+from dogbot_logtool.writer.encodings.encoding import Encoding, MessageType
 from dogbot_logtool.writer.encodings.registry import texts
 from dogbot_logtool.writer.markers import Look
 from dogbot_logtool.writer.message_records import MessageRecords, by_channel, of_payloads
@@ -62,39 +61,40 @@ class WantedAnnotations:
     """Profile of the robot's description, ``ros1`` or ``ros2``; empty: there is none."""
 
 
+def types_by_topic(encoding: Encoding, wanted: WantedAnnotations) -> dict[str, MessageType]:
+    """Return the topics of an output's annotations, and the types of their messages."""
+    names = {
+        TF_TOPIC: described.TF if wanted.has_transforms else "",
+        **{arrow_topic(foot): described.MARKER for foot in wanted.feet},
+        **{load_topic(foot): described.LOAD for foot in wanted.feet},
+        **{label_topic(foot): described.MARKER for foot in wanted.feet},
+        SUPPORT_TOPIC: described.MARKERS if wanted.has_support else "",
+        LEGS_TOPIC: described.MARKER if wanted.has_legs else "",
+        ROBOT_DESCRIPTION_TOPIC: "",
+        EVENTS_TOPIC: described.LOG,
+        GAIT_TOPIC: described.GAIT,
+        SPANS_TOPIC: described.SPAN,
+    }
+    types = {topic: encoding.types.get(name) for topic, name in names.items()}
+    if wanted.description:
+        types[ROBOT_DESCRIPTION_TOPIC] = texts(wanted.description).types[described.STRING]
+    return {topic: kind for topic, kind in types.items() if kind}
+
+
 class Annotations:
     """The annotations of one output; called in several threads or processes at once."""
 
-    def __init__(self, encoding: Encoding, wanted: WantedAnnotations, added: AddedChannels) -> None:
-        """Declare their channels.
+    def __init__(
+        self, encoding: Encoding, wanted: WantedAnnotations, channels: Mapping[str, int]
+    ) -> None:
+        """Set up.
 
         Args:
             encoding: of the messages.
             wanted: which there are.
-            added: takes the channels.
-
-        Raises:
-            LogtoolError: the log uses all ids that there are.
+            channels: ids by topic, whatever the log calls it.
         """
-        self.encoding, self._wanted = encoding, wanted
-        names = {
-            TF_TOPIC: described.TF if wanted.has_transforms else "",
-            **{arrow_topic(foot): described.MARKER for foot in wanted.feet},
-            **{load_topic(foot): described.LOAD for foot in wanted.feet},
-            **{label_topic(foot): described.MARKER for foot in wanted.feet},
-            SUPPORT_TOPIC: described.MARKERS if wanted.has_support else "",
-            LEGS_TOPIC: described.MARKER if wanted.has_legs else "",
-            ROBOT_DESCRIPTION_TOPIC: "",
-            EVENTS_TOPIC: described.LOG,
-            GAIT_TOPIC: described.GAIT,
-            SPANS_TOPIC: described.SPAN,
-        }
-        types = {topic: encoding.types.get(name) for topic, name in names.items()}
-        if wanted.description:
-            describing = texts(wanted.description)
-            types[ROBOT_DESCRIPTION_TOPIC] = describing.types[described.STRING]
-        self.channels = {topic: added.declare(topic, kind) for topic, kind in types.items() if kind}
-        """Ids by topic, whatever the log calls it."""
+        self.encoding, self._wanted, self.channels = encoding, wanted, channels
 
     def robot_description(self, urdf: str, log_time: int) -> MessageRecords:
         """Return the message that describes the robot."""

@@ -15,69 +15,54 @@ from dogbot_logtool.writer.topics import FALLBACK_PREFIX
 _MAX_ID: Final = 0xFFFF
 
 
-class AddedChannels:
-    """Declares channels; each type of message has one schema."""
+def added_channels(
+    types: Mapping[str, MessageType],
+    schema_ids: Collection[int] = (),
+    channel_ids: Collection[int] = (),
+    in_use: Mapping[str, tuple[str, str]] = MappingProxyType({}),
+    notes: Mapping[str, str] = MappingProxyType({}),
+) -> tuple[list[records.Schema], dict[str, records.Channel]]:
+    """Return the schemas, one for each type of message, and the channels by topic.
 
-    def __init__(
-        self,
-        schema_ids: Collection[int] = (),
-        channel_ids: Collection[int] = (),
-        in_use: Mapping[str, tuple[str, str]] = MappingProxyType({}),
-        notes: Mapping[str, str] = MappingProxyType({}),
-    ) -> None:
-        """Begin without channels.
+    A channel has another topic where the log uses its own for something else.
 
-        Args:
-            schema_ids: that the log uses.
-            channel_ids: likewise.
-            in_use: the log's topics, each with its type, without ``/msg``, and encoding.
-            notes: stand in the metadata of each channel.
-        """
-        self._metadata = {**ANNOTATION_MARK, **notes}
-        self.schemas: list[records.Schema] = []
-        self.channels: list[records.Channel] = []
-        self.moved: dict[str, str] = {}
-        """New names of topics that the log uses for something else."""
-        self._in_use = in_use
-        self._schema_ids = _free_ids(schema_ids)
-        self._channel_ids = _free_ids(channel_ids)
+    Args:
+        types: of messages, by topic.
+        schema_ids: that the log uses.
+        channel_ids: likewise.
+        in_use: the log's topics, each with its type, without ``/msg``, and encoding.
+        notes: stand in the metadata of each channel.
 
-    def declare(self, topic: str, kind: MessageType) -> int:
-        """Add a channel; return its id.
-
-        Raises:
-            LogtoolError: all ids are in use.
-        """
-        schema = next((one for one in self.schemas if one.name == kind.name), None)
-        if schema is None:
-            schema = records.Schema(
-                id=next(self._schema_ids),
+    Raises:
+        LogtoolError: all ids are in use.
+    """
+    free_schemas, free_channels = _free_ids(schema_ids), _free_ids(channel_ids)
+    schemas: dict[str, records.Schema] = {}
+    channels: dict[str, records.Channel] = {}
+    for topic, kind in types.items():
+        if kind.name not in schemas:
+            schemas[kind.name] = records.Schema(
+                id=next(free_schemas),
                 name=kind.name,
                 encoding=kind.schema_encoding,
                 data=kind.schema,
             )
-            self.schemas.append(schema)
-        channel = records.Channel(
-            id=next(self._channel_ids),
-            topic=self._free_topic(topic, kind),
+        channels[topic] = records.Channel(
+            id=next(free_channels),
+            topic=_free_topic(topic, kind, in_use),
             message_encoding=kind.message_encoding,
-            metadata=dict(self._metadata),
-            schema_id=schema.id,
+            metadata={**ANNOTATION_MARK, **notes},
+            schema_id=schemas[kind.name].id,
         )
-        self.channels.append(channel)
-        return int(channel.id)
+    return list(schemas.values()), channels
 
-    def _free_topic(self, topic: str, kind: MessageType) -> str:
-        """Return a topic that carries no other type or encoding."""
-        name = topic
-        ours = kind.name.replace("/msg/", "/"), kind.message_encoding
-        while self._in_use.get(name, ours) != ours:
-            name = self.moved[topic] = FALLBACK_PREFIX + name
-        return name
 
-    def topics(self) -> Mapping[int, str]:
-        """Return the topic of every added channel."""
-        return {channel.id: channel.topic for channel in self.channels}
+def _free_topic(topic: str, kind: MessageType, in_use: Mapping[str, tuple[str, str]]) -> str:
+    """Return a topic that carries no other type or encoding."""
+    ours = kind.name.replace("/msg/", "/"), kind.message_encoding
+    while in_use.get(topic, ours) != ours:
+        topic = FALLBACK_PREFIX + topic
+    return topic
 
 
 def _free_ids(used: Collection[int]) -> Iterator[int]:

@@ -67,8 +67,9 @@ class McapWriter:
         if found:
             self._times += [chunk.start_time, chunk.end_time]
 
-    def add_metadata(self, metadata: records.Metadata) -> None:
-        """Write a metadata record."""
+    def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
+        """Write a metadata record with its keys in order."""
+        metadata = records.Metadata(name, dict(sorted(values.items())))
         self.copy_metadata(_serialise(metadata), metadata)
 
     def copy_metadata(self, record: bytes, metadata: records.Metadata) -> None:
@@ -154,8 +155,3 @@ def _serialise(record: records.McapRecord) -> bytes:
     builder = RecordBuilder()
     record.write(builder)
     return bytes(builder.end())
-
-
-def metadata_record(name: str, values: Mapping[str, str]) -> records.Metadata:
-    """Return a metadata record with its keys in order."""
-    return records.Metadata(name, dict(sorted(values.items())))

@@ -15,7 +15,7 @@ from rosbags.highlevel import AnyReader
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.options.convert import ConvertOptions
-from dogbot_logtool.writer.channels import AddedChannels
+from dogbot_logtool.writer.channels import added_channels
 from dogbot_logtool.writer.chunks import CHUNK_SIZE, finish_chunk, finish_chunks, indexed_channels
 from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
@@ -117,14 +117,15 @@ def test_a_converted_log_is_read_by_others(tmp_path: Path, container: str, *, co
 
 @given(st.sets(st.integers(65000, 65535)))
 def test_ids_are_free_and_those_above_the_highest_come_first(used: set[int]) -> None:
-    added = AddedChannels(channel_ids=used | set(range(1, 65000)))
     free = [number for number in range(65000, 65536) if number not in used]
-    taken = [added.declare(f"/{number}", KIND) for number in free]
+    types, ids = {f"/{number}": KIND for number in free}, used | set(range(1, 65000))
+    _, channels = added_channels(types, channel_ids=ids)
+    taken = [channel.id for channel in channels.values()]
     assert sorted(taken) == free
     highest = max(used | {64999})
     assert taken[: 65535 - highest] == list(range(highest + 1, 65536))
     with pytest.raises(LogtoolError, match="ids"):
-        added.declare("/one more", KIND)
+        added_channels({**types, "/one more": KIND}, channel_ids=ids)
 
 
 def messages(channel: int, times: list[int], sizes: list[int]) -> MessageRecords:
@@ -147,9 +148,9 @@ def test_a_message_larger_than_a_chunk_is_not_split() -> None:
 @pytest.mark.parametrize("times", [[], [5, 0, 7]])
 def test_a_file_may_be_empty_and_may_start_at_time_zero(times: list[int]) -> None:
     sink = BytesIO()
-    writer, added = McapWriter(sink, ""), AddedChannels()
-    channel = added.declare("/one", KIND)
-    writer.add(*added.schemas, *added.channels)
+    writer, (schemas, channels) = McapWriter(sink, ""), added_channels({"/one": KIND})
+    channel = channels["/one"].id
+    writer.add(*schemas, *channels.values())
     for time in times:
         writer.add_chunk(finish_chunk(messages(channel, [time], [1]), "none"))
     writer.finish()
