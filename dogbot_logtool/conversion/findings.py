@@ -7,7 +7,7 @@ from typing import Final
 
 from dogbot_logtool.core.known_frames import KnownFrames, WorldFrames
 from dogbot_logtool.core.recording import Recording
-from dogbot_logtool.core.scene.styles import ArrowStyle
+from dogbot_logtool.core.scene.arrows import ArrowStyle
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed

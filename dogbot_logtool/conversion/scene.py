@@ -15,10 +15,16 @@ from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.frames.kinematics import Joint, TransformMessages, from_opening
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.known_frames import WorldFrames
-from dogbot_logtool.core.scene.arrows import Arrows, ArrowScale, arrow_scale
+from dogbot_logtool.core.scene.arrows import (
+    ARROW_STYLES,
+    LIFETIME_S,
+    Arrows,
+    ArrowScale,
+    ArrowStyle,
+    arrow_scale,
+)
 from dogbot_logtool.core.scene.feet import DrawnFoot, drawn_foot
 from dogbot_logtool.core.scene.loads import opening_load, silences
-from dogbot_logtool.core.scene.styles import ARROW_STYLES, LIFETIME_S, ArrowStyle
 from dogbot_logtool.core.stability import NEAR_NS
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding

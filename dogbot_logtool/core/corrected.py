@@ -20,9 +20,11 @@ from dogbot_logtool.core.corrections.clock import (
     StampCheck,
     TimeSource,
     check_stamps,
-    choose_clock,
+    clock_breaks,
     clock_differences,
     offset_track,
+    why_clocks_cannot_be_joined,
+    why_unusable,
     without_bad_stamps,
 )
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
@@ -90,10 +92,13 @@ def correct(recording: Recording, settings: WalkSettings) -> Corrected:
     clocks = clock_differences(offsets, named)
     base_check = _check(settings.odometry_topic or "the odometry", recording.base)
     checks = [*map(_check, named, recording.feet), base_check]
-    source, reason, breaks = choose_clock(checks, clocks, settings.time_source)
-    if reason:
-        settings = replace(settings, time_source=source, time_source_reason=reason)
-    on_stamps = source is TimeSource.HEADER
+    # One clock serves all feet and the base, since phases and support compare them.
+    if settings.time_source is None:
+        why = why_unusable(checks) or why_clocks_cannot_be_joined(clocks)
+        source = TimeSource.LOG if why else None
+        settings = replace(settings, time_source=source, time_source_reason=why)
+    on_stamps = settings.clock is TimeSource.HEADER
+    breaks = timespans.no_spans() if on_stamps else clock_breaks(checks)
     recording, settings = _without_filters(recording, settings)
     settings = with_sensors(settings, recording.feet)
     frames = known_frames(recording, settings)
@@ -103,15 +108,15 @@ def correct(recording: Recording, settings: WalkSettings) -> Corrected:
         foot_history(
             without_bad_stamps(own, _check(foot.topic, own)) if on_stamps else own,
             foot.rule,
-            source,
+            settings.clock,
+            breaks,
             force_in_world=settings.force_in_world,
             has_force=foot.has_force,
-            breaks=breaks,
         )
         for foot, own in zip(settings.feet, samples, strict=True)
     )
     poses = without_bad_stamps(recording.base, base_check) if on_stamps else recording.base
-    base = base_history(poses, source, breaks)
+    base = base_history(poses, settings.clock, breaks)
     leaning = leaning_walk_rad(base, feet)
     behind = offsets.get(settings.odometry_topic)
     return Corrected(

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, all_finite, median_of
-from dogbot_logtool.core.base.poses import Odometry, usable_poses
+from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.transforms import (
@@ -17,7 +17,6 @@ from dogbot_logtool.core.frames.transforms import (
     Poses,
     Transforms,
     chain_of_frames,
-    frame_track,
     lookup,
     track_of,
 )
@@ -142,8 +141,8 @@ class WorldFrames:
             if len(points) < _FEWEST:
                 continue
             middle = median_of(points, axis=0)
-            spread = float(median_of(np.sqrt(((points - middle) ** 2).sum(axis=1))))
-            if spread <= spread_m and float(np.sqrt((middle**2).sum())) <= _FARTHEST_M:
+            near = np.linalg.norm(middle) <= _FARTHEST_M
+            if near and median_of(np.linalg.norm(points - middle, axis=1)) <= spread_m:
                 found[foot] = tuple(middle.tolist())
         return found
 
@@ -163,12 +162,13 @@ class KnownFrames:
     base: str
     parents: Mapping[str, frozenset[str]]
     """Parents that the log's own transforms give each frame, without leading slashes."""
+    parent_of: Mapping[str, str]
+    """The parent of each frame that has one, as far as it is known which holds."""
     links: tuple[str | None, ...]
     """Link that each foot's collision belongs to, in whose frame its wrenches may be."""
     transforms: Mapping[Edge, Transforms]
-    """The log's own."""
-    poses: Odometry | None
-    """Of the base in the world: a second opinion would only contradict it. None: there are none."""
+    """The log's own; and of the base in the world its poses, to which a second opinion would only
+    contradict."""
     clock: TimeSource
     """The clock that frames are placed on."""
     wrench_frame: WrenchFrameEvidence = field(
@@ -179,26 +179,12 @@ class KnownFrames:
     stances: Mapping[int, Point] = field(default_factory=dict)
     """m, the same in the base's frame: the median while the foot stands."""
 
-    @property
-    def parent_of(self) -> dict[str, str]:
-        """The parent of each frame that has one; which of several holds is not known."""
-        parents = {child: next(iter(p)) for child, p in self.parents.items() if len(p) == 1}
-        return parents if self.poses is None else parents | {self.base: self.world}
-
     def tracks(self, frames: Iterable[str]) -> dict[str, FrameTrack]:
         """Return those of some frames that are known, each in its one parent."""
-        parents, found = self.parent_of, dict[str, FrameTrack]()
-        for child in frames:
-            own = self.transforms.get((parents.get(child, ""), child))
-            track = None
-            if self.poses is not None and child == self.base:
-                poses = self.poses.pick(usable_poses(self.poses))
-                times = self.clock.of(poses), poses.log_time
-                track = frame_track(self.world, *times, poses.position, poses.orientation)
-            elif own is not None:
-                track = track_of(parents[child], own, self.clock)
-            found |= {child: track} if track else {}
-        return found
+        edges = [(self.parent_of.get(child, ""), child) for child in frames]
+        known = [(edge, self.transforms[edge]) for edge in edges if edge in self.transforms]
+        tracks = {child: track_of(up, own, self.clock) for (up, child), own in known}
+        return {child: track for child, track in tracks.items() if track is not None}
 
     def in_base(self, settings: WalkSettings) -> list[FramePoint | None]:
         """Return where feet are whose messages tell places in the base's frame."""
@@ -215,19 +201,15 @@ class KnownFrames:
             points: where each foot is that tells no contact points; None: it is not wanted.
         """
         parents, world = self.parent_of, self.world
-        chains = {
-            frame: chain_of_frames(parents, frame, world)
-            for frame in (*links, *(point.frame for point in points if point))
-            if frame
-        }
-        links = [link if link and chains[link] is not None else None for link in links]
+        frames = filter(None, (*links, *(point.frame for point in points if point)))
+        chains = {frame: chain_of_frames(parents, frame, world) for frame in frames}
+        links = tuple(link if link and chains[link] is not None else None for link in links)
         # The world itself is no frame of a foot.
-        points = [point if point and chains[point.frame] else None for point in points]
-        frames = {link for link in links if link} | {point.frame for point in points if point}
-        if not frames:
+        points = tuple(point if point and chains[point.frame] else None for point in points)
+        if not any((*links, *points)):
             return None
-        tracks = self.tracks({each for frame in frames for each in chains[frame] or ()})
-        return WorldFrames(tuple(links), tuple(points), world, tracks, self.clock)
+        tracks = self.tracks({each for chain in chains.values() for each in chain or ()})
+        return WorldFrames(links, points, world, tracks, self.clock)
 
 
 def known_frames(recording: Recording, settings: WalkSettings) -> KnownFrames:
@@ -237,17 +219,24 @@ def known_frames(recording: Recording, settings: WalkSettings) -> KnownFrames:
         recording: its columns, as recorded.
         settings: with the clock that is measured on.
     """
+    world = settings.world_frame or _frame(recording.world_frames, DEFAULT_WORLD)
+    base = settings.base_frame or _frame(recording.base_frames, DEFAULT_BASE)
     parents: dict[str, set[str]] = {}
     for parent, child in recording.transforms:
         parents.setdefault(child, set()).add(parent)
+    of_one = (each for each in sorted(parents.items()) if len(each[1]) == 1)
+    parent_of = {child: next(iter(found)) for child, found in of_one}
+    transforms = dict(recording.transforms)
+    if settings.odometry_topic:
+        parent_of[base], transforms[world, base] = world, _of_poses(recording.base)
     links = [recording.links.get(foot, frozenset[str]()) for foot in range(len(settings.feet))]
     frames = KnownFrames(
-        world=settings.world_frame or _frame(recording.world_frames, DEFAULT_WORLD),
-        base=settings.base_frame or _frame(recording.base_frames, DEFAULT_BASE),
+        world=world,
+        base=base,
         parents={child: frozenset(found) for child, found in sorted(parents.items())},
+        parent_of=parent_of,
         links=tuple(next(iter(each)) if len(each) == 1 else None for each in links),
-        transforms=recording.transforms,
-        poses=recording.base if settings.odometry_topic else None,
+        transforms=transforms,
         clock=settings.clock,
     )
     feet, points = recording.feet, frames.in_base(settings)
@@ -257,11 +246,17 @@ def known_frames(recording: Recording, settings: WalkSettings) -> KnownFrames:
         soles = followed.soles(feet, SOLE_SPREAD_M)
     nowhere = (None,) * len(points)
     at_base = frames.follow((frames.base,) * len(points), nowhere)
-    if at_base is not None and frames.poses is not None:
+    if at_base is not None and settings.odometry_topic:
         in_base = {row for row, point in enumerate(points) if point}
         stances = at_base.soles(feet, STANCE_SPREAD_M, in_base)
     wrench_frame = _wrench_frame(recording, settings, followed)
     return replace(frames, soles=soles, stances=stances, wrench_frame=wrench_frame)
+
+
+def _of_poses(base: Odometry) -> Transforms:
+    """Return the transforms of the base by its poses."""
+    never, nowhere = np.zeros(len(base.stamp), np.bool_), np.broadcast_to(0, len(base.stamp))
+    return Transforms(nowhere, never, base.log_time, base.stamp, base.position, base.orientation)
 
 
 def imu_mounting(

@@ -151,9 +151,7 @@ class Walk:
     @property
     def worlds_differ(self) -> bool:
         """Whether contact points and base are not in one world."""
-        if self.worlds is None or self.settings.base_from_legs:
-            return False
-        return not self.worlds.agree
+        return self.worlds is not None and not self.worlds.agree
 
     @property
     def base_is_apart(self) -> bool:

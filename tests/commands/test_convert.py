@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.core.scene.styles import ARROW_STYLES
+from dogbot_logtool.core.scene.arrows import ARROW_STYLES
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.options.convert import ConvertOptions

@@ -324,7 +324,8 @@ def write_log(
     names: tuple[str, ...] = (),
     drift: float = 0.0,
     described: bool = True,
-    sensors: bool = True,
+    with_feet: bool = True,
+    with_poses: bool = True,
     imu: tuple[str, Floats] | None = None,
 ) -> Path:
     """Write a walk as an MCAP of ROS 2 messages.
@@ -343,7 +344,7 @@ def write_log(
         names: of the joints in their states; empty: their own.
         drift: metres by which the odometry goes astray, to the left, a metre of the way.
         described: whether a robot description is in it, where legs are by joint states.
-        sensors: whether feet and odometry are recorded.
+        with_feet: whether feet are recorded; `with_poses`, whether odometry is.
         imu: frame and readings, (n, 6) m/s^2 and rad/s, of an inertial unit.
     """
     make = ros_messages()
@@ -376,12 +377,12 @@ def write_log(
     if by_transforms:
         calves = make.transforms("base_link", [f"{foot}_calf" for foot in FEET])
         add("/tf", TF, time, calves.all_filled(time, robot.calf[rows].reshape(len(time), -1)))
-    if sensors:
+    if with_poses:
         speed = turned(inverse(robot.attitude), robot.base_velocity[:, 3:])
         place = robot.base + drift * robot.base[:, :1] * [0.0, 1.0, 0.0]
         poses = np.concatenate([place, robot.attitude, speed], axis=1)[rows]
         add("/odom", ODOMETRY, time, make.odometry("world", "base_link").all_filled(time, poses))
-    for number, foot in enumerate(FEET if sensors else ()):
+    for number, foot in enumerate(FEET if with_feet else ()):
         topic = f"/{NAMES[number]}_foot_contact"
         force, point = robot.force[rows, number], robot.point[rows, number]
         if not (by_transforms if points is None else points):

@@ -1,5 +1,6 @@
 """Legs of a trot that a physics engine made: clearance, touchdowns, work, curves and gaps."""
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -187,6 +188,40 @@ def test_swings_are_not_known_where_the_odometry_loses_its_way() -> None:
     walk = measured(by_transforms=True, drift=0.1)
     assert np.isnan(walk.strides["clearance_m"]).all()
     assert walk.stats["null_because"]["feet.front_left.clearance_m"] == "WORLDS_DIFFER"
+
+
+@pytest.mark.parametrize("speed_mps", [0.4, 0.7])
+def test_a_foot_that_bounces_at_touchdown_makes_one_step(speed_mps: float) -> None:
+    """Heavy legs leave the ground for up to 40 ms after each touchdown, fast ones for 20 ms."""
+    heavy = (1.2, 1.5, 0.45, 0.15) if speed_mps < 0.5 else physics.LEGS_KG
+    truth = walker(((-9.0, (speed_mps, 0.0, 0.0)),), 5.0, legs_kg=heavy)
+    walk = physics.measured(truth, by_transforms=False, every=5)
+    assert walk.gait.name == "trot"
+    assert walk.stats["gait"]["stride_frequency_hz"] == pytest.approx(2.0, rel=0.02)
+    for foot in walk.stats["feet"].values():
+        assert foot["stride_length_m"]["median"] == pytest.approx(truth.speed_mps / 2.0, rel=0.05)
+
+
+def test_a_base_reckoned_from_legs_is_not_compared_with_points_in_another_world() -> None:
+    walk = physics.measured(
+        replace(trot(), point=trot().point + np.array([5.0, 1.0, 0.0])),
+        by_transforms=False,
+        points=True,
+        with_poses=False,
+    )
+    assert walk.stats["settings"]["base_from"] == "legs"
+    assert walk.stats["base"]["forward_speed_mps"] == pytest.approx(trot().speed_mps, rel=0.06)
+    assert walk.stats["stability"]["static_margin_m"] is None
+    worlds = [each for each in walk.stats["findings"] if each["code"] == "WORLDS_DIFFER"]
+    assert [each["severity"] for each in worlds] == ["note"]
+
+
+@pytest.mark.parametrize("factor", [1e3, 0.0], ids=["millimetres", "zero"])
+def test_poses_without_feet_are_compared_with_their_twist(factor: float) -> None:
+    truth = replace(trot(), base=factor * trot().base)
+    walk = physics.measured(truth, by_transforms=True, with_feet=False)
+    assert "POSE_SCALE" in {each["code"] for each in walk.stats["findings"]}
+    assert walk.stats["base"]["forward_speed_mps"] is None
 
 
 def test_legs_that_are_named_tell_which_way_is_forward() -> None:

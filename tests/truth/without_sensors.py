@@ -61,7 +61,8 @@ def write_log(
         by_transforms=False,
         every=every,
         described=with_urdf,
-        sensors=False,
+        with_feet=False,
+        with_poses=False,
         imu=(imu_frame, np.concatenate(read, axis=1)) if with_imu else None,
         change=change,
     )

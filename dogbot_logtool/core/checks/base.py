@@ -35,9 +35,13 @@ def worlds_differ(walk: Walk) -> Iterator[Finding]:
     """
     worlds = walk.worlds
     if worlds is not None and walk.worlds_differ:
-        cases = ("loses_way",) if walk.loses_track else ()
-        feet = _feet_astray(walk, worlds)
-        yield found("WORLDS_DIFFER", "aside", *cases, feet=feet, where="stability", worlds=worlds)
+        cases, say = ["aside"], "plain"
+        if walk.settings.base_from_legs:
+            cases, say = [*cases, "reckoned"], "reckoned"
+        elif walk.loses_track:
+            cases.append("loses_way")
+        feet, where = _feet_astray(walk, worlds), "stability"
+        yield found("WORLDS_DIFFER", *cases, feet=feet, where=where, say=say, worlds=worlds)
     elif worlds is not None and walk.base is not None and walk.base.height_m is None:
         yield found("WORLDS_DIFFER", "below", where="base.height_m")
 
@@ -180,6 +184,8 @@ TURNS_WITH: Final = 0.5
 """Least share of a witness's turn that is the same turn."""
 LEANS_RAD: Final = np.radians(5.0)
 """An accelerometer that leans by more does not sit on a level base; mountings are as good."""
+WINDOW_S: Final = 1.0
+"""s, in place of strides where none are known."""
 UPRIGHT: Final = np.array([0.0, 0.0, 1.0])
 MOST_RISE_M: Final = 0.1
 """m by which poses may rise against the legs; also `MOST_RISE`, as a share of the way, which is
@@ -225,7 +231,8 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
     yield from _direction(walk, comparisons)
     yield from _orientation(walk, comparisons)
     yield from _planar(walk, comparisons, windows)
-    yield from _climb(walk, comparisons)
+    if not walk.settings.contact_from:
+        yield from _climb(walk, comparisons)
 
 
 def feet_agree(walk: Walk) -> bool:
@@ -237,10 +244,12 @@ def feet_agree(walk: Walk) -> bool:
 
 
 def _windows(walk: Walk) -> Ints:
-    """(k, 2) ns, strides one after another while the robot walks."""
+    """(k, 2) ns, strides one after another while the robot walks; without any, windows."""
     period_s = walk.period_s
-    if not period_s or len(walk.poses.time) < 2:
+    if len(walk.poses.time) < 2:
         return timespans.no_spans()
+    if not period_s:
+        return stride_windows(walk.poses.known, WINDOW_S)
     return stride_windows(timespans.merge(walk.strides), period_s)
 
 
@@ -258,7 +267,9 @@ def _comparisons(walk: Walk, windows: Ints) -> Iterator[Comparison]:
         found.append(compare(feet.by, own, reference, tells_turn=turn, tells_heading=heading))
     if may_be_odd:
         found.append(compare_twist(walk.poses, windows, forward_rad))
-    turns = (GYROSCOPE, _inertial(walk, windows)[0]), (COURSE, _course_turns(walk.poses, windows))
+    turns = [(GYROSCOPE, _inertial(walk, windows)[0])]
+    if walk.period_s:
+        turns.append((COURSE, _course_turns(walk.poses, windows)))
     for by, turned in turns:
         reference = turn_only(turned)
         found.append(compare(by, own, reference, tells_turn=True, tells_heading=False))
@@ -278,7 +289,7 @@ def _scale(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Iter
         near = [each for number, each in UNITS.items() if 0.8 <= factor / number <= 1.25]
         unit = f"positions in {near[0]}? --set odometry_scale={1.0 / factor:.3g}" if near else OTHER
         yield _doubted(walk, "POSE_SCALE", factor=factor, witness=surest, unit=unit)
-    elif length_m > longest:
+    elif walk.period_s and length_m > longest:
         yield _doubted(walk, "POSE_SCALE", say="stride", way=length_m, longest=longest)
 
 
@@ -347,7 +358,8 @@ def _planar(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Ite
     """Yield that poses are those of a plane: z, roll and pitch never change."""
     poses = walk.poses
     flat = np.column_stack([poses.position[:, 2], poses.angles[:, :2]])
-    if walk.base_by_feet or not len(windows) or float(np.ptp(flat, axis=0).max()) > 0.0:
+    is_walk = walk.period_s is not None and bool(len(windows))
+    if walk.base_by_feet or not is_walk or float(np.ptp(flat, axis=0).max()) > 0.0:
         return
     climb = next(
         (float(each.reference.rise.sum()) for each in comparisons if each.by == POINTS), 0.0

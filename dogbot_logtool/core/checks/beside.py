@@ -65,7 +65,8 @@ def mounting(walk: Walk) -> Iterator[Finding]:
             mounting=mounting,
             tilt=tilt,
         )
-    if imu.turned_rad is not None:
+    # A base whose poses legs tell is taken as level.
+    if imu.turned_rad is not None and not walk.settings.base_from_legs:
         yield found("IMU_TURNED", topic=topic, degrees=np.degrees(imu.turned_rad))
 
 

@@ -352,6 +352,8 @@ def _effort_signs(
         yield found("EFFORT_SIGN", where=where, feet=feet, names=names)
         return
     weight, astray = walk.loads.weight_n, walk.base_clock_is_apart or walk.loses_track
+    # Legs alone do not tell whether the base climbs.
+    astray |= walk.settings.base_from_legs
     if weight is None or astray or not judges_all or len(judged) == len(legs.feet):
         return
     strides = walk.feet[walk.reference].strides

@@ -15,7 +15,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, flagged_runs, latched
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, flagged_runs, latched, percentiles_of
 from dogbot_logtool.core.corrections.clock import SILENCE_NS
 from dogbot_logtool.core.corrections.modes import ALTERNATE, NOISY, WIDE
 from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
@@ -44,9 +44,16 @@ HEAVILY_FILTERED: Final = "its forces went through a low-pass filter that hides 
 DEBOUNCE_S: Final = 0.020
 DEBOUNCE_INTERVALS: Final = 1.5
 """Shorter swings and stances are no longer than one sample."""
-BOUNCE: Final = 0.0625
-"""Share of a foot's usual swing below which a swing is a bounce, or load that another foot takes
-for a moment."""
+BOUNCE: Final = 0.2
+"""Share of a foot's usual swing below which a swing is a bounce, if it is shorter than
+`LONGEST_BOUNCE_S`."""
+LONGEST_BOUNCE_S: Final = 0.08
+PART: Final = 0.5
+"""Share of a usual stance below which one of the two is that a foot bounces between."""
+FEWEST_BOUNCES: Final = 3
+"""Bounces of a foot in a log, at least."""
+BRIEF: Final = 0.0625
+"""Share of a usual swing below which another foot has taken the load for a moment."""
 MOST_DEBOUNCE_S: Final = 10.0
 """No foot steps more slowly: such intervals are those of stamps gone wrong."""
 ANY_FORCE_N: Final = 1e-9
@@ -65,8 +72,8 @@ class ContactRule:
     """N: |F| below which contact ends; it always ends at 0. 0: only there."""
     debounce_s: float
     """s: shorter swings are filled, then shorter stances dropped."""
-    bounce_s: float = 0.0
-    """s: so are shorter swings: much shorter than the foot's usual ones, they are none."""
+    brief_s: float | None = None
+    """s: so are shorter swings, and those in which the foot bounces; None: they are not."""
     backdates: bool = False
     """Whether a touchdown is dated back to where the force rose above `off_n`."""
     origin: Origin = "default"
@@ -112,7 +119,7 @@ def contact_rule(
         on_n=on,
         off_n=off,
         debounce_s=_debounce_s(level, given.debounce_s),
-        bounce_s=BOUNCE * (level.swing_s or 0.0) if given.debounce_s is None else 0.0,
+        brief_s=BRIEF * (level.swing_s or 0.0) if given.debounce_s is None else None,
         backdates=True,
         origin=given.origin if given.on_n else "estimated" if estimated else "default",
         unusable="" if given.on_n else _why_unusable(level, on, off),
@@ -195,8 +202,35 @@ def backdated(contact: Flags, time: Ints, force: Floats, off_n: float) -> Flags:
     return contact | (np.cumsum(change[:-1], dtype=np.int32) > 0)
 
 
+def joined_bounces(time: Ints, starts: Ints, ends: Ints) -> tuple[Ints, Ints]:
+    """Join stances of a foot that bounces between them.
+
+    Usual is what is as long as three quarters of all are, since a foot may bounce each time.
+
+    Args:
+        time: (n,) ns, strictly increasing.
+        starts: (k,) the first row of each stance in contact.
+        ends: (k,) the first row after it.
+
+    Returns:
+        the same of the stances that remain.
+    """
+    swings = (time[starts[1:]] - time[ends[:-1]]) / 1e9
+    if not len(swings):
+        return starts, ends
+    usual = float(percentiles_of(swings, 75.0))
+    longest_s = min(BOUNCE * usual, LONGEST_BOUNCE_S)
+    stances = (time[ends] - time[starts]) / 1e9
+    in_parts = np.minimum(stances[1:], stances[:-1]) < PART * percentiles_of(stances, 75.0)
+    # Of a swing that begins with a silence it is not known that it is short.
+    apart = (swings >= longest_s) | ~in_parts | silent_before(time)[ends[:-1]]
+    if (~apart).sum() < FEWEST_BOUNCES:
+        return starts, ends
+    return starts[np.append(True, apart)], ends[np.append(apart, True)]
+
+
 def find_stances(
-    time: Ints, contact: Flags, debounce_s: float, bounce_s: float = 0.0
+    time: Ints, contact: Flags, debounce_s: float, brief_s: float = 0.0
 ) -> tuple[Ints, Ints, int, int]:
     """Fill swings that are too short, then drop stances that are.
 
@@ -204,14 +238,14 @@ def find_stances(
         time: (n,) ns, strictly increasing.
         contact: (n,) state of the Schmitt trigger.
         debounce_s: s, below which swings and stances are too short.
-        bounce_s: s, below which swings are, too.
+        brief_s: s, below which swings are, too.
 
     Returns:
         (k,) the first row of each stance in contact, (k,) the first row after it that is not, or
         the last row where the log ends in the stance; how many swings were filled, how many
         stances dropped.
     """
-    silent, fill_ns = silent_before(time), round(max(debounce_s, bounce_s) * 1e9)
+    silent, fill_ns = silent_before(time), round(max(debounce_s, brief_s) * 1e9)
     begins, breaks = flagged_runs(contact).T
     runs = len(begins)
     # Of a swing that begins with a silence it is not known that it is short.

@@ -11,6 +11,7 @@ from dogbot_logtool.core.contact.contact_rule import (
     ContactRule,
     backdated,
     find_stances,
+    joined_bounces,
     rows_in_stances,
     schmitt,
 )
@@ -123,10 +124,10 @@ def foot_history(
     samples: Samples,
     rule: ContactRule,
     clock: TimeSource,
+    breaks: Ints,
     *,
     force_in_world: bool,
-    has_force: bool = True,
-    breaks: Ints | None = None,
+    has_force: bool,
 ) -> FootHistory:
     """Measure one foot.
 
@@ -134,9 +135,9 @@ def foot_history(
         samples: of this foot, in the order of the log.
         rule: thresholds of contact.
         clock: on which is measured.
+        breaks: (b, 2) ns, spans that nothing is measured across, as if they were gaps.
         force_in_world: whether the wrenches are in the world frame.
         has_force: whether forces are known at all, not only contact.
-        breaks: (b, 2) ns, spans that nothing is measured across, as if they were gaps.
     """
     messages = len(samples.foot)
     if not has_force:
@@ -155,14 +156,18 @@ def foot_history(
     repeated = int((equal & contact[1:] & contact[:-1]).sum())
     if rule.backdates:
         contact = backdated(contact, time, force, rule.off_n)
-    short = rule.debounce_s, rule.bounce_s
-    starts, ends, filled, dropped = find_stances(time, contact, *short)
+    shortest = rule.debounce_s, rule.brief_s or 0.0
+    starts, ends, filled, dropped = find_stances(time, contact, *shortest)
     is_scuff = _scuffs(track, starts, ends)
     scuffs = np.stack([time[starts[is_scuff]], time[ends[is_scuff]]], axis=1)
     starts, ends = starts[~is_scuff], ends[~is_scuff]
+    if rule.brief_s is not None:
+        stances = len(starts)
+        starts, ends = joined_bounces(time, starts, ends)
+        filled += stances - len(starts)
 
     gaps = track.gaps
-    if breaks is not None and len(breaks):
+    if len(breaks):
         gaps = timespans.merge(np.concatenate([gaps, breaks]))
     known = timespans.subtract(np.stack([time[:1], time[-1:]], axis=1), gaps)
 

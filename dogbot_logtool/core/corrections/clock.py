@@ -422,29 +422,10 @@ def too_far_apart(clocks: Sequence[ClockDifference], period_s: float | None) -> 
     return frozenset(each.topic for each in clocks if each.is_apart and each.most_s > least)
 
 
-def choose_clock(
-    checks: Sequence[StampCheck],
-    differences: Sequence[ClockDifference],
-    given: TimeSource | None,
-) -> tuple[TimeSource, str, Ints]:
-    """Choose header stamps, unless they cannot be used.
+def clock_breaks(checks: Sequence[StampCheck]) -> Ints:
+    """(b, 2) ns of log time, spans in which the clock of some stamps was set.
 
-    It is the clock of all feet and the base, since phases and support compare them with each other.
-
-    Args:
-        checks: stamps of the feet and of the base.
-        differences: how far the clocks of their topics are from each other.
-        given: the clock that is decided on already; None: none is.
-
-    Returns:
-        the clock; why it is log time although no option asks for it, empty where it is not; and
-        (b, 2) ns, spans in which the clock of the stamps was set, that nothing is measured across:
-        none on header stamps, whose own steps show.
+    Nothing is measured across them on log time; on header stamps, their own steps show.
     """
-    reason = ""
-    if given is None:
-        reason = why_unusable(checks) or why_clocks_cannot_be_joined(differences)
-    source = TimeSource.LOG if reason else given or TimeSource.HEADER
     spans = [(step.before, step.after) for check in checks for step in check.steps]
-    breaks = np.array(spans if source is TimeSource.LOG else [], np.int64).reshape(-1, 2)
-    return source, reason, timespans.merge(breaks)
+    return timespans.merge(np.array(spans, np.int64).reshape(-1, 2))
