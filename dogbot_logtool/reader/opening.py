@@ -13,7 +13,6 @@ from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.registry import (
     CONTAINERS,
-    ROSBAG2_SUFFIXES,
     Container,
     is_zstd,
 )
@@ -38,7 +37,7 @@ def open_log(path: Location) -> Log:
     if facts.is_folder if facts else storage.is_folder(path):
         from dogbot_logtool.reader.containers.rosbag2 import open_rosbag2  # noqa: PLC0415
 
-        return open_rosbag2(path, _open_file, ROSBAG2_SUFFIXES)
+        return open_rosbag2(path, _open_file)
     return _open_file(path, facts=facts)
 
 

@@ -1,18 +1,18 @@
 """ROS 2 bags: a directory of files, and a metadata.yaml that names them."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final
 
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.storage import Location, content, files_in, name_of
 from dogbot_logtool.reader.containers.joined_log import JoinedLog
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.containers.loss import Loss, lost_messages
-from dogbot_logtool.reader.containers.registry import ANNOTATED, ROSBAG2_METADATA
+from dogbot_logtool.reader.containers.registry import ANNOTATED, ROSBAG2_METADATA, ROSBAG2_SUFFIXES
 
 if TYPE_CHECKING:
     from ruamel.yaml.events import Event
@@ -136,18 +136,13 @@ def _counts_by_file(files: object) -> Iterator[tuple[str, int]]:
             yield Path(name).name, count
 
 
-class OpenFile(Protocol):
-    """Opens one file of a bag."""
-
-    def __call__(self, path: Location, distribution: str) -> Log:
-        """Open a file; `distribution` is the one of ROS 2 that recorded it, if known."""
-
-
+OpenFile = Callable[[Location, str], Log]
+"""Opens a file of a bag, given the distribution of ROS 2 that recorded it; empty: not known."""
 _Files = tuple[list[Location], list[Loss], Metadata | None]
 """Of a bag: its files, what is said of them, and its metadata if that can be used."""
 
 
-def open_rosbag2(path: Location, open_file: OpenFile, suffixes: tuple[str, ...]) -> Log:
+def open_rosbag2(path: Location, open_file: OpenFile) -> Log:
     """Open the directory of a ROS 2 bag.
 
     Files that are missing or cannot be read are losses, as long as one can.
@@ -155,16 +150,15 @@ def open_rosbag2(path: Location, open_file: OpenFile, suffixes: tuple[str, ...])
     Args:
         path: the directory.
         open_file: opens one of its files.
-        suffixes: of files that may be a part of a bag.
 
     Raises:
         CallError: there are no log files in it.
         LogError: none of its files can be read.
     """
     try:
-        files, losses, metadata = _named_files(path, read_metadata(path), suffixes)
+        files, losses, metadata = _named_files(path, read_metadata(path))
     except UnusableMetadata as error:
-        files, losses, metadata = _numbered_files(path, suffixes, str(error))
+        files, losses, metadata = _numbered_files(path, str(error))
     logs: list[Log] = []
     for file in files:
         try:
@@ -190,10 +184,10 @@ def _before(loss: Loss, following: Log) -> Loss:
     return replace(loss, end_time=following.start_time) if is_open else loss
 
 
-def _named_files(folder: Location, metadata: Metadata, suffixes: tuple[str, ...]) -> _Files:
+def _named_files(folder: Location, metadata: Metadata) -> _Files:
     """Return the files that metadata names; say which are missing, and which it does not name."""
     present = {file.name: file for file in files_in(folder)}
-    logs = [name for name, file in present.items() if _is_log(file, suffixes)]
+    logs = [name for name, file in present.items() if _is_log(file)]
     if logs and not any(_present(present, name) for name in metadata.files):
         raise UnusableMetadata("it names none of the files that are there")
     files: dict[str, Location] = {}
@@ -241,9 +235,9 @@ def _present(files: Mapping[str, Location], name: str) -> Location | None:
     return None
 
 
-def _numbered_files(folder: Location, suffixes: tuple[str, ...], reason: str) -> _Files:
+def _numbered_files(folder: Location, reason: str) -> _Files:
     """Take all log files in the order of their numbers, none both compressed and decompressed."""
-    found = {file.name: file for file in files_in(folder) if _is_log(file, suffixes)}
+    found = {file.name: file for file in files_in(folder) if _is_log(file)}
     if not found:
         raise CallError(
             f"{name_of(folder)}: is a directory, not a log file, and holds no ROS 2 bag"
@@ -261,6 +255,6 @@ def _by_number(name: str) -> tuple[list[int], str]:
     return [int(digits) for digits in re.findall(r"\d{1,18}", name)], name
 
 
-def _is_log(file: Location, suffixes: tuple[str, ...]) -> bool:
+def _is_log(file: Location) -> bool:
     name = file.name.removesuffix(_PACKED)
-    return name.endswith(suffixes) and not name.endswith(ANNOTATED)
+    return name.endswith(ROSBAG2_SUFFIXES) and not name.endswith(ANNOTATED)

@@ -143,8 +143,8 @@ class Record:
         return op in _FIELDS
 
 
-def record_bounds(data: bytes | memoryview, offset: int, end: int) -> tuple[int, int]:
-    """Return where a record in memory has the end of its header, and its own.
+def record_at(data: bytes | memoryview, offset: int, end: int) -> Record:
+    """Read the header of a record in memory.
 
     Args:
         data: bytes that hold it.
@@ -161,12 +161,6 @@ def record_bounds(data: bytes | memoryview, offset: int, end: int) -> tuple[int,
         record_end = header_end + 4 + U32.unpack_from(data, header_end)[0]
     if record_end > end:
         raise MalformedRecord("a record is cut off")
-    return header_end, record_end
-
-
-def record_at(data: bytes | memoryview, offset: int, end: int) -> Record:
-    """Read the header of a record in memory; arguments and errors are those of `record_bounds`."""
-    header_end, record_end = record_bounds(data, offset, end)
     return Record(data[offset + 4 : header_end], header_end + 4, record_end)
 
 

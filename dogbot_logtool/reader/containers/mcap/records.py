@@ -202,8 +202,9 @@ class McapFormat:
             is_short = (op == Opcode.MESSAGE) & (length < MESSAGE_CONTENT_SIZE)
             op[is_short | (end > len(records)) | ~_MAY_STAND_IN_CHUNK[op]] = 0
         is_message = op == Opcode.MESSAGE
+        rows = slice(None) if is_message.all() else is_message
         if is_message.any():
-            head[is_message] = gather(records, offset[is_message], head.itemsize).view(head.dtype)
+            head[rows] = gather(records, offset[rows], head.itemsize).view(head.dtype)
         channel, log_time, publish_time, sequence = (
             head[name].astype(np.int64) for name in _MESSAGE_COLUMNS
         )

@@ -80,7 +80,9 @@ def read_content(
     is_indexed, skipped = found is not None, list[tuple[int, int]]()
     if found is None:
         found, skipped = find_all(fmt, data, 0, len(data))
-    kept = _Kept(chunk, found.pick(found.op == fmt.message), not skipped and not is_cut)
+    is_message = found.op == fmt.message
+    messages = found if is_message.all() else found.pick(is_message)
+    kept = _Kept(chunk, messages, not skipped and not is_cut)
     if index is not None and not is_indexed and not is_cut:
         kept.compare_index(index, verified=verified)
     kept.compare_times(believed=verified or is_indexed)
@@ -93,11 +95,11 @@ def read_content(
     elif chunk.counts is not None:
         counts = index.counts if index and is_indexed else counts_by_channel(kept.found)
         kept.compare_counts(chunk.counts, counts)
-    others = found.pick(np.isin(found.op, [*fmt.describing]))
-    bounds = zip(others.offset.tolist(), others.end.tolist(), strict=True)
+    others = found.pick(~is_message)
+    bounds = zip(others.op.tolist(), others.offset.tolist(), others.end.tolist(), strict=True)
     return ChunkContent(
         kept.messages.messages(),
-        [data[start:end].tobytes() for start, end in bounds],
+        [data[start:end].tobytes() for op, start, end in bounds if op in fmt.describing],
         tuple(kept.losses),
         index is not None and is_indexed and index.complete,
     )
