@@ -11,7 +11,6 @@ from dogbot_logtool.core.base.falls import down_spans
 from dogbot_logtool.core.checks.base import feet_agree
 from dogbot_logtool.core.contact.contact_rule import HEAVILY_FILTERED
 from dogbot_logtool.core.gait.feet import FootSteps
-from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.loads import is_stuck, mean_impulses
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.walk import Walk
@@ -260,8 +259,9 @@ def _travel_share(foot: FootSteps) -> float:
 def _dangles(walk: Walk, in_flight: Ints) -> Ints | None:
     """Return a long time without contact in which the base stands as high as in its steps."""
     poses = walk.poses
-    steps = timespans.merge(any_strides(walk.records, walk.fallen, timespans.no_spans()))
-    height = aggregate(poses.position[timespans.covers(steps, poses.time), 2])
+    height = aggregate(
+        poses.position[timespans.covers(timespans.merge(walk.strides), poses.time), 2]
+    )
     for span in in_flight[in_flight[:, 1] - in_flight[:, 0] > DANGLES_S * 1e9]:
         inside = poses.position[timespans.covers(span[None], poses.time)]
         if height is None or len(inside) < 2 or np.ptp(inside[:, :2], axis=0).max() > STAYS_M:
