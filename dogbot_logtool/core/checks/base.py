@@ -231,7 +231,7 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
     yield from _direction(walk, comparisons)
     yield from _orientation(walk, comparisons)
     yield from _planar(walk, comparisons, windows)
-    if not walk.settings.contact_from:
+    if not (walk.settings.contact_from or walk.settings.base_from_legs):
         yield from _climb(walk, comparisons)
 
 

@@ -22,6 +22,8 @@ WHOLE_WEIGHT: Final = 0.005
 """Share of the weight by which forces that nothing cuts off may miss it."""
 FLAT: Final = 0.8
 """Mean over highest force of a nearly rectangular stance; that of half a sine is 0.64."""
+ONCE_A_STANCE: Final = 1.25
+"""Swings filled and stances dropped for each stance, up to which a foot may just bounce."""
 SOME_S: Final = 0.1
 """s, time in contact without poses from which that is worth a warning."""
 
@@ -115,8 +117,11 @@ def odd_forces(walk: Walk) -> Iterator[Finding]:
         if foot.spikes:
             where = f"feet.{name}.peak_force_n"
             yield found("SPIKES", where=where, foot=name, spikes=foot.spikes)
-        if record.filled_swings + record.dropped_stances > max(2.0, 0.2 * len(whole)):
-            yield found("CHATTER", where=f"feet.{name}.chatter", foot=name, record=record)
+        flickers = record.filled_swings + record.dropped_stances
+        if flickers > max(2.0, 0.2 * len(whole)):
+            # A stiff foot bounces at each touchdown.
+            cases = ("once",) if flickers <= ONCE_A_STANCE * len(whole) else ()
+            yield found("CHATTER", *cases, where=f"feet.{name}.chatter", foot=name, record=record)
         rates = foot.stances.figures.loading_rate_nps[whole]
         if whole.any() and record.has_force and not np.isfinite(rates).any():
             where = f"feet.{name}.loading_rate_nps"
