@@ -122,8 +122,8 @@ def make_scene(
     end, begin = last if end is None else min(end, last), opening or 0
     poses = walk.recording.base.pick(usable_poses(walk.recording.base))
     poses = poses.pick(first_at_each_tick(poses.time, options.tf_rate))
-    pairs = [(joint.parent, joint.child) for joint in description.joints]
-    moved = [*([_base(poses)] if writes_base else []), *_links(description.joints, walk, options)]
+    transforms = [_of_base(poses)] if writes_base else []
+    transforms += _of_links(description.joints, walk, options)
     loads = [opening_load(foot, settings.body_weight_n, begin) for foot in feet]
     known_from = _known_from(feet, begin)
     return Scene(
@@ -136,8 +136,8 @@ def make_scene(
             frames.world,
             frames.base,
             _look(selection, style, options.tf_rate),
-            links=pairs,
-            has_transforms=writes_base or bool(pairs),
+            links=[(joint.parent, joint.child) for joint in description.joints],
+            has_transforms=writes_base or bool(description.joints),
             has_support=unsupported is None,
             has_legs=description.hips is not None,
             description=_profile(log, options) if description.urdf is not None else "",
@@ -147,7 +147,7 @@ def make_scene(
         feet=feet,
         poses=_known_poses(poses, begin, known_from),
         others=[
-            *(from_opening(each, begin) for each in moved),
+            *(from_opening(each, begin) for each in transforms),
             *([recorded] if recorded is not None else []),
             in_time_order(concatenated([*loads, silences(feet, begin, end)])),
         ],
@@ -226,13 +226,13 @@ def _known_poses(poses: Odometry, opening: int, known_from: int) -> Odometry:
     return concatenated([first, known.pick(known.log_time > opening)])
 
 
-def _base(poses: Odometry) -> TransformMessages:
+def _of_base(poses: Odometry) -> TransformMessages:
     """Return the transforms of the base."""
     place = poses.position[:, None], poses.orientation[:, None]
     return TransformMessages(poses.log_time, poses.time, *place)
 
 
-def _links(
+def _of_links(
     joints: Sequence[Joint], walk: Walk, options: ConvertOptions
 ) -> Iterator[TransformMessages]:
     """Yield the transforms of the links that joint states move."""

@@ -130,17 +130,17 @@ def mask_walk(corrected: Corrected) -> Walk:
     # Sensors that never report a contact say nothing of where the feet are.
     touching = any(len(each.in_contact) for each in records)
     standing = standing_in(supported if touching else None, period_s, base, fallen)
-    strides = any_strides(records, fallen, standing.without_steps)
+    walked = timespans.merge(any_strides(records, fallen, standing.without_steps))
     delay = None
     # Joints that tell both forces and poses tell them at the same time.
     by_joints = settings.base_from_legs and bool(settings.contact_from)
     if period_s and len(base.time) and not (apart or settings.lacks_feet or by_joints):
-        delay = long_delay(records, base, period_s, strides)
+        delay = long_delay(records, base, period_s, walked)
     apart = apart | {settings.odometry_topic} if delay else apart
     placed_by_poses = any(path is not None for path in corrected.places)
     ground = find_moving_ground(records, base, placed_by_poses=placed_by_poses)
-    walked = base if ground is None else ground.on_ground(base)
-    track = base_track(walked, height, records, standing.still)
+    on_ground = base if ground is None else ground.on_ground(base)
+    track = base_track(on_ground, height, records, standing.still)
     guessed = settings.forward_axis
     motion = base_motion(track, settings.forward_rad)
     in_one_world = stand_in is None and (worlds is None or worlds.agree)

@@ -88,7 +88,7 @@ def correct(recording: Recording, settings: WalkSettings) -> Corrected:
     named = [foot.topic for foot in settings.feet]
     stamped = {topic: each for topic, each in times.items() if each.has_stamps}
     measured = sorted({*named, settings.odometry_topic} & stamped.keys())
-    offsets = {topic: stamped[topic].offset_track() for topic in measured}
+    offsets = {topic: offset_track(*stamped[topic].usable()) for topic in measured}
     clocks = clock_differences(offsets, named)
     base_check = _check(settings.odometry_topic or "the odometry", recording.base)
     checks = [*map(_check, named, recording.feet), base_check]
@@ -176,12 +176,9 @@ def _joint_clocks(
     joints: Sequence[JointTable], offsets: Mapping[str, OffsetTrack], feet: Sequence[str]
 ) -> tuple[ClockDifference, ...]:
     """Compare the clocks of joint states, too."""
-    tracks = {}
-    for table in joints:
-        own = table.samples
-        # Messages without a stamp have their log time.
-        stamped = own.stamp != own.log_time
-        tracks[table.topic] = offset_track(own.log_time[stamped], own.stamp[stamped])
+    own = [(table.topic, table.samples.log_time, table.samples.stamp) for table in joints]
+    # Messages without a stamp have their log time.
+    tracks = {name: offset_track(log[log != at], at[log != at]) for name, log, at in own}
     return clock_differences({**tracks, **offsets}, feet) if tracks else ()
 
 

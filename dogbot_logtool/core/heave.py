@@ -42,7 +42,7 @@ class Delay:
 
 @np.errstate(over="ignore", invalid="ignore")
 def long_delay(
-    feet: Sequence[FootHistory], base: BaseHistory, period_s: float, strides: Ints
+    feet: Sequence[FootHistory], base: BaseHistory, period_s: float, walked: Ints
 ) -> Delay | None:
     """Return by how much the base comes after the feet's forces, if that is long.
 
@@ -53,7 +53,7 @@ def long_delay(
         feet: histories of all feet.
         base: poses without jumps.
         period_s: s, the usual stride.
-        strides: (s, 2) ns, strides, in which nothing but the feet carries the robot.
+        walked: (s, 2) ns, time in strides, in which nothing but the feet carries the robot.
 
     Returns:
         None also where vertical forces are not known over strides enough in a row, or the base does
@@ -61,7 +61,6 @@ def long_delay(
     """
     if not all(vertical_is_known(foot) for foot in feet):
         return None
-    walked = timespans.merge(strides)
     spans = timespans.intersect([walked, base.known, *(foot.vertical_known for foot in feet)])
     if not len(spans):
         return None

@@ -197,11 +197,12 @@ def _compare_forces(
     apart = walk.feet_clocks_are_apart or walk.base_is_apart or walk.settings.lacks_feet
     if mass_kg is None or apart or not walk.vertical_known:
         return None
-    strides = timespans.merge(walk.strides)
     loaded = [foot for foot in feet if len(foot.in_contact)]
     if not loaded or not all(vertical_is_known(foot) for foot in loaded):
         return None
-    known = timespans.intersect([strides, *(foot.vertical_known for foot in feet)])
+    known = timespans.intersect(
+        [timespans.merge(walk.strides), *(foot.vertical_known for foot in feet)]
+    )
     rows = timespans.hold_window(known, time, half_ns, half_ns)
     time = time[rows]
     if len(time) < FEWEST:

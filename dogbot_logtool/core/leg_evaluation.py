@@ -11,7 +11,6 @@ from dogbot_logtool.core.base.foot_path import Footfalls, FootPath, footfalls
 from dogbot_logtool.core.base.witness import by_legs
 from dogbot_logtool.core.corrections.clock import too_far_apart
 from dogbot_logtool.core.gait.feet import FootSteps
-from dogbot_logtool.core.gait.strides import typical_period_s
 from dogbot_logtool.core.legs.joints import (
     JointTrack,
     LegFigures,
@@ -58,9 +57,8 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     paths = [foot_path(chain, frames) for chain in settings.chains]
     if not joints and not any(path is not None for path in paths):
         return walk
-    period = typical_period_s([foot.stances for foot in walk.feet])
     clocks = walk.corrected.joint_clocks
-    apart = too_far_apart(clocks, period) & set(settings.joint_topics)
+    apart = too_far_apart(clocks, walk.period_s) & set(settings.joint_topics)
     legs, stood, feet = [], [], []
     for row, path in enumerate(paths):
         reason = _no_swings(walk, settings, row, path, joints_apart=bool(apart))

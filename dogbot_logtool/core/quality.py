@@ -11,12 +11,10 @@ from dogbot_logtool.core.corrections.clock import (
     GAP_INTERVALS,
     SILENCE_NS,
     ClockStep,
-    OffsetTrack,
     StampCheck,
     TimeSource,
     check_stamps,
     first_at_each_tick,
-    offset_track,
 )
 
 _FAR_QUARTILES: Final = 10.0
@@ -172,10 +170,6 @@ class TopicTimes:
         if self.stamp is None or self.check is None:
             return np.empty(0, np.int64), np.empty(0, np.int64)
         return self.log_time[self.check.usable], self.stamp[self.check.usable]
-
-    def offset_track(self) -> OffsetTrack:
-        """Return how far the stamps lie behind log time."""
-        return offset_track(*self.usable())
 
 
 def topic_times(topic: str, log_time: Ints, stamp: Ints | None) -> TopicTimes:

@@ -41,7 +41,7 @@ def read_text(path: Path, what: str, largest: int = _LARGEST) -> str:
     except OSError as error:
         raise CallError(f"{path}: cannot be read as {what}: {error.strerror}") from error
     except UnicodeDecodeError as error:
-        raise CallError(f"{path}: cannot be read as {what}: {error}") from error
+        raise CallError(f"{path}: cannot be read as {what}: it is not UTF-8 text") from error
 
 
 def parse_toml(text: str, source: str) -> dict[str, Any]:

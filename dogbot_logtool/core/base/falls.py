@@ -158,23 +158,16 @@ def find_tipping(base: BaseHistory, forward_rad: float) -> Tipping | None:
     """
     if len(base.time) < 3 or base.time[-1] - base.time[0] < (LAST_S + USUAL_S) * 1e9:
         return None
-    angles = zip(("roll", "pitch"), roll_and_pitch(base.angles, forward_rad), strict=True)
-    found = [each for name, values in angles if (each := _tips(base, name, values))]
-    return max(found, key=lambda each: abs(each.last_rad), default=None)
-
-
-def _tips(base: BaseHistory, name: str, angle: Floats) -> Tipping | None:
-    before = base.time < base.time[-1] - LAST_S * 1e9
-    low, high = float(angle[before].min()), float(angle[before].max())
-    beyond = np.maximum(angle - high, low - angle)
-    inside = np.flatnonzero(beyond <= 0.0)
-    first = int(inside[-1]) + 1 if len(inside) else 0
-    if first >= len(angle) or beyond[-1] < BEYOND_RAD:
+    angles = np.stack(roll_and_pitch(base.angles, forward_rad), axis=1)
+    usual = angles[base.time < base.time[-1] - LAST_S * 1e9]
+    beyond = np.maximum(angles - usual.max(axis=0), usual.min(axis=0) - angles)
+    earlier = np.searchsorted(base.time, base.time[-1] - RISING_S * 1e9)
+    tips = (beyond[-1] >= BEYOND_RAD) & (beyond[-1] - beyond[earlier] >= _RISES_RAD)
+    if not tips.any():
         return None
-    earlier = int(np.searchsorted(base.time, base.time[-1] - RISING_S * 1e9))
-    if beyond[-1] - beyond[earlier] < _RISES_RAD:
-        return None
-    return Tipping(int(base.time[first]), name, float(angle[-1]))
+    angle = int(np.where(tips, np.abs(angles[-1]), -1.0).argmax())
+    first = np.flatnonzero(beyond[:, angle] <= 0.0)[-1] + 1
+    return Tipping(int(base.time[first]), ("roll", "pitch")[angle], float(angles[-1, angle]))
 
 
 STEEP_RAD: Final = np.radians(45.0)

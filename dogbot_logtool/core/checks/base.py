@@ -231,7 +231,7 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
     yield from _direction(walk, comparisons)
     yield from _orientation(walk, comparisons)
     yield from _planar(walk, comparisons, windows)
-    if not walk.settings.contact_from:
+    if not (walk.settings.contact_from or walk.settings.base_from_legs):
         yield from _climb(walk, comparisons)
 
 
@@ -358,7 +358,8 @@ def _planar(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Ite
     """Yield that poses are those of a plane: z, roll and pitch never change."""
     poses = walk.poses
     flat = np.column_stack([poses.position[:, 2], poses.angles[:, :2]])
-    if walk.base_by_feet or not len(windows) or float(np.ptp(flat, axis=0).max()) > 0.0:
+    is_walk = walk.period_s is not None and bool(len(windows))
+    if walk.base_by_feet or not is_walk or float(np.ptp(flat, axis=0).max()) > 0.0:
         return
     climb = next(
         (float(each.reference.rise.sum()) for each in comparisons if each.by == POINTS), 0.0

@@ -9,7 +9,6 @@ losses, which are never negative.
 
 from collections import Counter
 from collections.abc import Container, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import permutations, product
 from typing import Final
 
@@ -19,9 +18,9 @@ from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
 from dogbot_logtool.core.base.foot_path import FootPath
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.checks.loads import direction_is_doubtful
-from dogbot_logtool.core.contact.stances import FootTrack, Stances
-from dogbot_logtool.core.gait.feet import stride_curve
-from dogbot_logtool.core.gait.strides import Strides, typical_period_s
+from dogbot_logtool.core.contact.stances import FootTrack
+from dogbot_logtool.core.gait.feet import FootSteps, stride_curve
+from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.joints import JointTrack, LegFigures, joint_work
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
@@ -115,30 +114,18 @@ def _fits(ratio: Floats, factor: float) -> Flags:
     return fits
 
 
-@dataclass(frozen=True, slots=True)
-class LegSigns:
-    """Check of the efforts of a leg against the ground's force."""
-
-    agree: bool
-    """Whether the efforts as recorded do its work."""
-    odd: tuple[str, ...]
-    """Joints with which they would, if their efforts had the other sign."""
-    scale: float
-    """Size of their work, with those signs, over that of the ground's force."""
+LegSigns = tuple[tuple[str, ...], float]
+"""Joints with which the efforts of a leg would do the work of the ground's force, if theirs had the
+other sign; and the size of that work, with those signs, over that of the force."""
 
 
 def leg_signs(
-    track: FootTrack,
-    stances: Stances,
-    path: FootPath,
-    base: BaseHistory,
-    joints: Sequence[JointTrack],
+    foot: FootSteps, path: FootPath, base: BaseHistory, joints: Sequence[JointTrack]
 ) -> LegSigns | None:
     """Compare the work of a leg's motors with that of the force at its foot.
 
     Args:
-        track: forces of the foot.
-        stances: of the foot.
+        foot: its forces and stances.
         path: of the foot in the base's frame.
         base: poses without jumps.
         joints: of the leg, those that move, all with efforts.
@@ -146,6 +133,7 @@ def leg_signs(
     Returns:
         None where too little is known.
     """
+    stances = foot.stances
     known = np.isfinite(stances.figures.mean_vertical_force_n)
     rows = np.flatnonzero(stances.whole & known)
     if not 0 < len(joints) <= _MOST_JOINTS or not len(rows):
@@ -154,7 +142,7 @@ def leg_signs(
     shares = np.linspace(0.0, 1.0, _SECTIONS + 1)
     edges = stances.touchdown[rows, None] + np.rint(duration * shares).astype(np.int64)
     begin, end = edges[:, :-1].ravel(), edges[:, 1:].ravel()
-    absorbed = _absorbed(track, edges, path, base)
+    absorbed = _absorbed(foot.record.track, edges, path, base)
     works = [joint_work(joint, begin, end) for joint in joints]
     given = np.stack([2.0 * positive - absolute for positive, absolute in works], axis=1)
     known = np.isfinite(absorbed) & np.isfinite(given).all(axis=1)
@@ -201,7 +189,7 @@ def _judged(given: Floats, absorbed: Floats, names: Sequence[str]) -> LegSigns |
     if not agree and not odd.any():
         return None
     scale = float(np.linalg.norm(given @ turned[best]) / np.linalg.norm(absorbed))
-    return LegSigns(agree, tuple(np.array(names)[odd].tolist()), scale)
+    return tuple(np.array(names)[odd].tolist()), scale
 
 
 def _cosines(given: Floats, absorbed: Floats, signs: Floats) -> Floats:
@@ -304,7 +292,7 @@ def _lacking(walk: Walk, legs: LegFigures) -> str:
 
 def _too_slow(walk: Walk, legs: LegFigures) -> str:
     """Say that joint states of legs come too rarely for work; empty if they do not."""
-    period = typical_period_s([foot.stances for foot in walk.feet])
+    period = walk.period_s
     of_legs = legs.settings.foot_of_joint
     own = [joint for joint in legs.moving if joint.name in of_legs] or legs.moving
     states = min(joint.rate_hz for joint in own) * period if period else FEWEST_STATES
@@ -323,7 +311,7 @@ def _signs(walk: Walk, legs: LegFigures) -> dict[str, LegSigns]:
         if leg.path is None or leg.reason or pushes is None:
             continue
         moving = [joint for joint in legs.joints_of(row) if joint.works]
-        signs = leg_signs(foot.record.track, foot.stances, leg.path, walk.poses, moving)
+        signs = leg_signs(foot, leg.path, walk.poses, moving)
         if signs is not None:
             judged[leg.name] = signs
     return judged
@@ -333,7 +321,7 @@ def _other_unit(walk: Walk, judged: dict[str, LegSigns]) -> str:
     """Say that the work of legs is of another size than that of the forces on their feet."""
     over_weight = walk.loads.vertical_impulse_over_weight
     newtons = over_weight is None or 0.5 < over_weight < 2.0
-    scale = median_of([signs.scale for signs in judged.values()]) if judged else 1.0
+    scale = median_of([scale for _, scale in judged.values()]) if judged else 1.0
     if not newtons or 1.0 / OTHER_UNIT <= scale <= OTHER_UNIT:
         return ""
     return f"the work of joints is {scale:.3g} times that of the forces on the feet"
@@ -343,7 +331,7 @@ def _effort_signs(
     walk: Walk, legs: LegFigures, judged: dict[str, LegSigns], *, judges_all: bool
 ) -> Iterator[Finding]:
     """Yield efforts of the wrong sign: of legs, or else by energy of all joints together."""
-    odd = {foot: signs.odd for foot, signs in judged.items() if not signs.agree}
+    odd = {foot: names for foot, (names, _) in judged.items() if names}
     sound = judged.keys() - odd.keys()
     where, feet = "legs.positive_work_j", [foot.name for foot in walk.feet]
     if odd:

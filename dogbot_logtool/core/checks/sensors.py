@@ -11,7 +11,6 @@ from dogbot_logtool.core.base.falls import down_spans
 from dogbot_logtool.core.checks.base import feet_agree
 from dogbot_logtool.core.contact.contact_rule import HEAVILY_FILTERED
 from dogbot_logtool.core.gait.feet import FootSteps
-from dogbot_logtool.core.gait.strides import any_strides
 from dogbot_logtool.core.loads import is_stuck, mean_impulses
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.walk import Walk
@@ -23,6 +22,8 @@ WHOLE_WEIGHT: Final = 0.005
 """Share of the weight by which forces that nothing cuts off may miss it."""
 FLAT: Final = 0.8
 """Mean over highest force of a nearly rectangular stance; that of half a sine is 0.64."""
+ONCE_A_STANCE: Final = 1.25
+"""Swings filled and stances dropped for each stance, up to which a foot may just bounce."""
 SOME_S: Final = 0.1
 """s, time in contact without poses from which that is worth a warning."""
 
@@ -116,8 +117,11 @@ def odd_forces(walk: Walk) -> Iterator[Finding]:
         if foot.spikes:
             where = f"feet.{name}.peak_force_n"
             yield found("SPIKES", where=where, foot=name, spikes=foot.spikes)
-        if record.filled_swings + record.dropped_stances > max(2.0, 0.2 * len(whole)):
-            yield found("CHATTER", where=f"feet.{name}.chatter", foot=name, record=record)
+        flickers = record.filled_swings + record.dropped_stances
+        if flickers > max(2.0, 0.2 * len(whole)):
+            # A stiff foot bounces at each touchdown.
+            cases = ("once",) if flickers <= ONCE_A_STANCE * len(whole) else ()
+            yield found("CHATTER", *cases, where=f"feet.{name}.chatter", foot=name, record=record)
         rates = foot.stances.figures.loading_rate_nps[whole]
         if whole.any() and record.has_force and not np.isfinite(rates).any():
             where = f"feet.{name}.loading_rate_nps"
@@ -255,8 +259,9 @@ def _travel_share(foot: FootSteps) -> float:
 def _dangles(walk: Walk, in_flight: Ints) -> Ints | None:
     """Return a long time without contact in which the base stands as high as in its steps."""
     poses = walk.poses
-    steps = timespans.merge(any_strides(walk.records, walk.fallen, timespans.no_spans()))
-    height = aggregate(poses.position[timespans.covers(steps, poses.time), 2])
+    height = aggregate(
+        poses.position[timespans.covers(timespans.merge(walk.strides), poses.time), 2]
+    )
     for span in in_flight[in_flight[:, 1] - in_flight[:, 0] > DANGLES_S * 1e9]:
         inside = poses.position[timespans.covers(span[None], poses.time)]
         if height is None or len(inside) < 2 or np.ptp(inside[:, :2], axis=0).max() > STAYS_M:

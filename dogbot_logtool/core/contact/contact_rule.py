@@ -53,7 +53,7 @@ PART: Final = 0.5
 FEWEST_BOUNCES: Final = 3
 """Bounces of a foot in a log, at least."""
 BRIEF: Final = 0.0625
-"""The same of any length: another foot takes the load for a moment."""
+"""Share of a usual swing below which another foot has taken the load for a moment."""
 MOST_DEBOUNCE_S: Final = 10.0
 """No foot steps more slowly: such intervals are those of stamps gone wrong."""
 ANY_FORCE_N: Final = 1e-9
@@ -72,8 +72,8 @@ class ContactRule:
     """N: |F| below which contact ends; it always ends at 0. 0: only there."""
     debounce_s: float
     """s: shorter swings are filled, then shorter stances dropped."""
-    fills_bounces: bool = False
-    """Whether swings are filled, too, that are much shorter than the foot's usual ones."""
+    brief_s: float | None = None
+    """s: so are shorter swings, and those in which the foot bounces; None: they are not."""
     backdates: bool = False
     """Whether a touchdown is dated back to where the force rose above `off_n`."""
     origin: Origin = "default"
@@ -114,12 +114,13 @@ def contact_rule(
         off = max(NOISY_OFF * carried, OFF_NOISES * noise, min(level.wobble_n, ON_TO_OFF * on))
     on = given.on_n or max(on, ANY_FORCE_N)
     off = min(given.off_n or off, on)
+    usual_s = max(DEBOUNCE_S, DEBOUNCE_INTERVALS * (level.interval_s or 0.0))
     estimated = weight_n is None or level.origin == "estimated"
     return ContactRule(
         on_n=on,
         off_n=off,
-        debounce_s=_debounce_s(level, given.debounce_s),
-        fills_bounces=given.debounce_s is None,
+        debounce_s=min(usual_s, MOST_DEBOUNCE_S) if given.debounce_s is None else given.debounce_s,
+        brief_s=BRIEF * (level.swing_s or 0.0) if given.debounce_s is None else None,
         backdates=True,
         origin=given.origin if given.on_n else "estimated" if estimated else "default",
         unusable="" if given.on_n else _why_unusable(level, on, off),
@@ -143,12 +144,6 @@ def _why_unusable(level: SensorLevel, on_n: float, off_n: float) -> str:
             f"its load comes and goes, but what it reads without load is not known: {level.reason}"
         )
     return ""
-
-
-def _debounce_s(level: SensorLevel, given: float | None) -> float:
-    if given is not None:
-        return given
-    return min(max(DEBOUNCE_S, DEBOUNCE_INTERVALS * (level.interval_s or 0.0)), MOST_DEBOUNCE_S)
 
 
 def schmitt(force: Floats, rule: ContactRule) -> Flags:
@@ -219,7 +214,7 @@ def joined_bounces(time: Ints, starts: Ints, ends: Ints) -> tuple[Ints, Ints]:
     if not len(swings):
         return starts, ends
     usual = float(percentiles_of(swings, 75.0))
-    longest_s = max(min(BOUNCE * usual, LONGEST_BOUNCE_S), BRIEF * usual)
+    longest_s = min(BOUNCE * usual, LONGEST_BOUNCE_S)
     stances = (time[ends] - time[starts]) / 1e9
     in_parts = np.minimum(stances[1:], stances[:-1]) < PART * percentiles_of(stances, 75.0)
     # Of a swing that begins with a silence it is not known that it is short.
@@ -229,20 +224,23 @@ def joined_bounces(time: Ints, starts: Ints, ends: Ints) -> tuple[Ints, Ints]:
     return starts[np.append(True, apart)], ends[np.append(apart, True)]
 
 
-def find_stances(time: Ints, contact: Flags, debounce_s: float) -> tuple[Ints, Ints, int, int]:
+def find_stances(
+    time: Ints, contact: Flags, debounce_s: float, brief_s: float = 0.0
+) -> tuple[Ints, Ints, int, int]:
     """Fill swings that are too short, then drop stances that are.
 
     Args:
         time: (n,) ns, strictly increasing.
         contact: (n,) state of the Schmitt trigger.
         debounce_s: s, below which swings and stances are too short.
+        brief_s: s, below which swings are, too.
 
     Returns:
         (k,) the first row of each stance in contact, (k,) the first row after it that is not, or
         the last row where the log ends in the stance; how many swings were filled, how many
         stances dropped.
     """
-    silent, fill_ns = silent_before(time), round(debounce_s * 1e9)
+    silent, fill_ns = silent_before(time), round(max(debounce_s, brief_s) * 1e9)
     begins, breaks = flagged_runs(contact).T
     runs = len(begins)
     # Of a swing that begins with a silence it is not known that it is short.
@@ -258,7 +256,7 @@ def find_stances(time: Ints, contact: Flags, debounce_s: float) -> tuple[Ints, I
     loaded_ns = total[last] - total[starts]
     single = np.flatnonzero((last - starts == 1) & (starts > 0))
     loaded_ns[single] = np.minimum(loaded_ns[single], step[starts[single] - 1])
-    brief = (loaded_ns < fill_ns) & ~silent[starts]
+    brief = (loaded_ns < round(debounce_s * 1e9)) & ~silent[starts]
     # A short one at the log's end may be part of a longer one.
     brief &= (ends < len(time)) & (silent[last] | (time[-1:] - time[last] >= fill_ns))
     return starts[~brief], last[~brief], runs - len(starts), int(brief.sum())

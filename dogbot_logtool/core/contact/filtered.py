@@ -6,8 +6,7 @@ stances end in one exponential tail. A force that nothing filters falls to nothi
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import chain
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
@@ -58,13 +57,10 @@ class Filter:
     """Whether that tells the forces before it well enough for contact."""
 
 
-class _Tails(NamedTuple):
-    """How the loads of a foot, as shares of its usual range, fall and, backwards, how they rise."""
-
-    falls: list[Floats]
-    rises: list[Floats]
-    noise: float
-    """Standard deviation of their noise."""
+_Tails = tuple[list[Floats], list[Floats], float]
+"""How the loads of a foot, as shares of its usual range, fall and, backwards, how they rise; and
+the standard deviation of their noise."""
+_NO_TAILS: Final[_Tails] = ([], [], 0.0)
 
 
 def find_filters(feet: Sequence[Samples]) -> tuple[Filter | None, ...]:
@@ -83,8 +79,8 @@ def find_filters(feet: Sequence[Samples]) -> tuple[Filter | None, ...]:
 
 def _filter(feet: Sequence[_Tails], interval_s: float) -> Filter | None:
     """Return the filter whose exponential tails the loads of feet end in, if they do."""
-    falls = list(chain(*(each.falls for each in feet)))
-    rises = list(chain(*(each.rises for each in feet)))
+    falls = [tail for some, _, _ in feet for tail in some]
+    rises = [tail for _, some, _ in feet for tail in some]
     if min(len(falls), len(rises)) < FEWEST_TAILS:
         return None
     fall, rise = _mean(falls), _mean(rises)
@@ -92,7 +88,7 @@ def _filter(feet: Sequence[_Tails], interval_s: float) -> Filter | None:
     over = len(fall) // 8 + 1
     first = int(np.argmin(fall[over:] - fall[:-over])) + over // 2 if over < len(fall) else 0
     later = first + int(np.argmax(fall[first:] < fall[first] / 2.0))
-    noise = float(np.mean([each.noise for each in feet]))
+    noise = float(np.mean([each for _, _, each in feet]))
     for begin, unsure in ((first, UNSURE), (later, UNSURE / 5.0)):
         tail = fall[begin : len(fall) - int(AFTER * (len(fall) - begin))]
         if len(tail) < FEWEST_ROWS:
@@ -161,17 +157,17 @@ def _tails_of(samples: Samples) -> _Tails:
     """Return how a foot's load falls and rises."""
     force = samples.force[all_finite(samples.force)]
     if len(force) < FEWEST_ROWS:
-        return _Tails([], [], 0.0)
+        return _NO_TAILS
     load = _along_load(force)
     low, high = percentiles_of(load, (2.0, 90.0))
     if not high > low:
-        return _Tails([], [], 0.0)
+        return _NO_TAILS
     noise = float(median_of(np.abs(np.diff(load, 2)))) / _SECOND_DIFFERENCE / (high - low)
     share, over = (load - low) / (high - low), int((CLEAN * noise) ** 2) + 1
     if over >= len(share):
-        return _Tails([], [], 0.0)
+        return _NO_TAILS
     smooth = np.convolve(share, np.full(over, 1.0 / over), "same")
-    return _Tails(_tails(share, smooth), _tails(share[::-1], smooth[::-1]), noise)
+    return _tails(share, smooth), _tails(share[::-1], smooth[::-1]), noise
 
 
 def _along_load(force: Floats) -> Floats:

@@ -156,11 +156,12 @@ def foot_history(
     repeated = int((equal & contact[1:] & contact[:-1]).sum())
     if rule.backdates:
         contact = backdated(contact, time, force, rule.off_n)
-    starts, ends, filled, dropped = find_stances(time, contact, rule.debounce_s)
+    shortest = rule.debounce_s, rule.brief_s or 0.0
+    starts, ends, filled, dropped = find_stances(time, contact, *shortest)
     is_scuff = _scuffs(track, starts, ends)
     scuffs = np.stack([time[starts[is_scuff]], time[ends[is_scuff]]], axis=1)
     starts, ends = starts[~is_scuff], ends[~is_scuff]
-    if rule.fills_bounces:
+    if rule.brief_s is not None:
         stances = len(starts)
         starts, ends = joined_bounces(time, starts, ends)
         filled += stances - len(starts)

@@ -13,7 +13,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, circular_mean, wrapped
 from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.metrics import Gait
+from dogbot_logtool.core.metrics import Gait, LimbPhase
 
 TOLERANCE: Final = 0.1
 """Cycles by which phases may differ from those of a class."""
@@ -214,36 +214,22 @@ def halfway(first: Floats, second: Floats) -> Floats:
     return middle
 
 
-def limb_phases(phases: Sequence[float]) -> tuple[float, float]:
-    """Return by which share of the stride the hind footfall precedes the fore one of its side.
+def with_limb_phases(gait: Gait, phases: Sequence[float]) -> Gait:
+    """Return a gait with what the hind footfalls precede the fore ones of their sides by.
 
-    Source: Hildebrand 1965.
+    Source: Hildebrand 1965. Their mean on the circle is the diagonality: 0 pace, 0.25
+    lateral-sequence walk, 0.5 trot, 0.75 diagonal-sequence walk; none of sides that are half a
+    cycle apart. Source: Cartmill, Lemelin and Schmitt 2002, Zool. J. Linn. Soc. 136:401.
 
     Args:
+        gait: without them.
         phases: cycles, of front left, front right, back left, back right.
-
-    Returns:
-        cycles in [0, 1), of the left and of the right side; NaN where a phase is.
     """
     front_left, front_right, back_left, back_right = phases
-    return (front_left - back_left) % 1.0, (front_right - back_right) % 1.0
-
-
-def diagonality(phases: Sequence[float]) -> float | None:
-    """Return the mean of the limb phases of both sides, on the circle, cycles in [0, 1).
-
-    0 pace, 0.25 lateral-sequence walk, 0.5 trot, 0.75 diagonal-sequence walk. Source: Cartmill,
-    Lemelin and Schmitt 2002, Zool. J. Linn. Soc. 136:401.
-
-    Args:
-        phases: cycles, of front left, front right, back left, back right.
-
-    Returns:
-        None where a phase is not known, or the sides are half a cycle apart.
-    """
-    sides = np.array(limb_phases(phases))
-    mean, consistency = circular_mean(sides) or (0.0, 0.0)
-    return mean if np.isfinite(sides).all() and consistency > 1e-6 else None
+    sides = (front_left - back_left) % 1.0, (front_right - back_right) % 1.0
+    mean, consistency = circular_mean(np.array(sides)) or (0.0, 0.0)
+    middle = mean if consistency > 1e-6 else None
+    return replace(gait, limb_phase=LimbPhase(*sides), diagonality=middle)
 
 
 CONSISTENT: Final = 0.8

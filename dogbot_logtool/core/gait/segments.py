@@ -21,16 +21,15 @@ from dogbot_logtool.core.gait.classes import (
     TOLERANCE,
     class_distances,
     classify,
-    diagonality,
-    limb_phases,
     phases_by_stride,
     phases_in,
+    with_limb_phases,
 )
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.gait.support import Standing, Support, support
 from dogbot_logtool.core.leg_position import legs_in_order, quadruped
-from dogbot_logtool.core.metrics import Gait, LimbPhase, Phase, SupportSet
+from dogbot_logtool.core.metrics import Gait, Phase, SupportSet
 from dogbot_logtool.core.records import Number, unknown
 
 LASTING: Final = 2
@@ -271,7 +270,4 @@ def _named(gait: Gait, feet: Sequence[FootSteps]) -> Gait:
         fit = max(0.0, 1.0 - gait.class_distance / (2.0 * TOLERANCE))
         enough = min(1.0, (gait.strides or 0) / FEWEST_STRIDES)
         gait = replace(gait, confidence=fit * min(consistency) * enough)
-    if quadruped(positions):
-        limbs = LimbPhase(*limb_phases(means))
-        gait = replace(gait, diagonality=diagonality(means), limb_phase=limbs)
-    return gait
+    return with_limb_phases(gait, means) if quadruped(positions) else gait

@@ -14,7 +14,7 @@ from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.errors import CallError, DefinitionError
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import shell_joined
-from dogbot_logtool.io.storage import content
+from dogbot_logtool.io.toml_table import read_text
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.paths import path_of
@@ -37,17 +37,10 @@ def read_urdf(file: Path) -> str:
             entities, which viewers might fetch.
     """
     try:
-        data = content(file, _LARGEST)
-        if data is None:
-            raise ValueError(f"is larger than {_LARGEST >> 20} MiB")
-        text = data.decode("utf-8-sig")
+        text = read_text(file, "a URDF", _LARGEST)
         parse_urdf(text)
     except CallError as error:
         raise CallError(f"--urdf {error}") from None
-    except OSError as error:
-        raise CallError(f"--urdf {file}: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise CallError(f"--urdf {file}: is not UTF-8 text") from None
     except ValueError as error:
         raise CallError(f"--urdf {file}: {error}") from None
     return text

@@ -73,19 +73,6 @@ def test_what_was_recorded_long_before_or_after_is_not_used() -> None:
     assert known.tolist() == [True, False, True, False]
 
 
-def test_frames_that_are_not_connected_are_not_known() -> None:
-    tracks = spinning(at(0, 20))
-    poses = look(tracks, at(10), "elsewhere")
-    assert not poses.known.any()
-    assert np.isnan(poses.rotation).all()
-
-
-def test_a_frame_is_where_it_is_in_itself() -> None:
-    poses = lookup({}, "world", "world", at(5), at(5))
-    assert poses.known.all()
-    assert poses.translation.tolist() == [[0.0, 0.0, 0.0]]
-
-
 def test_a_loop_of_frames_ends() -> None:
     still = np.zeros((1, 3)), about_z(np.zeros(1))
     tracks = tracks_of("a", "b", at(0), at(0), *still) | tracks_of("b", "a", at(0), at(0), *still)
