@@ -88,8 +88,10 @@ def safe_streams() -> Iterator[LastingFile]:
         stream or open(number, "w", encoding="utf-8", closefd=False)  # noqa: SIM115 - stays open
         for number, stream in enumerate(before, 1)
     ]
+    # Streams in memory, such as those of a notebook, have no buffer, and stay as they are.
+    buffers = [getattr(each, "buffer", io.BytesIO()) for each in streams]
     # Without their buffers, which would try to write once more at exit what could not be written.
-    out, err = (LastingFile(getattr(each.buffer, "raw", each.buffer)) for each in streams)
+    out, err = (LastingFile(getattr(each, "raw", each)) for each in buffers)
     sys.stdout, sys.stderr = map(_printable, (out, err), streams)
     try:
         yield out
@@ -99,8 +101,10 @@ def safe_streams() -> Iterator[LastingFile]:
         sys.stdout, sys.stderr = before
 
 
-def _printable(file: LastingFile, stream: TextIO) -> PrintableStream:
+def _printable(file: LastingFile, stream: TextIO) -> TextIO:
     """Return a stream to a file that is like another one."""
+    if not isinstance(stream, io.TextIOWrapper):
+        return stream
     # Files and pipes get the same bytes on all systems.
     is_own = file.isatty() or "PYTHONIOENCODING" in os.environ
     return PrintableStream(
