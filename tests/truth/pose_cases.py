@@ -11,11 +11,13 @@ from tests.truth import sensor_faults as sensor
 from tests.truth import world_faults as world
 from tests.truth.judging import Case
 from tests.truth.recording import Disturbance, Recording
-from tests.truth.robots import biped, quadruped
+from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.walking import Walk
 from tests.truth.walks import BIPED, QUIET, SLOW, TROT
 
 CIRCLE: Final = Walk(gait=gaits.WALK, period_s=1.0, seconds=10.0, turn_radps=0.4)
+TIGHT: Final = Walk(gait=gaits.TRIPOD, robot=hexapod(3.0), period_s=0.9, speed_mps=0.1,
+                    step_height_m=0.02, turn_radps=-0.3)  # fmt: skip
 ON_THE_SPOT: Final = replace(CIRCLE, speed_mps=0.0)
 TO_THE_RIGHT: Final = Walk(period_s=0.7, seconds=9.0, turn_radps=-0.5)
 DOWNHILL: Final = Walk(gait=gaits.WALK, period_s=1.1, speed_mps=0.35, slope_rad=radians(-9.0))
@@ -78,6 +80,8 @@ def faults() -> Iterator[Case]:
         ("relocalised by 25 degrees and 0.4 m", TROT,
          pose.relocalised(4.02, radians(25.0), (0.3, -0.25)), "POSE_JUMP", EVERY),
         ("yaw steps by 20 degrees", TROT, pose.yaw_steps(4.02, radians(20.0)), "POSE_JUMP", EVERY),
+        ("yaw off by 45 degrees, tight circle", TIGHT, pose.yaw_off(radians(45.0)),
+         "POSE_DIRECTION", (POINTS,)),
         ("poses of the imu's link", ON_THE_SPOT, link, "", EVERY),
         ("poses of the imu's link, circle", CIRCLE, link, "", EVERY),
         ("a quarter of real time, feet without stamps", TROT, pose.quarter_speed(feet=True),
@@ -116,6 +120,7 @@ def sound() -> Iterator[Case]:
         ("steps on the spot, one pose", Walk(speed_mps=0.0), _nothing, (POINTS, PLACES)),
         ("a circle", CIRCLE, _nothing, every),
         ("a turn on the spot", ON_THE_SPOT, _nothing, every),
+        ("a tight circle", TIGHT, _nothing, (POINTS,)),
         ("crabwise", crab, _crabwise, every),
         ("backwards", Walk(speed_mps=-0.4), _nothing, every),
         ("uphill", UPHILL, _nothing, (POINTS, FORCES, TF, GYRO)),

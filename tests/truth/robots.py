@@ -53,3 +53,11 @@ def hexapod(mass_kg: float = 2.0) -> Robot:
     names = tuple(f"{row}_{side}" for row, _ in rows for side, _ in sides)
     corners = tuple((x, y) for _, x in rows for _, y in sides)
     return Robot("hexa", names, corners, mass_kg, 0.12)
+
+
+def spider(mass_kg: float = 4.0) -> Robot:
+    """Return a robot of eight legs, numbered from front to back on each side."""
+    rows = range(4)
+    names = tuple(f"{side}_leg_{row + 1}" for row in rows for side in ("left", "right"))
+    corners = tuple((0.2 - 0.13 * row, side * 0.15) for row in rows for side in (1, -1))
+    return Robot("spider", names, corners, mass_kg, 0.15)

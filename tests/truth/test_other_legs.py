@@ -15,8 +15,12 @@ import pytest
 
 import dogbot_logtool as dl
 from tests.truth import free_walker, physics, without_sensors
+from tests.truth.gaits import Gait
+from tests.truth.outcome import outcome
 from tests.truth.physics import FEET, HALF_LENGTH, HALF_WIDTH, LINK, NAMES, OFFSET, Physics
 from tests.truth.recording import Floats, inverse, turned
+from tests.truth.robots import spider
+from tests.truth.walking import Walk
 
 LIMIT: Final = '<limit lower="-3" upper="3" effort="400" velocity="30"/>'
 PARTS: Final = ("hip", "swing", "reach")
@@ -189,3 +193,14 @@ def test_gait_and_base_by_legs_alone(kind: str, source: str, tmp_path: Path) -> 
     if source == "joint_torques":
         assert stats["forces"]["vertical_impulse_over_weight"] == pytest.approx(1.0, abs=0.1)
     assert "warning" not in {each["severity"] for each in stats["findings"]}
+
+
+def test_legs_that_are_numbered_on_each_side_are_no_sensors_of_one_foot(tmp_path: Path) -> None:
+    phases = tuple((row % 2 * 0.5 + row // 2 * 0.17) % 1.0 for row in range(8))
+    gait = Gait("irregular", phases, 0.6)
+    walk = Walk(gait=gait, robot=spider(), period_s=1.2, speed_mps=0.1, step_height_m=0.02)
+    feet = outcome(walk.recorded(100.0), tmp_path).json["feet"]
+    assert len(feet) == 8
+    for foot in feet.values():
+        assert foot["duty_factor"]["mean"] == pytest.approx(0.6, abs=0.03)
+        assert foot["stride_length_m"]["mean"] == pytest.approx(0.12, rel=0.02)

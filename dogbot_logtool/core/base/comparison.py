@@ -94,6 +94,8 @@ class Comparison:
     tells_turn: bool
     """Whether the witness tells turns, and not only the way; `tells_heading`, directions."""
     tells_heading: bool
+    reach_m: float = SWINGS
+    """How far from the base what tells of its motion may be."""
 
     @property
     def strides(self) -> int:
@@ -118,7 +120,7 @@ class Comparison:
     def _is_telling(self) -> bool:
         """Whether the witness goes somewhere."""
         turned = float(np.abs(self.reference.turn).sum()) if self.tells_turn else 0.0
-        return self.reference.walked_m > max(SHORTEST_PATH_M, SWINGS * turned)
+        return self.reference.walked_m > max(SHORTEST_PATH_M, self.reach_m * turned)
 
 
 def likeness(own: Complexes, reference: Complexes) -> tuple[float, float, float]:
@@ -135,13 +137,19 @@ def likeness(own: Complexes, reference: Complexes) -> tuple[float, float, float]
 
 
 def compare(
-    by: str, own: Motion, reference: Motion, *, tells_turn: bool, tells_heading: bool
+    by: str,
+    own: Motion,
+    reference: Motion,
+    *,
+    tells_turn: bool,
+    tells_heading: bool,
+    reach_m: float = SWINGS,
 ) -> Comparison | None:
     """Compare the motion by poses with that by a witness; None: too few strides in common."""
     both = np.isfinite(own.turn) & np.isfinite(reference.turn)
     if both.sum() < FEWEST_STRIDES:
         return None
-    return Comparison(by, own.pick(both), reference.pick(both), tells_turn, tells_heading)
+    return Comparison(by, own.pick(both), reference.pick(both), tells_turn, tells_heading, reach_m)
 
 
 def compare_twist(poses: BaseHistory, windows: Ints, forward_rad: float) -> Comparison | None:

@@ -10,6 +10,7 @@ from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of, norm
 from dogbot_logtool.core.base.attitude import turns_and_up
 from dogbot_logtool.core.base.axes import WALKED_M, displacements_m, has_heading, swapped_pairs
 from dogbot_logtool.core.base.comparison import (
+    SWINGS,
     Comparison,
     compare,
     compare_twist,
@@ -236,11 +237,15 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
 
 
 def feet_agree(walk: Walk) -> bool:
-    """Tell whether feet that stand, by their contacts, go back as far as the poses go ahead."""
+    """Tell whether feet that stand, by their contacts, go back as the poses go ahead, or turn."""
     surest = next(_comparisons(walk, _windows(walk)), None)
     if surest is None or walk.witness is None or surest.by != walk.witness.by:
         return False
-    return SCALES[0] <= (surest.scale or 0.0) <= SCALES[1]
+    ratio = surest.scale or 0.0
+    if surest.scale is None and surest.tells_turn:
+        own, turned = float(surest.own.turn.sum()), float(surest.reference.turn.sum())
+        ratio = own / turned if abs(turned) > TURNS_RAD else 0.0
+    return SCALES[0] <= ratio <= SCALES[1]
 
 
 def _windows(walk: Walk) -> Ints:
@@ -264,7 +269,11 @@ def _comparisons(walk: Walk, windows: Ints) -> Iterator[Comparison]:
         # Legs tell of the body's own axes, contact points of where fore and hind feet are.
         reference = motion_in(feet.poses, windows, forward_rad if feet.by == LEGS else 0.0)
         turn, heading = feet.tells_turn, feet.tells_heading
-        found.append(compare(feet.by, own, reference, tells_turn=turn, tells_heading=heading))
+        reach = SWINGS if walk.worlds is None else min(SWINGS, walk.worlds.spread_m)
+        compared = compare(
+            feet.by, own, reference, tells_turn=turn, tells_heading=heading, reach_m=reach
+        )
+        found.append(compared)
     if may_be_odd:
         found.append(compare_twist(walk.poses, windows, forward_rad))
     turns = [(GYROSCOPE, _inertial(walk, windows)[0])]
