@@ -132,9 +132,9 @@ def mask_walk(corrected: Corrected) -> Walk:
     standing = standing_in(supported if touching else None, period_s, base, fallen)
     walked = timespans.merge(any_strides(records, fallen, standing.without_steps))
     delay = None
-    # Joints that tell both forces and poses tell them at the same time.
-    by_joints = settings.base_from_legs and bool(settings.contact_from)
-    if period_s and len(base.time) and not (apart or settings.lacks_feet or by_joints):
+    # Legs tell the base's height over the standing feet, and not how it bobs.
+    tells = bool(len(base.time)) and not (settings.lacks_feet or settings.base_from_legs)
+    if period_s and tells and not apart:
         delay = long_delay(records, base, period_s, walked)
     apart = apart | {settings.odometry_topic} if delay else apart
     placed_by_poses = any(path is not None for path in corrected.places)

@@ -12,6 +12,8 @@ from dogbot_logtool.core.base.poses import BaseHistory
 FEWEST_STRIDES: Final = 2
 SHORTEST_PATH_M: Final = 0.2
 """m in all that a witness must tell, for a way to be compared."""
+FAR_MORE: Final = 5.0
+"""Times such a way that poses must go beside a witness that hardly moves."""
 COHERENT: Final = 0.7
 """Coherence |sum a conj(b)| / sqrt(sum |a|^2 sum |b|^2) from which two ways are one."""
 SWINGS: Final = 0.3
@@ -118,9 +120,12 @@ class Comparison:
 
     @property
     def _is_telling(self) -> bool:
-        """Whether the witness goes somewhere."""
+        """Whether the witness goes somewhere, or the poses do by far."""
         turned = float(np.abs(self.reference.turn).sum()) if self.tells_turn else 0.0
-        return self.reference.walked_m > max(SHORTEST_PATH_M, self.reach_m * turned)
+        walked_m = max(self.reference.walked_m, self.own.walked_m / FAR_MORE)
+        return self.reference.walked_m > 0.0 and walked_m > max(
+            SHORTEST_PATH_M, self.reach_m * turned
+        )
 
 
 def likeness(own: Complexes, reference: Complexes) -> tuple[float, float, float]:
