@@ -116,17 +116,7 @@ def estimate(
     moved = feet.odometry(standing)
     if why_not := _unsure(standing, moved):
         raise ValueError(why_not)
-    if inertial.tells_up:
-        # An accelerometer bridges the ends of contacts better than feet do that land or leave.
-        moved = feet.odometry(middles(standing))
-    yaw_rate = np.stack([0.0 * inertial.yaw_rate, 0.0 * inertial.yaw_rate, inertial.yaw_rate], 1)
-    moved = replace(moved, turn_rate=(yaw_rate[1:] + yaw_rate[:-1]) / 2.0)
-    own = inertial.felt - GRAVITY_MPS2 * inertial.up
-    found = dead_reckoned(moved, inertial.roll_pitch, own)
-    position = found.position.copy()
-    position[:, 2] = _height(seconds, points, standing, inertial.up)
-    turned, rate = from_roll_pitch_yaw(found.angles), np.gradient(position, seconds, axis=0)
-    base = Odometry(joints.log_time, joints.stamp, position, turned, rate, inertial.turn)
+    base = _poses(joints, feet, standing, moved)
     placed = base
     if len(recording.base.log_time):
         poses = base_history(recording.base, joints.clock)
@@ -312,6 +302,29 @@ def _forces(
 def _debounced(time: Ints, standing: Flags) -> Flags:
     begin, end, _, _ = find_stances(time, standing, SHORTEST_S)
     return rows_in_stances(begin, end, standing)
+
+
+def _poses(joints: LegJoints, feet: _Resting, standing: Flags, moved: LegOdometry) -> Odometry:
+    """Return poses of the base from the origin on, with heading 0 and the height over the feet.
+
+    Args:
+        joints: of all legs.
+        feet: which rest.
+        standing: (n, f) which feet stand.
+        moved: how the base moves by them.
+    """
+    seconds, inertial = joints.seconds, feet.inertial
+    if inertial.tells_up:
+        # An accelerometer bridges the ends of contacts better than feet do that land or leave.
+        moved = feet.odometry(middles(standing))
+    yaw_rate = np.stack([0.0 * inertial.yaw_rate, 0.0 * inertial.yaw_rate, inertial.yaw_rate], 1)
+    moved = replace(moved, turn_rate=(yaw_rate[1:] + yaw_rate[:-1]) / 2.0)
+    own = inertial.felt - GRAVITY_MPS2 * inertial.up
+    found = dead_reckoned(moved, inertial.roll_pitch, own)
+    position = found.position.copy()
+    position[:, 2] = _height(seconds, feet.points, standing, inertial.up)
+    turned, rate = from_roll_pitch_yaw(found.angles), np.gradient(position, seconds, axis=0)
+    return Odometry(joints.log_time, joints.stamp, position, turned, rate, inertial.turn)
 
 
 def _height(seconds: Floats, points: Floats, standing: Flags, up: Floats) -> Floats:
