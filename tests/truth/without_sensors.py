@@ -3,6 +3,7 @@
 What robots do is a physics engine's (`free_walker`); a biped with six joints a leg is here.
 """
 
+import re
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -24,6 +25,29 @@ def quadruped(legs_kg: tuple[float, ...] = physics.LEGS_KG, **walk: Any) -> Phys
     steps = ((-9.0, walk.pop("command", (0.4, 0.0, 0.0))),)
     did: Physics = free_walker.walker(steps, 6.0, legs_kg=legs_kg, **walk)
     return replace(did, urdf=physics.urdf(legs_kg, did.mass_kg - 4.0 * sum(legs_kg)))
+
+
+def resized(walk: Physics, size: float) -> Physics:
+    """Return what a robot of the same kind does whose lengths are so many times as large."""
+    pace = float(np.sqrt(size))
+
+    def lengths(match: re.Match[str]) -> str:
+        return match[1] + " ".join(f"{float(each) * size:.9g}" for each in match[2].split()) + '"'
+
+    return replace(
+        walk,
+        mass_kg=walk.mass_kg * size**3,
+        time=walk.time * pace,
+        base=walk.base * size,
+        base_velocity=walk.base_velocity * np.repeat([1.0 / pace, pace], 3),
+        velocity=walk.velocity / pace,
+        torque=walk.torque * size**4,
+        urdf=re.sub(
+            r'(<mass value=")([^"]*)"',
+            lambda match: f'{match[1]}{float(match[2]) * size**3:.9g}"',
+            re.sub(r'(<origin xyz="|radius=")([^"]*)"', lengths, walk.urdf),
+        ),
+    )
 
 
 def write_log(

@@ -22,8 +22,8 @@ LONGEST_INTERVAL_S: Final = 0.1
 """s: places further apart in time tell no velocity."""
 _NORMAL_MEDIAN: Final = 0.6745
 """Median of |x| of a normal distribution, in standard deviations."""
-_APART_M: Final = 0.05
-"""m between standing feet from which they tell a turn."""
+_APART: Final = 0.25
+"""Share of the largest distance between standing feet from which they tell a turn."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -106,7 +106,8 @@ def _fitted_turn(velocity: Floats, place: Floats) -> Floats:
     arms = (places[:, :, :2] ** 2).sum(axis=(1, 2))
     moments = (places[:, :, 0] * speeds[:, :, 1] - places[:, :, 1] * speeds[:, :, 0]).sum(axis=1)
     turns = np.zeros((len(arms), 3))
-    turns[:, 2] = np.where(arms > _APART_M**2, moments / np.maximum(arms, _APART_M**2), np.nan)
+    least = max(_APART**2 * float(arms.max(initial=0.0)), np.finfo(np.float64).tiny)
+    turns[:, 2] = np.where(arms > least, moments / np.maximum(arms, least), np.nan)
     return turns
 
 
