@@ -175,14 +175,13 @@ def test_turns_are_told_by_the_feet_where_no_gyroscope_does(
     assert ("contradict" in codes(walk)["BASE_FROM_LEGS"]) == (gyro is not None)
 
 
-@pytest.mark.parametrize("size", [0.25, 4.0])
+@pytest.mark.parametrize("size", [0.15, 4.0])
 def test_small_and_large_robots_turn(size: float, tmp_path: Path) -> None:
     truth = resized(turning((0.3, 0.0, 0.5)), size)
     stats = measured(tmp_path, truth).stats
     turned = truth.base_velocity[:, 2].mean()
     assert stats["base"]["yaw_rate_radps"] == pytest.approx(turned, rel=0.05)
     assert stats["base"]["forward_speed_mps"] == pytest.approx(truth.speed_mps, rel=0.06)
-    assert stats["forces"]["vertical_impulse_over_weight"] == pytest.approx(1.0, abs=0.1)
     assert "warning" not in {each["severity"] for each in stats["findings"]}
 
 
