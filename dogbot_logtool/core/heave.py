@@ -21,6 +21,8 @@ FOLLOWS: Final = 0.9
 AS_FAR: Final = (0.75, 1.33)
 """How far the base may go, against what the forces say."""
 LEAST_STRIDES: Final = 6
+FEWEST_CELLS: Final = 8
+"""Cells in a stride; a trot heaves twice in it, and fewer do not show how."""
 _LONGEST_S: Final = 120.0
 _CELL_NS: Final = round(1e9 / CELL_RATE_HZ)
 _LATEST_S: Final = 0.5
@@ -67,7 +69,7 @@ def long_delay(
     start, end = spans[np.argmax(spans[:, 1] - spans[:, 0])].tolist()
     cells = int(min((end - start) / 1e9, _LONGEST_S) * CELL_RATE_HZ)
     window = max(round(period_s * CELL_RATE_HZ), 1)
-    if cells < LEAST_STRIDES * window:
+    if cells < LEAST_STRIDES * window or window < FEWEST_CELLS:
         return None
     time = start + np.arange(cells) * _CELL_NS
     force = mean_impulses(feet, "vertical_impulse", time + _CELL_NS // 2, _CELL_NS // 2).sum(axis=1)

@@ -11,6 +11,7 @@ import dogbot_logtool as dl
 from tests.truth import physics
 from tests.truth.free_walker import KEPT_S, trot, walker
 from tests.truth.recording import Floats
+from tests.truth.without_sensors import resized
 
 
 @cache
@@ -231,3 +232,12 @@ def test_legs_that_are_named_tell_which_way_is_forward() -> None:
     assert stats["settings"]["forward_axis"] == "+x"
     assert stats["base"]["lateral_speed_mps"] == pytest.approx(0.205, abs=0.01)
     assert stats["base"]["forward_speed_mps"] == pytest.approx(truth.speed_mps, abs=0.01)
+
+
+def test_clocks_are_not_compared_by_steps_too_quick_for_it() -> None:
+    """A robot with legs of 6 cm makes five strides a second, and heaves ten times."""
+    quick = resized(walker(((-9.0, (0.7, 0.0, 0.0)),), 6.0), 0.15)
+    walk = physics.measured(quick, by_transforms=True, every=2)
+    assert walk.gait.name == "trot"
+    assert walk.stats["base"]["forward_speed_mps"] == pytest.approx(quick.speed_mps, rel=0.01)
+    assert "CLOCK_OFFSET" not in {each["code"] for each in walk.stats["findings"]}

@@ -42,6 +42,11 @@ def resized(walk: Physics, size: float) -> Physics:
         base_velocity=walk.base_velocity * np.repeat([1.0 / pace, pace], 3),
         velocity=walk.velocity / pace,
         torque=walk.torque * size**4,
+        foot=walk.foot * size,
+        foot_velocity=walk.foot_velocity * pace,
+        calf=walk.calf * np.repeat([size, 1.0], (3, 4)),
+        force=walk.force * size**3,
+        point=walk.point * size,
         urdf=re.sub(
             r'(<mass value=")([^"]*)"',
             lambda match: f'{match[1]}{float(match[2]) * size**3:.9g}"',
