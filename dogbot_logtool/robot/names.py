@@ -407,6 +407,16 @@ def foot_name(label: str) -> str:
     return numbered.pop() if len(numbered) == 1 else _sanitised(label)
 
 
+def leg_name(frame: str) -> str:
+    """Return a name for the leg that a frame is of: with its number, where legs have numbers."""
+    numbers = [
+        own.text
+        for before, own in pairwise(words_of(frame))
+        if before.part is Part.LEG and own.slot == "number" and own.segment == before.segment
+    ]
+    return "_".join([foot_name(frame), *numbers])
+
+
 def _sanitised(name: str) -> str:
     """Return a name of letters, digits and underscores."""
     return re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_") or "foot"

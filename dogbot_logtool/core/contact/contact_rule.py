@@ -4,10 +4,10 @@ Contact is a Schmitt trigger on |F|: on from one threshold, off below a lower on
 the sensor itself says that nothing touches (a message without states). Unless a lower threshold
 is set, only the sensor's word ends a contact: a walking foot may carry next to nothing for a
 tenth of a second and yet stay where it is, and bumpers are silent in swing. Then swings
-shorter than the debounce time are filled (a foot that bounces at touchdown), and after that
-stances shorter than it are dropped (a foot that brushes the ground). Two thresholds and minimum
-durations are practice in biomechanics (Kinetics Toolkit, `detect_cycles`) and in state estimation
-for legged robots (pronto's stance estimator).
+shorter than the debounce time are filled, and after that stances shorter than it are dropped (a
+foot that brushes the ground). Stances are joined that a foot bounces between at touchdown, again
+and again. Two thresholds and minimum durations are practice in biomechanics (Kinetics Toolkit,
+`detect_cycles`) and in state estimation for legged robots (pronto's stance estimator).
 """
 
 from dataclasses import dataclass

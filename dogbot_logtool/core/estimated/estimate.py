@@ -225,10 +225,11 @@ def _contradiction(feet: _Resting, alone: _Resting, turns_from: str) -> str:
     turns = [float(each.inertial.yaw_rate.mean()) for each in (feet, alone)]
     if abs(turns[0] - turns[1]) > max(CONTRADICTS * max(map(abs, turns)), LEAST_TURN_RADPS):
         return f"{turns[0]:.2f} rad/s of {turns_from} contradict {turns[1]:.2f} of theirs"
-    known = [_share_known(each.odometry(each.ground.resting)) for each in (feet, alone)]
-    if known[0] < AGREES <= known[1]:
-        return f"{turns_from} tells turns with which standing feet do not agree"
-    return ""
+    if _share_known(feet.odometry(feet.ground.resting)) >= AGREES:
+        return ""
+    if _share_known(alone.odometry(alone.ground.resting)) < AGREES:
+        return ""
+    return f"{turns_from} tells turns with which standing feet do not agree"
 
 
 def _inertial(

@@ -7,7 +7,6 @@ add, and any contact is contact: which are of one foot is told by the names of t
 the frame or link that they share.
 """
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
@@ -23,7 +22,7 @@ from dogbot_logtool.core.recording import Recording, has_own_stamps
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.robot.names import foot_name, leg_of, leg_position
+from dogbot_logtool.robot.names import leg_name, leg_of, leg_position
 from dogbot_logtool.robot.offers import not_calibrated
 from dogbot_logtool.robot.selection import Selection
 
@@ -42,7 +41,6 @@ _WALKING: Final = (0.1, 0.95)
 """Share of the time in which a walking robot's foot is on the ground."""
 NEAR: Final = 1.5
 """Intervals between the messages of two sensors of one foot that tell of one time."""
-_NUMBERED_LEG: Final = re.compile(r"legs?[-_]?(\d+)")
 LEAST_N: Final = 1e-9
 """N: weight of a contact without a force."""
 
@@ -200,7 +198,7 @@ def with_joined_sensors(
     frames = [links[0] if len(links) == 1 else "" for links in links_of]
     groups, how = _groups(named), "names"
     if not groups and all(_is_of_leg(*each) for each in zip(feet, frames, strict=True)):
-        groups, how = _groups([_owner(frame) for frame in frames]), "frames"
+        groups, how = _groups([leg_name(frame) for frame in frames]), "frames"
     if not groups:
         return recording, selection, ()
     joined = tuple(
@@ -228,12 +226,6 @@ def with_joined_sensors(
         replace(selection, robot=replace(selection.robot, feet=joined), feet_of=of),
         (finding,),
     )
-
-
-def _owner(frame: str) -> str:
-    """Return the name of the foot that a frame is of: of several legs on a side, by its number."""
-    numbers = _NUMBERED_LEG.findall(frame.lower())
-    return "_".join([foot_name(frame), *numbers])
 
 
 def _groups(owners: Sequence[str]) -> dict[str, list[int]]:
