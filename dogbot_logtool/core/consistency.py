@@ -240,23 +240,16 @@ def compare_worlds(feet: Sequence[FootHistory], base: BaseHistory) -> Worlds | N
 
 
 def placed_poses(
-    records: Sequence[FootHistory], recorded: BaseHistory, base: BaseHistory
+    records: Sequence[FootHistory], candidates: Sequence[BaseHistory]
 ) -> tuple[BaseHistory, Worlds | None]:
-    """Return the poses that contact points are compared with, and how they agree.
+    """Return the poses that stay where they are among the contact points, and how they agree.
 
     Args:
         records: of all feet.
-        recorded: poses as recorded, jumps and all.
-        base: poses without jumps.
+        candidates: poses without jumps, and with them.
     """
-    worlds = compare_worlds(records, recorded)
-    if recorded is base or worlds is None:
-        return recorded, worlds
-    without = compare_worlds(records, base)
-    agrees = without is not None and without.agree
-    if without is None or not agrees or (worlds.agree and worlds.change_m <= without.change_m):
-        return recorded, worlds
-    return base, without
+    tried = [(each, compare_worlds(records, each)) for each in candidates]
+    return min(tried, key=lambda each: each[1].shift_m if each[1] else np.inf)
 
 
 def _drift_m(feet: Sequence[FootHistory], seen: Sequence[tuple[Ints, Floats]], start: int) -> float:

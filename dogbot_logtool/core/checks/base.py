@@ -18,7 +18,7 @@ from dogbot_logtool.core.base.comparison import (
     stride_windows,
     turn_only,
 )
-from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.base.poses import SMALLEST_STEP_RAD, BaseHistory
 from dogbot_logtool.core.consistency import Worlds
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.rotations import rotate
@@ -154,6 +154,9 @@ def pose_jumps(walk: Walk) -> Iterator[Finding]:
             degrees=np.degrees(turn).max(),
             at=walk.seconds(jumps.spans[:, 1])[int((size + turn).argmax())],
         )
+        if turn.sum() > SMALLEST_STEP_RAD:
+            degrees = np.degrees(turn.sum())
+            yield _doubted(walk, "POSE_DIRECTION", "jumps", say="jumps", degrees=degrees)
 
 
 SCALES: Final = (0.8, 1.25)
