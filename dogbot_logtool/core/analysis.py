@@ -112,7 +112,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     # Places that the poses have put into the world jump with them.
     placed_by_poses = any(path is not None for path in corrected.places)
     candidates = [recorded] if placed_by_poses or not len(jumps.rows) else [base, recorded]
-    placed, worlds = placed_poses(records, candidates)
+    placed, worlds = placed_poses(records, candidates, period_s)
     height = height_over_feet(placed, records)
     fallen = fallen_spans(recorded, records, height, jumps.spans)
     weighed = loads_of(
