@@ -111,7 +111,8 @@ def forward_axis(walk: Walk) -> Iterator[Finding]:
         where = "base.forward_speed_mps"
         speed = abs((base and base.lateral_speed_mps) or 0.0)
         words: Words = {"settings": settings, "base": base, "side": side, "speed": speed}
-        yield found("FORWARD_AXIS", where=where, say="sideways", **words)
+        cases = ("assumed",) if settings.forward_axis_is_assumed else ()
+        yield found("FORWARD_AXIS", *cases, where=where, say="sideways", **words)
 
 
 def pose_jumps(walk: Walk) -> Iterator[Finding]:
