@@ -77,6 +77,9 @@ DIFFERENT: list[tuple[str, str, dict[str, Any], list[str]]] = [
     ('{"x": 1.0, "y": 0.0, "z": 0.0}', '{"x": -1.0, "y": 0.0, "z": 0.0}', {}, [
         "x: expected 1.0, got -1.0 (|d| 2)"
     ]),
+    ('{"x": 1, "y": 0, "z": 0, "w": 0}', '{"x": -1, "y": 0, "z": 0, "w": 0}', {}, [
+        "x: expected 1, got -1"
+    ]),
     (f'{{"q": {Q}}}', f'{{"q": {Q.replace("0.9", "NaN")}}}', {}, ["q.w: expected 0.9, got nan"]),
     ('{"a": "\\u001b[31m"}', '{"a": "b"}', {}, ['a: expected "\\u001b[31m", got "b"']),
     (STATS, other("0.7, ", "0.9, "), {"topics": ["f*"]}, [
