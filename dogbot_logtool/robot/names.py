@@ -103,10 +103,6 @@ class FootSet(NamedTuple):
         pairs = [(end, side) for end in ends for side in ("left", "right")]
         return tuple("_".join(pair) for pair in pairs if pair not in there)
 
-    def completes(self, other: "FootSet") -> bool:
-        """Tell whether these are the very feet that another set lacks, as other messages tell."""
-        return self.is_usable and sorted(foot.name for foot in self.feet) == sorted(other.missing)
-
     @property
     def rank(self) -> tuple[int, int]:
         """What sorts sets: the part of the leg, then how good its topics are."""
