@@ -4,7 +4,6 @@ import json
 import os
 import re
 import shutil
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,7 @@ from upath import UPath
 
 from dogbot_logtool.commands.tasks import measure_entry
 from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.report.dataset import dataset_at, hash_of
+from dogbot_logtool.report.dataset import Entry, dataset_at, hash_of
 from dogbot_logtool.report.dataset_tables import TABLES
 from dogbot_logtool.run.inputs import Found, LogSet
 from tests.forked_cli import Ended, run
@@ -151,9 +150,7 @@ def test_a_dataset_in_a_store() -> None:
     # The query of a URL tells logs apart, and is a secret.
     for query in ("first", "second"):
         url = UPath(f"https://host/log.bag?{query}=secret")
-        dataset.write(
-            replace(entry, location=url, log_hash=hash_of(url)), done.tables, damaged=False
-        )
+        dataset.write(Entry(url, hash_of(url), {}), done.tables, damaged=False)
     written = [each.read_bytes() for each in root.rglob("*.parquet")]
     assert len(written) == 2 * len(TABLES)
     assert not any(b"secret" in each for each in written)
