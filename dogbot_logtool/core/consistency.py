@@ -7,8 +7,7 @@ it.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -158,8 +157,7 @@ STEADY: Final = 0.9
 otherwise from some moment on makes a step."""
 
 
-@dataclass(frozen=True, slots=True)
-class Worlds:
+class Worlds(NamedTuple):
     """The base among the feet that are down, seen from above and from the base."""
 
     distance_m: float

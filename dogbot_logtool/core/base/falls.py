@@ -1,8 +1,7 @@
 """Did the robot fall, tip over as the recording ends, or do its poses only seem to lean?"""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -139,8 +138,7 @@ RISING_S: Final = 0.3
 _RISES_RAD: Final = 0.02
 
 
-@dataclass(frozen=True, slots=True)
-class Tipping:
+class Tipping(NamedTuple):
     """A roll or pitch that leaves its usual range and does not return."""
 
     since: int

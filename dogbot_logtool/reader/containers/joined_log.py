@@ -76,7 +76,7 @@ class JoinedLog(Log):
     def _chunk(self, number: int, file: int, chunk: Chunk) -> Chunk:
         """Return a chunk of a file whose offset is its number in the joined log."""
         counts = None if chunk.counts is None else _joint(chunk.counts, self._ids[file])
-        return replace(chunk, offset=number, counts=counts)
+        return chunk._replace(offset=number, counts=counts)
 
     @property
     def can_fork(self) -> bool:
@@ -98,8 +98,7 @@ class JoinedLog(Log):
             part = self._of_file(file, chunks)
             # Chunks that are damaged are not there.
             loaded = tuple(
-                replace(
-                    each,
+                each._replace(
                     chunk=joint[each.chunk.offset],
                     stored=memoryview(b""),
                     base=base + each.base,
@@ -173,7 +172,7 @@ def _joint_ids(
     for number, channel in own.items():
         schema = channel.schema
         if schema is not None:
-            fresh = replace(schema, id=len(schemas) + 1)
+            fresh = schema._replace(id=len(schemas) + 1)
             schema = schemas.setdefault((schema.name, schema.encoding, schema.data), fresh)
         kind = schema and schema.id
         key = (channel.topic, channel.message_encoding, kind, is_marked(channel.metadata))
@@ -185,4 +184,4 @@ def _joint_ids(
 def _named(loss: Loss, log: Log) -> Loss:
     """Say in which file it is."""
     name = file_name(log.source.path)
-    return replace(loss, what=f"{name}: {loss.what}", file=name)
+    return loss._replace(what=f"{name}: {loss.what}", file=name)
