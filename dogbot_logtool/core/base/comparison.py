@@ -66,7 +66,8 @@ def motion_in(base: BaseHistory, windows: Ints, forward_rad: float = 0.0) -> Mot
         forward_rad: from the heading of its poses to forward.
     """
     if len(base.time) < 2:
-        return turn_only(np.full(len(windows), np.nan))
+        unknown = np.full(len(windows), np.nan)
+        return Motion(unknown + 0j, unknown, unknown)
     ahead, left, _ = base.steps(forward_rad)
     path = np.concatenate([[0.0], np.cumsum(ahead + 1j * left)])
     edges = windows - base.time[0]
@@ -78,12 +79,6 @@ def motion_in(base: BaseHistory, windows: Ints, forward_rad: float = 0.0) -> Mot
     return Motion(*(np.where(outside, np.nan, each) for each in changes))
 
 
-def turn_only(turn: Floats) -> Motion:
-    """Return the motion by a witness that tells nothing but turns, (k,) rad."""
-    unknown = np.full(len(turn), np.nan)
-    return Motion(unknown + 0j, turn, unknown)
-
-
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Comparison:
     """The motion by poses against that by a witness, over whole strides that both tell of."""
@@ -93,10 +88,9 @@ class Comparison:
     own: Motion
     """By the poses; `reference`, by the witness."""
     reference: Motion
-    tells_turn: bool
-    """Whether the witness tells turns, and not only the way; `tells_heading`, directions."""
     tells_heading: bool
-    reach_m: float = SWINGS
+    """Whether the witness tells directions."""
+    reach_m: float
     """How far from the base what tells of its motion may be."""
 
     @property
@@ -105,27 +99,25 @@ class Comparison:
         return len(self.own.turn)
 
     @property
-    def scale(self) -> float | None:
-        """How many times as far as the witness the poses go; None: it does not tell."""
-        factor, coherence, _ = likeness(self.own.displacement, self.reference.displacement)
-        if not self._is_telling:
-            return None
-        return factor if coherence >= COHERENT else self.own.walked_m / self.reference.walked_m
-
-    @property
-    def direction_rad(self) -> float | None:
-        """From the witness's way to that of the poses, to the left; None: it does not tell."""
-        _, coherence, angle = likeness(self.own.displacement, self.reference.displacement)
-        return angle if self._is_telling and self.tells_heading and coherence >= COHERENT else None
-
-    @property
-    def _is_telling(self) -> bool:
+    def tells_way(self) -> bool:
         """Whether the witness goes somewhere, or the poses do by far."""
-        turned = float(np.abs(self.reference.turn).sum()) if self.tells_turn else 0.0
         walked_m = max(self.reference.walked_m, self.own.walked_m / FAR_MORE)
+        turned = float(np.abs(self.reference.turn).sum())
         return self.reference.walked_m > 0.0 and walked_m > max(
             SHORTEST_PATH_M, self.reach_m * turned
         )
+
+    @property
+    def scale(self) -> float:
+        """How many times as far as the witness the poses go."""
+        factor, coherence, _ = likeness(self.own.displacement, self.reference.displacement)
+        return factor if coherence >= COHERENT else self.own.walked_m / self.reference.walked_m
+
+    @property
+    def direction_rad(self) -> float:
+        """From the witness's way to that of the poses, to the left; 0 where it does not tell."""
+        _, coherence, angle = likeness(self.own.displacement, self.reference.displacement)
+        return angle if self.tells_heading and coherence >= COHERENT else 0.0
 
 
 def likeness(own: Complexes, reference: Complexes) -> tuple[float, float, float]:
@@ -142,41 +134,27 @@ def likeness(own: Complexes, reference: Complexes) -> tuple[float, float, float]
 
 
 def compare(
-    by: str,
-    own: Motion,
-    reference: Motion,
-    *,
-    tells_turn: bool,
-    tells_heading: bool,
-    reach_m: float = SWINGS,
+    by: str, own: Motion, reference: Motion, *, tells_heading: bool, reach_m: float = SWINGS
 ) -> Comparison | None:
     """Compare the motion by poses with that by a witness; None: too few strides in common."""
     both = np.isfinite(own.turn) & np.isfinite(reference.turn)
     if both.sum() < FEWEST_STRIDES:
         return None
-    return Comparison(by, own.pick(both), reference.pick(both), tells_turn, tells_heading, reach_m)
+    return Comparison(by, own.pick(both), reference.pick(both), tells_heading, reach_m)
 
 
-def compare_twist(poses: BaseHistory, windows: Ints, forward_rad: float) -> Comparison | None:
-    """Compare poses with the twist beside them; None: there is none, or too little of it.
+def by_twist(poses: BaseHistory) -> BaseHistory | None:
+    """Return poses that go where the twist beside them says; None: there is none.
 
-    Sources give it in the world's or in the body's axes: those count that fit better.
+    Sources give it in the world's or in the body's axes: those count that are nearer to the way.
     """
-    velocity = poses.velocity
-    if len(velocity) != len(poses.time) or not velocity.any():
+    if len(poses.velocity) != len(poses.time) or not poses.velocity.any():
         return None
-    velocity = np.where(all_finite(velocity)[:, None], velocity, 0.0)
+    velocity = np.where(all_finite(poses.velocity)[:, None], poses.velocity, 0.0)
     step = (velocity[1:] + velocity[:-1]) / 2.0 * (np.diff(poses.time)[:, None] / 1e9)
-    flat = step[:, 0] + 1j * step[:, 1]
-    heading = (poses.angles[1:, 2] + poses.angles[:-1, 2]) / 2.0
-    own = motion_in(poses, windows, forward_rad)
-    found = []
-    for path in (flat, flat * np.exp(1j * heading)):
-        at = np.concatenate([[0.0], np.cumsum(path)])
-        position = np.stack([at.real, at.imag, np.zeros(len(at))], axis=1)
-        reference = motion_in(replace(poses, position=position), windows, forward_rad)
-        found.append(
-            compare("the twist beside them", own, reference, tells_turn=False, tells_heading=True)
-        )
-    known = [each for each in found if each is not None]
-    return min(known, key=lambda each: abs(each.direction_rad or 0.0), default=None)
+    step = step[:, 0] + 1j * step[:, 1]
+    own = np.diff(poses.position[:, 0] + 1j * poses.position[:, 1])
+    turned = step * np.exp(1j * (poses.angles[1:, 2] + poses.angles[:-1, 2]) / 2.0)
+    nearer = min(step, turned, key=lambda each: float(np.abs(each - own).sum()))
+    at = np.concatenate([[0.0], np.cumsum(nearer)])
+    return replace(poses, position=np.stack([at.real, at.imag, np.zeros(len(at))], axis=1))
