@@ -97,7 +97,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     positions = [foot.leg_position or ("", foot.name) for foot in settings.feet]
     witness = feet_witness(corrected.feet, corrected.places, positions, corrected.base)
     frozen = find_frozen(corrected.base, corrected.feet, witness, period_s)
-    recorded = without_frozen(corrected.base, frozen.spans) if frozen else corrected.base
+    recorded = without_frozen(corrected.base, frozen) if len(frozen) else corrected.base
     stand_in = None
     if witness is not None and corrected.leaning_rad is None:
         stand_in = witness.stand_in(recorded, settings.forward_rad)

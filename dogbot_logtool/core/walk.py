@@ -11,7 +11,7 @@ from dogbot_logtool.core.base.falls import Tipping
 from dogbot_logtool.core.base.ground import MovingGround
 from dogbot_logtool.core.base.motion import BaseTrack, base_motion
 from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps
-from dogbot_logtool.core.base.witness import Frozen, Witness
+from dogbot_logtool.core.base.witness import Witness
 from dogbot_logtool.core.consistency import Worlds
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected
@@ -53,9 +53,8 @@ class Walk:
     poses: BaseHistory
     """Poses without jumps."""
     jumps: PoseJumps
-    frozen: Frozen | None
-    """Time in which one pose is repeated although the robot walks on; masked. None: there is
-    none."""
+    frozen: Ints
+    """(s, 2) ns, time in which one pose is repeated although the robot walks on; masked."""
     base_by_feet: bool
     """Whether the feet's motion stands in for poses of which none can be used."""
     witness: Witness | None

@@ -19,6 +19,7 @@ from dogbot_logtool.core.arrays import (
     all_finite,
     distinct,
     median_of,
+    median_of_known,
     norms,
 )
 from dogbot_logtool.core.base.comparison import motion_in, stride_windows
@@ -232,52 +233,32 @@ STAYS_RADPS: Final = 0.03
 """rad/s, the same of a turn."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Frozen:
-    """Time in which one pose is repeated although the robot walks, or may walk, on."""
-
-    spans: Ints
-    """(s, 2) ns."""
-    whole: bool
-    """Whether no other poses are left."""
-    moves_mps: float | None
-    """m/s, how fast the witness says that the base moves in that time; None: there is none."""
-    turns_radps: float | None
-    """rad/s, how fast it turns, likewise."""
-    by: str
-    """The witness; empty: none tells whether the base moves."""
-
-
 def find_frozen(
     base: BaseHistory, feet: Sequence[FootHistory], witness: Witness | None, period_s: float | None
-) -> Frozen | None:
-    """Find the time in which poses are frozen; None: they are not.
+) -> Ints:
+    """Find the time in which one pose is repeated although the robot walks, or may walk, on.
 
     Args:
         base: poses as recorded.
         feet: histories of all feet.
         witness: the base's motion by its feet; None: not known.
         period_s: s, the usual stride; None: there is none.
+
+    Returns:
+        (s, 2) ns.
     """
     if not period_s or len(base.time) < 2:
-        return None
+        return timespans.no_spans()
     spans = _one_pose(base, SHORTEST_STRIDES * period_s * 1e9)
     steps = [_touchdowns(feet, span) >= FEWEST_TOUCHDOWNS for span in spans]
     spans = spans[np.array(steps, np.bool_)]
-    if not len(spans):
-        return None
-    speeds = turns = np.empty(0)
-    by = ""
-    if witness is not None:
-        motion = motion_in(witness.poses, stride_windows(spans, period_s))
-        known = np.isfinite(motion.turn)
-        speeds = np.abs(motion.displacement[known]) / period_s
-        turns = np.abs(motion.turn[known]) / period_s
-        by = witness.by if known.any() else ""
-    moves, turned = (float(median_of(each)) if by else None for each in (speeds, turns))
-    if by and (moves or 0.0) < STAYS_MPS and (turned or 0.0) < STAYS_RADPS:
-        return None
-    return Frozen(spans, len(without_frozen(base, spans).time) < 2, moves, turned, by)
+    if witness is None or not len(spans):
+        return spans
+    motion = motion_in(witness.poses, stride_windows(spans, period_s))
+    speeds, turns = np.abs(motion.displacement) / period_s, np.abs(motion.turn) / period_s
+    stays = float(median_of_known(speeds, axis=0)) < STAYS_MPS
+    stays &= float(median_of_known(turns, axis=0)) < STAYS_RADPS
+    return timespans.no_spans() if stays else spans
 
 
 def without_frozen(base: BaseHistory, spans: Ints) -> BaseHistory:

@@ -63,7 +63,7 @@ def falls(walk: Walk) -> Iterator[Finding]:
 def poses(walk: Walk) -> Iterator[Finding]:
     """Yield how many poses are missing or cannot be used."""
     record = walk.base_history
-    if walk.base is None and (walk.corrected.leaning_rad is not None or walk.frozen is not None):
+    if walk.base is None and (walk.corrected.leaning_rad is not None or len(walk.frozen)):
         return
     if record.messages and record.not_usable == record.messages:
         yield found("NOT_FINITE", "base", where="base", say="useless", record=record)
@@ -192,19 +192,12 @@ def treadmill(walk: Walk) -> Iterator[Finding]:
 
 def frozen(walk: Walk) -> Iterator[Finding]:
     """Yield that one pose is repeated while the robot walks on."""
-    still = walk.frozen
-    if still is None:
+    if not len(walk.frozen):
         return
-    why = "nothing else in the log tells whether the base stays where it is"
-    if still.by:
-        why = f"by {still.by} the base moves at {still.moves_mps or 0.0:.2f} m/s"
-        if still.turns_radps:
-            why += f" and turns at {still.turns_radps:.2f} rad/s"
-    cases = () if walk.base_by_feet else ("whole",) if still.whole else ("part",)
-    seconds = timespans.total(still.spans) / 1e9
-    at = walk.seconds(still.spans[:, 0])[0]
+    cases = () if walk.base_by_feet else ("whole",) if walk.base is None else ("part",)
+    seconds, at = timespans.total(walk.frozen) / 1e9, walk.seconds(walk.frozen[:, 0])[0]
     steps = sum(len(record.stances.touchdown) for record in walk.records)
-    yield _doubted(walk, "POSE_FROZEN", *cases, seconds=seconds, at=at, steps=steps, why=why)
+    yield _doubted(walk, "POSE_FROZEN", *cases, seconds=seconds, at=at, steps=steps)
 
 
 def contradicted(walk: Walk) -> Iterator[Finding]:
