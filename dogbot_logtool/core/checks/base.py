@@ -17,7 +17,8 @@ from dogbot_logtool.core.arrays import (
 )
 from dogbot_logtool.core.base.attitude import turns_and_up
 from dogbot_logtool.core.base.axes import WALKED_M, displacements_m, has_heading, swapped_pairs
-from dogbot_logtool.core.base.comparison import (
+from dogbot_logtool.core.base.poses import SMALLEST_STEP_RAD
+from dogbot_logtool.core.base.witness import (
     SWINGS,
     Comparison,
     Motion,
@@ -26,7 +27,6 @@ from dogbot_logtool.core.base.comparison import (
     motion_in,
     stride_windows,
 )
-from dogbot_logtool.core.base.poses import SMALLEST_STEP_RAD
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Words, found
