@@ -17,11 +17,24 @@ _TAKEN_FOR_TEXT: Final = (
     *(start + b"MCAP" for start in (b"", b"\xef\xbf\xbd", b"\xc2\x89", b"\xe2\x80\xb0", b"?")),
     *(_BYTE_ORDER_MARK + each.magic for each in CONTAINERS),
 )
+_ZEROS: Final = (
+    "begins with zeros where a log says what it is: room was made for it, but its start was never "
+    "written (a crash or a copy that broke off); copy it again"
+)
+_ANNEX: Final = "is a git-annex pointer, not the log itself; 'git annex get' fetches it"
+_TEXT: Final = (
+    "is a text (a web page, XML or JSON), not a log: maybe a server's error in place of it; look "
+    "into it, and download the log again"
+)
+_UNKNOWN: Final = (
+    "is neither a ROS 1 bag (#ROSBAG V2.0) nor an MCAP file nor a file of a ROS 2 bag: its first "
+    "bytes are none of theirs"
+)
 _STARTS: Final = {
     **dict.fromkeys(
         _TAKEN_FOR_TEXT,
-        "was changed on its way by what took it for text (a transfer, an editor, a script), so that "
-        "bytes everywhere in it are no longer the recorded ones; copy it again in binary mode",
+        "was changed on its way by what took it for text (a transfer, an editor, a script): bytes "
+        "everywhere in it are no longer the recorded ones; copy it again in binary mode",
     ),
     b"version https://git-lfs.": (
         "is a Git LFS pointer, not the log itself; 'git lfs pull' fetches the log"
@@ -54,28 +67,19 @@ def is_known(magic: bytes) -> bool:
 def describe(source: ByteSource) -> str:
     """Return the sentence, without its subject, that says what a file is if not a log."""
     head = source.read(0, _HEAD)
-    if not head:
-        return "is empty (0 bytes): nothing was recorded or copied into it"
-    for start, what in _STARTS.items():
-        if head.startswith(start):
-            return what
-    if head[257:262] == b"ustar":
-        return "is a tar archive; unpack it first ('tar xf')"
-    if not head.strip(b"\0"):
-        return (
-            "begins with zeros where a log says what it is: room was made for it, but its start "
-            "was never written (a crash or a copy that broke off); copy it again"
-        )
-    if b"annex/objects/" in head[:64]:
-        return "is a git-annex pointer, not the log itself; 'git annex get' fetches it"
-    if head.removeprefix(_BYTE_ORDER_MARK).lstrip().startswith((b"<", b"{", b"[")):
-        return (
-            "is a text (a web page, XML or JSON), not a log: maybe a server's error in place of "
-            "it; look into it, and download the log again"
-        )
-    if any(each.magic.startswith(head) for each in CONTAINERS):
-        return f"breaks off after {source.size} bytes, before a log says what it is; copy it again"
-    return (
-        "is neither a ROS 1 bag (#ROSBAG V2.0) nor an MCAP file nor a file of a ROS 2 bag: "
-        "its first bytes are none of theirs"
+    is_cut_off = any(each.magic.startswith(head) for each in CONTAINERS)
+    text = head.removeprefix(_BYTE_ORDER_MARK).lstrip()
+    cases = (
+        (not head, "is empty (0 bytes): nothing was recorded or copied into it"),
+        *((head.startswith(start), what) for start, what in _STARTS.items()),
+        (head[257:262] == b"ustar", "is a tar archive; unpack it first ('tar xf')"),
+        (not head.strip(b"\0"), _ZEROS),
+        (b"annex/objects/" in head[:64], _ANNEX),
+        (text.startswith((b"<", b"{", b"[")), _TEXT),
+        (
+            is_cut_off,
+            f"breaks off after {source.size} bytes, before a log says what it is; copy it again",
+        ),
+        (True, _UNKNOWN),
     )
+    return next(what for fits, what in cases if fits)
