@@ -1,7 +1,7 @@
 """MCAP files that are harmed in one place each."""
 
 from collections.abc import Iterator
-from typing import Any, Final
+from typing import Final
 
 from tests.reader import mcap_bytes
 from tests.reader.cases import (
@@ -81,15 +81,14 @@ def mcaps_with_a_wrong_summary() -> Iterator[Case]:
         case = built(small_mcap(), stated_counts=stated)
         lost = None if sum(stated.values()) > 12 else 0
         yield Case(f"statistics {stated}", *case, "the summary counts", number=lost)
-    for indexed in (False, True):
-        options: dict[str, Any] = {"message_index": indexed, "stated_counts": {1: 12}}
-        described = schema(1) + channel(1, "/left")
-        case = built(small_mcap(), described_in_summary=described, **options)
-        yield Case("a channel less", *case, ANY)
-        for compression in mcap_bytes.CODECS:
-            log = small_mcap(compression)
-            case = built(log, message_index=indexed, described_in_summary=SWAPPED)
-            yield Case("swapped", *case, "channel 1 is described in two ways: as /left and, at ")
+    described = schema(1) + channel(1, "/left")
+    case = built(small_mcap(), stated_counts={1: 12}, described_in_summary=described)
+    yield Case("a channel less", *case, ANY)
+    log, data = built(small_mcap(), described_in_summary=SWAPPED)
+    what = (
+        f"2 is described in two ways: as /left and, at byte {log.chunk_starts[0]}, as /right; the "
+    )
+    yield Case("swapped", log, data, what, tuple(range(12)), either=True, number=0)
     extra = built(small_mcap(), between={1: attachment("notes", b"muddy ground")})
     yield Case("attachment", *extra, "the summary contradicts itself or the chunks")
 
@@ -102,9 +101,12 @@ def mcaps_with_damaged_chunks(compression: str) -> Iterator[Case]:
         log, plain = built(small_mcap(compression), data_crc=False, summary=summary)
         what = f"the chunk at byte {start} was left out: its checksum does not hold"
         yield Case("checksum", log, flipped(plain, start + 9 + 24, 1), what, SECOND_CHUNK)
-    for field in (0, 1, 9, 17, 25, 37):
+    for field in (0, 1, 9, 17):
         what = f"the header of the chunk at byte {start}"
         yield Case(f"head {field}", mcap, flipped(data, start + field, 2), what, whole=middle)
+    for field in (25, 37):
+        harmed = flipped(data, start + field, 2)
+        yield Case(f"head {field}", mcap, harmed, ANY, SECOND_CHUNK, either=True, number=None)
     for wrong in (0, 1, 50, 2**40):
         log, sealed = built(small_mcap(compression))
         at = sealed.index(u64(start), log.summary_start)
@@ -116,9 +118,6 @@ def mcaps_with_damaged_chunks(compression: str) -> Iterator[Case]:
     yield Case("time in index", mcap, flipped(data, end + 9 + 6, 1), what, whole=middle)
     for offset in (10**6, 2**63 - 1, 2**63, 2**64 - 1):
         yield Case("offset in index", mcap, put(data, end + 9 + 6 + 8, u64(offset)), what)
-    if compression == "":
-        payload = data.replace(b"payload12", b"payload92")
-        yield Case("payload", mcap, payload, ANY, SECOND_CHUNK)
     for named in ("", "lz4", "none"):
         for crc in (True, False) if named != compression else ():
             case = built(small_mcap(compression), chunk_crc=crc, indexed_as=named)
