@@ -69,18 +69,10 @@ def mcaps_with_a_wrong_summary() -> Iterator[Case]:
         for shift in (-(10**9), 10**9):
             wrong = put(data, data.rindex(u64(each)), u64(each + shift))
             yield Case("times in statistics", mcap, resealed(wrong, mcap), ANY)
-    small, data = built(small_mcap(chunks=2, each=3))
-    for first in small.chunk_ends:
-        # The chunk index tells the channels' places the wrong way round, in two chunks.
-        second = first + int.from_bytes(data[first + 1 : first + 9], "little") + 9
-        at = data.rindex(u64(first)), data.rindex(u64(second))
-        data = put(put(data, at[0], u64(second)), at[1], u64(first))
-    what = f"the chunk at byte {small.chunk_starts[0]} holds 2 messages of channel 1 "
-    yield Case("counts that hold in sum", small, resealed(data, small), what)
-    for stated in ({1: 5, 2: 7}, {1: 12}, {1: 6, 2: 900}, {1: 6, 2: 6, 3: 1}):
+    for stated in ({1: 5, 2: 7}, {1: 6, 2: 900}, {1: 6, 2: 6, 3: 1}):
         case = built(small_mcap(), stated_counts=stated)
         lost = None if sum(stated.values()) > 12 else 0
-        yield Case(f"statistics {stated}", *case, "the summary counts", number=lost)
+        yield Case(f"statistics {stated}", *case, "the summary", number=lost)
     described = schema(1) + channel(1, "/left")
     case = built(small_mcap(), stated_counts={1: 12}, described_in_summary=described)
     yield Case("a channel less", *case, ANY)

@@ -16,7 +16,6 @@ from dogbot_logtool.reader.containers.log import (
     Chunk,
     Extra,
     Schema,
-    differing_counts,
     time_range,
 )
 from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, lost_messages
@@ -274,10 +273,6 @@ class McapLog(RecordLog):
             explained = known_lost is None or stated <= found + known_lost
             what = f"the summary counts {stated} messages, but {found} were found"
             self._losses.add(Loss(0, what, 0, 0 if explained else None))
-            return
-        counts = statistics.channel_message_counts
-        if what := differing_counts(self.channels, counts, self.counts):
-            self._losses.add(Loss(0, f"the summary counts {what}"))
 
 
 def _index_record(behind: memoryview, offset: int) -> IndexRecord | None:
