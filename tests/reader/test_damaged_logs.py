@@ -82,7 +82,7 @@ def test_a_time_span_has_all_its_messages_whatever_the_index_says(
         (schema(1, data=b"string data\nbool more"), "schema 1 is described in two ways: as std_ms"),
         (schema(1, "std_msgs/Empty"), "as std_msgs/String and, at byte "),
         (channel(1, "/other"), "channel 1 is described in two ways: as /left and, at byte "),
-        (schema(2) + channel(1, "/left", 2), "as /left with schema 1 and, at byte "),
+        (schema(2) + channel(1, "/left", 2), "as /left and, at byte "),
         (channel(2, "/left") + channel(1, "/right"), "channel 2 is described in two ways"),
     ],
 )

@@ -78,6 +78,8 @@ class Chunk:
     """Messages by channel id, from an index or counted when the log was opened; None: unknown."""
     is_scanned: bool = False
     """It was read when the log was opened, so that its damage is among the log's losses."""
+    file: int = 0
+    """Which of several joined files it stands in."""
 
     @property
     def messages(self) -> int | None:
