@@ -12,6 +12,7 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.results import Conversion
 from tests.commands.conversions import chunks_of, codes
+from tests.oracles import walks
 from tests.oracles.annotated_file import Written, read_written, written_loads
 from tests.oracles.recorded import (
     CONTACTS_TYPE,
@@ -95,6 +96,29 @@ def test_a_malformed_message_costs_one_message(tmp_path: Path, kind: str) -> Non
     provenance = written.metadata[-1].metadata
     assert provenance["lost_messages"] == "1"
     assert contact_topic("front_left") in provenance["damage"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "bad", "batch"),
+    [
+        ("gazebo_msgs/msg/ContactsState", {"/odom", "/front_left/contact"}, 1),
+        ("unitree_go/msg/LowState", {"/odom", "/feet"}, 0),
+        ("champ_msgs/msg/ContactsStamped", {"/odom", "/feet"}, 2),
+    ],
+)
+def test_a_batch_of_which_nothing_can_be_decoded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str, bad: set[str], batch: int
+) -> None:
+    monkeypatch.setattr("dogbot_logtool.reader.containers.log.BATCH_SIZE", 1)
+    walk, path = walks.Walk(2), tmp_path / "log.mcap"
+    entries = walks.messages(2, kind)
+    first, last = (walks.START + n * 200 * walks.STEP for n in (batch, batch + 1))
+    lost = [each for each in entries if each.topic in bad and first <= each.log_time < last]
+    cut = [each._replace(data=each.data[:11]) if each in lost else each for each in entries]
+    walks.write_mcap(path, walk, cut, chunk_size=20_000)
+    conversion, _ = done(path, ConvertOptions(robot=str(walks.robot_file(tmp_path, kind))))
+    assert sum(loss.messages or 0 for loss in conversion.damage.losses) == len(lost)
+    assert all("could not be decoded" in loss.what for loss in conversion.damage.losses)
 
 
 @pytest.mark.parametrize(

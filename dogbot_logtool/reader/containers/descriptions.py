@@ -5,8 +5,7 @@ stands outside of them, since checksums vouch for it.
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss
 
@@ -16,8 +15,7 @@ _MOST_RECORDS: Final = 1 << 17
 """All channels and schemas that an MCAP can have; more are not looked at."""
 
 
-@dataclass(frozen=True, slots=True)
-class Description:
+class Description(NamedTuple):
     """What a record says of a channel, a schema or a connection."""
 
     kind: str

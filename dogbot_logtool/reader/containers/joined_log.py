@@ -88,8 +88,7 @@ class JoinedLog(Log):
         for file, chunks in groupby(span, key=attrgetter("file")):
             part = self._of_file(file, tuple(chunks))
             loaded = tuple(
-                replace(
-                    each,
+                each._replace(
                     stored=memoryview(b""),
                     base=base + each.base,
                     rows=slice(row + each.rows.start, row + each.rows.stop),
@@ -140,7 +139,7 @@ def _by_time(logs: Sequence[Log], ids: Sequence[Ints]) -> list[Chunk]:
         for chunk in log.chunks:
             reached = max(reached, _EARLIEST if chunk.start_time is None else chunk.start_time)
             counts = None if chunk.counts is None else _joint(chunk.counts, ids[file])
-            found.append((reached, replace(chunk, file=file, counts=counts)))
+            found.append((reached, chunk._replace(file=file, counts=counts)))
     return [chunk for _, chunk in sorted(found, key=itemgetter(0))]
 
 
@@ -168,7 +167,7 @@ def _joint_ids(
     for number, channel in own.items():
         schema = channel.schema
         if schema is not None:
-            fresh = replace(schema, id=len(schemas) + 1)
+            fresh = schema._replace(id=len(schemas) + 1)
             schema = schemas.setdefault((schema.name, schema.encoding, schema.data), fresh)
         kind = schema and schema.id
         key = (channel.topic, channel.message_encoding, kind, is_marked(channel.metadata))
@@ -180,4 +179,4 @@ def _joint_ids(
 def _named(loss: Loss, log: Log) -> Loss:
     """Say in which file it is."""
     name = file_name(log.source.path)
-    return replace(loss, what=f"{name}: {loss.what}", file=name)
+    return loss._replace(what=f"{name}: {loss.what}", file=name)

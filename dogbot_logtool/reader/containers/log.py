@@ -6,7 +6,7 @@ from collections.abc import Set as AbstractSet
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Final, Self
+from typing import Any, Final, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +25,7 @@ _MOST_UNUSED: Final = 2 * BATCH_SIZE
 """Bytes of chunks without messages of interest from which a batch is full, too."""
 
 
-@dataclass(frozen=True, slots=True)
-class Schema:
+class Schema(NamedTuple):
     """A recorded message definition."""
 
     id: int
@@ -54,8 +53,7 @@ class Channel:
         return short_type_name(self.schema.name) if self.schema else ""
 
 
-@dataclass(frozen=True, slots=True)
-class Chunk:
+class Chunk(NamedTuple):
     """Position of a chunk of messages in the file."""
 
     offset: int
@@ -101,8 +99,7 @@ Span = tuple[Chunk, ...]
 """Neighbouring chunks that make a batch."""
 
 
-@dataclass(frozen=True, slots=True)
-class Extra:
+class Extra(NamedTuple):
     """A record that is no message: an MCAP attachment or metadata record, copied as it is."""
 
     opcode: int
@@ -112,8 +109,7 @@ class Extra:
     """The file that it stands in."""
 
 
-@dataclass(frozen=True, slots=True)
-class EarlierAnnotations:
+class EarlierAnnotations(NamedTuple):
     """Annotations that `convert` added to a log."""
 
     channels: frozenset[int] = frozenset()
@@ -165,8 +161,7 @@ def concatenate_messages(parts: Sequence[Messages]) -> Messages:
     return concatenated(parts) if parts else no_messages()
 
 
-@dataclass(frozen=True, slots=True)
-class LoadedChunk:
+class LoadedChunk(NamedTuple):
     """A chunk in a batch."""
 
     chunk: Chunk
@@ -219,8 +214,7 @@ class Batch:
         """Return some of the messages; chunks that lose any are not whole."""
         bounds = np.concatenate([[0], np.cumsum(kept)])
         chunks = tuple(
-            replace(
-                loaded,
+            loaded._replace(
                 rows=slice(int(bounds[loaded.rows.start]), int(bounds[loaded.rows.stop])),
                 whole=loaded.whole and bool(kept[loaded.rows].all()),
             )
@@ -326,7 +320,7 @@ class Log(ABC):
     def located(self, loss: Loss) -> Loss:
         """Return a loss in this file with the log times between which it lies, if known."""
         at_end = loss.offset and loss.offset + loss.bytes >= self.source.size
-        return replace(loss, start_time=self.end_time) if at_end else loss
+        return loss._replace(start_time=self.end_time) if at_end else loss
 
     def without(self, annotations: EarlierAnnotations) -> "Log":
         """Return the same log as it was before it was annotated.

@@ -2,10 +2,9 @@
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.storage import Location, content, files_in, name_of
@@ -31,8 +30,7 @@ class UnusableMetadata(Exception):  # noqa: N818 - it never reaches a user; `Los
     """The metadata cannot be used; the text says why."""
 
 
-@dataclass(frozen=True, slots=True)
-class Metadata:
+class Metadata(NamedTuple):
     """Promises of a bag's metadata. Types are taken from the files themselves."""
 
     files: tuple[str, ...]
@@ -170,7 +168,7 @@ def open_rosbag2(path: Location, open_file: OpenFile) -> Log:
 def _before(loss: Loss, following: Log) -> Loss:
     """End what is missing at the end of a file where the next file begins."""
     is_open = loss.start_time is not None and loss.end_time is None
-    return replace(loss, end_time=following.start_time) if is_open else loss
+    return loss._replace(end_time=following.start_time) if is_open else loss
 
 
 def _named_files(folder: Location, metadata: Metadata) -> _Files:

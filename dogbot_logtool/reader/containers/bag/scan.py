@@ -2,7 +2,6 @@
 
 import sys
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import lru_cache
 from typing import Final
 
@@ -122,7 +121,7 @@ class BagLog(RecordLog):
             named = _INDEX_RECORD_SIZE * len(counts) + INDEX_ENTRY_SIZE * sum(counts.values())
             # Index records of the usual size need not be looked at.
             is_usual = end - chunk.end == named
-            chunks[offset] = replace(chunk, index_end=end) if is_usual else chunk
+            chunks[offset] = chunk._replace(index_end=end) if is_usual else chunk
         return chunks
 
     def _times_hold(self) -> bool:
@@ -166,7 +165,7 @@ class BagLog(RecordLog):
             return self._take_chunk(chunk, chunk.end)
         stated = record.number("size")
         return self._take_chunk(
-            replace(chunk, data_size=stated, size=stated), chunk.data_offset + stated
+            chunk._replace(data_size=stated, size=stated), chunk.data_offset + stated
         )
 
     def _passed_zeros(self, offset: int) -> int | None:
@@ -192,7 +191,7 @@ class BagLog(RecordLog):
         if chunk.is_scanned or not self.source.has_cheap_seeks:
             return False
         first, last = self._own_times(chunk)
-        return super().overlaps(replace(chunk, start_time=first, end_time=last), start, end)
+        return super().overlaps(chunk._replace(start_time=first, end_time=last), start, end)
 
     def _own_times(self, chunk: Chunk) -> Times:
         """Return the log times, ns, that the index records behind a chunk name."""

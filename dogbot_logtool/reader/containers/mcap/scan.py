@@ -3,7 +3,6 @@
 import struct
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import replace
 from operator import attrgetter, itemgetter
 from typing import Final
 
@@ -261,7 +260,7 @@ class McapLog(RecordLog):
             if loss is not None:
                 # Outside chunks, a message may be lost without a trace.
                 unknown = bare and self._statistics is None
-                self._losses.add(replace(loss, messages=None) if unknown else loss)
+                self._losses.add(loss._replace(messages=None) if unknown else loss)
         elif self._closed:
             what = "the record that ends the log's data is missing, and maybe others before it"
             self._losses.add(Loss(self.source.size, what, 0, None))
