@@ -97,7 +97,7 @@ def expected_annotations(tmp_path_factory: pytest.TempPathFactory) -> dict[str, 
     return {encoding: annotations(folder, trot(), encoding) for encoding in ENCODINGS}
 
 
-@pytest.mark.parametrize(("written", "encoding"), zip(WRITERS, cycle(ENCODINGS)))
+@pytest.mark.parametrize(("written", "encoding"), [*zip(WRITERS, cycle(ENCODINGS))])
 def test_every_container_and_chunking_gives_the_same_figures_and_annotations(
     tmp_path: Path,
     expected_annotations: dict[str, list[Annotation]],
