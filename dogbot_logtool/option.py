@@ -13,7 +13,7 @@ from functools import cache
 from inspect import get_annotations
 from numbers import Integral, Real
 from pathlib import Path
-from typing import Any, Final, Literal, TypeVar, get_args, get_origin
+from typing import Any, Final, Literal, NamedTuple, TypeVar, get_args, get_origin
 
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.gone import instead_of
@@ -56,8 +56,7 @@ class Range:
         return f"{number} from {self.least:g} to {self.most:g}{', or 0' if self.or_zero else ''}"
 
 
-@dataclass(frozen=True, slots=True)
-class As:
+class As(NamedTuple):
     """How an option is written on the command line; a field without it is no option."""
 
     metavar: str = ""
@@ -70,8 +69,7 @@ class As:
     """An argument that must be there."""
 
 
-@dataclass(frozen=True, slots=True)
-class Option:
+class Option(NamedTuple):
     """One option of a record."""
 
     name: str

@@ -60,7 +60,7 @@ def convert(
     try:
         plan = plan_measuring(log, options)
         draws_states = ARROW_STYLES[options.style].needs_contact_states
-        plan = replace(plan, wanted=replace(plan.wanted, draws_states=draws_states))
+        plan = replace(plan, wanted=plan.wanted._replace(draws_states=draws_states))
         left_out = channels_left_out(log, options)
         with whole_file(target, overwrite=overwrite, makes_folder=makes_folder) as file:
             output = AnnotatedLog(file, log, options, left_out)

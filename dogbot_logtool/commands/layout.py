@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from contextlib import closing
-from dataclasses import fields, replace
+from dataclasses import fields
 from pathlib import Path
 from typing import Final
 
@@ -49,8 +49,7 @@ def view_of(log: Path | None, options: RobotOptions) -> View:
         recording, settings, frames = walk.recording, walk.settings, walk.frames
         view = _view(selection.robot, frames.world, frames.base)
         shape = robot_shape(walk)
-        return replace(
-            view,
+        return view._replace(
             peak_n=_peak_n(recording.feet) or view.peak_n,
             forward_axis=shape.forward_axis,
             size_m=shape.size_m,

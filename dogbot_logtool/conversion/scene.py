@@ -108,8 +108,7 @@ def make_scene(
     second = second_tf(selection, frames, options, left_out) if options.tf == "auto" else None
     writes_base = selection.has_base and options.tf != "never" and second is None
     description = robot_description(log, selection, model, walk, options)
-    description = replace(
-        description,
+    description = description._replace(
         hips=None if unsupported else description.hips,
         joints=description.joints if options.tf != "never" else (),
     )

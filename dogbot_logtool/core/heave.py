@@ -1,8 +1,7 @@
 """Whether the base goes up and down when the feet's forces drive it: clocks compared by physics."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -29,8 +28,7 @@ _LATEST_S: Final = 0.5
 _LAGS_S: Final = np.linspace(-_LATEST_S, _LATEST_S, 101)
 
 
-@dataclass(frozen=True, slots=True)
-class Delay:
+class Delay(NamedTuple):
     """By how much the base comes after the forces that drive it, by the best fit."""
 
     correlation: float

@@ -6,7 +6,7 @@ A base is a topic, and where its messages hold poses of several things an elemen
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
 from dogbot_logtool.finding import Finding, found
@@ -65,8 +65,7 @@ class ChosenBase:
     empty: there are none, or a base is known."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Candidate:
+class _Candidate(NamedTuple):
     """Poses that may be the base's."""
 
     topic: str
@@ -251,7 +250,7 @@ def _settled(of_type: Sequence[_Candidate], feet: Collection[str]) -> list[_Cand
     doubtful = [each for each in sure if not (is_clear and each in same)]
     ranked = sorted(of_type, key=lambda each: each.rank)
     return [
-        replace(each, rank=(_PERHAPS, *each.rank[1:])) if each in doubtful else each
+        each._replace(rank=(_PERHAPS, *each.rank[1:])) if each in doubtful else each
         for each in ranked
     ]
 

@@ -19,7 +19,7 @@ One name alone misleads: ``rl_controller`` is no left hind leg and the ``front``
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Final, NamedTuple
 
@@ -55,8 +55,7 @@ Mark = tuple[int, str]
 """Points for or against feet, and the reason; empty: it need not be said."""
 
 
-@dataclass(frozen=True, slots=True)
-class FootSet:
+class FootSet(NamedTuple):
     """Topics or fields that may be the feet of a robot, and what their names tell."""
 
     feet: tuple[Foot, ...]

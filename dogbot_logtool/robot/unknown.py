@@ -114,7 +114,7 @@ def _named_sets(log: Log) -> Iterator[FootSet]:
             marks = list(name_marks(names, type_name, rate_hz))
             if one.kind != "elements":
                 marks.append((1, f"they differ in {_DIFFER.get(one.kind, 'one word')} only"))
-            yield replace(one, type_name=type_name, marks=tuple(marks))
+            yield one._replace(type_name=type_name, marks=tuple(marks))
 
 
 def _sets_of_type(channels: Mapping[str, Channel], type_name: str) -> Iterator[FootSet]:
@@ -183,7 +183,7 @@ def _siblings(fields: Mapping[str, Foot]) -> Iterator[FootSet]:
             position = foot.leg_position or leg_position(foot.name)
             own = fields[foot.topic]
             feet.append(replace(foot, topic=own.topic, field=own.field, leg_position=position))
-        yield replace(one, feet=tuple(feet))
+        yield one._replace(feet=tuple(feet))
     groups: dict[tuple[str, ...], dict[str, str]] = {}
     for name in sorted(fields)[:_MOST_NAMES]:
         words = [word.text for word in words_of(name)]
@@ -289,7 +289,7 @@ def with_content(named: FootSet, feet: Sequence[Samples]) -> FootSet | None:
             # It is said only where the type of the field would say something else.
             said = "" if kind == (foot.field.kind or "force") else kind
             told.append(replace(foot, field=replace(foot.field, kind=said)))
-    return replace(named, feet=tuple(told), marks=(*named.marks, *marks))
+    return named._replace(feet=tuple(told), marks=(*named.marks, *marks))
 
 
 def _side_by_side(feet: Sequence[Samples]) -> Floats:

@@ -1,10 +1,10 @@
 """The messages that we add: transforms, arrows, loads, support and the robot, made of columns."""
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import lru_cache
 from itertools import chain
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -44,8 +44,7 @@ DescribedBy = tuple[str, Callable[..., Described], tuple[Hashable, ...]]
 """A topic, the function that describes its message, and what that takes."""
 
 
-@dataclass(frozen=True, slots=True)
-class WantedAnnotations:
+class WantedAnnotations(NamedTuple):
     """Which annotations an output has, and how they look."""
 
     feet: Sequence[str]

@@ -1,8 +1,7 @@
 """What a log's frames tell of its robot: those below the base, feet, shape, and limbs over time."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -27,8 +26,7 @@ Places = Mapping[int, tuple[str, Point]]
 """The frame of each foot and where it touches the ground, m in that frame, by its index."""
 
 
-@dataclass(frozen=True, slots=True)
-class Skeleton:
+class Skeleton(NamedTuple):
     """The frames below the base."""
 
     base: str
@@ -52,8 +50,7 @@ class Skeleton:
         return [name for name, own in self.frames.items() if name in legs or not own.static]
 
 
-@dataclass(frozen=True, slots=True)
-class RobotShape:
+class RobotShape(NamedTuple):
     """The known shape of the robot."""
 
     forward_axis: str
@@ -131,8 +128,7 @@ def body_size_m(mass_kg: float | None) -> tuple[float, float, float]:
     return 3.0 * third, 2.0 * third, third
 
 
-@dataclass(frozen=True, slots=True)
-class Limbs:
+class Limbs(NamedTuple):
     """The origins of frames below the base, and the feet's soles, over time."""
 
     point: Float32s
