@@ -18,15 +18,10 @@ from dogbot_logtool.core.base.comparison import (
     stride_windows,
     turn_only,
 )
-from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.consistency import Worlds
-from dogbot_logtool.core.gait.feet import FootSteps
+from dogbot_logtool.core.base.poses import SMALLEST_STEP_RAD, BaseHistory
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Words, found
-
-STANDS: Final = 0.5
-"""Share of a drift that the points of standing feet would go with it, if they drifted, too."""
 
 
 def worlds_differ(walk: Walk) -> Iterator[Finding]:
@@ -41,32 +36,10 @@ def worlds_differ(walk: Walk) -> Iterator[Finding]:
             cases, say = [*cases, "reckoned"], "reckoned"
         elif walk.loses_track:
             cases.append("loses_way")
-        feet, where = _feet_astray(walk, worlds), "stability"
+        feet, where = [foot.name for foot in walk.feet], "stability"
         yield found("WORLDS_DIFFER", *cases, feet=feet, where=where, say=say, worlds=worlds)
     elif worlds is not None and walk.base is not None and walk.base.height_m is None:
         yield found("WORLDS_DIFFER", "below", where="base.height_m")
-
-
-def _feet_astray(walk: Walk, worlds: Worlds) -> tuple[str, ...]:
-    """Return the feet whose lengths drift with the base: those whose points do, as they stand."""
-    path_m = 0.0 if walk.base is None else walk.base.path_length_m or 0.0
-    share = worlds.drift_m / path_m if path_m else 0.0
-    on_poses = walk.feet_on_poses
-    return tuple(
-        foot.name
-        for foot in walk.feet
-        if foot.name in on_poses or not _travels_less(foot, STANDS * share)
-    )
-
-
-def _travels_less(foot: FootSteps, share: float) -> bool:
-    """Tell whether a foot's contact point travels by less than a share of the base's way."""
-    travel = foot.stances.figures.contact_travel_m[foot.strides.stance]
-    displacement = foot.of_strides["base_displacement_m"] * foot.strides.duty_factor
-    known = np.isfinite(travel) & np.isfinite(displacement)
-    return bool(known.any()) and float(median_of(travel[known])) < share * float(
-        median_of(displacement[known])
-    )
 
 
 def falls(walk: Walk) -> Iterator[Finding]:
@@ -138,7 +111,8 @@ def forward_axis(walk: Walk) -> Iterator[Finding]:
         where = "base.forward_speed_mps"
         speed = abs((base and base.lateral_speed_mps) or 0.0)
         words: Words = {"settings": settings, "base": base, "side": side, "speed": speed}
-        yield found("FORWARD_AXIS", where=where, say="sideways", **words)
+        cases = ("assumed",) if settings.forward_axis_is_assumed else ()
+        yield found("FORWARD_AXIS", *cases, where=where, say="sideways", **words)
 
 
 def pose_jumps(walk: Walk) -> Iterator[Finding]:
@@ -154,6 +128,9 @@ def pose_jumps(walk: Walk) -> Iterator[Finding]:
             degrees=np.degrees(turn).max(),
             at=walk.seconds(jumps.spans[:, 1])[int((size + turn).argmax())],
         )
+        if turn.sum() > SMALLEST_STEP_RAD:
+            degrees = np.degrees(turn.sum())
+            yield _doubted(walk, "POSE_DIRECTION", "jumps", say="jumps", degrees=degrees)
 
 
 SCALES: Final = (0.8, 1.25)

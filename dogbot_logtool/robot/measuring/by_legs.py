@@ -92,7 +92,8 @@ def _estimated(
         lean, within = "taken as none", "14 %"
         if estimated.tells_up:
             lean, within = "by the accelerometer", "6 %"
-        findings.append(found("BASE_FROM_LEGS", say="joints", lean=lean, within=within))
+        by = estimated.turns_from
+        findings.append(found("BASE_FROM_LEGS", say="joints", by=by, lean=lean, within=within))
     if lacks_feet:
         topic = joints.topic
         own = tuple(
