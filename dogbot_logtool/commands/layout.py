@@ -48,7 +48,7 @@ def view_of(log: Path | None, options: RobotOptions) -> View:
         walk, selection = measured.measurement.walk, measured.selection
         recording, settings, frames = walk.recording, walk.settings, walk.frames
         view = _view(selection.robot, frames.world, frames.base)
-        shape = robot_shape(selection, frames)
+        shape = robot_shape(walk)
         return view._replace(
             peak_n=_peak_n(recording.feet) or view.peak_n,
             forward_axis=shape.forward_axis,
