@@ -9,7 +9,7 @@ import numpy as np
 from dogbot_logtool.conversion.findings import arrow_findings, copy_findings, no_support, second_tf
 from dogbot_logtool.core.arrays import concatenated, picked
 from dogbot_logtool.core.base.poses import Odometry, usable_poses
-from dogbot_logtool.core.checks.frames import transform_findings
+from dogbot_logtool.core.checks.beside import transform_findings
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.frames.kinematics import Joint, TransformMessages, from_opening
@@ -108,8 +108,7 @@ def make_scene(
     second = second_tf(selection, frames, options, left_out) if options.tf == "auto" else None
     writes_base = selection.has_base and options.tf != "never" and second is None
     description = robot_description(log, selection, model, walk, options)
-    description = replace(
-        description,
+    description = description._replace(
         hips=None if unsupported else description.hips,
         joints=description.joints if options.tf != "never" else (),
     )

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
 import numpy as np
 
@@ -74,8 +74,7 @@ Reading = Literal["m/s^2", "g", "without gravity", "nothing", "another scale", "
 """The kind of readings of an accelerometer."""
 
 
-@dataclass(frozen=True, slots=True)
-class ForceComparison:
+class ForceComparison(NamedTuple):
     """The feet's forces over the mass against the accelerometer, in time known to all of them."""
 
     ratio: float
@@ -90,8 +89,7 @@ class ForceComparison:
     must be multiplied."""
 
 
-@dataclass(frozen=True, slots=True)
-class ImuComparison:
+class ImuComparison(NamedTuple):
     """Comparison of the acceleration by accelerometer, forces and poses."""
 
     metrics: Imu

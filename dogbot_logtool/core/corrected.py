@@ -168,7 +168,7 @@ def _without_filters(
     for row, each in zip(rows, filters, strict=True):
         if each is not None:
             samples[row] = without_filter(samples[row], each)
-            feet[row] = replace(feet[row], low_pass=each)
+            feet[row] = feet[row]._replace(low_pass=each)
     return replace(recording, feet=tuple(samples)), replace(settings, feet=tuple(feet))
 
 

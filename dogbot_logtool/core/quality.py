@@ -1,7 +1,7 @@
 """What the times of each topic's messages say."""
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -103,8 +103,7 @@ def mean_rate_hz(number: int, span_ns: int) -> float | None:
     return number * 1e9 / span_ns if known else None
 
 
-@dataclass(frozen=True, slots=True)
-class TopicQuality:
+class TopicQuality(NamedTuple):
     """The timing of one topic."""
 
     topic: str

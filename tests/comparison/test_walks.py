@@ -94,18 +94,6 @@ def test_feet_of_one_side_only_are_not_compared() -> None:
     assert metric_differences([run(1)], [other]) == []
 
 
-def test_groups_are_as_their_strides_together() -> None:
-    one, other = run(3, strides=20), run(4, strides=20)
-    (left, *_) = metric_differences([one, other], [run(5)])
-    assert left.strides == (40, 40)
-
-
-def test_it_is_the_same_every_time() -> None:
-    forces = (np.random.default_rng(each).normal(150.0, 7.0, 40) for each in (1, 2))
-    sides = [[of(("left",) * 40, {"peak_force_n": each})] for each in forces]
-    assert metric_differences(*sides) == metric_differences(*sides) != []
-
-
 def log(
     gait: str | None = "trot",
     speed: float | None = 0.5,
@@ -141,10 +129,6 @@ def test_runs_of_one_kind_are_comparable() -> None:
 )
 def test_a_difference_is_named(other: dict[str, Any], says: str) -> None:
     assert why_not_comparable([log()], [other]) == [says]
-
-
-def test_an_unknown_speed_keeps_nothing_from_being_compared() -> None:
-    assert why_not_comparable([log(speed=None)], [log()]) == []
 
 
 def test_checks_that_failed_are_doubts() -> None:

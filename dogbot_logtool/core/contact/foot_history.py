@@ -141,7 +141,7 @@ def foot_history(
     """
     messages = len(samples.foot)
     if not has_force:
-        rule = replace(rule, on_n=_TOUCH_N, off_n=0.0, backdates=False, unusable="")
+        rule = rule._replace(on_n=_TOUCH_N, off_n=0.0, backdates=False, unusable="")
         touches = np.outer(np.where(samples.in_contact, _TOUCH_N, 0.0), [0.0, 0.0, 1.0])
         samples = replace(samples, force=touches)
     if rule.unusable:

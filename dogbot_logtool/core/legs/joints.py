@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
@@ -42,8 +42,7 @@ _IMPLAUSIBLE: Final = 1e9
 """rad, rad/s and N m: no joint reaches it."""
 
 
-@dataclass(frozen=True, slots=True)
-class JointLimits:
+class JointLimits(NamedTuple):
     """Limits of a joint by the robot's description; infinite where there are none."""
 
     lower: float = -np.inf

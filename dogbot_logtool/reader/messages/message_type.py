@@ -8,8 +8,7 @@ Paths are in the language of `reader.decode.paths`. Beside that,
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.reader.decode.paths import Want
@@ -23,8 +22,7 @@ Paths = str | tuple[str, ...]
 """A path, or one a leg."""
 
 
-@dataclass(frozen=True, slots=True)
-class Pairs:
+class Pairs(NamedTuple):
     """Where Gazebo's contact sensors have pairs of bodies that touch; paths inside `array`."""
 
     array: str
@@ -50,8 +48,7 @@ class Pairs:
         }
 
 
-@dataclass(frozen=True, slots=True)
-class MessageType:
+class MessageType(NamedTuple):
     """How messages of a type tell of the feet, of the base, of joints, or of several of these."""
 
     name: str

@@ -62,8 +62,7 @@ def make_plan(log: Log, options: MeasureOptions) -> MeasuringPlan:
         raise LogError(nothing_to_do(log, selection.findings))
     planned = _planned(log, selection, options)
     commands, accelerations, findings = side_topics(log, selection.robot)
-    wanted = replace(
-        selection.wanted(),
+    wanted = selection.wanted()._replace(
         joints=joints,
         commands=commands,
         accelerations=accelerations,
@@ -206,7 +205,7 @@ def prepare(
         if named := named_by_legs(log, options, selection, recording.feet):
             others = (each for each in selection.findings if each.code != "FEET_UNSURE")
             offer = offer_finding(log, [named], call_of(log, options, ""), "")
-            selection = replace(selection, findings=(*others, offer))
+            selection = selection._replace(findings=(*others, offer))
     # Up to the ends of a log that is read whole, silence is known.
     wanted = plan.wanted
     start, end = wanted.limits

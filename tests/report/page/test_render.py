@@ -79,7 +79,7 @@ def test_texts_of_a_log_stay_texts() -> None:
     gait = walk.main.gait
     phase = {names[name]: each for name, each in gait.phase.items()}
     main = replace(walk.main, gait=replace(gait, phase=phase))
-    topics = tuple(replace(topic, topic=HOSTILE) for topic in walk.corrected.topics)
+    topics = tuple(topic._replace(topic=HOSTILE) for topic in walk.corrected.topics)
     html = page_of(
         replace(walk, feet=feet, corrected=replace(walk.corrected, topics=topics), main=main),
         100,
