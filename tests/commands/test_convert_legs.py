@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.core.scene.foot_style import colour_parts, foot_colour
+from dogbot_logtool.core.scene.feet import colour_parts, foot_colour
 from dogbot_logtool.options.convert import ConvertOptions
 from tests.commands.conversions import codes
 from tests.oracles import state_walks, walks

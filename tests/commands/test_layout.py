@@ -13,7 +13,7 @@ from mcap_ros2.decoder import DecoderFactory as Ros2Decoders
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.layout import view_of
-from dogbot_logtool.core.scene.foot_style import FOOT_COLOURS
+from dogbot_logtool.core.scene.feet import FOOT_COLOURS
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.options.convert import ConvertOptions

@@ -21,7 +21,8 @@ from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.contact.contact_rule import find_stances, rows_in_stances
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import advancing
-from dogbot_logtool.core.estimated.ground import (
+from dogbot_logtool.core.frames.kinematics import Leg, LegMotion, leg_motion
+from dogbot_logtool.core.legs.ground import (
     FEWEST,
     SLOWEST_S,
     Ground,
@@ -35,7 +36,6 @@ from dogbot_logtool.core.estimated.ground import (
     slopes,
     stuck_joint,
 )
-from dogbot_logtool.core.frames.kinematics import Leg, LegMotion, leg_motion
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
