@@ -1,7 +1,7 @@
 """Poses against a second witness of the same motion, over whole strides: feet, twist, gyroscope."""
 
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -20,8 +20,7 @@ SWINGS: Final = 0.3
 """m a radian: a way that is shorter than a turn times this may be that of a point off the base."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Motion:
+class Motion(NamedTuple):
     """How far a base moves in each of k windows; NaN where that is not known."""
 
     displacement: Complexes
@@ -84,8 +83,7 @@ def turn_only(turn: Floats) -> Motion:
     return Motion(unknown + 0j, turn, unknown)
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Comparison:
+class Comparison(NamedTuple):
     """The motion by poses against that by a witness, over whole strides that both tell of."""
 
     by: str

@@ -6,8 +6,8 @@ from it turn as it turns. Places of feet in the base's axes tell its velocity (`
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -41,8 +41,7 @@ _SPREAD_M: Final = 0.05
 """m between feet from which their directions tell a turn."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Witness:
+class Witness(NamedTuple):
     """The base's motion by its feet."""
 
     poses: BaseHistory
@@ -232,8 +231,7 @@ STAYS_RADPS: Final = 0.03
 """rad/s, the same of a turn."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Frozen:
+class Frozen(NamedTuple):
     """Time in which one pose is repeated although the robot walks, or may walk, on."""
 
     spans: Ints

@@ -1,8 +1,8 @@
 """Feet without sensors and a base without poses: what the joints of the legs tell of both."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Final, Literal
+from dataclasses import replace
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
@@ -53,8 +53,7 @@ FEWEST_IN_STRIDE: Final = 16
 """Joint states in a stride, at least: with fewer, speeds may be off by a third."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Estimate:
+class Estimate(NamedTuple):
     """What legs tell."""
 
     feet: tuple[Samples, ...]
@@ -130,8 +129,7 @@ def estimate(
     )
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class _Resting:
+class _Resting(NamedTuple):
     """Which feet rest on the ground, by how they and the base move."""
 
     time: Ints
@@ -273,7 +271,7 @@ def _poses(joints: LegJoints, feet: _Resting, standing: Flags, moved: LegOdometr
         # An accelerometer bridges the ends of contacts better than feet do that land or leave.
         moved = feet.odometry(middles(standing))
     yaw_rate = np.stack([0.0 * inertial.yaw_rate, 0.0 * inertial.yaw_rate, inertial.yaw_rate], 1)
-    moved = replace(moved, turn_rate=(yaw_rate[1:] + yaw_rate[:-1]) / 2.0)
+    moved = moved._replace(turn_rate=(yaw_rate[1:] + yaw_rate[:-1]) / 2.0)
     own = inertial.felt - GRAVITY_MPS2 * inertial.up
     found = dead_reckoned(moved, inertial.roll_pitch, own)
     position = found.position.copy()

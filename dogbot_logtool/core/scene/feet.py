@@ -4,7 +4,6 @@ What is drawn is what is measured. Each recorded sample has the state that conta
 it; between samples the newest one counts, as a viewer that plays the log has it.
 """
 
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final, NamedTuple
 
@@ -43,8 +42,7 @@ class FootState(NamedTuple):
     """(n,) N, vertical force; NaN where its direction is not known."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class DrawnFoot:
+class DrawnFoot(NamedTuple):
     """The n samples of one foot, by log time, as they were measured."""
 
     number: int

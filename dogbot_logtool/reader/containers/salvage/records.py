@@ -9,7 +9,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
-from typing import Final, Protocol
+from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,8 +51,7 @@ class Records(Messages):
         return Messages(*(getattr(self, column.name) for column in fields(Messages)))
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Index:
+class Index(NamedTuple):
     """A chunk's index of its messages, in the order of their offsets."""
 
     offset: Ints
