@@ -37,6 +37,7 @@ RESTING_M: Final = 0.02
 RESTING_SHARE: Final = 0.15
 IDLE: Final = 0.02
 """rad or m: joints of no leg that move by less are left out."""
+UNPLACED: Final = "where the base is among the feet is not known"
 SHORTEST_PATH_M: Final = 0.1
 """m: work is not set against a shorter way."""
 
@@ -59,14 +60,16 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
         return walk
     clocks = walk.corrected.joint_clocks
     apart = too_far_apart(clocks, walk.period_s) & set(settings.joint_topics)
+    unplaced = walk.base_clock_is_apart or walk.loses_track or not len(walk.poses.time)
+    unplaced |= bool(apart and settings.joints)
     legs, stood, feet = [], [], []
-    for row, path in enumerate(paths):
-        reason = _no_swings(walk, settings, row, path, joints_apart=bool(apart))
-        leg, falls, swung = _leg(walk, settings, row, path, reason)
+    for row, (foot, path) in enumerate(zip(walk.feet, paths, strict=True)):
+        leg, falls, swung = _leg(walk, settings, row, path, UNPLACED if unplaced else "")
         own = [each for name, each in joints.items() if settings.foot_of_joint.get(name) == row]
         own = [each for each in own if each.works or not each.moves]
-        of_leg = swung | _leg_work(walk.feet[row], own)
-        feet.append(_with_frame(walk, settings.chains[row], walk.feet[row], of_leg, falls))
+        work = summed_work(own, foot.strides.touchdown, foot.strides.end)
+        of_leg = swung | dict(zip(("positive_work_j", "absolute_work_j"), work, strict=True))
+        feet.append(_with_frame(walk, settings.chains[row], foot, of_leg, falls))
         legs.append(leg)
         stood.append(falls)
     strides = walk.feet[walk.reference].strides if walk.feet else None
@@ -100,32 +103,23 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     return replace(walk, legs=figures, feet=tuple(feet), witness=witness)
 
 
-def _no_swings(
-    walk: Walk, settings: LegSettings, row: int, path: FootPath | None, *, joints_apart: bool
-) -> str:
-    """Say why a foot's swings cannot be known; empty if they may be."""
-    if path is None:
-        lacks_chain = settings.chains[row] is None
-        return settings.reasons[row] if lacks_chain else "too little of its leg is told"
-    reasons = (
-        (walk.base_clock_is_apart, "the clocks of odometry and feet differ"),
-        (walk.loses_track, "the odometry drifts among the contact points"),
-        (
-            joints_apart and len(settings.joints) > 0,
-            "the clock of the joint states differs from that of the feet",
-        ),
-        (not len(walk.poses.time), "the log has no usable poses"),
-    )
-    return next((why for holds, why in reasons if holds), settings.reasons[row])
-
-
 def _leg(
-    walk: Walk, settings: LegSettings, row: int, path: FootPath | None, reason: str
+    walk: Walk, settings: LegSettings, row: int, path: FootPath | None, unplaced: str
 ) -> tuple[LegFoot, Footfalls | None, dict[str, Floats]]:
-    """Return the leg of a foot, and where that stands, and its swings, if its frame rests then."""
+    """Return the leg of a foot, and where that stands, and its swings, if its frame rests then.
+
+    Args:
+        walk: all other figures.
+        settings: sources of the legs.
+        row: of the foot.
+        path: of the foot in the base's frame; None: not known.
+        unplaced: why paths cannot be placed in the world; empty: they can.
+    """
     foot, chain = walk.feet[row], settings.chains[row]
+    too_little = "" if path else "too little of its leg is told"
+    reason = settings.reasons[row] or too_little or unplaced
     leg = LegFoot(foot.name, chain.frames[0] if chain else "", reason, path)
-    if path is None or reason:
+    if path is None or leg.reason:
         return leg, None, {}
     world = path.in_world(walk.poses)
     stood = footfalls(world, foot.stances)
@@ -143,14 +137,6 @@ def _leg(
         return leg._replace(reason=reason, moves=True), None, {}
     slow = is_slow(world, interval_s)
     return leg._replace(height=height, is_slow=slow), stood, found
-
-
-def _leg_work(foot: FootSteps, joints: Sequence[JointTrack]) -> dict[str, Floats]:
-    """Return the work of a leg in the strides of its foot, where its efforts are known."""
-    if not all(joint.has_effort or not joint.moves for joint in joints):
-        return {}
-    positive, absolute = summed_work(joints, foot.strides.touchdown, foot.strides.end)
-    return {"positive_work_j": positive, "absolute_work_j": absolute}
 
 
 def _with_frame(

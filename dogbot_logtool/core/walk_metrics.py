@@ -11,7 +11,7 @@ from typing import Any, Final
 from dogbot_logtool.core import metrics, timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.checks.engine import questions_of
-from dogbot_logtool.core.events.events import find_events
+from dogbot_logtool.core.events import find_events
 from dogbot_logtool.core.gait.feet import foot_metrics
 from dogbot_logtool.core.gait.segments import no_gait, with_support
 from dogbot_logtool.core.loads import WalkLoads, share_of, symmetry_index_percent

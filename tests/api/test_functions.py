@@ -159,7 +159,8 @@ def test_frames_gaits_pages_and_figures(tmp_path: Path) -> None:
     assert [each.metric for each in compared.differences] == [
         each["metric"] for each in printed["differences"]
     ]
-    run("report", TROT, "--no-replay", "-o", tmp_path / "words.html")
+    words = run("report", TROT, "--no-replay", "-o", tmp_path / "words.html", "--jobs", 3, "--json")
+    assert json.loads(words.stdout)["bytes"] == (tmp_path / "words.html").stat().st_size
     run("stats", TROT, "--figure", tmp_path / "words.svg", "-q")
     walk = walk_of(TROT)
     walk.report(tmp_path / "keywords.html", replay=False)

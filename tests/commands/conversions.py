@@ -26,10 +26,8 @@ COMPRESSIONS: tuple[Compression, ...] = get_args(Compression)
 
 MATRIX = [
     (TROUBLED, "classic", "foxglove"),
-    (TROUBLED, "pressure", "foxglove"),
     (TROUBLED, "pressure", "ros2"),
     (TROUBLED, "force", "ros1"),
-    (TROT, "classic", "ros1"),
     (WALK, "force", "foxglove"),
 ]
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.core.scene.foot_style import colour_parts, foot_colour
+from dogbot_logtool.core.scene.feet import colour_parts, foot_colour
 from dogbot_logtool.options.convert import ConvertOptions
 from tests.commands.conversions import codes
 from tests.oracles import state_walks, walks
@@ -39,9 +39,7 @@ def moved(path: Path, encoding: str) -> Frames:
     return frames
 
 
-@pytest.mark.parametrize(
-    ("encoding", "is_own"), [("foxglove", False), ("ros1", True), ("ros2", False)]
-)
+@pytest.mark.parametrize(("encoding", "is_own"), [("foxglove", False), ("ros1", True)])
 def test_links_are_where_the_engine_has_them(
     tmp_path: Path, encoding: str, *, is_own: bool
 ) -> None:
@@ -163,7 +161,7 @@ def place(point: Any) -> tuple[float, float, float]:
     return point.x, point.y, point.z
 
 
-@pytest.mark.parametrize("encoding", ["foxglove", "ros1", "ros2"])
+@pytest.mark.parametrize("encoding", ["foxglove", "ros2"])
 def test_lines_lead_to_the_feet_that_stand(tmp_path: Path, encoding: str) -> None:
     log = write_standing_log(tmp_path / "log.mcap")
     convert(log, tmp_path / "out.mcap", ConvertOptions(encoding=encoding, copy=False))

@@ -11,15 +11,14 @@ from typing import Any, get_args, get_type_hints
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.base.comparison import Comparison
 from dogbot_logtool.core.base.falls import Tipping
 from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.base.witness import Comparison
 from dogbot_logtool.core.checks.engine import void_columns
 from dogbot_logtool.core.compared import ForceComparison, ImuComparison
-from dogbot_logtool.core.consistency import Worlds
+from dogbot_logtool.core.consistency import Delay, Worlds
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import ClockDifference
-from dogbot_logtool.core.heave import Delay
 from dogbot_logtool.core.loads import WalkLoads
 from dogbot_logtool.core.metrics import Base, Gait, Stride, WalkMetrics
 from dogbot_logtool.core.planned import PlannedFoot

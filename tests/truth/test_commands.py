@@ -82,6 +82,7 @@ def test_a_silence_is_no_command(tmp_path: Path) -> None:
     # The command before it holds for 0.5 s.
     assert "there is no command for 2.5 s of 22.0 s" in said(stats, "NO_COMMAND")[0]
     assert stats["commands"]["commanded_s"] == pytest.approx(22.0 - 2.5, abs=0.06)
+    assert not said(stats, "GAPS")
 
 
 def drifts(folder: Path, robot: Commanded) -> dict[str, list[float]]:

@@ -151,19 +151,28 @@ def test_joints_that_do_not_tell_surely_tell_nothing(
 @pytest.mark.parametrize(
     ("gyro", "command", "why"),
     [
-        (None, (0.4, 0.0, 0.0), "neither a gyroscope nor poses tell how the base turns"),
         (57.3, (0.4, 0.0, 0.0), "turns by a gyroscope are not the base's in rad/s"),
         (-1.0, (0.3, 0.0, 0.5), "turns by a gyroscope are not the base's in rad/s"),
         (0.0, (0.0, 0.0, 0.8), "of a gyroscope contradict 0.78 of the standing feet"),
     ],
 )
-def test_turns_that_nothing_tells_leave_all_unknown(
-    gyro: float | None, command: tuple[float, ...], why: str, tmp_path: Path
+def test_turns_that_contradict_the_feet_leave_all_unknown(
+    gyro: float, command: tuple[float, ...], why: str, tmp_path: Path
 ) -> None:
-    imu = {"with_imu": False} if gyro is None else {"gyro": gyro}
-    walk = measured(tmp_path, turning(command), **imu)
+    walk = measured(tmp_path, turning(command), gyro=gyro)
     assert why in codes(walk)["NO_FEET"]
     assert (walk.gait.name, walk.stats["base"]["yaw_rate_radps"]) == (None, None)
+
+
+@pytest.mark.parametrize("command", [(0.4, 0.0, 0.0), (0.3, 0.0, 0.5), (0.0, 0.0, 0.8)])
+def test_joints_alone_tell_feet_and_base(command: tuple[float, ...], tmp_path: Path) -> None:
+    truth = turning(command)
+    walk = measured(tmp_path, truth, with_imu=False)
+    base, turned = walk.stats["base"], truth.base_velocity[:, 2].mean()
+    assert base["yaw_rate_radps"] == pytest.approx(turned, rel=0.05, abs=0.02)
+    assert base["forward_speed_mps"] == pytest.approx(truth.speed_mps, rel=0.14, abs=0.02)
+    assert walk.gait.name == "trot"
+    assert "turns by the feet alone" in codes(walk)["BASE_FROM_LEGS"]
 
 
 @pytest.mark.parametrize("size", [0.15, 4.0])

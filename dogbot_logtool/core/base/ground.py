@@ -50,23 +50,6 @@ def height_over_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
     return np.asarray(over_ground)
 
 
-def trend(time: Floats, values: Floats) -> tuple[Floats, float]:
-    """Fit a straight line to values over time, both about their means.
-
-    Args:
-        time: (n,)
-        values: (n, k)
-
-    Returns:
-        (k,) the slope, and the share of the variance along it that it explains; 0 of none.
-    """
-    slope = (time @ values) / (time @ time)
-    size = float(np.linalg.norm(slope))
-    along = values @ (slope / max(size, np.finfo(float).tiny))
-    total, rest = float(along @ along), along - size * time
-    return slope, 1.0 - float(rest @ rest) / total if total else 0.0
-
-
 def _base_from_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
     """(n, 4) m: base less the mean of the feet's latest contact points, and their spread."""
     latest = np.full((len(feet), len(base.time), 3), np.nan)

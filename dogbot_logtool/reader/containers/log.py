@@ -76,6 +76,8 @@ class Chunk(NamedTuple):
     """Messages by channel id, from an index or counted when the log was opened; None: unknown."""
     is_scanned: bool = False
     """It was read when the log was opened, so that its damage is among the log's losses."""
+    file: int = 0
+    """Which of several joined files it stands in."""
 
     @property
     def messages(self) -> int | None:
@@ -361,47 +363,23 @@ def counts_by_channel(messages: Messages) -> dict[int, int]:
     return dict(zip(numbers.tolist(), counts.tolist(), strict=True))
 
 
-def differing_counts(
-    channels: Mapping[int, Channel], stated: Mapping[int, int], found: Mapping[int, int]
-) -> str:
-    """Return what to say of stated counts of messages that differ from those found.
-
-    Args:
-        channels: by id.
-        stated: messages by channel id.
-        found: likewise.
-
-    Returns:
-        "5 messages of /left, but 6 were found"; empty where all are right.
-    """
-    wrong = [
-        number
-        for number in sorted({*stated, *found})
-        if stated.get(number, 0) != found.get(number, 0)
-    ]
-    if not wrong:
-        return ""
-    first = wrong[0]
-    name = channels[first].topic[:LONGEST_NAME] if first in channels else f"channel {first}"
-    text = f"{stated.get(first, 0)} messages of {name}, but {found.get(first, 0)} were found"
-    if len(wrong) > 1:
-        text += f" ({len(wrong) - 1} more wrong)"
-    return text
-
-
 def wrong_statistics(log: Log, found: Mapping[int, int], losses: Sequence[Loss]) -> list[Loss]:
-    """Compare a log's counts with its messages, after all of them were read.
+    """Compare a log's counts, or those of its chunks' indexes, with its messages.
 
     Args:
-        log: the log. Counts that stand in its chunks' indexes were compared chunk by chunk.
+        log: the log, all of whose messages were read.
         found: messages by channel id.
         losses: messages that are known to be missing explain a difference.
     """
-    compared = all(chunk.counts is not None for chunk in log.chunks)
-    if compared or lost_messages(losses) != 0:
+    numbers = sorted({*log.counts, *found})
+    wrong = [n for n in numbers if log.counts.get(n, 0) != found.get(n, 0)]
+    if not wrong or lost_messages(losses) != 0:
         return []
-    what = differing_counts(log.channels, log.counts, found)
-    return [Loss(0, f"the log's statistics count {what}")] if what else []
+    stated, first = log.counts.get(wrong[0], 0), found.get(wrong[0], 0)
+    topic = log.channels[wrong[0]].topic[:LONGEST_NAME]
+    more = f" ({len(wrong) - 1} more wrong)" if len(wrong) > 1 else ""
+    what = f"the log's statistics count {stated} messages of {topic}, but {first} were found{more}"
+    return [Loss(0, what)]
 
 
 def damage_of(log: Log, losses: Iterable[Loss]) -> Damage:

@@ -131,10 +131,6 @@ class RecordLog(Log):
     def _index_of(self, behind: memoryview) -> Index | None:
         """Return what the records behind a chunk name."""
 
-    @abstractmethod
-    def _own_times(self, chunk: Chunk) -> Times:
-        """Return the log times, ns, that a chunk itself tells."""
-
     def _checksum(self, chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]:
         """Return the CRC of a chunk, 0 for none, and what its own header contradicts."""
         del chunk, stored
@@ -480,18 +476,6 @@ class RecordLog(Log):
         if before is not None and after is not None:
             before, after = sorted((before, after))
         return loss._replace(start_time=before, end_time=after)
-
-    def overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
-        """See `Log.overlaps`: a chunk is left out only if what stands in it or behind it agrees.
-
-        That is not fetched from a store.
-        """
-        if super().overlaps(chunk, start, end):
-            return True
-        if chunk.is_scanned or not self.source.has_cheap_seeks:
-            return False
-        first, last = self._own_times(chunk)
-        return super().overlaps(chunk._replace(start_time=first, end_time=last), start, end)
 
 
 def open_records(new_log: Callable[[ByteSource], RecordLog], source: ByteSource) -> RecordLog:

@@ -39,8 +39,6 @@ class Metadata(NamedTuple):
     """ROS 2 distribution that recorded it; empty if not stated."""
     messages: int | None
     """In all files; None if not stated."""
-    messages_by_file: Mapping[str, int]
-    """By the last part of the file's name; newer recorders count these, too."""
 
 
 def read_metadata(folder: Location) -> Metadata:
@@ -58,7 +56,6 @@ def read_metadata(folder: Location) -> Metadata:
         files=tuple(name for name in names if isinstance(name, str)),
         distribution=_text(information.get("ros_distro")),
         messages=_count(information.get("message_count")),
-        messages_by_file=dict(_counts_by_file(information.get("files"))),
     )
 
 
@@ -126,14 +123,6 @@ def _count(value: object) -> int | None:
     return int(value) if isinstance(value, str) and _COUNT.fullmatch(value) else None
 
 
-def _counts_by_file(files: object) -> Iterator[tuple[str, int]]:
-    for file in files if isinstance(files, list) else []:
-        facts = _mapping(file)
-        name, count = _text(facts.get("path")), _count(facts.get("message_count"))
-        if name and count is not None:
-            yield Path(name).name, count
-
-
 OpenFile = Callable[[Location, str], Log]
 """Opens a file of a bag, given the distribution of ROS 2 that recorded it; empty: not known."""
 _Files = tuple[list[Location], list[Loss], Metadata | None]
@@ -195,7 +184,7 @@ def _named_files(folder: Location, metadata: Metadata) -> _Files:
         if file is None:
             base = Path(name).name[:_LONGEST_NAME]
             what = f"{ROSBAG2_METADATA} names {base}, which is not there"
-            losses.append(Loss(0, what, 0, metadata.messages_by_file.get(base)))
+            losses.append(Loss(0, what, 0, None if metadata.messages is None else 0))
         else:
             files[file.name] = file
     named = {name.removesuffix(_PACKED) for name in files}

@@ -9,9 +9,9 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of, norms
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.estimated.estimate import Estimate, estimate, placed_by_legs
-from dogbot_logtool.core.estimated.ground import TOO_MUCH, WRONG_SIGN, joints_of_legs
 from dogbot_logtool.core.frames.kinematics import Leg
+from dogbot_logtool.core.legs.estimate import Estimate, estimate, placed_by_legs
+from dogbot_logtool.core.legs.ground import TOO_MUCH, WRONG_SIGN, joints_of_legs
 from dogbot_logtool.core.recording import JointTable, Recording
 from dogbot_logtool.core.rotations import multiply
 from dogbot_logtool.core.settings import WalkSettings
@@ -92,7 +92,8 @@ def _estimated(
         lean, within = "taken as none", "14 %"
         if estimated.tells_up:
             lean, within = "by the accelerometer", "6 %"
-        findings.append(found("BASE_FROM_LEGS", say="joints", lean=lean, within=within))
+        by = estimated.turns_from
+        findings.append(found("BASE_FROM_LEGS", say="joints", by=by, lean=lean, within=within))
     if lacks_feet:
         topic = joints.topic
         own = tuple(

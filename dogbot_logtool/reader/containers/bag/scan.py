@@ -181,8 +181,20 @@ class BagLog(RecordLog):
     def _index_of(self, behind: memoryview) -> Index | None:
         return read_index(behind, _index_record, _INDEX_ENTRY, nanoseconds)
 
+    def overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
+        """See `Log.overlaps`: a chunk is left out only if the index records behind it agree.
+
+        These are not fetched from a store.
+        """
+        if super().overlaps(chunk, start, end):
+            return True
+        if chunk.is_scanned or not self.source.has_cheap_seeks:
+            return False
+        first, last = self._own_times(chunk)
+        return super().overlaps(chunk._replace(start_time=first, end_time=last), start, end)
+
     def _own_times(self, chunk: Chunk) -> Times:
-        """See `RecordLog._own_times`: those that the index records behind it name."""
+        """Return the log times, ns, that the index records behind a chunk name."""
         index = self._index_of(memoryview(self.source.read(chunk.end, chunk.index_end - chunk.end)))
         if index is None or not index.complete or not len(index.log_time):
             return None, None

@@ -15,13 +15,14 @@ from dogbot_logtool.core.arrays import (
     median_of,
     nearest_rows,
 )
-from dogbot_logtool.core.base.attitude import LONG_S, Inertial, by_attitude, inertial_at
+from dogbot_logtool.core.base.attitude import LONG_S, Inertial, by_attitude, inertial_at, level
 from dogbot_logtool.core.base.leg_odometry import LegOdometry, dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.contact.contact_rule import find_stances, rows_in_stances
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import advancing
-from dogbot_logtool.core.estimated.ground import (
+from dogbot_logtool.core.frames.kinematics import Leg, LegMotion, leg_motion
+from dogbot_logtool.core.legs.ground import (
     FEWEST,
     SLOWEST_S,
     Ground,
@@ -35,7 +36,6 @@ from dogbot_logtool.core.estimated.ground import (
     slopes,
     stuck_joint,
 )
-from dogbot_logtool.core.frames.kinematics import Leg, LegMotion, leg_motion
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
@@ -51,6 +51,9 @@ AGREES: Final = 0.15
 more in all gaits of a physics engine."""
 FEWEST_IN_STRIDE: Final = 16
 """Joint states in a stride, at least: with fewer, speeds may be off by a third."""
+_BY_FEET: Final = "the feet alone"
+TURNS_S: Final = 0.1
+"""s before and after a time, over which turns by the feet are averaged."""
 
 
 class Estimate(NamedTuple):
@@ -63,6 +66,7 @@ class Estimate(NamedTuple):
     contact_from: Literal["joint_torques", "kinematics"]
     why_no_force: str
     """Empty where forces are known."""
+    turns_from: str
     tells_up: bool
     """Whether roll and pitch are told; else the base is taken as level."""
 
@@ -95,7 +99,9 @@ def estimate(
         raise ValueError(stuck)
     inertial, turns_from = _inertial(recording, joints, mounting)
     feet = _resting(joints, motions, rates, inertial)
-    points, ground = feet.points, feet.ground
+    if turns_from == _BY_FEET:
+        feet = _turned_by_feet(feet)
+    inertial, points, ground = feet.inertial, feet.points, feet.ground
     force, why = _forces(joints, motions, points, inertial, mass_kg)
     standing = ground.resting
     if force is not None:
@@ -125,6 +131,7 @@ def estimate(
         base=base,
         contact_from="kinematics" if force is None else "joint_torques",
         why_no_force=why,
+        turns_from=turns_from,
         tells_up=inertial.tells_up,
     )
 
@@ -168,6 +175,26 @@ def _resting(
     return _Resting(joints.time, inertial, points, velocity, ground)
 
 
+def _turned_by_feet(feet: _Resting) -> _Resting:
+    """Tell which feet rest where the base turns as they tell: first the low ones, then these."""
+    seconds = (feet.time - feet.time[0]) / 1e9
+    standing = low_feet(seconds, feet.points, feet.inertial.up)
+    around = 2 * round(TURNS_S / float(median_of(np.diff(seconds)))) + 1
+    for _ in range(2):
+        rates = leg_odometry(feet.time, feet.points, standing).turn_rate[:, 2]
+        known = np.flatnonzero(np.isfinite(rates))
+        if not len(known):
+            return feet
+        filled = np.interp(np.arange(len(seconds)), known, rates[known])
+        padded = np.pad(filled, around // 2, "edge")
+        turn = feet.inertial.turn.copy()
+        turn[:, 2] = np.convolve(padded, np.ones(around) / around, "valid")
+        ground = resting_feet(seconds, feet.points, feet.velocity, turn, feet.inertial.up)
+        feet = feet._replace(inertial=feet.inertial._replace(turn=turn), ground=ground)
+        standing = ground.resting
+    return feet
+
+
 def _unsure(standing: Flags, moved: LegOdometry, turns_from: str) -> str:
     """Say why feet do not tell surely when they stand and how the base moves; empty: they do.
 
@@ -202,15 +229,12 @@ def _contradiction(feet: _Resting, turns_from: str) -> str:
 
 
 def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tuple[Inertial, str]:
-    """Return how the base leans and turns, and by what: its inertial unit, else its poses.
+    """Return how the base leans and turns, and by what: its inertial unit, its poses, its feet.
 
     Args:
         recording: the columns of a log.
         joints: of the legs.
         mounting: of the inertial unit, as in `estimate`.
-
-    Raises:
-        ValueError: a sentence: neither tells.
     """
     readings = recording.accelerations
     if readings is not None:
@@ -226,7 +250,7 @@ def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tupl
     angles = base_history(recording.base, joints.clock).angles_at(joints.time)
     known = np.flatnonzero(all_finite(angles))
     if not len(known):
-        raise ValueError("neither a gyroscope nor poses tell how the base turns")
+        return level(len(angles), GRAVITY_MPS2), _BY_FEET
     row = np.arange(len(angles))
     filled = np.stack([np.interp(row, known, each[known]) for each in angles.T], axis=1)
     return by_attitude(joints.seconds, filled, GRAVITY_MPS2), "its poses"
