@@ -19,7 +19,8 @@ from tests.measured import LogFacts, measurement_of
 from tests.paths import TROT
 from tests.report.page.page_data import numbers
 from tests.truth import physics
-from tests.truth.free_walker import KEPT_S, trot
+from tests.truth.free_walker import trot
+from tests.truth.physics import KEPT_S
 
 MB = 1_000_000
 
