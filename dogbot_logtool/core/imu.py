@@ -13,8 +13,8 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Integral, Ints, all_finite, trapezoids
-from dogbot_logtool.core.base.comparison import likeness
 from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.base.witness import likeness
 from dogbot_logtool.core.compared import ForceComparison, ImuComparison, Reading
 from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
 from dogbot_logtool.core.metrics import Imu

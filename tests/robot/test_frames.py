@@ -166,24 +166,18 @@ def test_findings(topics: dict[str, Sequence[Sent]], wanted: set[str], tmp_path:
 
 def test_messages_that_are_no_transforms_are_damage(tmp_path: Path) -> None:
     path = tmp_path / "log.mcap"
-    whole = FrameTransforms(transforms=[FrameTransform(parent_frame_id="a", child_frame_id="b")])
-    ages = FrameTransform(parent_frame_id="a", child_frame_id="b")
-    ages.timestamp.seconds = -(1 << 62)
-    payloads = (
-        b"\xff\xff\xff",
-        whole.SerializeToString(),
-        whole.SerializeToString()[:-1],
-        FrameTransforms(transforms=[ages]).SerializeToString(),
-        b"\n\0" * (1 << 20),
-    )
+    one = FrameTransform(parent_frame_id="a", child_frame_id="b")
+    whole = FrameTransforms(transforms=[one]).SerializeToString()
+    one.timestamp.seconds = -(1 << 62)
+    ages = FrameTransforms(transforms=[one]).SerializeToString()
     with path.open("wb") as stream:
         writer = McapWriter(stream)
         writer.start()
         schema = writer.register_schema("foxglove.FrameTransforms", "protobuf", b"")
         for topic, encoding in (("/tf", "protobuf"), ("/tf_cbor", "cbor")):
             channel = writer.register_channel(topic, encoding, schema)
-            for number, payload in enumerate(payloads):
-                writer.add_message(channel, SECOND + number, payload, 0)
+            for payload in (b"\xff\xff\xff", whole, whole[:-1], ages, b"\n\0" * (1 << 20)):
+                writer.add_message(channel, SECOND, payload, 0)
         writer.finish()
     info, frames = survey(path)
     assert [edge.transforms for edge in frames.edges] == [2]

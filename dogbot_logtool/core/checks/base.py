@@ -1,24 +1,32 @@
 """Checks of the base's poses, among the contact points, and of what happens to the base."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any, Final
 
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of, norms, percentiles_of
+from dogbot_logtool.core.arrays import (
+    Floats,
+    Ints,
+    all_finite,
+    median_of,
+    median_of_known,
+    norms,
+    percentiles_of,
+)
 from dogbot_logtool.core.base.attitude import turns_and_up
 from dogbot_logtool.core.base.axes import WALKED_M, displacements_m, has_heading, swapped_pairs
-from dogbot_logtool.core.base.comparison import (
+from dogbot_logtool.core.base.poses import SMALLEST_STEP_RAD
+from dogbot_logtool.core.base.witness import (
     SWINGS,
     Comparison,
+    Motion,
+    by_twist,
     compare,
-    compare_twist,
     motion_in,
     stride_windows,
-    turn_only,
 )
-from dogbot_logtool.core.base.poses import SMALLEST_STEP_RAD, BaseHistory
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Words, found
@@ -55,7 +63,7 @@ def falls(walk: Walk) -> Iterator[Finding]:
 def poses(walk: Walk) -> Iterator[Finding]:
     """Yield how many poses are missing or cannot be used."""
     record = walk.base_history
-    if walk.base is None and (walk.corrected.leaning_rad is not None or walk.frozen is not None):
+    if walk.base is None and (walk.corrected.leaning_rad is not None or len(walk.frozen)):
         return
     if record.messages and record.not_usable == record.messages:
         yield found("NOT_FINITE", "base", where="base", say="useless", record=record)
@@ -140,8 +148,6 @@ UNITS: Final = {1e3: "millimetres", 1e2: "centimetres", 39.37: "inches", 3.281: 
 ASIDE_RAD: Final = np.radians(10.0)
 """A way that is less off its witness's is as good as mountings are."""
 OTHER: Final = "another unit, or a clock that runs at another speed?"
-COURSE: Final = "its course"
-GYROSCOPE: Final = "the gyroscope"
 POINTS: Final = "contact points"
 LEGS: Final = "legs"
 LEAST_SLOPE_RAD: Final = ASIDE_RAD / 3.0
@@ -186,43 +192,43 @@ def treadmill(walk: Walk) -> Iterator[Finding]:
 
 def frozen(walk: Walk) -> Iterator[Finding]:
     """Yield that one pose is repeated while the robot walks on."""
-    still = walk.frozen
-    if still is None:
+    if not len(walk.frozen):
         return
-    why = "nothing else in the log tells whether the base stays where it is"
-    if still.by:
-        why = f"by {still.by} the base moves at {still.moves_mps or 0.0:.2f} m/s"
-        if still.turns_radps:
-            why += f" and turns at {still.turns_radps:.2f} rad/s"
-    cases = () if walk.base_by_feet else ("whole",) if still.whole else ("part",)
-    seconds = timespans.total(still.spans) / 1e9
-    at = walk.seconds(still.spans[:, 0])[0]
+    cases = () if walk.base_by_feet else ("whole",) if walk.base is None else ("part",)
+    seconds, at = timespans.total(walk.frozen) / 1e9, walk.seconds(walk.frozen[:, 0])[0]
     steps = sum(len(record.stances.touchdown) for record in walk.records)
-    yield _doubted(walk, "POSE_FROZEN", *cases, seconds=seconds, at=at, steps=steps, why=why)
+    yield _doubted(walk, "POSE_FROZEN", *cases, seconds=seconds, at=at, steps=steps)
 
 
 def contradicted(walk: Walk) -> Iterator[Finding]:
     """Yield where a second witness of the base's motion contradicts the poses, stride by stride."""
     windows = _windows(walk)
-    comparisons = [*_comparisons(walk, windows)]
-    yield from _scale(walk, comparisons, windows)
-    yield from _direction(walk, comparisons)
-    yield from _orientation(walk, comparisons)
-    yield from _planar(walk, comparisons, windows)
-    if not (walk.settings.contact_from or walk.settings.base_from_legs):
-        yield from _climb(walk, comparisons)
+    if not len(windows) or walk.ground is not None or walk.base_by_feet:
+        return
+    own, feet = motion_in(walk.poses, windows, walk.settings.forward_rad), _by_feet(walk, windows)
+    way = feet if feet is not None and feet.tells_way else _by_twist(walk, windows, own)
+    yield from _scale(walk, own, way)
+    if way is not None and abs(way.direction_rad) > ASIDE_RAD:
+        degrees, side = (
+            np.degrees(way.direction_rad),
+            "left" if way.direction_rad > 0.0 else "right",
+        )
+        words: Words = {"degrees": abs(degrees), "side": side, "witness": way}
+        yield _doubted(walk, "POSE_DIRECTION", **words)
+    yield from _orientation(walk, own, feet, windows)
+    yield from _planar(walk, feet, windows)
+    if feet is not None and not (walk.settings.contact_from or walk.settings.base_from_legs):
+        yield from _climb(walk, feet)
 
 
 def feet_agree(walk: Walk) -> bool:
     """Tell whether feet that stand, by their contacts, go back as the poses go ahead, or turn."""
-    surest = next(_comparisons(walk, _windows(walk)), None)
-    if surest is None or walk.witness is None or surest.by != walk.witness.by:
+    feet = _by_feet(walk, _windows(walk)) if walk.ground is None else None
+    if feet is None or walk.witness is None:
         return False
-    ratio = surest.scale or 0.0
-    if surest.scale is None and surest.tells_turn:
-        own, turned = float(surest.own.turn.sum()), float(surest.reference.turn.sum())
-        ratio = own / turned if abs(turned) > TURNS_RAD else 0.0
-    return SCALES[0] <= ratio <= SCALES[1]
+    own, turned = float(feet.own.turn.sum()), float(feet.reference.turn.sum())
+    ratio = own / turned if walk.witness.tells_turn and abs(turned) > TURNS_RAD else 0.0
+    return SCALES[0] <= (feet.scale if feet.tells_way else ratio) <= SCALES[1]
 
 
 def _windows(walk: Walk) -> Ints:
@@ -235,78 +241,64 @@ def _windows(walk: Walk) -> Ints:
     return stride_windows(timespans.merge(walk.strides), period_s)
 
 
-def _comparisons(walk: Walk, windows: Ints) -> Iterator[Comparison]:
-    """Yield comparisons of the poses, the surest first."""
-    if not len(windows):
-        return
-    forward_rad, feet = walk.settings.forward_rad, walk.witness
-    own, found = motion_in(walk.poses, windows, forward_rad), []
-    may_be_odd = walk.ground is None and not walk.base_by_feet
-    if feet is not None and may_be_odd:
-        # Legs tell of the body's own axes, contact points of where fore and hind feet are.
-        reference = motion_in(feet.poses, windows, forward_rad if feet.by == LEGS else 0.0)
-        turn, heading = feet.tells_turn, feet.tells_heading
-        reach = SWINGS if walk.worlds is None else min(SWINGS, walk.worlds.spread_m)
-        compared = compare(
-            feet.by, own, reference, tells_turn=turn, tells_heading=heading, reach_m=reach
-        )
-        found.append(compared)
-    if may_be_odd:
-        found.append(compare_twist(walk.poses, windows, forward_rad))
-    turns = [(GYROSCOPE, _inertial(walk, windows)[0])]
-    if walk.period_s:
-        turns.append((COURSE, _course_turns(walk.poses, windows)))
-    for by, turned in turns:
-        reference = turn_only(turned)
-        found.append(compare(by, own, reference, tells_turn=True, tells_heading=False))
-    yield from filter(None, found)
+def _by_feet(walk: Walk, windows: Ints) -> Comparison | None:
+    """Compare the poses with the base's motion by its feet; None: these do not tell it."""
+    feet, forward_rad = walk.witness, walk.settings.forward_rad
+    if feet is None or not len(windows):
+        return None
+    own = motion_in(walk.poses, windows, forward_rad)
+    # Legs tell of the body's own axes, contact points of where fore and hind feet are.
+    reference = motion_in(feet.poses, windows, forward_rad if feet.by == LEGS else 0.0)
+    reach_m = SWINGS if walk.worlds is None else min(SWINGS, walk.worlds.spread_m)
+    return compare(feet.by, own, reference, tells_heading=feet.tells_heading, reach_m=reach_m)
 
 
-def _scale(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Iterator[Finding]:
+def _by_twist(walk: Walk, windows: Ints, own: Motion) -> Comparison | None:
+    """Compare the poses with the twist beside them; None: there is none that goes anywhere."""
+    twist = by_twist(walk.poses)
+    if twist is None:
+        return None
+    reference = motion_in(twist, windows, walk.settings.forward_rad)
+    compared = compare("the twist beside them", own, reference, tells_heading=True)
+    return compared if compared is not None and compared.tells_way else None
+
+
+def _scale(walk: Walk, own: Motion, way: Comparison | None) -> Iterator[Finding]:
     """Yield that poses go further, or less far, than the feet walk or the twist tells."""
-    lengths = np.abs(motion_in(walk.track.history, windows).displacement)
-    length_m = (
-        float(median_of(lengths[np.isfinite(lengths)])) if np.isfinite(lengths).any() else 0.0
-    )
+    length_m = float(median_of_known(np.abs(own.displacement), axis=0))
     longest = FURTHEST_LEGS * LONGEST_LEG_M * (walk.settings.mass_kg or HEAVIEST_KG) ** (1.0 / 3.0)
-    surest = next((each for each in comparisons if each.scale is not None), None)
-    factor = 1.0 if surest is None or surest.scale is None else surest.scale
-    if surest is not None and not SCALES[0] <= factor <= SCALES[1]:
+    factor = 1.0 if way is None else way.scale
+    if not SCALES[0] <= factor <= SCALES[1]:
         near = [each for number, each in UNITS.items() if 0.8 <= factor / number <= 1.25]
         unit = f"positions in {near[0]}? --set odometry_scale={1.0 / factor:.3g}" if near else OTHER
-        yield _doubted(walk, "POSE_SCALE", factor=factor, witness=surest, unit=unit)
+        yield _doubted(walk, "POSE_SCALE", factor=factor, witness=way, unit=unit)
     elif walk.period_s and length_m > longest:
         yield _doubted(walk, "POSE_SCALE", say="stride", way=length_m, longest=longest)
 
 
-def _direction(walk: Walk, comparisons: Sequence[Comparison]) -> Iterator[Finding]:
-    """Yield that positions go another way than the body's axes and the feet tell."""
-    surest = next((each for each in comparisons if each.direction_rad is not None), None)
-    angle = (surest and surest.direction_rad) or 0.0
-    if abs(angle) > ASIDE_RAD:
-        degrees, side = abs(np.degrees(angle)), "left" if angle > 0.0 else "right"
-        yield _doubted(walk, "POSE_DIRECTION", degrees=degrees, side=side, witness=surest)
-
-
-def _orientation(walk: Walk, comparisons: Sequence[Comparison]) -> Iterator[Finding]:
+def _orientation(
+    walk: Walk, own: Motion, feet: Comparison | None, windows: Ints
+) -> Iterator[Finding]:
     """Yield that the orientation does not turn although the robot does."""
-    for each in comparisons:
-        if not each.tells_turn:
-            continue
-        own, turned = float(each.own.turn.sum()), float(each.reference.turn.sum())
-        least = 2.0 * TURNS_RAD if each.by == COURSE else TURNS_RAD
-        is_odd = abs(turned) > least and own * np.sign(turned) < TURNS_WITH * abs(turned)
-        if is_odd:
-            own_deg, deg = np.degrees([own, turned]).tolist()
-            yield _doubted(walk, "POSE_DIRECTION", "constant", own=own_deg, told=deg, by=each.by)
-        if is_odd or each.by in {POINTS, LEGS}:
-            return
+    gyroscope, least = _inertial(walk, windows)[0], TURNS_RAD
+    if feet is not None and walk.witness is not None and walk.witness.tells_turn:
+        by, told, turns = feet.by, feet.reference.turn, feet.own.turn
+    elif np.nan_to_num(gyroscope).any():
+        by, told, turns = "the gyroscope", gyroscope, own.turn
+    else:
+        by, told, turns = "its course", _course_turns(walk, windows), own.turn
+        least = 2.0 * TURNS_RAD
+    both = np.isfinite(told) & np.isfinite(turns)
+    turned, own_turn = float(told[both].sum()), float(turns[both].sum())
+    if abs(turned) > least and own_turn * np.sign(turned) < TURNS_WITH * abs(turned):
+        own_deg, deg = np.degrees([own_turn, turned]).tolist()
+        yield _doubted(walk, "POSE_DIRECTION", "constant", own=own_deg, told=deg, by=by)
 
 
-def _course_turns(poses: BaseHistory, windows: Ints) -> Floats:
+def _course_turns(walk: Walk, windows: Ints) -> Floats:
     """(k,) rad, by how much the course turns to each stride, beside one orientation to the bit."""
-    turns = np.full(len(windows), np.nan)
-    if not np.ptp(poses.angles, axis=0).any():
+    poses, turns = walk.poses, np.full(len(windows), np.nan)
+    if walk.period_s and not np.ptp(poses.angles, axis=0).any():
         step = np.diff(poses.position_at(windows.ravel())[:, :2].reshape(-1, 2, 2), axis=1)[:, 0]
         rows = np.flatnonzero(np.hypot(*step.T) > CLIMBS_M)
         course = np.unwrap(np.arctan2(step[rows, 1], step[rows, 0]))
@@ -340,16 +332,13 @@ def _leans_rad(walk: Walk, windows: Ints) -> float:
     return float(percentiles_of(np.arccos(cosine), 75.0))
 
 
-def _planar(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Iterator[Finding]:
+def _planar(walk: Walk, feet: Comparison | None, windows: Ints) -> Iterator[Finding]:
     """Yield that poses are those of a plane: z, roll and pitch never change."""
     poses = walk.poses
     flat = np.column_stack([poses.position[:, 2], poses.angles[:, :2]])
-    is_walk = walk.period_s is not None and bool(len(windows))
-    if walk.base_by_feet or not is_walk or float(np.ptp(flat, axis=0).max()) > 0.0:
+    if walk.period_s is None or float(np.ptp(flat, axis=0).max()) > 0.0:
         return
-    climb = next(
-        (float(each.reference.rise.sum()) for each in comparisons if each.by == POINTS), 0.0
-    )
+    climb = float(feet.reference.rise.sum()) if feet is not None and feet.by == POINTS else 0.0
     slope = (walk.base and walk.base.slope_rad) or 0.0
     while_feet = ""
     if abs(climb) > CLIMBS_M:
@@ -364,14 +353,11 @@ def _planar(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Ite
         yield found("POSE_PLANAR", *cases, where=where, say="plain", while_feet=while_feet)
 
 
-def _climb(walk: Walk, comparisons: Sequence[Comparison]) -> Iterator[Finding]:
+def _climb(walk: Walk, feet: Comparison) -> Iterator[Finding]:
     """Yield that z of the poses goes away from where the feet lift the base."""
-    feet = next((each for each in comparisons if each.by in {POINTS, LEGS}), None)
-    if feet is None:
-        return
     rise = np.cumsum(feet.own.rise - feet.reference.rise)
     metres, height = float(rise[-1]), walk.base and walk.base.height_m
-    if feet.by == LEGS and SCALES[0] <= (feet.scale or 0.0) <= SCALES[1]:
+    if feet.by == LEGS and feet.tells_way and SCALES[0] <= feet.scale <= SCALES[1]:
         if abs(metres) > max(MOST_RISE_M, MOST_RISE * feet.reference.walked_m):
             words: Words = {"say": "legs", "metres": metres, "told": feet}
             yield found("WORLDS_DIFFER", "drifts", "legs", where="base.climb_m", **words)

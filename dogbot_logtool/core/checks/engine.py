@@ -12,14 +12,14 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.checks import base, beside, clock, frames, gait, loads, sensors
+from dogbot_logtool.core.checks import base, beside, clock, feet, sensors
 from dogbot_logtool.core.loads import vertical_is_known
 from dogbot_logtool.core.metrics import Check as Question
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Severity
 
 Check = Callable[[Walk], Iterator[Finding]]
-MODULES: Final = (clock, base, sensors, gait, loads, beside, frames)
+MODULES: Final = (clock, base, sensors, feet, beside)
 CHECKS: Final[tuple[Check, ...]] = tuple(
     each
     for module in MODULES

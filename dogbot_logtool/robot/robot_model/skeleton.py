@@ -6,12 +6,10 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, median_of
-from dogbot_logtool.core.base.axes import nearest_axis
 from dogbot_logtool.core.frames.transforms import FrameTrack, chain_of_frames, lookup
 from dogbot_logtool.core.known_frames import KnownFrames, Point
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.selection import Selection
 
 _INSIDE: Final = 0.75
@@ -112,31 +110,16 @@ def place_of_foot(
     return None
 
 
-def robot_shape(selection: Selection, probe: KnownFrames) -> RobotShape:
+def robot_shape(walk: Walk) -> RobotShape:
     """Return what the positions of standing feet, else the mass, tell of a robot's shape."""
-    robot = selection.robot
-    stances = {foot: _rounded(point) for foot, point in probe.stances.items()}
-    length = height = body_size_m(robot.mass_kg)[0]
+    stances = {foot: _rounded(point) for foot, point in walk.frames.stances.items()}
+    length = height = body_size_m(walk.settings.mass_kg)[0]
     if stances:
         points = np.array(list(stances.values()))
         height = max(-float(median_of(points[:, 2])), 0.0) or length
         length = max(float(np.ptp(points[:, :2], axis=0).max()), 0.5 * length)
     hips = {foot: (_INSIDE * x, _INSIDE * y, 0.0) for foot, (x, y, _) in stances.items()}
-    axis = _axis_by_feet(robot, stances) if selection.robot_is_guessed else None
-    return RobotShape(axis or robot.forward_axis, hips, height, max(length, height))
-
-
-def _axis_by_feet(robot: Robot, stances: Mapping[int, Point]) -> str | None:
-    """Return the axis from hind to fore feet; None: their positions are not known."""
-    ends: dict[str, list[Point]] = {"front": [], "back": []}
-    for number, point in stances.items():
-        position = robot.feet[number].leg_position
-        if position is not None and position[0] in ends:
-            ends[position[0]].append(point)
-    if not all(ends.values()):
-        return None
-    fore, hind = (np.mean(points, axis=0) for points in ends.values())
-    return nearest_axis((fore - hind)[:2])
+    return RobotShape(walk.settings.forward_axis, hips, height, max(length, height))
 
 
 def body_size_m(mass_kg: float | None) -> tuple[float, float, float]:
