@@ -55,8 +55,6 @@ _AS_GOOD: Final = 0.02
 _SHIFTS: Final = 0.05
 """Standard deviation of a foot's share from which the load shifts to and from it."""
 
-_COMPARABLE: Final = frozenset({"m/s^2", "g", "without gravity"})
-"""Readings that tell of accelerations, once they are levelled and in m/s^2."""
 _LEVEL: Final = np.array([0.0, 0.0, 0.0, 1.0])
 
 
@@ -102,11 +100,8 @@ def compare_imu(walk: Walk) -> ImuComparison | None:
     off = rotate(turn[None], means[:, :3]) - scale * expected
     reading = _reading(size, scale, float(np.sqrt((off * off).sum(axis=1).mean())))
     turned_rad, forces = None, None
-    if reading in _COMPARABLE:
-        level = rotate(attitude, rotate(turn[None], body))
-        level *= GRAVITY_MPS2 if reading == "g" else 1.0
-        level[:, 2] += GRAVITY_MPS2 if reading == "without gravity" else 0.0
-        world = _integral(at, level)
+    if reading == "m/s^2":
+        world = _integral(at, rotate(attitude, rotate(turn[None], body)))
         turned_rad = find_turn(world.mean(time, 2 * half)[:, :2], poses[:, :2])
         forces = _compare_forces(walk, world, time, half)
     metrics = Imu(
