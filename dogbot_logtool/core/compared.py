@@ -1,7 +1,6 @@
 """Records of what is compared with the base's motion: velocity commands, the accelerometer."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
 import numpy as np
@@ -19,8 +18,7 @@ AXES: Final = ("forward", "lateral", "yaw")
 """The columns of velocities: m/s forward, m/s to the left, rad/s to the left."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class CommandTrack:
+class CommandTrack(NamedTuple):
     """Commanded and measured velocity over time."""
 
     history: "VectorHistory"

@@ -6,8 +6,7 @@ delay then includes that of the recorder, and a finding says so.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -34,8 +33,7 @@ MOST: Final = 1e6
 """m/s, rad/s or m/s^2; no robot reaches more."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class VectorHistory:
+class VectorHistory(NamedTuple):
     """Vectors of one topic at up to 100 Hz."""
 
     topic: str
