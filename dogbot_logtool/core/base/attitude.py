@@ -1,7 +1,6 @@
 """How the base leans and turns, by its inertial unit."""
 
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -28,8 +27,7 @@ GRAVITY_IS: Final = (7.0, 13.0)
 """m/s^2: an accelerometer that usually reads less or more tells nothing of gravity."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Inertial:
+class Inertial(NamedTuple):
     """An inertial unit's readings at n times, along the base's axes."""
 
     turn: Floats

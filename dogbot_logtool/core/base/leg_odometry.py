@@ -7,8 +7,7 @@ With p the place of a standing foot in the base's axes and w the base's turn rat
 by ``v = -(dp/dt + w x p)`` (Roston and Krotkov 1991), in its own axes.
 """
 
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -26,8 +25,7 @@ _APART: Final = 0.25
 """Share of the largest distance between standing feet from which they tell a turn."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LegOdometry:
+class LegOdometry(NamedTuple):
     """The base's velocity by its legs, in each of the n - 1 intervals between n samples."""
 
     time: Ints
