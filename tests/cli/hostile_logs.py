@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import zstandard
 
-from tests.oracles.repacked import unpacked
+from tests.oracles.recorded import unpacked
 from tests.oracles.walks import Entry, Walk, write_library_mcap
 from tests.paths import TROT
 from tests.reader import bag_bytes, mcap_bytes

@@ -6,7 +6,6 @@ Each call ends in bounded time and memory, with an exit code and a sentence.
 import os
 import re
 import resource
-import socket
 import subprocess
 import sys
 from collections.abc import Callable, Collection, Iterator
@@ -53,21 +52,9 @@ def calls_end(
 # --- Files that are no regular ones ---------------------------------------------------------------
 
 
-def listening(path: Path) -> None:
-    previous = Path.cwd()
-    # The name of a socket may be no longer than a hundred bytes.
-    os.chdir(path.parent)
-    try:
-        with socket.socket(socket.AF_UNIX) as end:
-            end.bind(path.name)
-    finally:
-        os.chdir(previous)
-
-
 SPECIAL: Final[dict[str, Callable[[Path], None]]] = {
     "a named pipe": os.mkfifo,
     "a device": lambda path: path.symlink_to("/dev/zero"),
-    "a socket": listening,
     "a directory": Path.mkdir,
 }
 OPTIONS: Final = (
