@@ -16,8 +16,7 @@ from dogbot_logtool.options.convert import ConvertOptions
 from tests.commands.conversions import codes, converted
 from tests.oracles import state_walks, walks
 from tests.oracles.annotated_file import (
-    ENCODED,
-    annotations,
+    Written,
     arrows,
     read_written,
     written_transforms,
@@ -49,33 +48,16 @@ SILENT_S: Final = 0.86
 Vector = tuple[float, float, float]
 
 
-def shown(message: Any) -> tuple[Any, list[list[Vector]]]:
-    """The outline's colour, and the points of outline, pressure, projection and touchdowns."""
-    if hasattr(message, "markers"):
-        outline = message.markers[0]
-        return outline.color, [[xyz(each) for each in one.points] for one in message.markers]
-    (entity,) = message.entities
-    line = entity.lines[0] if entity.lines else None
-    places: list[list[Vector]] = [[xyz(point) for point in line.points] if line else [], [], [], []]
-    # Touchdowns have the colours of their feet.
-    kinds = {0.8: places[1], 0.337: places[2]}
-    for ball in entity.spheres:
-        kinds.get(round(ball.color.r, 3), places[3]).append(xyz(ball.pose.position))
-    return line.color if line else None, places
-
-
-@pytest.mark.parametrize("encoding", ENCODED)
-def test_support_is_that_of_the_feet_that_stand(tmp_path: Path, encoding: str) -> None:
+def test_support_is_that_of_the_feet_that_stand(tmp_path: Path) -> None:
     log = write_standing_log(tmp_path / "log.mcap", LEANING, NEWTONS, {"back_left": SILENT_S})
-    done = convert(log, tmp_path / "out.mcap", ConvertOptions(encoding=encoding, copy=False))
-    is_ros = encoding != "foxglove"
-    kind = "visualization_msgs/MarkerArray" if is_ros else "foxglove.SceneUpdate"
-    found = list(annotations(read_written(tmp_path / "out.mcap"), "/support", encoding, kind))
-    assert [message.log_time for message, _ in found] == [START + n * S // 50 for n in range(50)]
+    done = convert(log, tmp_path / "out.mcap", ConvertOptions(encoding="ros2", copy=False))
+    found = read_written(tmp_path / "out.mcap").decoded("/support")
+    assert [log_time for log_time, _ in found] == [START + n * S // 50 for n in range(50)]
     unknown = 0
-    for message, scene in found:
-        seconds, (colour, places) = (message.log_time - START) / S, shown(scene)
-        outline, pressure, projection, touchdowns = places
+    for log_time, scene in found:
+        seconds, colour = (log_time - START) / S, scene.markers[0].color
+        parts = [[xyz(each) for each in one.points] for one in scene.markers]
+        outline, pressure, projection, touchdowns = parts
         landed = [PLACES[LIFTED]] * (seconds >= LIFTED_S[1])
         assert sorted(touchdowns) == sorted([*PLACES.values(), *landed])
         if seconds > SILENT_S + 0.05:
@@ -277,35 +259,24 @@ def test_feet_that_tell_contact_only_have_loads_that_say_stance_and_swing(tmp_pa
 # --- Lines from the body to the feet --------------------------------------------------------------
 
 
-def lines(message: Any) -> tuple[Sequence[Any], Sequence[Any]]:
-    """Points and colours of a message of any encoding."""
-    if hasattr(message, "deletions"):
-        drawn = [line for entity in message.entities for line in entity.lines]
-        return (drawn[0].points, drawn[0].colors) if drawn else ((), ())
-    return message.points, message.colors
+@pytest.fixture(scope="module")
+def standing(tmp_path_factory: pytest.TempPathFactory) -> Written:
+    folder = tmp_path_factory.mktemp("standing")
+    log = write_standing_log(folder / "log.mcap")
+    convert(log, folder / "out.mcap", ConvertOptions(encoding="ros2", copy=False))
+    return read_written(folder / "out.mcap")
 
 
-def place(point: Any) -> tuple[float, float, float]:
-    return point.x, point.y, point.z
-
-
-@pytest.mark.parametrize("encoding", ["foxglove", "ros2"])
-def test_lines_lead_to_the_feet_that_stand(tmp_path: Path, encoding: str) -> None:
-    log = write_standing_log(tmp_path / "log.mcap")
-    convert(log, tmp_path / "out.mcap", ConvertOptions(encoding=encoding, copy=False))
-    written = read_written(tmp_path / "out.mcap")
-    kind = "foxglove.SceneUpdate" if encoding == "foxglove" else "visualization_msgs/Marker"
-    legs = list(annotations(written, "/legs", encoding, kind))
-    assert legs[0][0].log_time == START
+def test_lines_lead_to_the_feet_that_stand(standing: Written) -> None:
+    legs = standing.decoded("/legs")
+    assert legs[0][0] == START
     assert len(legs) == 50
-    for record, message in legs:
-        seconds = (record.log_time - START) / 1e9
-        up = LIFTED_S[0] <= seconds < LIFTED_S[1]
-        standing = [foot for foot in NAMES if not (up and foot == LIFTED)]
-        points, colours = lines(message)
-        assert len(points) == 2 * len(standing)
-        for number, foot in enumerate(standing):
-            hip, end = place(points[2 * number]), place(points[2 * number + 1])
+    for log_time, message in legs:
+        up = LIFTED_S[0] <= (log_time - START) / S < LIFTED_S[1]
+        down = [foot for foot in NAMES if not (up and foot == LIFTED)]
+        assert len(message.points) == 2 * len(down)
+        for number, foot in enumerate(down):
+            hip, end = map(xyz, message.points[2 * number : 2 * number + 2])
             expected = [a + b for a, b in zip(BASE, FEET[foot], strict=True)]
             assert end == pytest.approx(expected)
             # The hip is at the base's height, on the foot's side, inside of it.
@@ -313,16 +284,27 @@ def test_lines_lead_to_the_feet_that_stand(tmp_path: Path, encoding: str) -> Non
             for axis in range(2):
                 share = (hip[axis] - BASE[axis]) / FEET[foot][axis]
                 assert 0.5 < share < 1.0
-            colour = colours[2 * number + 1]
+            colour = message.colors[2 * number + 1]
             own = colour_parts(foot_colour(NAMES.index(foot)))
             assert (colour.r, colour.g, colour.b) == pytest.approx(own, abs=1e-6)
 
 
-def test_the_body_spans_the_hips_and_its_nose_is_between_the_fore_feet(tmp_path: Path) -> None:
+def test_labels_stand_at_the_feet(standing: Written) -> None:
+    for foot, offset in FEET.items():
+        messages = [message for _, message in standing.decoded(f"/label/{foot}")]
+        shown = [message for message in messages if message.action != 2]
+        assert shown
+        # Viewers know what to remove by its name.
+        assert {(message.ns, message.id) for message in messages} == {("label", 0)}
+        for message in shown:
+            assert message.text.strip().endswith(" N")
+            expected = [a + b for a, b in zip(BASE, offset, strict=True)]
+            assert xyz(message.pose.position)[:2] == pytest.approx(expected[:2], abs=0.1)
+
+
+def test_the_body_spans_the_hips_and_its_nose_is_between_the_fore_feet(standing: Written) -> None:
     """The robot is guessed to be one whose +y is forward; its feet say otherwise."""
-    convert(write_standing_log(tmp_path / "log.mcap"), tmp_path / "out.mcap", ConvertOptions())
-    written = read_written(tmp_path / "out.mcap")
-    ((_, text),) = annotations(written, "/robot_description", "ros1", "std_msgs/String")
+    ((_, text),) = standing.decoded("/robot_description")
     body, nose = ET.fromstring(text.data).findall(".//visual")  # noqa: S314
     length, width, _ = map(float, body.find("geometry/box").get("size").split())  # type: ignore[union-attr]
     x, y, _ = map(float, nose.find("origin").get("xyz").split())  # type: ignore[union-attr]

@@ -20,7 +20,6 @@ from dogbot_logtool.writer.channels import added_channels
 from dogbot_logtool.writer.chunks import CHUNK_SIZE, finish_chunks, indexed_channels
 from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
-from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from dogbot_logtool.writer.encodings.ros import Ros2Encoding
 from dogbot_logtool.writer.message_records import MessageRecords, recorded
 from dogbot_logtool.writer.template import (
@@ -33,39 +32,11 @@ from dogbot_logtool.writer.template import (
     learn,
 )
 from tests.oracles import walks
-from tests.oracles.annotated_file import annotations, read_written
-from tests.oracles.conversion import xyz
-from tests.oracles.ros1_logs import BASE, FEET, write_standing_log
+from tests.oracles.annotated_file import read_written
+from tests.oracles.ros1_logs import write_standing_log
 
 NS = 1_000_000_000
 KIND = MessageType("a/B", "ros1msg", b"", "ros1")
-
-
-@pytest.mark.parametrize("encoding", ENCODINGS)
-def test_labels_stand_at_the_feet(tmp_path: Path, encoding: str) -> None:
-    log = write_standing_log(tmp_path / "log.mcap")
-    convert(log, tmp_path / "out.mcap", ConvertOptions(encoding=encoding, copy=False))
-    written = read_written(tmp_path / "out.mcap")
-    kind = "foxglove.SceneUpdate" if encoding == "foxglove" else "visualization_msgs/Marker"
-    for foot, offset in FEET.items():
-        shown = removed = 0
-        for _, message in annotations(written, f"/label/{foot}", encoding, kind):
-            is_ros = hasattr(message, "header")
-            if message.action == 2 if is_ros else message.deletions:
-                # Viewers know what to remove by its name.
-                assert (
-                    (message.ns, message.id) == ("label", 0)
-                    if is_ros
-                    else message.deletions[0].id == foot
-                )
-                removed += 1
-                continue
-            one = message if is_ros else message.entities[0].texts[0]
-            assert one.text.endswith(" N ") or one.text.endswith(" N")
-            expected = [a + b for a, b in zip(BASE, offset, strict=True)]
-            assert xyz(one.pose.position)[:2] == pytest.approx(expected[:2], abs=0.1)
-            shown += 1
-        assert shown
 
 
 def test_schemas_of_protobuf_are_complete(tmp_path: Path) -> None:
