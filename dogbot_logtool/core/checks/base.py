@@ -147,11 +147,11 @@ UNITS: Final = {1e3: "millimetres", 1e2: "centimetres", 39.37: "inches", 3.281: 
 """Metres in what positions may be in."""
 ASIDE_RAD: Final = np.radians(10.0)
 """A way that is less off its witness's is as good as mountings are."""
+LEAST_SLOPE_RAD: Final = ASIDE_RAD / 3.0
+"""Lean of the feet's plane that contact points tell surely."""
 OTHER: Final = "another unit, or a clock that runs at another speed?"
 POINTS: Final = "contact points"
 LEGS: Final = "legs"
-LEAST_SLOPE_RAD: Final = ASIDE_RAD / 3.0
-"""Lean of the feet's plane that contact points tell surely."""
 FURTHEST_LEGS: Final = 5.0
 """Lengths of a leg that no robot goes in a stride."""
 LONGEST_LEG_M: Final = 0.25
@@ -209,12 +209,9 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
     way = feet if feet is not None and feet.tells_way else _by_twist(walk, windows, own)
     yield from _scale(walk, own, way)
     if way is not None and abs(way.direction_rad) > ASIDE_RAD:
-        degrees, side = (
-            np.degrees(way.direction_rad),
-            "left" if way.direction_rad > 0.0 else "right",
-        )
-        words: Words = {"degrees": abs(degrees), "side": side, "witness": way}
-        yield _doubted(walk, "POSE_DIRECTION", **words)
+        degrees = abs(np.degrees(way.direction_rad))
+        side = "left" if way.direction_rad > 0.0 else "right"
+        yield _doubted(walk, "POSE_DIRECTION", degrees=degrees, side=side, witness=way)
     yield from _orientation(walk, own, feet, windows)
     yield from _planar(walk, feet, windows)
     if feet is not None and not (walk.settings.contact_from or walk.settings.base_from_legs):
@@ -222,13 +219,9 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
 
 
 def feet_agree(walk: Walk) -> bool:
-    """Tell whether feet that stand, by their contacts, go back as the poses go ahead, or turn."""
+    """Tell whether feet that stand, by their contacts, go back as the poses go ahead."""
     feet = _by_feet(walk, _windows(walk)) if walk.ground is None else None
-    if feet is None or walk.witness is None:
-        return False
-    own, turned = float(feet.own.turn.sum()), float(feet.reference.turn.sum())
-    ratio = own / turned if walk.witness.tells_turn and abs(turned) > TURNS_RAD else 0.0
-    return SCALES[0] <= (feet.scale if feet.tells_way else ratio) <= SCALES[1]
+    return feet is not None and feet.tells_way and SCALES[0] <= feet.scale <= SCALES[1]
 
 
 def _windows(walk: Walk) -> Ints:
