@@ -224,7 +224,7 @@ def _unsure(standing: Flags, moved: LegOdometry, turns_from: str) -> str:
 
 
 def _contradiction(feet: _Resting, turns_from: str) -> str:
-    """Say how the turns that something tells contradict the feet; empty: they do not."""
+    """Say how turns that something tells and those of the feet differ; empty: they do not."""
     low = low_feet((feet.time - feet.time[0]) / 1e9, feet.points, feet.inertial.up)
     by_feet = leg_odometry(feet.time, feet.points, low).turn_rate[:, 2]
     known = np.isfinite(by_feet)
@@ -233,7 +233,10 @@ def _contradiction(feet: _Resting, turns_from: str) -> str:
     turns = float(feet.inertial.yaw_rate[1:][known].mean()), float(by_feet[known].mean())
     if abs(turns[0] - turns[1]) <= max(CONTRADICTS * max(map(abs, turns)), LEAST_TURN_RADPS):
         return ""
-    return f"{turns[0]:.2f} rad/s of {turns_from} contradict {turns[1]:.2f} of the standing feet"
+    return (
+        f"turns by {turns_from}, {turns[0]:.2f} rad/s in the mean, and by the standing feet, "
+        f"{turns[1]:.2f} rad/s, contradict each other"
+    )
 
 
 def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tuple[Inertial, str]:
