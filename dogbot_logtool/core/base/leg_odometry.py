@@ -3,8 +3,9 @@
     legs = leg_odometry(time, place, standing, turn_rate)
     base = dead_reckoned(legs)                         # a BaseHistory, where a log has no poses
 
-A foot that stands rests on the ground. With p the place of a standing foot in the base's axes and w the base's turn rate, the base moves
-by ``v = -(dp/dt + w x p)`` (Roston and Krotkov 1991), in its own axes.
+A foot that stands rests on the ground. With p the place of a standing foot in the base's axes and w
+the base's turn rate, the base moves by ``v = -(dp/dt + w x p)`` (Roston and Krotkov 1991), in its
+own axes.
 """
 
 from typing import Final, NamedTuple
