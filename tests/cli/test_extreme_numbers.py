@@ -8,14 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.prepared import LARGEST
-from dogbot_logtool.io.plain_json import only_finite, to_json
 from dogbot_logtool.option import part_of
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.options.convert import ConvertOptions
@@ -154,16 +151,3 @@ def test_times_at_the_ends_of_their_range(tmp_path: Path, name: str) -> None:
         strict(json.dumps(stats_json(done)))
     convert(path, tmp_path / "out.mcap", part_of(topics, ConvertOptions))
     describe(path, replace(part_of(topics, InfoOptions), frames=True))
-
-
-@settings(max_examples=50, deadline=None)
-@given(
-    st.recursive(
-        st.none() | st.booleans() | st.floats() | st.text(max_size=5),
-        lambda inner: st.lists(inner) | st.dictionaries(st.text(max_size=5), inner, max_size=4),
-        max_leaves=10,
-    )
-)
-def test_json_is_strict(value: Any) -> None:
-    assert strict(to_json(value)) == only_finite(value)
-    assert strict(to_json(value, indent=2)) == strict(to_json(value, compact=True))

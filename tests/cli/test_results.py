@@ -94,12 +94,6 @@ def test_check_ends_with_1_where_a_rule_is_broken_or_a_metric_unknown(shell: She
     assert suites[1][0].get("name") == "it trots"
 
 
-def test_suggested_limits_pass_the_run_and_fail_another(shell: Shell) -> None:
-    (shell.folder / "limits.toml").write_text(shell("check", "--suggest", short()).out)
-    assert shell("check", "--limits", "limits.toml", short()).code == 0
-    assert shell("check", "--limits", "limits.toml", WALK).code == 1
-
-
 def test_a_baseline_is_another_run(shell: Shell) -> None:
     (shell.folder / "yesterday.json").write_text(shell("stats", "--json", short()).out)
     limits = '[[rule]]\nfigure = "feet.*.duty_factor.median"\nbaseline = { by_percent = 5 }'

@@ -26,8 +26,8 @@ from tests.commands.conversions import (
     COMPRESSIONS,
     IN_WORLD,
     MATRIX,
+    assert_measured_loads,
     assert_same_arrows,
-    assert_same_loads,
     assert_same_poses,
     codes,
     converted,
@@ -41,7 +41,7 @@ from tests.oracles.annotated_file import (
     written_loads,
     written_poses,
 )
-from tests.oracles.conversion import TICK_NS, expected_arrows, expected_loads, expected_poses
+from tests.oracles.conversion import TICK_NS, expected_arrows, expected_poses
 from tests.oracles.recorded import FEET, S, arrow_topic, read_log
 from tests.oracles.ros1_logs import odd_contacts, small_walk, write_bag, write_ros1_mcap
 from tests.paths import TROT, TROUBLED, WALK
@@ -61,7 +61,7 @@ def test_annotations_are_what_message_by_message_conversion_gives(
         found = written_arrows(done.written, foot, encoding, style)
         assert_same_arrows(found, arrows, style, encoding)
         loads = written_loads(done.written, foot, encoding)
-        assert_same_loads(loads, expected_loads(log, foot, contact), opening_of(log))
+        assert_measured_loads(loads, log, foot)
         states = {(load.state, load.in_contact) for load in loads if load.state != "unknown"}
         # Of a dead sensor nothing is known.
         assert states == ({("stance", True), ("swing", False)} if contact else set())
@@ -106,8 +106,8 @@ def test_start_and_end_choose_messages_by_log_time(folder: Path) -> None:
     assert done.conversion.copied == recorded.total()
     assert described_robots(done.written) == [(start, "dogbot")]
     for foot in FEET:
-        loads = [one for one in expected_loads(WALK, foot) if start <= one.log_time <= end]
-        assert_same_loads(written_loads(done.written, foot, "foxglove"), loads, start)
+        loads = written_loads(done.written, foot, "foxglove")
+        assert_measured_loads(loads, WALK, foot, (start, end))
     first_pose, *rest = (p for p in expected_poses(WALK, at_ticks=False) if p.log_time >= start)
     last = max(pose.stamp for pose in rest if pose.log_time <= end)
     told = written_poses(done.written, "/dogbot_logtool/tf", "foxglove")

@@ -61,6 +61,7 @@ def test_every_topic_and_field_is_in_a_converted_log(tmp_path: Path) -> None:
     # Lines for legs are written only where no transforms move them.
     assert set(scene["topics"]) == drawn | {"/legs"}
     assert frames == {(scene["layers"]["grid"]["frameId"], scene["followTf"])}
+    assert [path["color"] for path in plots(layout)] == list(FOOT_COLOURS[: len(FEET)])
     for shown in (plots(layout), panel(layout, "StateTransitions")["paths"]):
         paths = [path["value"] for path in shown]
         assert len(paths) == len(FEET)
@@ -77,19 +78,6 @@ def test_the_camera_stands_before_the_robot(axis: str, side: tuple[int, int]) ->
     yaw = rviz_config(View(FEET, "world", "base", axis))["Visualization Manager"]["Views"]
     angle = yaw["Current"]["Yaw"]
     assert 0.2 < cos(angle) * side[0] + sin(angle) * side[1] < 0.5
-
-
-def test_loads_and_gait() -> None:
-    layout = foxglove_layout(View(FEET, "world", "base_link"))
-    curves, gait = plots(layout), panel(layout, "StateTransitions")
-    assert [path["value"] for path in curves] == [f"/load/{foot}.force" for foot in FEET]
-    assert [path["value"] for path in gait["paths"]] == [f"/load/{f}.state" for f in FEET]
-    for path in (*curves, *gait["paths"]):
-        assert path["timestampMethod"] == "receiveTime"
-        assert path["enabled"] is True
-    assert [path["label"] for path in gait["paths"]] == list(FEET)
-    assert [path["color"] for path in curves] == list(FOOT_COLOURS[: len(FEET)])
-    assert panel(layout, "RosOut")["topicToRender"] == "/events"
 
 
 def test_rviz_shows_what_is_written() -> None:
