@@ -1,7 +1,6 @@
 """`dogbot-logtool convert`: write an annotated MCAP of a log."""
 
 from collections import Counter
-from dataclasses import replace
 from functools import partial
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_planned
@@ -60,7 +59,7 @@ def convert(
     try:
         plan = plan_measuring(log, options)
         draws_states = ARROW_STYLES[options.style].needs_contact_states
-        plan = replace(plan, wanted=plan.wanted._replace(draws_states=draws_states))
+        plan = plan._replace(wanted=plan.wanted._replace(draws_states=draws_states))
         left_out = channels_left_out(log, options)
         with whole_file(target, overwrite=overwrite, makes_folder=makes_folder) as file:
             output = AnnotatedLog(file, log, options, left_out)

@@ -51,7 +51,7 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     """
     joints = joint_tracks(walk.recording.joints, walk.settings.clock, settings.limits)
     for name in {each.name for each in settings.joints if each.source} & joints.keys():
-        joints[name] = replace(joints[name], follows=True)
+        joints[name] = joints[name]._replace(follows=True)
     chained = {frame for chain in settings.chains if chain for frame in chain.frames}
     links = link_tracks(settings.joints, joints)
     frames = walk.frames.tracks(chained) | links
@@ -97,7 +97,7 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     if witness is None and not walk.settings.base_from_legs:
         witness = by_legs(paths, walk.records, walk.corrected.base)
     feet = [
-        replace(foot, of_strides={**foot.of_strides, **_steps(walk, row, stood)})
+        foot._replace(of_strides={**foot.of_strides, **_steps(walk, row, stood)})
         for row, foot in enumerate(feet)
     ]
     return replace(walk, legs=figures, feet=tuple(feet), witness=witness)
@@ -125,7 +125,7 @@ def _leg(
     stood = footfalls(world, foot.stances)
     travel = aggregate(stood.travel_m[foot.stances.whole])
     if travel is None:
-        return replace(leg, reason="no whole stance in which its leg is told"), None, {}
+        return leg._replace(reason="no whole stance in which its leg is told"), None, {}
     interval_s = foot.record.median_interval_s or np.inf
     found, height = swings(world, stood, foot.strides, interval_s)
     length = aggregate(found["swing_length_m"])
@@ -134,9 +134,9 @@ def _leg(
             f"its frame moves by {travel.median * 1e3:.0f} mm in the middle of a stance: it is not "
             "the foot's, the odometry drifts, or the foot slips"
         )
-        return replace(leg, reason=reason, moves=True), None, {}
+        return leg._replace(reason=reason, moves=True), None, {}
     slow = is_slow(world, interval_s)
-    return replace(leg, height=height, is_slow=slow), stood, found
+    return leg._replace(height=height, is_slow=slow), stood, found
 
 
 def _with_frame(
@@ -147,13 +147,13 @@ def _with_frame(
     stood: Footfalls | None,
 ) -> FootSteps:
     """Return a foot with what its leg tells: slips too, and lengths where its sensor has none."""
-    foot = replace(foot, of_strides={**foot.of_strides, **of_leg})
+    foot = foot._replace(of_strides={**foot.of_strides, **of_leg})
     if stood is None or chain is None:
         return foot
     length = of_leg["swing_length_m"]
     if foot.length_from == "base" and np.isfinite(length).any():
         lengths = {**foot.of_strides, "stride_length_m": length}
-        foot = replace(foot, of_strides=lengths, length_from="foot_frame")
+        foot = foot._replace(of_strides=lengths, length_from="foot_frame")
     # The middle of a ball rolls with it: less the rolling, if that is known.
     rolling = 0.0 if chain.touches else walk.settings.foot_rolling_m
     if rolling is None:
@@ -162,7 +162,7 @@ def _with_frame(
         "slip_m": slip_m(stood.slip_m, rolling),
         "slip_largest_m": slip_m(stood.largest_slip_m, rolling),
     }
-    return replace(foot, of_stances={**foot.of_stances, **slips}, slip_from="foot_frame")
+    return foot._replace(of_stances={**foot.of_stances, **slips}, slip_from="foot_frame")
 
 
 def _steps(walk: Walk, row: int, stood: Sequence[Footfalls | None]) -> dict[str, Floats]:

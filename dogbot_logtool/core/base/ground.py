@@ -1,8 +1,8 @@
 """The ground under the base, as the feet's contact points show it: height, slope, forward."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -133,8 +133,7 @@ RESTS: Final = 0.05
 _NEIGHBOURS: Final = 5
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class MovingGround:
+class MovingGround(NamedTuple):
     """The way of the ground over time."""
 
     time: Ints

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -311,8 +311,7 @@ _FEWEST: Final = 6
 _CHUNK: Final = 20_000
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class PoseJumps:
+class PoseJumps(NamedTuple):
     """Steps between neighbouring poses that are no motion of the base."""
 
     rows: Ints

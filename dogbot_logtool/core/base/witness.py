@@ -6,8 +6,8 @@ from it turn as it turns. Places of feet in the base's axes tell its velocity (`
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -42,8 +42,7 @@ _SPREAD_M: Final = 0.05
 """m between feet from which their directions tell a turn."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Witness:
+class Witness(NamedTuple):
     """The base's motion by its feet."""
 
     poses: BaseHistory
@@ -296,8 +295,7 @@ SWINGS: Final = 0.3
 """m a radian: a way that is shorter than a turn times this may be that of a point off the base."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Motion:
+class Motion(NamedTuple):
     """How far a base moves in each of k windows; NaN where that is not known."""
 
     displacement: Complexes
@@ -355,8 +353,7 @@ def motion_in(base: BaseHistory, windows: Ints, forward_rad: float = 0.0) -> Mot
     return Motion(*(np.where(outside, np.nan, each) for each in changes))
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Comparison:
+class Comparison(NamedTuple):
     """The motion by poses against that by a witness, over whole strides that both tell of."""
 
     by: str

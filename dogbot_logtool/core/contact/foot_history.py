@@ -90,7 +90,7 @@ class FootHistory:
         return replace(
             self,
             has_force=False,
-            stances=replace(self.stances, figures=nothing),
+            stances=self.stances._replace(figures=nothing),
         )
 
     def stopped_in(self, spans: Ints) -> "FootHistory":
@@ -109,7 +109,7 @@ class FootHistory:
             self,
             gaps=gaps,
             known=timespans.subtract(self.known, spans),
-            stances=replace(stances, cut=cut, liftoff=liftoff).pick(kept),
+            stances=stances._replace(cut=cut, liftoff=liftoff).pick(kept),
             in_contact=timespans.subtract(self.in_contact, spans),
             stopped=spans,
         )

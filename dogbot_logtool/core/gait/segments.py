@@ -1,9 +1,9 @@
 """When does the gait change? The time line, cut where class or stride period changes lastingly."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise, zip_longest
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -48,8 +48,7 @@ _NONE: Final = -1
 """No class: irregular, or unknown."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Segment:
+class Segment(NamedTuple):
     """A part of the log with one gait, or without steps."""
 
     spans: Ints

@@ -1,8 +1,8 @@
 """Feet without sensors and a base without poses: what the joints of the legs tell of both."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Final, Literal
+from dataclasses import replace
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
@@ -15,8 +15,16 @@ from dogbot_logtool.core.arrays import (
     median_of,
     nearest_rows,
 )
-from dogbot_logtool.core.base.attitude import LONG_S, Inertial, by_attitude, inertial_at, level
-from dogbot_logtool.core.base.leg_odometry import LegOdometry, dead_reckoned, leg_odometry
+from dogbot_logtool.core.base.leg_odometry import (
+    LONG_S,
+    Inertial,
+    LegOdometry,
+    by_attitude,
+    dead_reckoned,
+    inertial_at,
+    leg_odometry,
+    level,
+)
 from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.contact.contact_rule import find_stances, rows_in_stances
 from dogbot_logtool.core.contact.contacts import Samples
@@ -56,8 +64,7 @@ TURNS_S: Final = 0.1
 """s before and after a time, over which turns by the feet are averaged."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Estimate:
+class Estimate(NamedTuple):
     """What legs tell."""
 
     feet: tuple[Samples, ...]
@@ -137,8 +144,7 @@ def estimate(
     )
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class _Resting:
+class _Resting(NamedTuple):
     """Which feet rest on the ground, by how they and the base move."""
 
     time: Ints
@@ -192,7 +198,7 @@ def _turned_by_feet(feet: _Resting) -> _Resting:
         turn = feet.inertial.turn.copy()
         turn[:, 2] = np.convolve(padded, np.ones(around) / around, "valid")
         ground = resting_feet(seconds, feet.points, feet.velocity, turn, feet.inertial.up)
-        feet = replace(feet, inertial=replace(feet.inertial, turn=turn), ground=ground)
+        feet = feet._replace(inertial=feet.inertial._replace(turn=turn), ground=ground)
         standing = ground.resting
     return feet
 
@@ -218,7 +224,7 @@ def _unsure(standing: Flags, moved: LegOdometry, turns_from: str) -> str:
 
 
 def _contradiction(feet: _Resting, turns_from: str) -> str:
-    """Say how the turns that something tells contradict the feet; empty: they do not."""
+    """Say how turns that something tells and those of the feet differ; empty: they do not."""
     low = low_feet((feet.time - feet.time[0]) / 1e9, feet.points, feet.inertial.up)
     by_feet = leg_odometry(feet.time, feet.points, low).turn_rate[:, 2]
     known = np.isfinite(by_feet)
@@ -227,7 +233,10 @@ def _contradiction(feet: _Resting, turns_from: str) -> str:
     turns = float(feet.inertial.yaw_rate[1:][known].mean()), float(by_feet[known].mean())
     if abs(turns[0] - turns[1]) <= max(CONTRADICTS * max(map(abs, turns)), LEAST_TURN_RADPS):
         return ""
-    return f"{turns[0]:.2f} rad/s of {turns_from} contradict {turns[1]:.2f} of the standing feet"
+    return (
+        f"turns by {turns_from}, {turns[0]:.2f} rad/s in the mean, and by the standing feet, "
+        f"{turns[1]:.2f} rad/s, contradict each other"
+    )
 
 
 def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tuple[Inertial, str]:
@@ -297,7 +306,7 @@ def _poses(joints: LegJoints, feet: _Resting, standing: Flags, moved: LegOdometr
         # An accelerometer bridges the ends of contacts better than feet do that land or leave.
         moved = feet.odometry(middles(standing))
     yaw_rate = np.stack([0.0 * inertial.yaw_rate, 0.0 * inertial.yaw_rate, inertial.yaw_rate], 1)
-    moved = replace(moved, turn_rate=(yaw_rate[1:] + yaw_rate[:-1]) / 2.0)
+    moved = moved._replace(turn_rate=(yaw_rate[1:] + yaw_rate[:-1]) / 2.0)
     own = inertial.felt - GRAVITY_MPS2 * inertial.up
     found = dead_reckoned(moved, inertial.roll_pitch, own)
     position = found.position.copy()

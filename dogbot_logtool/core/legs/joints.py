@@ -1,7 +1,6 @@
 """Joints: their states as messages tell them, and what is measured of each over log and strides."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
@@ -54,8 +53,7 @@ class JointLimits(NamedTuple):
     """rad/s or m/s."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class JointTrack:
+class JointTrack(NamedTuple):
     """What is measured of a joint over a log, of n usable messages."""
 
     name: str
@@ -238,8 +236,7 @@ def _middles(values: Floats) -> Floats:
     return middles
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LegFoot:
+class LegFoot(NamedTuple):
     """The leg of a foot."""
 
     name: str
@@ -257,8 +254,7 @@ class LegFoot:
     """Whether the foot is told too rarely for velocities."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LegFigures:
+class LegFigures(NamedTuple):
     """What is known of all legs, whether or not the log gives reasons to doubt it."""
 
     settings: "LegSettings"

@@ -5,7 +5,6 @@ it; between samples the newest one counts, as a viewer that plays the log has it
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final, NamedTuple
 
@@ -73,8 +72,7 @@ class FootState(NamedTuple):
     """(n,) N, vertical force; NaN where its direction is not known."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class DrawnFoot:
+class DrawnFoot(NamedTuple):
     """The n samples of one foot, by log time, as they were measured."""
 
     number: int

@@ -168,7 +168,7 @@ def _named_as_described(recording: Recording, robot: RobotOfUrdf) -> Recording:
     if not set(described.values()).isdisjoint(recorded) or len(set(short.values())) < len(short):
         return recording
     tables = (
-        replace(table, names=tuple(described.get(short[name], name) for name in table.names))
+        table._replace(names=tuple(described.get(short[name], name) for name in table.names))
         for table in recording.joints
     )
     return replace(recording, joints=tuple(tables))
