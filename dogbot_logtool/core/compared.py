@@ -77,11 +77,6 @@ class ForceComparison(NamedTuple):
 
     ratio: float
     """Vertical force over the mass over what the levelled accelerometer reads; 1 is right."""
-    magnitude_ratio: float
-    """The same of |F|."""
-    is_common: bool | None
-    """Whether one factor for all feet explains as much as one for each: the mass is wrong, or all
-    sensors alike. None: the load does not shift, so that it cannot be told."""
     odd_foot: tuple[int, float] | None
     """The one foot whose factor is not that of the others, which are right, and by what its force
     must be multiplied."""

@@ -16,6 +16,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite, distinct, means_by_group, median_of
 from dogbot_logtool.core.base.ground import seen_from_base
 from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.base.witness import likeness
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import CLOCK_SHARE_OF_STRIDE, LONGEST_DELAY_S
 from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
@@ -348,20 +349,15 @@ def _best_fit(heave: Floats, driven: Sequence[Floats]) -> Delay | None:
     Returns:
         None where it does not explain it closely.
     """
-    there, others = heave - heave.mean(), np.stack(driven)
-    others -= others.mean(axis=1, keepdims=True)
-    squares, products = (others * others).sum(axis=1), others @ there
-    total = float(there @ there)
-    if total <= 0.0 or not squares.all():
+    fits = [likeness(heave - heave.mean(), each - each.mean()) for each in driven]
+    correlation = np.array([coherence for _, coherence, _ in fits])
+    best = int(correlation.argmax())
+    gain, _, angle_rad = fits[best]
+    if correlation[best] < FOLLOWS or angle_rad or not AS_FAR[0] <= gain <= AS_FAR[1]:
         return None
-    explained = products**2 / squares
-    best = int(explained.argmax())
-    likely = _LAGS_S[explained >= LIKELY * explained[best]]
-    gain = products[best] / squares[best]
-    correlation = np.sqrt(min(explained[best] / total, 1.0))
-    if correlation < FOLLOWS or not AS_FAR[0] <= gain <= AS_FAR[1]:
-        return None
-    return Delay(float(correlation), float(_LAGS_S[best]), float(likely.min()), float(likely.max()))
+    likely = _LAGS_S[correlation**2 >= LIKELY * correlation[best] ** 2]
+    low, high = float(likely.min()), float(likely.max())
+    return Delay(float(correlation[best]), float(_LAGS_S[best]), low, high)
 
 
 def _driven_heave(force: Floats, window: int) -> Floats:

@@ -2,11 +2,10 @@
 
 from collections.abc import Iterator
 from math import atan, degrees
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.checks.feet import origin_of_mass
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.wrench_frame import FrameFit, WrenchFrame, WrenchFrameEvidence
 from dogbot_logtool.core.known_frames import Counts, WorldFrames
@@ -14,10 +13,7 @@ from dogbot_logtool.core.loads import WEIGHT_TOLERANCE
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.finding import Finding, Words, found
-
-if TYPE_CHECKING:
-    from dogbot_logtool.core.compared import ForceComparison
+from dogbot_logtool.finding import Finding, found
 
 TILTED_DEG: Final = 5.0
 """A mounting that is less off is as good as mountings are."""
@@ -80,29 +76,16 @@ def forces(walk: Walk) -> Iterator[Finding]:
     compared = walk.imu.forces if walk.imu else None
     if compared is None or walk.settings.contact_from:
         return
-    if abs(compared.ratio - 1.0) > WEIGHT_TOLERANCE:
-        yield _odd_forces(walk, compared)
-
-
-def _odd_forces(walk: Walk, forces: "ForceComparison") -> Finding:
-    """Return which of mass, feet and frame is wrong, as far as it can be told."""
-    case, code = "accelerometer", "IMPULSE_IS_NOT_WEIGHT"
-    dead = [foot.name for foot in walk.feet if foot.is_dead]
-    if dead and forces.ratio < 1.0:
-        where = f"feet.{dead[0]}"
-        names = " and ".join(dead)
-        return found(code, case, where=where, say="missing", forces=forces, names=names)
-    if forces.ratio < 1.0 and abs(forces.magnitude_ratio - 1.0) <= WEIGHT_TOLERANCE:
-        return found("DIRECTION_UNKNOWN", case, where="settings.wrench_frame", forces=forces)
-    if forces.odd_foot is not None:
-        row, factor = forces.odd_foot
-        name = walk.feet[row].name
-        return found(code, "foot", feet=(name,), forces=forces, share=1.0 / factor)
-    if forces.is_common:
-        mass, origin = walk.settings.mass_kg or 0.0, origin_of_mass(walk)
-        words: Words = {"mass": mass, "right": mass * forces.ratio, "origin": origin}
-        return found(code, case, where="settings.mass_kg", say="mass", forces=forces, **words)
-    return found(code, case, where="imu.forces.over_accelerometer", forces=forces)
+    if abs(compared.ratio - 1.0) <= WEIGHT_TOLERANCE:
+        return
+    code, case = "IMPULSE_IS_NOT_WEIGHT", "accelerometer"
+    if compared.odd_foot is None:
+        where = "imu.forces.over_accelerometer"
+        yield found(code, case, where=where, say="accelerometer", forces=compared)
+    else:
+        row, factor = compared.odd_foot
+        feet, share = (walk.feet[row].name,), 1.0 / factor
+        yield found(code, "foot", say="foot", feet=feet, forces=compared, share=share)
 
 
 def frames_known(walk: Walk) -> Iterator[Finding]:

@@ -215,13 +215,8 @@ def _likely_cause(walk: Walk, ratio: float) -> str:
         return f"the load on {' and '.join(silent)} is missing"
     if 2 <= steps <= MOST_STEPS and abs(ratio - steps) <= WHOLE_TOLERANCE * steps:
         return f"{steps} physics steps seem to be added up in each message, or the mass is wrong"
-    origin = origin_of_mass(walk)
+    origin = "assumed for the guessed robot" if walk.settings.mass_is_assumed else "given"
     return f"the feet carry {ratio * mass_kg:.3g} kg, and the mass {origin} is {mass_kg:.4g} kg"
-
-
-def origin_of_mass(walk: Walk) -> str:
-    """Return words for where the robot's mass is from."""
-    return "assumed for the guessed robot" if walk.settings.mass_is_assumed else "given"
 
 
 def foot_frames(walk: Walk) -> Iterator[Finding]:

@@ -15,8 +15,16 @@ from dogbot_logtool.core.arrays import (
     median_of,
     nearest_rows,
 )
-from dogbot_logtool.core.base.attitude import LONG_S, Inertial, by_attitude, inertial_at, level
-from dogbot_logtool.core.base.leg_odometry import LegOdometry, dead_reckoned, leg_odometry
+from dogbot_logtool.core.base.leg_odometry import (
+    LONG_S,
+    Inertial,
+    LegOdometry,
+    by_attitude,
+    dead_reckoned,
+    inertial_at,
+    leg_odometry,
+    level,
+)
 from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.contact.contact_rule import find_stances, rows_in_stances
 from dogbot_logtool.core.contact.contacts import Samples
@@ -216,7 +224,7 @@ def _unsure(standing: Flags, moved: LegOdometry, turns_from: str) -> str:
 
 
 def _contradiction(feet: _Resting, turns_from: str) -> str:
-    """Say how the turns that something tells contradict the feet; empty: they do not."""
+    """Say how turns that something tells and those of the feet differ; empty: they do not."""
     low = low_feet((feet.time - feet.time[0]) / 1e9, feet.points, feet.inertial.up)
     by_feet = leg_odometry(feet.time, feet.points, low).turn_rate[:, 2]
     known = np.isfinite(by_feet)
@@ -225,7 +233,10 @@ def _contradiction(feet: _Resting, turns_from: str) -> str:
     turns = float(feet.inertial.yaw_rate[1:][known].mean()), float(by_feet[known].mean())
     if abs(turns[0] - turns[1]) <= max(CONTRADICTS * max(map(abs, turns)), LEAST_TURN_RADPS):
         return ""
-    return f"{turns[0]:.2f} rad/s of {turns_from} contradict {turns[1]:.2f} of the standing feet"
+    return (
+        f"turns by {turns_from}, {turns[0]:.2f} rad/s in the mean, and by the standing feet, "
+        f"{turns[1]:.2f} rad/s, contradict each other"
+    )
 
 
 def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tuple[Inertial, str]:
@@ -301,7 +312,7 @@ def _poses(joints: LegJoints, feet: _Resting, standing: Flags, moved: LegOdometr
     position = found.position.copy()
     position[:, 2] = _height(seconds, feet.points, standing, inertial.up)
     turned, rate = from_roll_pitch_yaw(found.angles), np.gradient(position, seconds, axis=0)
-    return Odometry(joints.log_time, joints.stamp, position, turned, rate, inertial.turn)
+    return Odometry(joints.log_time, joints.stamp, position, turned, rate)
 
 
 def _height(seconds: Floats, points: Floats, standing: Flags, up: Floats) -> Floats:
