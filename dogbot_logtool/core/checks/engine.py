@@ -12,13 +12,13 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.checks import base, beside, clock, feet, sensors
+from dogbot_logtool.core.checks import base, beside, clock, feet, poses, sensors
 from dogbot_logtool.core.metrics import Check as Question
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Severity
 
 Check = Callable[[Walk], Iterator[Finding]]
-MODULES: Final = (clock, base, sensors, feet, beside)
+MODULES: Final = (clock, base, poses, sensors, feet, beside)
 CHECKS: Final[tuple[Check, ...]] = tuple(
     each
     for module in MODULES

@@ -15,8 +15,16 @@ from dogbot_logtool.core.arrays import (
     median_of,
     nearest_rows,
 )
-from dogbot_logtool.core.base.attitude import LONG_S, Inertial, by_attitude, inertial_at, level
-from dogbot_logtool.core.base.leg_odometry import LegOdometry, dead_reckoned, leg_odometry
+from dogbot_logtool.core.base.leg_odometry import (
+    LONG_S,
+    Inertial,
+    LegOdometry,
+    by_attitude,
+    dead_reckoned,
+    inertial_at,
+    leg_odometry,
+    level,
+)
 from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.contact.contact_rule import find_stances, rows_in_stances
 from dogbot_logtool.core.contact.contacts import Samples
@@ -304,7 +312,7 @@ def _poses(joints: LegJoints, feet: _Resting, standing: Flags, moved: LegOdometr
     position = found.position.copy()
     position[:, 2] = _height(seconds, feet.points, standing, inertial.up)
     turned, rate = from_roll_pitch_yaw(found.angles), np.gradient(position, seconds, axis=0)
-    return Odometry(joints.log_time, joints.stamp, position, turned, rate, inertial.turn)
+    return Odometry(joints.log_time, joints.stamp, position, turned, rate)
 
 
 def _height(seconds: Floats, points: Floats, standing: Flags, up: Floats) -> Floats:

@@ -63,10 +63,16 @@ class RobotShape(NamedTuple):
     """Length of the body, or its height above the feet if that is more."""
 
 
-def skeleton(selection: Selection, probe: KnownFrames) -> Skeleton:
-    """Return the frames of a log that hang below the base; those with two parents do not."""
-    parents, base = probe.parent_of, probe.base
-    known = probe.tracks(parents)
+def skeleton(selection: Selection, probe: KnownFrames, links: Mapping[str, FrameTrack]) -> Skeleton:
+    """Return the frames of a log that hang below the base; those with two parents do not.
+
+    Args:
+        selection: the robot's feet.
+        probe: the frames that the log's transforms place.
+        links: those that joint states place.
+    """
+    base, known = probe.base, {**links, **probe.tracks(probe.parent_of)}
+    parents = {child: track.parent for child, track in known.items()}
     chains = {child: chain_of_frames(parents, child, base) or () for child in known}
     below = sorted((len(chain), child) for child, chain in chains.items() if chain)
     frames = {child: known[child] for _, child in below}
@@ -149,29 +155,20 @@ def find_limbs(walk: Walk, selection: Selection, time: Ints) -> Limbs | None:
         selection: the robot's feet.
         time: (n,) ns on the walk's clock, increasing.
     """
-    probe, links = walk.frames, walk.legs.links if walk.legs else {}
-    known = skeleton(selection, probe)
-    tracks = {**links, **known.frames}
-    parents = {child: track.parent for child, track in tracks.items()}
-    moved = [child for child in links if child not in known.frames and not links[child].static]
-    drawn = [
-        frame
-        for frame in (*known.limbs, *moved)
-        if chain_of_frames(parents, frame, probe.base) is not None
-    ]
+    known = skeleton(selection, walk.frames, walk.legs.links if walk.legs else {})
+    drawn, base = known.limbs, known.base
     if not drawn or len(drawn) > MOST_FRAMES:
         return None
-    places = _places(selection, probe).items()
-    feet = {foot: place for foot, place in places if place[0] in parents}
+    parents = {child: track.parent for child, track in known.frames.items()}
     points: list[Floats] = []
-    for frame, point in (*((frame, _ORIGIN) for frame in drawn), *feet.values()):
-        pose = lookup(tracks, frame, probe.base, time, _recorded(tracks, frame, time))
+    for frame, point in (*((frame, _ORIGIN) for frame in drawn), *known.feet.values()):
+        pose = lookup(known.frames, frame, base, time, _recorded(known.frames, frame, time))
         points.append(pose.translation + rotate(pose.rotation, np.array([point])))
-    above = [*(parents[frame] for frame in drawn), *(frame for frame, _ in feet.values())]
-    sole = {foot: len(drawn) + index for index, foot in enumerate(feet)}
+    above = [*(parents[frame] for frame in drawn), *(frame for frame, _ in known.feet.values())]
+    sole = {foot: len(drawn) + index for index, foot in enumerate(known.feet)}
     return Limbs(
         np.stack(points, axis=1).astype(np.float32),
-        tuple(_nearest(drawn, parents, probe.base, frame) for frame in above),
+        tuple(_nearest(drawn, parents, base, frame) for frame in above),
         tuple(sole.get(foot) for foot in range(len(selection.robot.feet))),
     )
 
